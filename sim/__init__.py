@@ -1,0 +1,1 @@
+"""The shared simulator: robots, motion models, controllers, runs and their traces."""

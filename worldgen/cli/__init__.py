@@ -1,0 +1,1 @@
+"""The command line: one group, filled from entry points."""

@@ -1,0 +1,137 @@
+"""Entry point of ``worldgen``: finds commands, turns errors into one line and an exit code."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+from importlib.metadata import EntryPoint, entry_points, version
+from typing import NoReturn
+
+import click
+
+from worldgen.errors import WorldgenError
+
+__all__ = ["cli", "main"]
+
+EPILOG = "Every command has --help. Exit codes: 0 fine, 1 a failure was found, 2 bad input, 3 our fault, 130 interrupted."
+SECTIONS = ("generate", "look and check", "simulate", "fuzz")
+
+
+class LazyGroup(click.Group):
+    """A group whose commands live in entry points and are imported when used."""
+
+    def _points(self, group: str) -> dict[str, EntryPoint]:
+        return {point.name: point for point in entry_points(group=group)}
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Families first, then the commands of every installed package."""
+        return [*sorted(self._points("worldgen.families")), *sorted(self._points("worldgen.commands"))]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Imports the one command that is asked for."""
+        point = self._points("worldgen.commands").get(cmd_name)
+        if point is not None:
+            command = point.load()
+            if not isinstance(command, click.Command):
+                raise click.ClickException(f"command {cmd_name!r} ({point.value}) is no click command")
+            return command
+        if cmd_name in self._points("worldgen.families"):
+            from worldgen.cli.family_command import family_command
+
+            return family_command(cmd_name)
+        return None
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Suggests the nearest command for a misspelt one."""
+        name = args[0]
+        if self.get_command(ctx, name) is None and not name.startswith("-"):
+            import difflib
+
+            names = self.list_commands(ctx)
+            close = difflib.get_close_matches(name, names, n=1)
+            hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(names)}"
+            ctx.fail(f"no command is called {name!r}; {hint}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Lists names by kind without importing a single command."""
+        with formatter.section("Families (worldgen FAMILY --out w.grid)"):
+            formatter.write_text(", ".join(sorted(self._points("worldgen.families"))))
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, _SUMMARY.get(name, "")) for name in sorted(self._points("worldgen.commands"))])
+
+
+# One line per command of our own, so that --help need not import them; tests hold it against the commands.
+_SUMMARY = {
+    "demo": "A world, a run, a picture and a shrunk failure, in one go.",
+    "fuzz": "Search for worlds in which a controller fails.",
+    "import": "Read a foreign map and place start and target.",
+    "replay": "Run saved failures again and compare verdict and digest.",
+    "run": "Run a controller in a world.",
+    "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
+    "shrink": "Make a failure's world as small as it can be.",
+    "verify": "Check a world's proof, or decide a map afresh.",
+}
+
+
+@click.group(cls=LazyGroup, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(version("worldgen"), prog_name="worldgen")
+def cli() -> None:
+    """Make worlds for mobile robots, run controllers in them, and find the worlds where they fail.
+
+    \b
+      worldgen maze --size 60 --out w.grid
+      worldgen run w.grid --controller turn-right --trail run.png
+      worldgen fuzz --controller turn-right --budget 30s --out failures/
+      worldgen replay failures/
+    """
+
+
+def main() -> NoReturn:
+    """Runs the command line and ends the process with the documented exit code."""
+    try:
+        code = cli.main(standalone_mode=False)
+        sys.stdout.flush()
+    except click.exceptions.Exit as stop:
+        code = stop.exit_code
+    except click.ClickException as error:
+        error.show()
+        code = 2
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("interrupted", err=True)
+        code = 130
+    except WorldgenError as error:
+        click.echo(f"worldgen: {error}", err=True)
+        code = 2
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 0
+    except OSError as error:
+        if error.errno is None or error.errno in (errno.EFAULT, errno.EBADF):
+            code = _our_fault(error)
+        else:
+            where = f"{error.filename}: " if error.filename else ""
+            click.echo(f"worldgen: {where}{error.strerror or error}", err=True)
+            code = 2
+    except MemoryError:
+        click.echo("worldgen: out of memory; use a smaller world", err=True)
+        code = 2
+    except Exception as error:  # noqa: BLE001 - the last net: no traceback reaches a user unasked
+        code = _our_fault(error)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _our_fault(error: BaseException) -> int:
+    if os.environ.get("WORLDGEN_DEBUG"):
+        import traceback
+
+        traceback.print_exception(error)
+    click.echo(
+        f"worldgen: a fault of our own, not of your input: {type(error).__name__}: {error}\n"
+        "Set WORLDGEN_DEBUG=1 and run it again for the details to report.",
+        err=True,
+    )
+    return 3

@@ -1,0 +1,46 @@
+"""From (family, version, seed, parameters) to a world that carries its proof."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from worldgen.errors import GenerationFailed
+from worldgen.family import FAMILIES, Family, stream_for
+from worldgen.random_streams import MASK64
+from worldgen.reach import REACHABLE, decide
+from worldgen.world import Provenance, Value, World
+
+__all__ = ["MAX_ATTEMPTS", "generate"]
+
+MAX_ATTEMPTS = 64  # layouts tried per seed before the parameters are called unsolvable
+
+
+def generate(name: str | Family, seed: int = 0, **params: Value) -> World:
+    """A world of a family, with a witness that its target can be reached.
+
+    Args:
+        name: Name of a registered family, or the family itself.
+        seed: Any integer; its low 64 bits count. Equal seed and parameters, equal world.
+        **params: The family's parameters; see its documentation.
+
+    Returns:
+        The world, with certificate and provenance.
+
+    Raises:
+        InvalidParameter: If the family or a parameter is unknown, or a value is out of range.
+        GenerationFailed: If no layout in ``MAX_ATTEMPTS`` is solvable for the disc.
+    """
+    made_by = name if isinstance(name, Family) else FAMILIES.get(name)
+    complete = made_by.complete(params)
+    seed &= MASK64
+    for attempt in range(MAX_ATTEMPTS):
+        world = made_by.build(stream_for(seed, made_by.name, attempt), **complete)
+        decision = decide(world)
+        if decision.result == REACHABLE:
+            provenance = Provenance(made_by.name, made_by.version, seed, complete)
+            return replace(world, certificate=decision.certificate, provenance=provenance)
+    settings = ", ".join(f"{key}={value}" for key, value in complete.items())
+    raise GenerationFailed(
+        f"{made_by.name}: none of {MAX_ATTEMPTS} layouts lets the robot through (seed {seed}; {settings}); "
+        "give it more room: a larger size, a smaller robot_radius, or fewer obstacles"
+    )

@@ -1,0 +1,73 @@
+"""The pose lattice: positions in 1/1024 of a cell, headings in 1/65536 of a turn.
+
+A number in a file means its shortest decimal: 0.07 is 7/100, not the binary fraction next to it. So
+0.35 m in 0.1 m cells is exactly cell 3.5, and "is this disc clear" can be an exact integer test.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from worldgen.world import World
+
+__all__ = [
+    "TURN",
+    "UNIT",
+    "clear_distance_sq",
+    "exact",
+    "heading_from_lattice",
+    "heading_to_lattice",
+    "in_cells",
+    "lattice_to_metres",
+    "metres_to_lattice",
+    "radius_in_cells",
+]
+
+UNIT = 1024  # lattice units per cell
+TURN = 65536  # heading units per turn
+
+
+def exact(value: float) -> Fraction:
+    """The number as its shortest decimal says it."""
+    return Fraction(repr(float(value)))
+
+
+def in_cells(metres: float, cell_size: float) -> Fraction:
+    """A length in cells, exactly."""
+    return exact(metres) / exact(cell_size)
+
+
+def radius_in_cells(world: World) -> Fraction:
+    """The robot's radius in cells, exactly."""
+    return in_cells(world.robot_radius, world.cell_size)
+
+
+def metres_to_lattice(metres: float, cell_size: float) -> int:
+    """The nearest lattice coordinate; halves go up."""
+    return math.floor(in_cells(metres, cell_size) * UNIT + Fraction(1, 2))
+
+
+def lattice_to_metres(units: int, cell_size: float) -> float:
+    """The coordinate in m, correctly rounded, so that its shortest decimal is the one to write."""
+    return float(Fraction(units, UNIT) * exact(cell_size))
+
+
+def clear_distance_sq(radius: Fraction) -> int:
+    """Smallest squared distance, in lattice units, at which a disc of ``radius`` cells is clear.
+
+    A pose is clear when its squared distance to every solid cell, an integer, is at least this. For a
+    lattice pose the test is exact; a point robot still may not enter a wall, hence at least 1.
+    """
+    return max(1, math.ceil((radius * UNIT) ** 2))
+
+
+def heading_to_lattice(heading: float) -> int:
+    """Radians to heading units in [0, 65536), nearest."""
+    return math.floor(heading * (TURN / (2.0 * math.pi)) + 0.5) % TURN
+
+
+def heading_from_lattice(units: int) -> float:
+    """Heading units to radians in (-pi, pi]."""
+    units = units % TURN
+    return (units - TURN if units > TURN // 2 else units) * (2.0 * math.pi / TURN)

@@ -1,0 +1,116 @@
+"""The one source of chance: a counter-based SplitMix64 stream, the same on every machine.
+
+NumPy promises stable raw bit streams but not stable ``Generator`` methods, so worlds draw from this
+small generator instead. Every method below fixes how bits become numbers; changing one changes worlds.
+
+Source: Guy L. Steele Jr., Doug Lea, Christine H. Flood, "Fast Splittable Pseudorandom Number
+Generators", OOPSLA 2014, with the constants of Vigna's public SplitMix64.
+"""
+
+from __future__ import annotations
+
+from collections.abc import MutableSequence, Sequence
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["GAMMA", "MASK64", "RandomStream", "mix64"]
+
+T = TypeVar("T")
+
+MASK64 = (1 << 64) - 1
+GAMMA = 0x9E3779B97F4A7C15  # 2**64 / golden ratio, odd
+
+
+def mix64(z: int) -> int:
+    """SplitMix64's finaliser: a bijection of 64-bit integers that spreads every bit."""
+    z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & MASK64
+    z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & MASK64
+    return z ^ (z >> 31)
+
+
+class RandomStream:
+    """A stream of random numbers that depends on its seed alone.
+
+    Args:
+        seed: Any integer; its low 64 bits count.
+    """
+
+    __slots__ = ("_state",)
+
+    def __init__(self, seed: int) -> None:
+        self._state = seed & MASK64
+
+    def child(self, *labels: int | str) -> RandomStream:
+        """An independent stream for a named part, so that one part's draws never shift another's.
+
+        The parent's own sequence does not move.
+        """
+        state = self._state
+        for label in labels:
+            number = label if isinstance(label, int) else _fnv1a(label)
+            state = mix64(mix64((state + GAMMA) & MASK64) ^ (number & MASK64))
+        return RandomStream(state)
+
+    def next64(self) -> int:
+        """The next 64 random bits."""
+        self._state = (self._state + GAMMA) & MASK64
+        return mix64(self._state)
+
+    def random(self) -> float:
+        """A float in [0, 1): the top 53 bits."""
+        return (self.next64() >> 11) * 2.0**-53
+
+    def below(self, bound: int) -> int:
+        """An integer in [0, bound), without bias.
+
+        Source: Daniel Lemire, "Fast Random Integer Generation in an Interval", 2019.
+        """
+        if bound < 1:
+            raise ValueError(f"bound={bound}: must be at least 1")
+        threshold = ((1 << 64) - bound) % bound
+        while True:
+            product = self.next64() * bound
+            if (product & MASK64) >= threshold:
+                return product >> 64
+
+    def between(self, low: int, high: int) -> int:
+        """An integer in [low, high], both ends included."""
+        return low + self.below(high - low + 1)
+
+    def uniform(self, low: float, high: float) -> float:
+        """A float in [low, high)."""
+        return low + (high - low) * self.random()
+
+    def choice(self, items: Sequence[T]) -> T:
+        """One of the items."""
+        return items[self.below(len(items))]
+
+    def shuffle(self, items: MutableSequence[T]) -> None:
+        """Puts the items in random order, in place (Fisher-Yates)."""
+        for last in range(len(items) - 1, 0, -1):
+            other = self.below(last + 1)
+            items[last], items[other] = items[other], items[last]
+
+    def bits(self, count: int) -> npt.NDArray[np.uint64]:
+        """The next ``count`` outputs of :meth:`next64` as a (count,) uint64 array, drawn at once."""
+        with np.errstate(over="ignore"):
+            steps = np.arange(1, count + 1, dtype=np.uint64) * np.uint64(GAMMA)
+            z = steps + np.uint64(self._state)
+            z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+            z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+            z ^= z >> np.uint64(31)
+        self._state = (self._state + count * GAMMA) & MASK64
+        return z
+
+    def floats(self, count: int) -> npt.NDArray[np.float64]:
+        """The next ``count`` outputs of :meth:`random` as a (count,) float64 array."""
+        return (self.bits(count) >> np.uint64(11)).astype(np.float64) * 2.0**-53
+
+
+def _fnv1a(text: str) -> int:
+    value = 0xCBF29CE484222325
+    for byte in text.encode():
+        value = ((value ^ byte) * 0x100000001B3) & MASK64
+    return value

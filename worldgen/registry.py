@@ -1,0 +1,112 @@
+"""Named things that plug-ins can add: families, controllers, motion models."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import importlib.util
+import sys
+from collections.abc import Callable, Iterator
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from worldgen.errors import InvalidParameter
+
+__all__ = ["Registry"]
+
+T = TypeVar("T")
+
+
+class Registry(Generic[T]):
+    """Finds a thing by its entry-point name, as ``package.module:name``, or as ``./file.py:name``.
+
+    Nothing is imported before it is asked for, so listing names costs no start-up time.
+
+    Args:
+        group: Entry-point group, for example ``worldgen.families``.
+        noun: What the things are called in messages.
+        accept: Turns what the entry point names into a ``T``; raises :class:`InvalidParameter` if it can't.
+    """
+
+    def __init__(self, group: str, noun: str, accept: Callable[[str, Any], T]) -> None:
+        self.group, self.noun, self._accept = group, noun, accept
+        self._loaded: dict[str, T] = {}
+
+    def entry_points(self) -> dict[str, EntryPoint]:
+        """All entry points of the group by name; a name that two packages claim is refused."""
+        found: dict[str, EntryPoint] = {}
+        for point in entry_points(group=self.group):
+            other = found.get(point.name)
+            if other is not None and other.value != point.value:
+                raise InvalidParameter(
+                    f"{self.noun} {point.name!r} is registered twice ({other.value} and {point.value}); "
+                    "uninstall one of the packages"
+                )
+            found[point.name] = point
+        return found
+
+    def names(self) -> list[str]:
+        """Registered names, sorted."""
+        return sorted(self.entry_points())
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names())
+
+    def get(self, name: str) -> T:
+        """The thing called ``name``.
+
+        Raises:
+            InvalidParameter: If nothing is called so, or what is found is no such thing.
+        """
+        if name not in self._loaded:
+            point = self.entry_points().get(name)
+            if point is not None:
+                self._loaded[name] = self._accept(name, point.load())
+            elif ":" in name:
+                self._loaded[name] = self._accept(name, self._load_path(name))
+            else:
+                raise InvalidParameter(self._unknown(name))
+        return self._loaded[name]
+
+    def _unknown(self, name: str) -> str:
+        names = self.names()
+        close = difflib.get_close_matches(name, names, n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        return (
+            f"no {self.noun} is called {name!r}; {hint}known: {', '.join(names)}; "
+            "your own: package.module:name or ./file.py:name"
+        )
+
+    def _load_path(self, name: str) -> Any:
+        place, _, attribute = name.rpartition(":")
+        try:
+            module = _load_file(Path(place)) if place.endswith(".py") else importlib.import_module(place)
+        except Exception as error:  # noqa: BLE001 - the user's own module may raise anything
+            raise InvalidParameter(
+                f"{self.noun} {name!r}: loading {place} failed: {type(error).__name__}: {error}"
+            ) from error
+        if not hasattr(module, attribute):
+            public = [key for key in vars(module) if not key.startswith("_")]
+            raise InvalidParameter(
+                f"{self.noun} {name!r}: {place} has no {attribute!r}; it has {', '.join(public) or 'nothing'}"
+            )
+        return getattr(module, attribute)
+
+
+def _load_file(path: Path) -> Any:
+    path = path.expanduser().resolve()
+    if not path.is_file():
+        raise FileNotFoundError(f"no such file: {path}")
+    module_name = f"_worldgen_user_{path.stem}_{abs(hash(str(path))):x}"
+    spec = importlib.util.spec_from_file_location(module_name, path)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"{path} is no Python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[module_name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[module_name]
+        raise
+    return module

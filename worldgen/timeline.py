@@ -1,0 +1,98 @@
+"""Cell changes over time: what burns, falls and opens."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidWorld
+
+__all__ = ["CellState", "Event", "Timeline"]
+
+
+class CellState(IntEnum):
+    """What a cell is. A burning cell stops nothing, but no robot may touch it."""
+
+    FREE = 0
+    SOLID = 1
+    BURNING = 2
+
+    @property
+    def word(self) -> str:
+        """The word that stands in files."""
+        return self.name.lower()
+
+
+class Event(NamedTuple):
+    """From ``time`` (s, inclusive) on, cell (``iy``, ``ix``) is ``state``."""
+
+    time: float
+    ix: int
+    iy: int
+    state: CellState
+
+
+def _frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generic]:
+    array = np.array(values, dtype=dtype)
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Timeline:
+    """Events in order of time, as parallel arrays.
+
+    Args:
+        times: (n,) float64, s, finite, not negative, never falling.
+        ix: (n,) int64, column.
+        iy: (n,) int64, row, 0 the lowest y.
+        states: (n,) uint8, values of :class:`CellState`.
+    """
+
+    times: npt.NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    ix: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    iy: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    states: npt.NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+
+    def __post_init__(self) -> None:
+        for name, dtype in (("times", np.float64), ("ix", np.int64), ("iy", np.int64), ("states", np.uint8)):
+            object.__setattr__(self, name, _frozen(getattr(self, name), dtype))
+        if not (self.times.ndim == 1 and self.times.shape == self.ix.shape == self.iy.shape == self.states.shape):
+            raise InvalidWorld("timeline: times, ix, iy and states must be one-dimensional and of one length")
+        if not np.isfinite(self.times).all() or (self.times < 0).any():
+            raise InvalidWorld("timeline: every time must be a finite number of seconds, 0 or later")
+        if (np.diff(self.times) < 0).any():
+            at = int(np.argmax(np.diff(self.times) < 0)) + 1
+            raise InvalidWorld(
+                f"timeline: event {at} at {self.times[at]} s comes after one at {self.times[at - 1]} s; "
+                "sort the events by time"
+            )
+        if self.states.size and int(self.states.max()) > CellState.BURNING:
+            raise InvalidWorld("timeline: a state is one of free, solid, burning")
+
+    @classmethod
+    def of(cls, events: Iterable[Event | tuple[float, int, int, CellState]]) -> Timeline:
+        """Builds a timeline from events in any order; events of one time keep their order."""
+        ordered = sorted(events, key=lambda event: event[0])
+        return cls(*(np.array([event[k] for event in ordered]) for k in range(4))) if ordered else cls()
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def __iter__(self) -> Iterator[Event]:
+        for time, ix, iy, state in zip(self.times, self.ix, self.iy, self.states, strict=True):
+            yield Event(float(time), int(ix), int(iy), CellState(int(state)))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Timeline):
+            return NotImplemented
+        return all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in ("times", "ix", "iy", "states")
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # equal by content, and the content is an array

@@ -1,0 +1,265 @@
+"""The world: solid cells, a start, a target, a round robot, and what may change with time.
+
+Frame: metres, x right, y up, headings counter-clockwise from +x in radians (ROS REP-103).
+``walls[iy, ix]`` covers [ix, ix+1) x [iy, iy+1) times ``cell_size``; row 0 is the lowest y.
+Everything outside the grid is solid.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidWorld
+from worldgen.timeline import Timeline
+
+__all__ = [
+    "DEFAULT_CELL_SIZE",
+    "DEFAULT_ROBOT_RADIUS",
+    "DEFAULT_ROBOT_SPEED",
+    "MAX_SIDE",
+    "Certificate",
+    "Cut",
+    "FailureRecord",
+    "Pose",
+    "Provenance",
+    "Target",
+    "Value",
+    "Witness",
+    "World",
+]
+
+# The thesis's robot: 10 px cells, a 14 px disc at 0.2 px/ms, at 10 px = 0.1 m.
+DEFAULT_CELL_SIZE = 0.1  # m
+DEFAULT_ROBOT_RADIUS = 0.07  # m
+DEFAULT_ROBOT_SPEED = 2.0  # m/s
+MAX_SIDE = 20_000  # cells; a longer row in a file is a fault, not a world
+
+Value: TypeAlias = "bool | int | float | str | list[Value] | dict[str, Value]"
+"""What a TOML header can hold."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where the robot stands: x and y in m, heading in rad, counter-clockwise from +x."""
+
+    x: float
+    y: float
+    heading: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """The disc that the robot's centre must enter: centre and radius in m."""
+
+    x: float
+    y: float
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """Where a world came from: equal provenance, equal world, byte for byte."""
+
+    family: str
+    version: int
+    seed: int
+    params: Mapping[str, Value] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class FailureRecord:
+    """What went wrong in this world, with all that is needed to see it again.
+
+    Args:
+        controller: Name of the controller, as the command line takes it.
+        motion: Name of the motion model.
+        seed: Seed of the controller's randomness.
+        verdict: One of the vocabulary's verdicts.
+        trace_digest: 16 hex digits over every state of the run.
+        parameters: Options of the run (steps, time step, ...).
+        evidence: What a checker needs (for ``loop``: entry, period, state digest; ...).
+        details: What is worth knowing but proves nothing (class, campaign, shrinking).
+    """
+
+    controller: str
+    motion: str
+    seed: int
+    verdict: str
+    trace_digest: str
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+    evidence: Mapping[str, Value] = field(default_factory=dict)
+    details: Mapping[str, Value] = field(default_factory=dict)
+
+
+def _frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike, what: str, shape: tuple[int | None, ...]) -> npt.NDArray[np.generic]:
+    array = np.array(values, dtype=dtype)
+    if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
+        raise InvalidWorld(f"{what}: shape {array.shape} does not fit {shape}")
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Witness:
+    """A timed path that the robot could drive; it proves that the target can be reached.
+
+    Args:
+        times: (n,) float64, s, rising; the first is 0.
+        x: (n,) float64, m; straight lines between the points.
+        y: (n,) float64, m.
+        clearance: Largest radius, m, of a disc that this path lets through.
+    """
+
+    times: npt.NDArray[np.float64]
+    x: npt.NDArray[np.float64]
+    y: npt.NDArray[np.float64]
+    clearance: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", _frozen_array(self.times, np.float64, "witness times", (None,)))
+        for name in ("x", "y"):
+            object.__setattr__(self, name, _frozen_array(getattr(self, name), np.float64, f"witness {name}", (len(self.times),)))
+
+    @property
+    def length(self) -> float:
+        """Length of the path, m."""
+        return float(np.sum(np.hypot(np.diff(self.x), np.diff(self.y))))
+
+    @property
+    def duration(self) -> float:
+        """Time of arrival, s."""
+        return float(self.times[-1]) if len(self.times) else 0.0
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Witness):
+            return NotImplemented
+        return self.clearance == other.clearance and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in ("times", "x", "y")
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """A closed chain of solid cells, each gap narrower than the robot, that parts start from target.
+
+    Args:
+        cells: (n, 2) int64, rows (ix, iy) in chain order; the last is linked to the first. Cells just
+            outside the grid (index -1 or the grid's side) count as solid, like everything outside.
+        clearance: Half the widest gap of the chain, m: the cut stops every disc with a larger radius.
+    """
+
+    cells: npt.NDArray[np.int64]
+    clearance: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "cells", _frozen_array(self.cells, np.int64, "cut cells", (None, 2)))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Cut):
+            return NotImplemented
+        return self.clearance == other.clearance and np.array_equal(self.cells, other.cells)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+Certificate: TypeAlias = Witness | Cut
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Everything a scenario fixes about the surroundings. Immutable; use ``dataclasses.replace``.
+
+    Args:
+        walls: (height, width) bool, True is solid; row 0 is the lowest y.
+        start: Where the robot starts.
+        target: What it must reach.
+        cell_size: Side of a cell, m.
+        robot_radius: Radius of the robot's disc, m.
+        robot_speed: Top speed of the robot, m/s.
+        timeline: Changes of cells over time.
+        certificate: Proof that the target can, or cannot, be reached.
+        provenance: How the world was made.
+        failure: What went wrong in it, if the world is a failure's.
+
+    Raises:
+        InvalidWorld: If a number is not finite or not positive, or a point lies outside the grid.
+    """
+
+    walls: npt.NDArray[np.bool_]
+    start: Pose
+    target: Target
+    cell_size: float = DEFAULT_CELL_SIZE
+    robot_radius: float = DEFAULT_ROBOT_RADIUS
+    robot_speed: float = DEFAULT_ROBOT_SPEED
+    timeline: Timeline = field(default_factory=Timeline)
+    certificate: Certificate | None = None
+    provenance: Provenance | None = None
+    failure: FailureRecord | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "walls", _frozen_array(self.walls, np.bool_, "walls", (None, None)))
+        if 0 in self.walls.shape or max(self.walls.shape) > MAX_SIDE:
+            raise InvalidWorld(f"walls: {self.width} x {self.height} cells; a side has 1 to {MAX_SIDE} cells")
+        for name in ("cell_size", "robot_radius", "robot_speed"):
+            _check_positive(name, getattr(self, name))
+        _check_positive("target radius", self.target.radius)
+        if not math.isfinite(self.start.heading):
+            raise InvalidWorld(f"start heading {self.start.heading}: must be a finite number of radians")
+        for name, point in (("start", self.start), ("target", self.target)):
+            self._check_inside(name, point.x, point.y)
+        line = self.timeline
+        if len(line) and not (
+            (line.ix >= 0).all() and (line.iy >= 0).all() and (line.ix < self.width).all() and (line.iy < self.height).all()
+        ):
+            raise InvalidWorld(f"timeline: every cell must lie in the grid of {self.width} x {self.height} cells")
+
+    def _check_inside(self, name: str, x: float, y: float) -> None:
+        width, height = self.width * self.cell_size, self.height * self.cell_size
+        if not (0.0 <= x <= width and 0.0 <= y <= height):  # also false for nan
+            raise InvalidWorld(f"{name} ({x}, {y}) m lies outside the grid of {width:g} x {height:g} m; move it inside")
+
+    @property
+    def height(self) -> int:
+        """Cells in y."""
+        return int(self.walls.shape[0])
+
+    @property
+    def width(self) -> int:
+        """Cells in x."""
+        return int(self.walls.shape[1])
+
+    @property
+    def is_dynamic(self) -> bool:
+        """Whether any cell changes with time."""
+        return len(self.timeline) > 0
+
+    @property
+    def solid_cells(self) -> int:
+        """Number of solid cells at time 0."""
+        return int(np.count_nonzero(self.walls))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, World):
+            return NotImplemented
+        return np.array_equal(self.walls, other.walls) and all(
+            getattr(self, name) == getattr(other, name)
+            for name in (
+                "start", "target", "cell_size", "robot_radius", "robot_speed",
+                "timeline", "certificate", "provenance", "failure",
+            )
+        )  # fmt: skip
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _check_positive(name: str, value: float) -> None:
+    if not (math.isfinite(value) and value > 0.0):
+        raise InvalidWorld(f"{name}={value}: must be a finite number above 0")
