@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         OutputError,
         WorldgenError,
     )
-    from worldgen.generate import generate
+    from worldgen.generation import generate
     from worldgen.grid_file import read_world, world_digest, write_world
     from worldgen.reach import check_certificate, decide
     from worldgen.timeline import CellState, Event, Timeline
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "errors": ("FormatError", "GenerationFailed", "InvalidParameter", "InvalidWorld", "OutputError", "WorldgenError"),
-    "generate": ("generate",),
+    "generation": ("generate",),
     "grid_file": ("read_world", "world_digest", "write_world"),
     "reach": ("check_certificate", "decide"),
     "timeline": ("CellState", "Event", "Timeline"),

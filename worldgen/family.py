@@ -19,7 +19,7 @@ Build = Callable[..., World]
 
 @dataclass(frozen=True)
 class Family:
-    """A generator of worlds; :func:`worldgen.generate.generate` runs it and proves what it makes.
+    """A generator of worlds; :func:`worldgen.generation.generate` runs it and proves what it makes.
 
     Args:
         name: The world's noun, as on the command line.

@@ -1,0 +1,70 @@
+"""Compiles kernels with numba and keeps the result between runs.
+
+Numba's own cache keeps stale code when a helper in another file changes. So the cache folder of a kernel
+is named by a digest of every source file beside it.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+__all__ = ["cache_root", "kernel", "lazy_kernel"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def cache_root() -> Path:
+    """Folder of compiled kernels: ``WORLDGEN_CACHE_DIR``, else the user's cache, else a temporary one."""
+    named = os.environ.get("WORLDGEN_CACHE_DIR")
+    candidates = [Path(named)] if named else []
+    candidates.append(Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "worldgen")
+    for folder in candidates:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK):
+            return folder
+    return Path(tempfile.gettempdir()) / f"worldgen-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
+
+
+@functools.cache
+def _cache_folder(source_folder: Path) -> str:
+    digest = hashlib.sha256()
+    for source in sorted(source_folder.glob("*.py")):
+        digest.update(source.name.encode() + b"\0" + source.read_bytes())
+    return str(cache_root() / f"kernels-{digest.hexdigest()[:16]}")
+
+
+def kernel(function: F) -> F:
+    """Compiles a function that knows only numbers and arrays; ``fastmath`` never.
+
+    ``kernel(f).py_func`` is ``f`` again: the two agree to the last bit.
+    """
+    from numba import config, njit
+
+    before = config.CACHE_DIR
+    config.CACHE_DIR = _cache_folder(Path(function.__code__.co_filename).parent)
+    try:
+        return cast(F, njit(cache=True, nogil=True)(function))
+    finally:
+        config.CACHE_DIR = before
+
+
+def lazy_kernel(function: F) -> F:
+    """The compiled twin of a function, made at its first call: numba costs a second that small worlds save."""
+    made: list[F] = []
+
+    @functools.wraps(function)
+    def call(*args: Any) -> Any:
+        if not made:
+            made.append(kernel(function))
+        return made[0](*args)
+
+    return cast(F, call)
