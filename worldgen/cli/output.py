@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
-from worldgen.errors import OutputError
+from worldgen.files import write_bytes
 
 __all__ = ["draw_seed", "emit_json", "force_option", "json_option", "note", "seed_option", "write_bytes"]
 
@@ -51,38 +49,3 @@ def draw_seed(seed: int | None) -> int:
     drawn = int.from_bytes(os.urandom(8), "big")
     note(f"seed {drawn}")
     return drawn
-
-
-def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
-    """Writes a file whole or not at all.
-
-    Raises:
-        OutputError: If the file is there and ``force`` is not set, its folder is missing, or the disk
-            is full or not writable; nothing is left half written.
-    """
-    if path.is_dir():
-        raise OutputError(f"{path} is a folder; name a file in it")
-    if path.exists() and not force:
-        raise OutputError(f"{path} is there already; give --force to overwrite it, or another name")
-    if not path.parent.is_dir():
-        raise OutputError(f"{path}: the folder {path.parent} does not exist; make it first")
-    if path.exists() and not path.is_file():  # a device or pipe cannot be replaced
-        path.write_bytes(data)
-        return
-    temporary = None
-    try:
-        descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        with os.fdopen(descriptor, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(temporary).chmod(0o666 & ~umask)
-        Path(temporary).replace(path)
-        temporary = None
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
