@@ -1,0 +1,208 @@
+"""The search graph: clear points at multiples of 1/k cell, joined to their eight neighbours, exactly.
+
+An axis step of one unit has its least clearance at an end, a diagonal step at an end or at its middle
+(docs/reachability.md proves it). So two rasters decide every edge: ``clear`` at the nodes, ``middle`` at
+the middles of the unit squares.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.jit import lazy_kernel
+
+__all__ = ["AXIS_COST", "DIAGONAL_COST", "Graph", "build_graph", "clear_raster", "find_path"]
+
+AXIS_COST, DIAGONAL_COST = 70, 99  # 99/70 is sqrt(2) to 7e-5; whole numbers give the same path everywhere
+_SMALL = 200_000  # nodes that plain Python searches in less time than loading numba takes
+_FAR = 2**62
+
+
+@dataclass(frozen=True)
+class Graph:
+    """Clear nodes at multiples of 1/k cell.
+
+    Args:
+        k: Nodes per cell side.
+        clear: (k * height + 1, k * width + 1) bool, whether the disc is clear at the node.
+        middle: Same shape; whether it is clear half a unit right of and above the node. The last row
+            and column have no such point and are False.
+    """
+
+    k: int
+    clear: npt.NDArray[np.bool_]
+    middle: npt.NDArray[np.bool_]
+
+    @property
+    def stride(self) -> int:
+        """Nodes per row."""
+        return int(self.clear.shape[1])
+
+
+def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph:
+    """The graph of a grid for a disc of ``radius`` cells."""
+    height, width = solid.shape
+    clear = np.zeros((k * height + 1, k * width + 1), np.bool_)
+    middle = np.zeros_like(clear)
+    if 2 * radius <= min(height, width):  # else nothing is clear
+        window = _Windows(solid, math.ceil(radius) + 1)
+        for b in range(k):
+            for a in range(k):
+                clear[b::k, a::k] = clear_raster(window, 2 * a, 2 * b, 2 * k, radius, clear[b::k, a::k].shape)
+                shape = (height, width)
+                middle[b:-1:k, a:-1:k] = clear_raster(window, 2 * a + 1, 2 * b + 1, 2 * k, radius, shape)
+    return Graph(k, clear, middle)
+
+
+class _Windows:
+    """Whether any of n cells in a row, from one on rightwards, is solid; by doubling, for every cell at once."""
+
+    def __init__(self, solid: npt.NDArray[np.bool_], pad: int) -> None:
+        self.pad = pad
+        self._powers = [np.pad(solid, pad, constant_values=True)]
+
+    def any_of(self, count: int) -> npt.NDArray[np.bool_]:
+        """Array w with w[j, i] = any of the padded cells i .. i + count - 1 of row j."""
+        level = count.bit_length() - 1
+        while len(self._powers) <= level:
+            half, step = self._powers[-1], 1 << (len(self._powers) - 1)
+            self._powers.append(half[:, :-step] | half[:, step:])
+        base, rest = self._powers[level], count - (1 << level)
+        return base if rest == 0 else base[:, : base.shape[1] - rest] | base[:, rest:]
+
+
+def clear_raster(
+    windows: _Windows, a: int, b: int, m: int, radius: Fraction, shape: tuple[int, int]
+) -> npt.NDArray[np.bool_]:
+    """Whether the disc is clear at the points (i + a/m, j + b/m), for j, i below ``shape``.
+
+    The distance from such a point to a cell is the root of a whole number of 1/m cells squared, so the
+    comparison with the radius is exact.
+    """
+    limit = math.ceil((m * radius) ** 2)  # clear means: squared distance >= limit
+    blocked = np.zeros(shape, np.bool_)
+    reach = math.isqrt(limit - 1)
+    made: dict[int, npt.NDArray[np.bool_]] = {}
+    for dj in range(-((reach + m - b) // m), (reach + b) // m + 1):
+        dy = max(m * dj - b, 0, b - m * dj - m)
+        across = math.isqrt(limit - dy * dy - 1)
+        low, high = -((across + m - a) // m), (across + a) // m
+        count = high - low + 1
+        if count not in made:
+            made[count] = windows.any_of(count)
+        row, column = windows.pad + dj, windows.pad + low
+        blocked |= made[count][row : row + shape[0], column : column + shape[1]]
+    return ~blocked
+
+
+def find_path(
+    graph: Graph, sources: Sequence[int], ends: Sequence[int], spare: Sequence[int], toward: tuple[int, int]
+) -> list[int]:
+    """A shortest path over the graph from a source to an end, or else to a spare end.
+
+    Args:
+        graph: The graph.
+        sources: Flat indices of clear nodes, near each other.
+        ends: Where the search stops.
+        spare: Ends to be content with where no end is connected to a source.
+        toward: Node (x, y) that the search leans to.
+
+    Returns:
+        Flat indices from source to end; empty where none is connected.
+    """
+    size = graph.clear.size
+    clear: Any = graph.clear.tobytes()
+    middle: Any = graph.middle.tobytes()
+    cost: Any
+    if size <= _SMALL:
+        goal, came, cost = bytearray(size), bytearray(size), [_FAR] * size
+        search: Any = _search
+    else:
+        clear, middle = graph.clear.view(np.uint8).ravel(), graph.middle.view(np.uint8).ravel()
+        goal, came = np.zeros(size, np.uint8), np.zeros(size, np.uint8)  # type: ignore[assignment]
+        cost, search = np.full(size, _FAR, np.int64), _search_compiled
+    for node in spare:
+        goal[node] = 2
+    for node in ends:
+        goal[node] = 1
+    found = search(clear, middle, graph.stride, np.array(sources, np.int64), goal, toward[0], toward[1], cost, came)
+    return _trace(int(found), came, graph.stride)
+
+
+def _trace(node: int, came: Any, stride: int) -> list[int]:
+    steps = (0, 1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, -stride + 1)
+    path = []
+    while node >= 0:
+        path.append(node)
+        direction = int(came[node])
+        if direction == 0:
+            break
+        node -= steps[direction]
+    return path[::-1]
+
+
+def _search(clear: Any, middle: Any, stride: Any, sources: Any, goal: Any, gx: Any, gy: Any, cost: Any, came: Any) -> int:
+    """A* over the eight neighbours; the same text runs in plain Python and compiled.
+
+    ``goal`` is 1 where the search stops, 2 where it would be content; ``came`` gets the direction (1 to 8)
+    by which a node is reached, 0 at a source. Returns the end, the cheapest spare end, or -1.
+
+    Source: Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost Paths", 1968.
+    """
+    spare = -1
+    queue = [0]
+    heapq.heappop(queue)
+    for source in sources:
+        node = int(source)
+        cost[node] = 0
+        heapq.heappush(queue, node)
+    # Entries are (cost + heuristic) * 2**31 + node: one whole number compares faster than a pair.
+    while len(queue) > 0:
+        node = heapq.heappop(queue) & 2147483647
+        here = cost[node]
+        if here < 0:  # already expanded
+            continue
+        if goal[node] == 1:
+            return node
+        if goal[node] == 2 and spare < 0:
+            spare = node
+        cost[node] = -1 - here
+        for direction in range(1, 9):
+            if direction == 1:
+                other, corner = node + 1, -1
+            elif direction == 2:
+                other, corner = node - 1, -1
+            elif direction == 3:
+                other, corner = node + stride, -1
+            elif direction == 4:
+                other, corner = node - stride, -1
+            elif direction == 5:
+                other, corner = node + stride + 1, node
+            elif direction == 6:
+                other, corner = node - stride - 1, node - stride - 1
+            elif direction == 7:
+                other, corner = node + stride - 1, node - 1
+            else:
+                other, corner = node - stride + 1, node - stride
+            # Nodes on the rim of the grid are never clear, so a clear node has all eight neighbours.
+            if clear[other] == 0 or (corner >= 0 and middle[corner] == 0):
+                continue
+            onward = here + (70 if direction < 5 else 99)
+            if onward < cost[other]:
+                cost[other] = onward
+                came[other] = direction
+                dx, dy = abs(other % stride - gx), abs(other // stride - gy)
+                guess = 70 * dx + 29 * dy if dx > dy else 70 * dy + 29 * dx
+                heapq.heappush(queue, (onward + guess) * 2147483648 + other)
+    return spare
+
+
+_search_compiled = lazy_kernel(_search)
