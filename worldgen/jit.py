@@ -42,17 +42,22 @@ def _cache_folder(source_folder: Path) -> str:
     return str(cache_root() / f"kernels-{digest.hexdigest()[:16]}")
 
 
-def kernel(function: F) -> F:
+def kernel(function: F, *, signature: Any = None) -> F:
     """Compiles a function that knows only numbers and arrays; ``fastmath`` never.
 
     ``kernel(f).py_func`` is ``f`` again: the two agree to the last bit.
+
+    Args:
+        function: What to compile.
+        signature: A numba signature to compile for at once; without one, types come with the first call.
     """
     from numba import config, njit
 
     before = config.CACHE_DIR
     config.CACHE_DIR = _cache_folder(Path(function.__code__.co_filename).parent)
     try:
-        return cast(F, njit(cache=True, nogil=True)(function))
+        decorate = njit(cache=True, nogil=True) if signature is None else njit(signature, cache=True, nogil=True)
+        return cast(F, decorate(function))
     finally:
         config.CACHE_DIR = before
 

@@ -1,0 +1,150 @@
+"""The controller contract, in two forms: a compiled function on arrays, and a Python class."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.kernels import layout
+from worldgen.errors import InvalidParameter
+from worldgen.registry import Registry
+
+__all__ = [
+    "CONTROLLERS",
+    "Act",
+    "Command",
+    "CompiledController",
+    "Controller",
+    "Memory",
+    "Observation",
+    "PythonController",
+    "compiled_act",
+]
+
+Act: TypeAlias = Callable[[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]], None]
+Memory: TypeAlias = tuple[float, ...]
+
+
+class Observation(NamedTuple):
+    """What a controller sees after each step; units and frames as in :mod:`sim.kernels.layout`."""
+
+    bump: bool
+    bump_bearing: float
+    signal: float
+    signal_heading: float
+    heading: float
+    x: float
+    y: float
+    target_heading: float
+    target_distance: float
+    random: float
+    time_step: float
+    top_speed: float
+
+    @classmethod
+    def of(cls, array: npt.NDArray[np.float64]) -> Observation:
+        """Reads the flat array that kernels fill."""
+        values = array.tolist()
+        return cls(values[layout.OBS_BUMP] != 0.0, *values[1:])
+
+
+class Command(NamedTuple):
+    """What a controller asks for.
+
+    Args:
+        speed: m/s along the heading, negative for backwards; clamped to the robot's top speed.
+        turn_rate: rad/s, counter-clockwise; takes effect before the next move.
+        used_random: Whether ``observation.random`` was used, so that the next one is fresh.
+    """
+
+    speed: float = 0.0
+    turn_rate: float = 0.0
+    used_random: bool = False
+
+
+@dataclass(frozen=True)
+class CompiledController:
+    """A controller that numba compiles: millions of steps a second, and loops can be proved.
+
+    Args:
+        name: For messages and files.
+        act: ``act(observation, memory, command)`` on flat float64 arrays (:mod:`sim.kernels.layout`);
+            changes ``memory`` and ``command`` in place. All its state is in ``memory``.
+        memory: Memory at reset, numbers.
+        start_speed: m/s during the first step, before anything has been seen.
+        thesis_rule: 1, 2 or 3 if ``stepped`` runs the thesis's own robot in its place, else 0.
+        randomised: Whether it uses random numbers.
+    """
+
+    name: str
+    act: Act
+    memory: Memory = ()
+    start_speed: float = 0.0
+    thesis_rule: int = 0
+    randomised: bool = False
+
+
+class PythonController(Protocol):
+    """A controller as a Python class; make it a frozen dataclass and keep all its state in ``memory``.
+
+    ``memory`` is a tuple of numbers. A loop is only proved for a controller that keeps to this; one that
+    changes itself is at most ``stalled`` or ``timeout``.
+    """
+
+    def reset(self) -> Memory:
+        """Memory at the start of an episode."""
+        ...
+
+    def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
+        """Command for the next step, and the memory after it."""
+        ...
+
+
+Controller: TypeAlias = CompiledController | PythonController
+
+
+def _accept(name: str, thing: Any) -> Controller:
+    if isinstance(thing, CompiledController):
+        return thing
+    made = thing() if isinstance(thing, type) else thing
+    missing = [method for method in ("reset", "act") if not callable(getattr(made, method, None))]
+    if missing:
+        raise InvalidParameter(
+            f"controller {name!r} has no {' and no '.join(missing)}; it needs reset() -> memory and "
+            "act(observation, memory) -> (command, memory), or be a CompiledController"
+        )
+    controller: PythonController = made
+    return controller
+
+
+CONTROLLERS: Registry[Controller] = Registry("worldgen.controllers", "controller", _accept)
+
+
+@functools.cache
+def compiled_act(act: Act) -> Any:
+    """The compiled form of an act function, of the one type that the episode kernel takes.
+
+    Raises:
+        InvalidParameter: If numba cannot compile it.
+    """
+    from numba import config, njit, void
+    from numba.core.errors import NumbaError
+    from numba.types import float64
+
+    if config.DISABLE_JIT:
+        return act
+    array = float64[::1]
+    try:
+        return njit(void(array, array, array), nogil=True)(getattr(act, "py_func", act))
+    except NumbaError as error:
+        name = getattr(act, "__name__", repr(act))
+        first = str(error).strip().splitlines()
+        raise InvalidParameter(
+            f"controller function {name} does not compile: {first[-1] if first else error}; "
+            "write it with numbers and arrays only, or bring it as a Python class"
+        ) from error

@@ -1,0 +1,183 @@
+"""How a commanded displacement becomes a path on the pose lattice: swept and endpoint.
+
+``swept`` never tunnels, for any controller, because every segment that it takes has passed the exact
+integer test of :mod:`sim.kernels.geometry`; floating point only proposes where to stop.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.kernels._jit import kernel
+from sim.kernels.geometry import cell_state, pose_is_clear, segment_first_not_clear
+from sim.kernels.layout import SOLID, UNIT
+
+__all__ = ["endpoint_move", "first_contact", "round_away", "swept_move"]
+
+Cells = npt.NDArray[np.uint8]
+Chain = npt.NDArray[np.int64]
+
+_TRIES = 3  # straight pieces a step may have: the move and two slides (face, then corner)
+
+
+@kernel
+def round_away(value: float) -> int:
+    """Nearest integer, halves away from zero, so that rounding has every mirror symmetry."""
+    if value < 0.0:
+        return -int(math.floor(0.5 - value))
+    return int(math.floor(value + 0.5))
+
+
+@kernel
+def _contact_with_corner(radius_sq: float, mx: float, my: float, dx: float, dy: float) -> float:
+    """Time in [0, 1) at which a point moving by d from m meets the circle round the origin; 2 if it doesn't.
+
+    Source: moving point against sphere, Ericson, Real-Time Collision Detection (2005), 5.3.2.
+    """
+    approach = mx * dx + my * dy
+    if approach >= 0.0:
+        return 2.0
+    a = dx * dx + dy * dy
+    inside = approach * approach - a * (mx * mx + my * my - radius_sq)
+    if inside < 0.0:
+        return 2.0
+    return max(0.0, (-approach - math.sqrt(inside)) / a)
+
+
+@kernel
+def first_contact(
+    cells: Cells, radius: float, reach: int, x: int, y: int, dx: int, dy: int
+) -> tuple[float, float, float]:
+    """When a disc moving by (dx, dy) first touches a solid cell, and the direction away from it.
+
+    Returns:
+        Time in [0, 1] of the contact (2 for none) and the outward normal, of any length.
+    """
+    best, normal_x, normal_y = 2.0, 0.0, 0.0
+    fx, fy = float(dx), float(dy)
+    for iy in range(max((min(y, y + dy) - reach) // UNIT, -1), min((max(y, y + dy) + reach) // UNIT, cells.shape[0]) + 1):
+        for ix in range(max((min(x, x + dx) - reach) // UNIT, -1), min((max(x, x + dx) + reach) // UNIT, cells.shape[1]) + 1):
+            if cell_state(cells, ix, iy) != SOLID:
+                continue
+            left, low = float(ix * UNIT - x), float(iy * UNIT - y)
+            if dx != 0:
+                t = (left - radius) / fx if dx > 0 else (left + UNIT + radius) / fx
+                if -1e-9 <= t < best and low <= t * fy <= low + UNIT:
+                    best, normal_x, normal_y = max(t, 0.0), -fx, 0.0
+            if dy != 0:
+                t = (low - radius) / fy if dy > 0 else (low + UNIT + radius) / fy
+                if -1e-9 <= t < best and left <= t * fx <= left + UNIT:
+                    best, normal_x, normal_y = max(t, 0.0), 0.0, -fy
+            for corner in range(4):
+                mx, my = -left - (corner & 1) * UNIT, -low - (corner >> 1) * UNIT
+                t = _contact_with_corner(radius * radius, mx, my, fx, fy)
+                if t < best:
+                    best, normal_x, normal_y = t, mx + t * fx, my + t * fy
+    return best, normal_x, normal_y
+
+
+@kernel
+def _stop_before(
+    cells: Cells, clear_sq: int, reach: int, x: int, y: int, dx: int, dy: int, t: float
+) -> tuple[int, int]:
+    """The last lattice point near the contact that a clear segment leads to; the start if there is none."""
+    length = math.sqrt(float(dx) * float(dx) + float(dy) * float(dy))
+    for back in range(4):
+        s = (t * length - back) / length
+        if s <= 0.0:
+            break
+        qx, qy = x + round_away(s * dx), y + round_away(s * dy)
+        if not segment_first_not_clear(cells, SOLID, clear_sq, reach, (x, y, qx, qy))[0]:
+            return qx, qy
+    return x, y
+
+
+@kernel
+def _step_aside(
+    cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], nx: float, ny: float
+) -> tuple[bool, int, int]:
+    """A clear end of a slide: where it leads, or one or two lattice units further from the wall."""
+    x, y, qx, qy = ends
+    sx = 1 if nx > 0.0 else (-1 if nx < 0.0 else 0)
+    sy = 1 if ny > 0.0 else (-1 if ny < 0.0 else 0)
+    main_x = sx if abs(nx) >= abs(ny) else 0
+    main_y = sy if abs(ny) >= abs(nx) else 0
+    for away in range(4):
+        ax = qx + (away * main_x if away < 3 else sx)
+        ay = qy + (away * main_y if away < 3 else sy)
+        if not segment_first_not_clear(cells, SOLID, clear_sq, reach, (x, y, ax, ay))[0]:
+            return True, ax, ay
+    return False, x, y
+
+
+@kernel
+def swept_move(
+    cells: Cells, clear_sq: int, reach: int, x: int, y: int, dx: int, dy: int, chain: Chain
+) -> tuple[int, float, float]:
+    """Moves a disc by (dx, dy), stopping at walls and sliding along them.
+
+    Args:
+        cells: (height, width) cell states.
+        clear_sq: Squared clear distance, lattice units squared.
+        reach: Its root, rounded up.
+        x: Start, a clear lattice pose.
+        y: Likewise.
+        dx: Displacement, lattice units.
+        dy: Likewise.
+        chain: (4, 2) int64, filled with the clear lattice points of the path after the start.
+
+    Returns:
+        Number of points in ``chain`` (0: not moved), and the normal of the last contact (0, 0: none).
+    """
+    radius = math.sqrt(float(clear_sq))
+    count, normal_x, normal_y = 0, 0.0, 0.0
+    for attempt in range(_TRIES):
+        if dx == 0 and dy == 0:
+            break
+        if attempt == 0:
+            free = not segment_first_not_clear(cells, SOLID, clear_sq, reach, (x, y, x + dx, y + dy))[0]
+            qx, qy = x + dx, y + dy
+        else:
+            free, qx, qy = _step_aside(cells, clear_sq, reach, (x, y, x + dx, y + dy), normal_x, normal_y)
+        if free:
+            chain[count, 0], chain[count, 1] = qx, qy
+            count += 1
+            break
+        t, nx, ny = first_contact(cells, radius, reach, x, y, dx, dy)
+        if t > 1.0:
+            t, nx, ny = 1.0, -float(dx), -float(dy)  # a touch that only exact arithmetic sees
+        qx, qy = _stop_before(cells, clear_sq, reach, x, y, dx, dy, t)
+        if qx != x or qy != y:
+            chain[count, 0], chain[count, 1] = qx, qy
+            count += 1
+            x, y = qx, qy
+        left_x, left_y = (1.0 - t) * dx, (1.0 - t) * dy
+        into = (left_x * nx + left_y * ny) / (nx * nx + ny * ny)
+        if into < 0.0:
+            left_x, left_y = left_x - into * nx, left_y - into * ny
+        if attempt > 0 and left_x * normal_x + left_y * normal_y < 0.0:
+            normal_x, normal_y = nx, ny
+            break  # wedged: the second wall pushes back into the first
+        dx, dy = round_away(left_x), round_away(left_y)
+        normal_x, normal_y = nx, ny
+    return count, normal_x, normal_y
+
+
+@kernel
+def endpoint_move(
+    cells: Cells, clear_sq: int, reach: int, x: int, y: int, dx: int, dy: int, chain: Chain
+) -> tuple[int, float, float]:
+    """Moves a disc by (dx, dy) if it is clear where the move ends, else not at all.
+
+    What lies between is not looked at, as in most small simulators: a fast robot passes through walls.
+    Arguments and result as :func:`swept_move`.
+    """
+    if dx == 0 and dy == 0:
+        return 0, 0.0, 0.0
+    if pose_is_clear(cells, SOLID, clear_sq, reach, x + dx, y + dy):
+        chain[0, 0], chain[0, 1] = x + dx, y + dy
+        return 1, 0.0, 0.0
+    return 0, -float(dx), -float(dy)

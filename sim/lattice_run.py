@@ -1,0 +1,303 @@
+"""Packs a world for the lattice kernels, runs them, and reads the result back. No maths of its own."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers.base import Command, CompiledController, Controller, Memory, Observation, compiled_act
+from sim.kernels import layout
+from sim.kernels.geometry import chessboard_clearance, pose_is_clear
+from sim.kernels.lattice_episode import Arena, advance, apply_events, begin, hash_row, lattice_episode, obey
+from sim.kernels.lattice_sense import heading_table, sense
+from sim.motion import MOTIONS
+from sim.run_options import RunOptions
+from sim.trace import Trace
+from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.lattice import (
+    TURN,
+    UNIT,
+    clear_distance_sq,
+    exact,
+    heading_to_lattice,
+    in_cells,
+    lattice_to_metres,
+    metres_to_lattice,
+    radius_in_cells,
+)
+from worldgen.world import World
+
+__all__ = ["LatticeResult", "LatticeRun"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LatticeResult:
+    """What the kernels report: ``counts`` and ``sums`` as in :mod:`sim.kernels.layout`, rows if recorded."""
+
+    counts: Ints
+    sums: Floats
+    rows: Ints
+    complete: bool
+    crash: str = ""
+
+
+@functools.cache
+def _headings() -> Ints:
+    return heading_table()
+
+
+@functools.cache
+def _episode_kernel() -> Any:
+    """The episode kernel, typed for any compiled controller, so that it compiles once for all of them."""
+    from numba import config, float64, int32, int64, types, uint8, void
+
+    from worldgen.jit import kernel
+
+    python = getattr(lattice_episode, "py_func", lattice_episode)
+    if config.DISABLE_JIT:
+        return python
+    ints, floats = int64[::1], float64[::1]
+    arena = types.NamedTuple((uint8[:, ::1], int32[:, ::1], int64[:, ::1], ints, uint8[:, ::1]), Arena)
+    act = types.FunctionType(void(floats, floats, floats))
+    return kernel(python, signature=void(arena, ints, floats, act, floats, ints, floats, int64[:, ::1]))
+
+
+class LatticeRun:
+    """One world, controller and set of options, ready to run any number of times.
+
+    Raises:
+        InvalidWorld: If the start is not clear of walls.
+        InvalidParameter: If the controller does not compile.
+    """
+
+    def __init__(self, world: World, controller: Controller, options: RunOptions) -> None:
+        self.world, self.controller, self.options = world, controller, options
+        motion = MOTIONS.get(options.motion)
+        self._cells = world.walls.astype(np.uint8)
+        self._events = _event_rows(world, options.time_step)
+        self._clearance = np.zeros(world.walls.shape, np.int32)
+        ever = self._cells.copy()
+        line = world.timeline
+        ever[line.iy, line.ix] = np.maximum(ever[line.iy, line.ix], line.states)
+        chessboard_clearance(ever, self._clearance)
+        self.settings, self.scales = np.zeros(layout.SET_SIZE, np.int64), np.zeros(layout.SCALE_SIZE)
+        self._fill_settings(motion.code)
+        self._fill_scales(motion.overlap_tolerance)
+
+    def _fill_settings(self, motion_code: int) -> None:
+        world, settings = self.world, self.settings
+        clear_sq = clear_distance_sq(radius_in_cells(world))
+        reach = math.isqrt(clear_sq - 1) + 1
+        settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH] = clear_sq, reach
+        settings[layout.SET_X], settings[layout.SET_Y] = self._clear_start(clear_sq, reach)
+        settings[layout.SET_HEADING] = heading_to_lattice(world.start.heading)
+        settings[layout.SET_TARGET_X] = metres_to_lattice(world.target.x, world.cell_size)
+        settings[layout.SET_TARGET_Y] = metres_to_lattice(world.target.y, world.cell_size)
+        within = in_cells(world.target.radius, world.cell_size) * UNIT
+        settings[layout.SET_TARGET_SQ] = math.floor(within * within)
+        settings[layout.SET_MOTION] = motion_code
+        settings[layout.SET_SEED] = np.uint64(self.options.seed).astype(np.int64)
+
+    def _fill_scales(self, tolerance: float) -> None:
+        world, scales, step = self.world, self.scales, self.options.time_step
+        scales[layout.SCALE_METRES] = float(exact(world.cell_size) / UNIT)
+        scales[layout.SCALE_SPEED] = float(exact(step) / exact(world.cell_size) * UNIT)
+        scales[layout.SCALE_TURN] = step * (TURN / (2.0 * math.pi))
+        scales[layout.SCALE_RADIANS] = 2.0 * math.pi / TURN
+        scales[layout.SCALE_TIME_STEP] = step
+        scales[layout.SCALE_TOP_SPEED] = world.robot_speed
+        scales[layout.SCALE_TOLERANCE] = tolerance * UNIT
+        if isinstance(self.controller, CompiledController):
+            scales[layout.SCALE_START_SPEED] = min(self.controller.start_speed, world.robot_speed)
+
+    def _clear_start(self, clear_sq: int, reach: int) -> tuple[int, int]:
+        """The lattice point nearest to the start that is clear, among the nine next to it."""
+        world = self.world
+        x = metres_to_lattice(world.start.x, world.cell_size)
+        y = metres_to_lattice(world.start.y, world.cell_size)
+        near = sorted(((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)), key=lambda d: (d[0] ** 2 + d[1] ** 2, d))
+        for dx, dy in near:
+            if pose_is_clear(self._cells, layout.SOLID, clear_sq, reach, x + dx, y + dy):
+                return x + dx, y + dy
+        raise InvalidWorld(
+            f"start ({world.start.x:g}, {world.start.y:g}) m: the robot of radius {world.robot_radius:g} m "
+            "overlaps a wall there; move the start or make the robot smaller"
+        )
+
+    def run(self, steps: int, *, find_loop: bool, record: bool) -> LatticeResult:
+        """Runs up to ``steps`` steps; with ``find_loop`` a recurrence ends the run."""
+        self.settings[layout.SET_STEPS] = steps
+        self.settings[layout.SET_FIND_LOOP] = int(find_loop)
+        arena = Arena(
+            self._cells.copy(), self._clearance, self._events, _headings(), np.zeros(self._cells.shape, np.uint8)
+        )
+        if isinstance(self.controller, CompiledController):
+            return self._run_compiled(self.controller, arena, steps, record)
+        return _PythonRun(self, arena).run(steps, find_loop=find_loop, record=record)
+
+    def _run_compiled(self, controller: CompiledController, arena: Arena, steps: int, record: bool) -> LatticeResult:
+        memory = np.array(controller.memory, np.float64)
+        counts, sums = np.zeros(layout.OUT_SIZE, np.int64), np.zeros(layout.SUM_SIZE)
+        width = layout.ROW_STATE + layout.STATE_MEMORY + memory.size
+        rows = np.zeros((steps + 1 if record else 0, width), np.int64)
+        act = compiled_act(controller.act)
+        _episode_kernel()(arena, self.settings, self.scales, act, memory, counts, sums, rows)
+        return LatticeResult(counts, sums, rows[: counts[layout.OUT_STEPS] + 1], complete=True)
+
+    def trace(self, result: LatticeResult) -> Trace:
+        """The recorded rows in metres and radians."""
+        rows = result.rows
+        states = rows[:, layout.ROW_STATE :]
+        metres = float(self.scales[layout.SCALE_METRES])
+        used = rows[:, layout.ROW_CORNERS]
+        points = np.zeros((len(rows), 3, 2), np.int64)
+        points[:, 0], points[:, 1] = rows[:, 2:4], rows[:, 4:6]
+        points[:, 2] = states[:, :2]
+        keep = np.stack([used > 0, used > 1, np.ones(len(rows), bool)], axis=1)
+        turned = states[:, layout.STATE_HEADING]
+        return Trace(
+            time_step=self.options.time_step,
+            x=_metres(states[:, 0], self.world.cell_size, metres),
+            y=_metres(states[:, 1], self.world.cell_size, metres),
+            heading=np.where(turned > TURN // 2, turned - TURN, turned) * float(self.scales[layout.SCALE_RADIANS]),
+            bump=rows[:, layout.ROW_BUMP] != 0,
+            path_x=points[keep][:, 0] * metres,
+            path_y=points[keep][:, 1] * metres,
+            path_step=np.repeat(np.arange(len(rows)), keep.sum(axis=1)),
+            words=rows[1:].view(np.uint64),
+            states=np.ascontiguousarray(states).view(np.uint64),
+            complete=result.complete,
+        )
+
+
+def _metres(units: Ints, cell_size: float, scale: float) -> Floats:
+    """Lattice units as metres, correctly rounded where the run is short enough to be read by people."""
+    if len(units) > 10_000:
+        return units * scale
+    return np.array([lattice_to_metres(unit, cell_size) for unit in units.tolist()])
+
+
+def _event_rows(world: World, time_step: float) -> Ints:
+    """Events as (step, ix, iy, state): an event counts from the beginning of the step in which it falls."""
+    rows = [
+        (max(1, math.ceil(exact(event.time) / exact(time_step))), event.ix, event.iy, int(event.state))
+        for event in world.timeline
+    ]
+    return np.array(rows, np.int64).reshape(-1, 4)
+
+
+class _PythonRun:
+    """The episode loop for a Python controller, one kernel call a piece."""
+
+    def __init__(self, setup: LatticeRun, arena: Arena) -> None:
+        self.setup, self.arena = setup, arena
+        self.counts, self.sums = np.zeros(layout.OUT_SIZE, np.int64), np.zeros(layout.SUM_SIZE)
+        self.chain, self.event = np.zeros((4, 2), np.int64), 0
+        self.observation, self.command = np.zeros(layout.OBS_SIZE), np.zeros(layout.CMD_SIZE)
+
+    def run(self, steps: int, *, find_loop: bool, record: bool) -> LatticeResult:
+        controller = self.setup.controller
+        if isinstance(controller, CompiledController):
+            raise InvalidParameter("a compiled controller runs in the episode kernel")
+        hidden = repr(vars(controller)) if hasattr(controller, "__dict__") else ""
+        crash, rows = "", []
+        try:
+            memory = _flat(controller.reset())
+            state = np.zeros(layout.STATE_MEMORY + len(memory), np.int64)
+            begin(self.setup.settings, self.setup.scales, state, self.counts, self.sums)
+            state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
+            rows = self._loop(controller, memory, state, steps, find_loop, record)
+        except (InvalidParameter, KeyboardInterrupt):
+            raise
+        except Exception as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
+            crash = f"{type(error).__name__}: {error}"
+        now = repr(vars(controller)) if hasattr(controller, "__dict__") else ""
+        width = layout.ROW_STATE + layout.STATE_MEMORY
+        table = np.stack(rows) if rows else np.zeros((0, width), np.int64)
+        return LatticeResult(self.counts, self.sums, table, complete=hidden == now, crash=crash)
+
+    def _loop(
+        self, controller: Any, memory: Memory, state: Ints, steps: int, find_loop: bool, record: bool
+    ) -> list[Ints]:
+        counts, quiet = self.counts, int(self.arena.events[-1, 0]) if len(self.arena.events) else 0
+        first = np.zeros(layout.ROW_STATE + state.size, np.int64)
+        first[layout.ROW_STATE :] = state
+        rows, anchor, power, period, touching = [first] if record else [], b"", 1, 0, False
+        for step in range(1, steps + 1):
+            counts[layout.OUT_STEPS] = step
+            row, memory = self._step(controller, memory, state, step)
+            bumped = bool(row[layout.ROW_BUMP])
+            counts[layout.OUT_COLLISIONS] += bumped and not touching
+            touching = bumped
+            hash_row(row, counts)
+            if record:
+                rows.append(row)
+            if counts[layout.OUT_ENDING] != layout.LIMIT:
+                break
+            if find_loop and step > quiet:
+                period += 1
+                now = state.tobytes()
+                if now == anchor:
+                    counts[layout.OUT_ENDING], counts[layout.OUT_PERIOD] = layout.LOOP, period
+                    break
+                if period == power:
+                    anchor, power, period = now, 2 * power, 0
+        counts[layout.OUT_DRAWS] = state[layout.STATE_DRAWS]
+        return rows
+
+    def _step(self, controller: Any, memory: Memory, state: Ints, step: int) -> tuple[Ints, Memory]:
+        setup, counts = self.setup, self.counts
+        if self.event < len(self.arena.events) and self.arena.events[self.event, 0] <= step:
+            self.event = apply_events(self.arena, setup.settings, step, self.event, state, counts)
+        points, normal = 0, (0.0, 0.0)
+        if counts[layout.OUT_ENDING] == layout.LIMIT:
+            points, *contact = advance(
+                self.arena, setup.settings, setup.scales, step, state, self.chain, counts, self.sums
+            )
+            normal = (contact[0], contact[1])
+        if counts[layout.OUT_ENDING] == layout.LIMIT:
+            pose = (int(state[0]), int(state[1]), int(state[2]))
+            draws = int(state[layout.STATE_DRAWS])
+            sense(self.arena.cells, setup.settings, setup.scales, pose, normal, draws, self.observation)
+            command, after = controller.act(Observation.of(self.observation), memory)
+            memory = _flat(after, len(memory))
+            self._obey(Command(*command), state)
+            state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
+        row = np.zeros(layout.ROW_STATE + state.size, np.int64)
+        row[layout.ROW_BUMP] = normal != (0.0, 0.0)
+        row[layout.ROW_CORNERS] = max(points - 1, 0)
+        for k in range(max(points - 1, 0)):
+            row[layout.ROW_CORNER_1 + 2 * k : layout.ROW_CORNER_1 + 2 * k + 2] = self.chain[k]
+        row[layout.ROW_STATE :] = state
+        return row, memory
+
+    def _obey(self, command: Command, state: Ints) -> None:
+        try:
+            self.command[:] = (float(command.speed), float(command.turn_rate), float(bool(command.used_random)))
+        except (TypeError, ValueError):
+            self.counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
+            return
+        obey(self.setup.scales, self.command, state, self.counts)
+
+
+def _flat(memory: Any, size: int | None = None) -> Memory:
+    """The controller's memory as numbers.
+
+    Raises:
+        TypeError: If it is not a tuple of numbers of a fixed length; the run counts as a crash.
+    """
+    if not isinstance(memory, tuple) or not all(isinstance(value, int | float | np.number) for value in memory):
+        raise TypeError(f"memory must be a tuple of numbers, not {memory!r}")
+    if size is not None and len(memory) != size:
+        raise TypeError(f"memory had {size} numbers and now has {len(memory)}; keep its length fixed")
+    return tuple(float(value) for value in memory)
+
+

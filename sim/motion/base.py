@@ -1,0 +1,44 @@
+"""What a motion model is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from worldgen.errors import InvalidParameter
+from worldgen.registry import Registry
+
+__all__ = ["LATTICE", "MOTIONS", "THESIS", "Motion"]
+
+LATTICE = "lattice"  # integer poses, any controller
+THESIS = "thesis"  # float64 poses in pixels, the thesis's own robots
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How commanded motion becomes displacement.
+
+    Args:
+        name: As on the command line.
+        version: Goes up when equal scenarios no longer give equal traces; failures record it.
+        kernel: Which simulator runs it, ``LATTICE`` or ``THESIS``.
+        code: The kernel's number for it.
+        overlap_tolerance: Cut of the disc into a wall, in cells, that is not reported as ``overlap``.
+        summary: One line for people.
+    """
+
+    name: str
+    version: int
+    kernel: str
+    code: int
+    overlap_tolerance: float
+    summary: str
+
+
+def _accept(name: str, thing: Any) -> Motion:
+    if not isinstance(thing, Motion):
+        raise InvalidParameter(f"motion model {name!r} is {thing!r}, not a Motion")
+    return thing
+
+
+MOTIONS: Registry[Motion] = Registry("worldgen.motion_models", "motion model", _accept)

@@ -1,0 +1,11 @@
+"""``swept``: exact time of impact and sliding on the pose lattice; no controller can tunnel."""
+
+from sim.kernels.layout import SWEPT
+from sim.motion.base import LATTICE, Motion
+
+__all__ = ["swept"]
+
+swept = Motion(
+    "swept", version=1, kernel=LATTICE, code=SWEPT, overlap_tolerance=0.0,
+    summary="exact: the disc stops at walls and slides along them; it cannot tunnel",
+)  # fmt: skip

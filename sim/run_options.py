@@ -1,0 +1,83 @@
+"""How a run is done: everything beside world and controller that decides what happens."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+from worldgen.errors import InvalidParameter
+from worldgen.lattice import exact
+from worldgen.world import Value, Witness, World
+
+__all__ = ["BUDGET_FACTOR", "DEFAULT_TIME_STEP", "MAX_STEPS", "RunOptions", "step_budget"]
+
+DEFAULT_TIME_STEP = 0.015  # s: the thesis's
+MAX_STEPS = 100_000_000
+BUDGET_FACTOR = 50  # a run may take this many times the witness's time before it counts as stalled or timed out
+_FEWEST_STEPS = 4_000
+_STEPS_WITHOUT_WITNESS = 20_000
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Options of a run; a failure file stores them, so that it replays.
+
+    Args:
+        motion: Name of the motion model.
+        steps: Budget in steps.
+        time_step: Duration of a step, s, 0.001 to 10.
+        seed: Seed of the controller's random numbers.
+        sensor_range: Reach of the thesis's signal sensor, px (36: eight neighbours); ``stepped`` only.
+        noise: Whether the thesis's noise filter weakens the signal near walls; ``stepped`` only.
+    """
+
+    motion: str = "swept"
+    steps: int = _STEPS_WITHOUT_WITNESS
+    time_step: float = DEFAULT_TIME_STEP
+    seed: int = 0
+    sensor_range: int = 36
+    noise: bool = False
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.steps <= MAX_STEPS:
+            raise InvalidParameter(f"steps={self.steps} is outside 1 to {MAX_STEPS}")
+        if not (math.isfinite(self.time_step) and 0.001 <= self.time_step <= 10.0):
+            raise InvalidParameter(f"time_step={self.time_step} s is outside 0.001 to 10 s")
+        if not 0 <= self.seed < 2**64:
+            raise InvalidParameter(f"seed={self.seed} is outside 0 to 2**64 - 1")
+        if not 36 <= self.sensor_range <= 1000:
+            raise InvalidParameter(f"sensor_range={self.sensor_range} px is outside 36 to 1000 px")
+
+    def parameters(self) -> dict[str, Value]:
+        """What a failure file stores beside motion and seed: the options that are not at their default."""
+        stored: dict[str, Value] = {"steps": self.steps, "time_step": self.time_step}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name not in ("motion", "seed", *stored) and value != field.default:
+                stored[field.name] = value
+        return stored
+
+    @classmethod
+    def of(cls, motion: str, seed: int, parameters: Mapping[str, Value]) -> RunOptions:
+        """Reads back what :meth:`parameters` stored.
+
+        Raises:
+            InvalidParameter: If a name is unknown or a value has the wrong type.
+        """
+        known = {field.name: field.default for field in fields(cls) if field.name not in ("motion", "seed")}
+        for name, value in parameters.items():
+            default = known.get(name)
+            if default is None:
+                raise InvalidParameter(f"run parameter {name!r} is unknown; known: {', '.join(known)}")
+            if type(value) is not type(default) and not (isinstance(default, float) and type(value) is int):
+                raise InvalidParameter(f"run parameter {name}={value!r} must be a {type(default).__name__}")
+        return cls(motion=motion, seed=seed, **parameters)  # type: ignore[arg-type]
+
+
+def step_budget(world: World, time_step: float = DEFAULT_TIME_STEP) -> int:
+    """Steps that a run gets: ``BUDGET_FACTOR`` times the witness's time, at least 4,000; 20,000 without one."""
+    if not isinstance(world.certificate, Witness):
+        return _STEPS_WITHOUT_WITNESS
+    wanted = math.ceil(BUDGET_FACTOR * exact(world.certificate.duration) / exact(time_step))
+    return min(max(wanted, _FEWEST_STEPS), MAX_STEPS)

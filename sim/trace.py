@@ -1,0 +1,77 @@
+"""The recorded states of one run, in the world's frame, whatever motion model made them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Trace", "fnv1a", "state_digest"]
+
+Floats = npt.NDArray[np.float64]
+Words = npt.NDArray[np.uint64]
+
+_HASH_START = 1469598103934665603
+_HASH_PRIME = 1099511628211
+_MASK = (1 << 64) - 1
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """States 0..n of a run and the path between them.
+
+    Args:
+        time_step: s.
+        x: (n + 1,) m; index k is the state after step k, 0 the start.
+        y: (n + 1,) m.
+        heading: (n + 1,) rad.
+        bump: (n + 1,) bool: a wall stopped or bent the step.
+        path_x: (m,) m: the polyline that the centre drove, corners inside steps included.
+        path_y: (m,) m.
+        path_step: (m,) int64: step in which each point was reached; never falls.
+        words: (n, k) uint64: what the digest runs over, a row a step.
+        states: (n + 1, k) uint64: the complete state, what a recurrence repeats.
+        complete: Whether ``states`` is really all that decides the future (a controller may hide memory).
+    """
+
+    time_step: float
+    x: Floats
+    y: Floats
+    heading: Floats
+    bump: npt.NDArray[np.bool_]
+    path_x: Floats
+    path_y: Floats
+    path_step: npt.NDArray[np.int64]
+    words: Words
+    states: Words
+    complete: bool
+
+    @property
+    def steps(self) -> int:
+        """Number of steps."""
+        return len(self.x) - 1
+
+    def digest(self) -> str:
+        """The trace's digest, worked out afresh from the recorded words: 16 hex digits."""
+        return fnv1a(self.words)
+
+    def to_csv(self) -> str:
+        """Lines ``t,x,y,heading``, one a state, with a header."""
+        lines = ["t,x,y,heading"]
+        for k, (x, y, heading) in enumerate(zip(self.x, self.y, self.heading, strict=True)):
+            lines.append(f"{round(k * self.time_step, 9)!r},{float(x)!r},{float(y)!r},{float(heading)!r}")
+        return "\n".join(lines) + "\n"
+
+
+def fnv1a(words: Words) -> str:
+    """Rolling FNV-1a over 64-bit words, in plain Python integers: 16 hex digits."""
+    value = _HASH_START
+    for word in words.ravel().tolist():
+        value = ((value ^ word) * _HASH_PRIME) & _MASK
+    return f"{value:016x}"
+
+
+def state_digest(state: Words) -> str:
+    """Digest of one complete state."""
+    return fnv1a(state)
