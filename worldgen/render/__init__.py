@@ -1,0 +1,40 @@
+"""Pictures of worlds and runs: PNG, SVG, HTML and the terminal.
+
+Contents, each imported when it is first used, so that Pillow loads for a PNG only:
+    Trail, Mark: what a robot did, as plain data to draw over a world.
+    draw_png, draw_svg, draw_html, draw_terminal: the pictures.
+    wants_color: whether a stream should get colours.
+    Frame: metres to pixels, for those who draw over a picture or read one.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from worldgen.render.frame import Frame
+    from worldgen.render.html import draw_html
+    from worldgen.render.overlay import Mark, Trail
+    from worldgen.render.png import draw_png
+    from worldgen.render.svg import draw_svg
+    from worldgen.render.terminal import draw_terminal, wants_color
+
+_HOME = {
+    "Frame": "frame",
+    "Mark": "overlay",
+    "Trail": "overlay",
+    "draw_html": "html",
+    "draw_png": "png",
+    "draw_svg": "svg",
+    "draw_terminal": "terminal",
+    "wants_color": "terminal",
+}
+
+__all__ = ["Frame", "Mark", "Trail", "draw_html", "draw_png", "draw_svg", "draw_terminal", "wants_color"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'worldgen.render' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"worldgen.render.{_HOME[name]}"), name)

@@ -1,0 +1,245 @@
+"""The strip under the map: title, scale, and a key to what is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from worldgen.render.content import Content
+from worldgen.render.overlay import Trail
+from worldgen.render.palette import (
+    APPROACH,
+    FIRE,
+    FLOOR,
+    GREY,
+    INK,
+    LOOP,
+    PAPER,
+    START,
+    TARGET,
+    TUNNEL,
+    WALL,
+    mix,
+)
+from worldgen.render.primitives import Circle, Paint, Path, Primitive, Text
+from worldgen.render.trail_parts import arrow_head, cross, stays_put
+from worldgen.world import Cut, Witness, World
+
+__all__ = ["caption", "facts", "printable", "text_width"]
+
+TITLE_SIZE, TEXT_SIZE = 16.0, 12.5  # units
+LEADING = 1.5  # line distance over type size
+MOST_LINES = 3
+ICON = 26.0  # units, width of a key's sample
+GAP = 16.0  # units between two keys
+
+Sample = Callable[[float, float, float], list[Primitive]]
+"""Draws a key's sample: its left end, its middle's y, and the unit, all px."""
+
+
+def facts(world: World) -> str:
+    """The scale, where the world came from, and what failed in it, in one line."""
+    width, height = world.width * world.cell_size, world.height * world.cell_size
+    parts = [
+        f"{width:.6g} x {height:.6g} m, cell {world.cell_size:.6g} m, robot radius {world.robot_radius:.6g} m"
+    ]
+    if world.provenance is not None:
+        parts.append(f"{world.provenance.family}, seed {world.provenance.seed}")
+    if world.failure is not None:
+        parts.append(f"{world.failure.controller} under {world.failure.motion}: {world.failure.verdict}")
+    return printable("; ".join(parts))
+
+
+def printable(text: str) -> str:
+    """The text with everything that no file format can hold, and every line end, as a blank or ``?``."""
+    return "".join(char if char.isprintable() else " " if char.isspace() else "?" for char in text)
+
+
+def text_width(text: str, size: float) -> float:
+    """About the width of a line in a common sans-serif face, the same for every backend."""
+    narrow, wide = "iljtfrI.,:;'|!()[] ", "mwMW@%"
+    ems = sum(0.30 if c in narrow else 0.88 if c in wide else 0.68 if c.isupper() else 0.56 for c in text)
+    return ems * size
+
+
+def wrapped(text: str, width: float, size: float, most: int) -> list[str]:
+    """The text as at most ``most`` lines that fit; what does not fit ends in three dots."""
+    lines: list[str] = []
+    for word in text.split():
+        joined = f"{lines[-1]} {word}" if lines else word
+        if lines and text_width(joined, size) <= width:
+            lines[-1] = joined
+        else:
+            lines.append(word)
+    if len(lines) > most:
+        lines = [*lines[: most - 1], " ".join(lines[most - 1 :])]
+    return [_cut_off(line, width, size) for line in lines]
+
+
+def _cut_off(line: str, width: float, size: float) -> str:
+    if text_width(line, size) <= width:
+        return line
+    line = line[: int(width / (0.25 * size))]  # no letter is narrower: bounds the work on a long line
+    while line and text_width(line + "...", size) > width:
+        line = line[:-1]
+    return line + "..."
+
+
+def caption(content: Content) -> tuple[list[Primitive], int]:
+    """The strip's primitives, and the height of the whole picture in px."""
+    frame = content.frame
+    unit, left = frame.unit, float(frame.margin)
+    room = frame.picture_width - 2.0 * left
+    y = frame.bottom + frame.band + 8.0 * unit
+    parts: list[Primitive] = []
+    for text, size, colour in (
+        (printable(content.title), TITLE_SIZE * unit, INK),
+        (facts(content.world), TEXT_SIZE * unit, GREY),
+    ):
+        for line in wrapped(text, room, size, MOST_LINES):
+            y += LEADING * size
+            parts.append(Text(left, y - 0.35 * size, size, line, colour))
+    placed, y = _place(_keys(content), left, room, y + 4.0 * unit, unit)
+    return parts + placed, round(y + 10.0 * unit)
+
+
+def _place(
+    keys: list[tuple[str, Sample]], left: float, room: float, y: float, unit: float
+) -> tuple[list[Primitive], float]:
+    size, row = TEXT_SIZE * unit, 1.75 * TEXT_SIZE * unit
+    parts: list[Primitive] = []
+    x, y = left, y + row
+    for words, sample in keys:
+        width = (ICON + 6.0) * unit + text_width(words, size)
+        if x > left and x + width > left + room:
+            x, y = left, y + row
+        parts += sample(x, y - 0.5 * row, unit)
+        parts.append(Text(x + (ICON + 6.0) * unit, y - 0.5 * row + 0.35 * size, size, words, INK))
+        x += width + GAP * unit
+    return parts, y
+
+
+def _keys(content: Content) -> list[tuple[str, Sample]]:
+    world, trail, changes = content.world, content.trail, content.changes
+    keys: list[tuple[str, Sample]] = [("start", _start_sample), ("target", _target_sample)]
+    if content.signal:
+        keys.append(("signal, halves per ring", _signal_sample))
+    if content.witness and isinstance(world.certificate, Witness):
+        keys.append(("a way that fits", _line(START, 1.8, dash=(7.0, 5.0))))
+    if content.witness and isinstance(world.certificate, Cut):
+        keys.append(("cut: every gap too narrow", _line(TUNNEL, 3.0)))
+    if trail is not None:
+        keys += _trail_keys(trail, on_the_spot=stays_put(trail, content.frame, world.robot_radius))
+    if changes.burns.any():
+        keys.append(("burns", _swatch(mix(PAPER, FIRE, 0.65))))
+    if changes.closes.any():
+        keys.append(("closes later", _swatch(mix(PAPER, GREY, 0.55))))
+    if changes.opens.any():
+        keys.append(("opens later", _opens_sample))
+    return keys
+
+
+def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
+    if trail.loop_from is None:
+        keys: list[tuple[str, Sample]] = [("robot's way", _line(LOOP, 2.2, arrow=True))]
+    else:
+        keys = [("approach", _line(APPROACH, 1.8))] if trail.loop_from > 0 else []
+        spot = ("loop, for ever on this spot", _end_sample)
+        keys.append(spot if on_the_spot else ("loop, for ever", _line(LOOP, 3.2, arrow=True)))
+    kinds = {mark.kind for mark in trail.marks}
+    if "end" in kinds or trail.loop_from is None:
+        keys.append(("end", _end_sample))
+    if "bump" in kinds:
+        keys.append(("bump", _dot(INK, 2.4)))
+    if "overlap" in kinds:
+        keys.append(("overlap", _overlap_sample))
+    if "tunnel" in kinds:
+        keys.append(("through a wall", _tunnel_sample))
+    return keys
+
+
+def _line(colour: str, width: float, *, dash: tuple[float, ...] = (), arrow: bool = False) -> Sample:
+    def sample(x: float, y: float, unit: float) -> list[Primitive]:
+        ends = np.array(((x, y), (x + ICON * unit, y)))
+        paint = Paint(stroke=colour, width=width * unit, dash=tuple(length * unit for length in dash))
+        head = (
+            [arrow_head(x + 0.5 * ICON * unit, y, 0.0, (2.2 * width + 3.0) * unit, colour)] if arrow else []
+        )
+        return [Path(ends, paint), *head]
+
+    return sample
+
+
+def _swatch(colour: str) -> Sample:
+    def sample(x: float, y: float, unit: float) -> list[Primitive]:
+        return [_square(x, y, unit, Paint(fill=colour, stroke=None))]
+
+    return sample
+
+
+def _dot(colour: str, radius: float) -> Sample:
+    def sample(x: float, y: float, unit: float) -> list[Primitive]:
+        return [Circle(x + 0.5 * ICON * unit, y, radius * unit, Paint(fill=colour))]
+
+    return sample
+
+
+def _square(x: float, y: float, unit: float, paint: Paint) -> Path:
+    corners = np.array(((4.0, -6.0), (22.0, -6.0), (22.0, 6.0), (4.0, 6.0))) * unit
+    return Path(np.array((x, y)) + corners, paint, closed=True)
+
+
+def _opens_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    dotted = Paint(stroke=PAPER, width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
+    inner = np.array(((7.0, -3.0), (19.0, -3.0), (19.0, 3.0), (7.0, 3.0))) * unit
+    return [_square(x, y, unit, Paint(fill=WALL)), Path(np.array((x, y)) + inner, dotted, closed=True)]
+
+
+def _start_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    x += 0.5 * ICON * unit
+    tick = np.array(((x, y), (x + 7.0 * unit, y)))
+    return [
+        Circle(x, y, 7.0 * unit, Paint(fill=mix(PAPER, START, 0.45))),
+        Circle(x, y, 7.0 * unit, Paint(stroke=START, width=2.0 * unit)),
+        Path(tick, Paint(stroke=mix(START, "#000000", 0.35), width=2.6 * unit)),
+    ]
+
+
+def _target_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    x += 0.5 * ICON * unit
+    paint = Paint(stroke=TARGET, width=2.0 * unit)
+    arms = np.array(((-8.0, 0.0), (8.0, 0.0))) * unit
+    return [
+        Circle(x, y, 5.0 * unit, paint),
+        Path(np.array((x, y)) + arms, paint),
+        Path(np.array((x, y)) + arms[:, ::-1], paint),
+    ]
+
+
+def _signal_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    steps = 8
+    step = ICON * unit / steps
+    parts: list[Primitive] = []
+    for index in range(steps):
+        tint = mix(mix(FLOOR, TARGET, 0.55), FLOOR, index / (steps - 1))
+        corners = np.array(((0.0, -6.0 * unit), (step, -6.0 * unit), (step, 6.0 * unit), (0.0, 6.0 * unit)))
+        parts.append(Path(np.array((x + index * step, y)) + corners, Paint(fill=tint), closed=True))
+    return parts
+
+
+def _end_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    x += 0.5 * ICON * unit
+    return [
+        Circle(x, y, 6.0 * unit, Paint(fill=LOOP, opacity=0.3)),
+        Circle(x, y, 6.0 * unit, Paint(stroke=LOOP, width=2.0 * unit)),
+        Circle(x, y, 2.2 * unit, Paint(fill=LOOP)),
+    ]
+
+
+def _overlap_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return [Circle(x + 0.5 * ICON * unit, y, 6.0 * unit, Paint(stroke=TUNNEL, width=3.0 * unit))]
+
+
+def _tunnel_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    return cross(x + 0.5 * ICON * unit, y, 5.0 * unit, TUNNEL, 3.5 * unit)

@@ -1,0 +1,70 @@
+"""What goes into one picture, gathered once for the map and its caption."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.render.frame import Frame
+from worldgen.render.overlay import Trail
+from worldgen.timeline import CellState
+from worldgen.world import World
+
+__all__ = ["Changes", "Content"]
+
+Mask = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Changes:
+    """Which cells a timeline touches: (height, width) bool each.
+
+    Args:
+        burns: Burning at some time.
+        closes: Free at first, solid at some time.
+        opens: Solid at first, not solid at some time.
+    """
+
+    burns: Mask
+    closes: Mask
+    opens: Mask
+
+    @classmethod
+    def of(cls, world: World) -> Changes:
+        """The changes of a world; nothing is set in a static one."""
+        line = world.timeline
+
+        def ever(chosen: Mask) -> Mask:
+            mask = np.zeros(world.walls.shape, np.bool_)
+            mask[line.iy[chosen], line.ix[chosen]] = True
+            return mask
+
+        solid = line.states == CellState.SOLID
+        return cls(
+            ever(line.states == CellState.BURNING), ever(solid) & ~world.walls, ever(~solid) & world.walls
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Content:
+    """One picture's content.
+
+    Args:
+        world: What to draw.
+        trail: A run in it.
+        signal: Whether the floor shows the target's signal.
+        witness: Whether the proof's path, or its cut, is drawn.
+        title: First line of the caption.
+        frame: Where the map lies.
+        changes: What the world's timeline touches.
+    """
+
+    world: World
+    trail: Trail | None
+    signal: bool
+    witness: bool
+    title: str
+    frame: Frame
+    changes: Changes

@@ -1,0 +1,100 @@
+"""Where the map lies in the picture: metres to pixels, y up to y down."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+from worldgen.world import World
+
+__all__ = ["DEFAULT_PIXELS", "MAX_PIXELS", "MIN_PIXELS", "Frame"]
+
+DEFAULT_PIXELS = 900
+MIN_PIXELS, MAX_PIXELS = 100, 8000  # below, nothing can be read; above, a picture takes gigabytes
+CRISP_CELL = 8  # px; cells at least this wide get a whole number of pixels, so that walls have sharp edges
+BAND = 7.0  # units; the wall around the map: outside the grid everything is solid
+MARGIN = 12.0  # units; white paper around the band
+NARROWEST = 380.0  # units; a picture is at least this wide, for the caption's sake
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """The map's place in a picture. Pixels count from the top left corner, x right, y down.
+
+    Args:
+        left: x of the map's left edge, px.
+        top: y of the map's top edge, px.
+        width: Width of the map, px.
+        height: Height of the map, px.
+        scale: px per m, the same in x and y.
+        unit: px that stand for one point of line width and type; grows with the picture.
+        cell: Side of a cell, px; may be far below one.
+        picture_width: Width of the whole picture, px.
+    """
+
+    left: int
+    top: int
+    width: int
+    height: int
+    scale: float
+    unit: float
+    cell: float
+    picture_width: int
+
+    @classmethod
+    def of(cls, world: World, pixels: int = DEFAULT_PIXELS) -> Frame:
+        """The frame of a world's picture whose map has ``pixels`` along its longer side, at most.
+
+        Raises:
+            InvalidParameter: If ``pixels`` is out of range.
+        """
+        if not MIN_PIXELS <= pixels <= MAX_PIXELS:
+            raise InvalidParameter(f"pixels={pixels} is outside {MIN_PIXELS} to {MAX_PIXELS}")
+        longest = max(world.width, world.height)
+        cell = pixels / longest
+        if cell >= CRISP_CELL:
+            cell = float(math.floor(cell))
+        unit = min(max(pixels / DEFAULT_PIXELS, 0.75), 6.0)
+        width, height = max(1, round(world.width * cell)), max(1, round(world.height * cell))
+        edge = round((BAND + MARGIN) * unit)
+        picture_width = max(width + 2 * edge, round(NARROWEST * unit))
+        left = (picture_width - width) // 2
+        return cls(left, edge, width, height, cell / world.cell_size, unit, cell, picture_width)
+
+    @property
+    def bottom(self) -> int:
+        """The map's bottom edge: y, px."""
+        return self.top + self.height
+
+    @property
+    def band(self) -> int:
+        """Width of the wall around the map, px."""
+        return round(BAND * self.unit)
+
+    @property
+    def margin(self) -> int:
+        """Width of the white paper around the band, px."""
+        return round(MARGIN * self.unit)
+
+    def to_pixels(self, x: float, y: float) -> tuple[float, float]:
+        """The picture's point for a place in m."""
+        return self.left + x * self.scale, self.bottom - y * self.scale
+
+    def points(self, metres: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """(n, 2) float64, px, for (n, 2) m."""
+        return _placed(metres, self.left, self.bottom, self.scale)
+
+    def corners(self, cells: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """(n, 2) float64, px, for (n, 2) cell corners: (0, 0) is the grid's lowest left."""
+        return _placed(cells, self.left, self.bottom, self.cell)
+
+
+def _placed(points: npt.ArrayLike, left: float, bottom: float, scale: float) -> npt.NDArray[np.float64]:
+    moved = np.array(points, np.float64)
+    moved *= (scale, -scale)
+    moved += (left, bottom)
+    return moved

@@ -1,0 +1,112 @@
+"""A picture as one HTML page that needs nothing else: no script, no font, no address."""
+
+from __future__ import annotations
+
+import html
+
+from worldgen.render.caption import facts, printable
+from worldgen.render.frame import DEFAULT_PIXELS
+from worldgen.render.overlay import Trail
+from worldgen.render.scene import compose
+from worldgen.render.svg import svg_element
+from worldgen.world import Value, Witness, World
+
+__all__ = ["draw_html"]
+
+STYLE = """
+body { font: 15px/1.5 system-ui, Helvetica, Arial, sans-serif; margin: 2rem auto; max-width: 60rem;
+       padding: 0 1rem; color: #1b1f24; background: #fff; }
+h1 { font-size: 1.25rem; }
+figure { margin: 0; }
+svg { width: 100%; height: auto; max-height: 85vh; background: #fff; }
+table { border-collapse: collapse; margin-top: 1.5rem; }
+th, td { text-align: left; vertical-align: top; padding: .2rem 1.2rem .2rem 0;
+         border-top: 1px solid #c9ced6; }
+th { font-weight: 600; white-space: nowrap; }
+td { overflow-wrap: anywhere; }
+@media (prefers-color-scheme: dark) {
+  body { color: #e6e9ee; background: #1b1f24; }
+  th, td { border-color: #4a515c; }
+}
+"""
+
+
+def draw_html(
+    world: World,
+    *,
+    trail: Trail | None = None,
+    signal: bool = True,
+    witness: bool = True,
+    title: str = "",
+    pixels: int = DEFAULT_PIXELS,
+) -> str:
+    """The picture of a world as an HTML page, with a table of what is known about it.
+
+    Args:
+        world: What to draw.
+        trail: What a robot did in it.
+        signal: Whether the floor shows the strength of the target's signal.
+        witness: Whether the certificate's path, or its cut, is drawn.
+        title: The page's title, and the first line of the caption.
+        pixels: Longer side of the map in the SVG's units; the page scales it to the window.
+
+    Raises:
+        InvalidParameter: If ``pixels`` is out of range.
+    """
+    scene = compose(world, trail, signal=signal, witness=witness, title=title, pixels=pixels)
+    name = html.escape(printable(title)) or "A world"
+    rows = "\n".join(
+        f"<tr><th>{html.escape(key)}</th><td>{html.escape(printable(value))}</td></tr>"
+        for key, value in _known(world)
+    )
+    return (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{name}</title>\n'
+        f"<style>{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n"
+        f"<figure>\n{svg_element(scene, standalone=False)}</figure>\n"
+        f"<table>\n{rows}\n</table>\n</body>\n</html>\n"
+    )
+
+
+def _known(world: World) -> list[tuple[str, str]]:
+    start, target = world.start, world.target
+    rows = [
+        ("world", facts(world)),
+        ("cells", f"{world.width} x {world.height}, {world.solid_cells} solid"),
+        ("start", f"({start.x:.6g}, {start.y:.6g}) m, heading {start.heading:.6g} rad"),
+        ("target", f"({target.x:.6g}, {target.y:.6g}) m, radius {target.radius:.6g} m"),
+        ("robot", f"radius {world.robot_radius:.6g} m, speed {world.robot_speed:.6g} m/s"),
+    ]
+    if world.is_dynamic:
+        rows.append(("changes", f"{len(world.timeline)} until {float(world.timeline.times[-1]):.6g} s"))
+    proof = world.certificate
+    if isinstance(proof, Witness):
+        rows.append(("proof", f"a path of {proof.length:.6g} m that lets {proof.clearance:.6g} m through"))
+    elif proof is not None:
+        rows.append(
+            ("proof", f"a cut of {len(proof.cells)} cells that stops all above {proof.clearance:.6g} m")
+        )
+    made = world.provenance
+    if made is not None:
+        rows.append(("made by", f"{made.family}, version {made.version}, seed {made.seed}"))
+        rows += [(f"{made.family}: {key}", _words(value)) for key, value in made.params.items()]
+    failure = world.failure
+    if failure is not None:
+        rows.append(
+            (
+                "failure",
+                f"{failure.controller} under {failure.motion}, seed {failure.seed}: {failure.verdict}",
+            )
+        )
+        rows.append(("trace digest", failure.trace_digest))
+        for words in (failure.evidence, failure.parameters, failure.details):
+            rows += [(key, _words(value)) for key, value in words.items()]
+    return rows
+
+
+def _words(value: Value) -> str:
+    if isinstance(value, list):
+        return ", ".join(map(_words, value))
+    if isinstance(value, dict):
+        return "; ".join(f"{key} {_words(item)}" for key, item in value.items())
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,99 @@
+"""What a robot did, as plain data: pictures know no simulator."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+
+__all__ = ["Mark", "MarkKind", "Trail"]
+
+MarkKind = Literal["bump", "tunnel", "overlap", "end"]
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """Something that happened at a place.
+
+    Args:
+        x: m.
+        y: m.
+        kind: ``bump`` (the robot touched a wall), ``tunnel`` (its centre went through one), ``overlap``
+            (its disc cut one) or ``end`` (here the run stopped).
+
+    Raises:
+        InvalidParameter: If the place is not finite or the kind is none of these.
+    """
+
+    x: float
+    y: float
+    kind: MarkKind
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(MarkKind):
+            raise InvalidParameter(f"mark kind {self.kind!r} is not one of {', '.join(get_args(MarkKind))}")
+        if not (math.isfinite(self.x) and math.isfinite(self.y)):
+            raise InvalidParameter(f"mark at ({self.x}, {self.y}) m: both must be finite numbers")
+
+
+@dataclass(frozen=True, eq=False)
+class Trail:
+    """The way of the robot's centre.
+
+    Args:
+        x: (n,) float64, m, at least one point; straight lines between the points.
+        y: (n,) float64, m.
+        loop_from: Index of the point where the endless cycle begins; what comes after it is one or more
+            rounds of the cycle. ``None`` if the run has none.
+        marks: What happened on the way.
+
+    Raises:
+        InvalidParameter: If the arrays do not fit, are empty or not finite, or the index is none of theirs.
+    """
+
+    x: npt.NDArray[np.float64]
+    y: npt.NDArray[np.float64]
+    loop_from: int | None = None
+    marks: Sequence[Mark] = field(default_factory=tuple)
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y"):
+            array = np.array(getattr(self, name), np.float64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        object.__setattr__(self, "marks", tuple(self.marks))
+        if self.x.ndim != 1 or self.x.shape != self.y.shape or not len(self.x):
+            raise InvalidParameter(
+                f"trail: x has shape {self.x.shape}, y has {self.y.shape}; give two flat arrays of one length"
+            )
+        if not (np.isfinite(self.x).all() and np.isfinite(self.y).all()):
+            raise InvalidParameter("trail: x and y must be finite numbers of metres")
+        if self.loop_from is not None and not 0 <= self.loop_from < len(self.x):
+            raise InvalidParameter(f"trail: loop_from={self.loop_from} is outside 0 to {len(self.x) - 1}")
+
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """(n, 2) float64, m: the whole way."""
+        return np.column_stack((self.x, self.y))
+
+    @property
+    def approach(self) -> npt.NDArray[np.float64]:
+        """(k, 2) float64, m: the way until the cycle begins; the whole way if there is none."""
+        return self.points if self.loop_from is None else self.points[: self.loop_from + 1]
+
+    @property
+    def loop(self) -> npt.NDArray[np.float64]:
+        """(k, 2) float64, m: the cycle; no points if there is none."""
+        return self.points[len(self.x) :] if self.loop_from is None else self.points[self.loop_from :]
+
+    def places(self, kind: MarkKind) -> npt.NDArray[np.float64]:
+        """(k, 2) float64, m: where marks of one kind lie."""
+        return np.array([(mark.x, mark.y) for mark in self.marks if mark.kind == kind], np.float64).reshape(
+            -1, 2
+        )

@@ -1,0 +1,185 @@
+"""A scene as PNG. Shapes are drawn large as masks, shrunk, and laid on: smooth edges, true colours."""
+
+from __future__ import annotations
+
+import io
+import math
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, ImageDraw, ImageFont
+
+from worldgen.render.coverage import coverage
+from worldgen.render.frame import DEFAULT_PIXELS, Frame
+from worldgen.render.overlay import Trail
+from worldgen.render.palette import rgb
+from worldgen.render.polyline import dashes
+from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Text
+from worldgen.render.scene import Scene, compose
+from worldgen.world import World
+
+__all__ = ["draw_png"]
+
+FINE = 4  # masks are drawn this many times as large
+COARSE = 2  # likewise, for pictures so large that FINE would take gigabytes
+LARGE = 2500  # px
+
+
+def draw_png(
+    world: World,
+    *,
+    trail: Trail | None = None,
+    signal: bool = True,
+    witness: bool = True,
+    title: str = "",
+    pixels: int = DEFAULT_PIXELS,
+) -> bytes:
+    """The picture of a world, and of a run in it, as the bytes of a PNG file.
+
+    Args:
+        world: What to draw.
+        trail: What a robot did in it.
+        signal: Whether the floor shows the strength of the target's signal.
+        witness: Whether the certificate's path, or its cut, is drawn.
+        title: First line of the caption.
+        pixels: Longer side of the map, px; margins and caption come on top.
+
+    Raises:
+        InvalidParameter: If ``pixels`` is out of range.
+    """
+    scene = compose(world, trail, signal=signal, witness=witness, title=title, pixels=pixels)
+    canvas = _Canvas(scene)
+    for part in scene.primitives:
+        canvas.draw(part)
+    stream = io.BytesIO()
+    canvas.image.save(stream, "PNG")
+    return stream.getvalue()
+
+
+class _Canvas:
+    """A picture in the making.
+
+    Args:
+        scene: Gives its size and where the map lies.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.frame: Frame = scene.frame
+        self.image = Image.new("RGB", (scene.width, scene.height), "#FFFFFF")
+        self.times = FINE if max(scene.width, scene.height) <= LARGE else COARSE
+
+    def draw(self, part: Circle | Path | Cells | Glow | Text) -> None:
+        """Lays one primitive on the picture."""
+        if isinstance(part, Circle):
+            self._circle(part)
+        elif isinstance(part, Path):
+            self._path(part)
+        elif isinstance(part, Cells):
+            self._cells(part)
+        elif isinstance(part, Glow):
+            self._glow(part)
+        else:
+            self._text(part)
+
+    def _map_box(self) -> tuple[int, int, int, int]:
+        frame = self.frame
+        return frame.left, frame.top, frame.left + frame.width, frame.bottom
+
+    def _box(
+        self, low: npt.ArrayLike, high: npt.ArrayLike, grow: float, *, clipped: bool
+    ) -> tuple[int, int, int, int]:
+        """The pixels that a shape can touch: left, top, right, bottom."""
+        (x0, y0), (x1, y1) = np.asarray(low, np.float64) - grow, np.asarray(high, np.float64) + grow
+        left, top, right, bottom = self._map_box() if clipped else (0, 0, *self.image.size)
+        return (
+            int(min(max(left, math.floor(x0)), right)), int(min(max(top, math.floor(y0)), bottom)),
+            int(max(left, min(right, math.ceil(x1)))), int(max(top, min(bottom, math.ceil(y1)))),
+        )  # fmt: skip
+
+    def _lay(self, mask: Image.Image, box: tuple[int, int, int, int], colour: str, opacity: float) -> None:
+        if opacity < 1.0:
+            mask = mask.point([round(value * opacity) for value in range(256)])
+        self.image.paste(rgb(colour), box, mask)
+
+    def _circle(self, part: Circle) -> None:
+        paint = part.paint
+        outer = part.radius + (0.5 * paint.width if paint.stroke else 0.0)
+        centre = np.array((part.x, part.y))
+        box = self._box(centre - outer, centre + outer, 1.0, clipped=part.clipped)
+        if box[0] >= box[2] or box[1] >= box[3]:
+            return
+        x, y = (centre - box[:2]) * self.times
+
+        def disc(pen: ImageDraw.ImageDraw, radius: float, value: int) -> None:
+            reach = radius * self.times
+            if reach > 0.0:
+                pen.ellipse((x - reach, y - reach, x + reach - 1.0, y + reach - 1.0), fill=value)
+
+        if paint.fill:
+            mask, pen = self._mask(box)
+            disc(pen, part.radius, 255)
+            self._lay(mask.reduce(self.times), box, paint.fill, paint.opacity)
+        if paint.stroke:
+            mask, pen = self._mask(box)
+            disc(pen, outer, 255)
+            disc(pen, part.radius - 0.5 * paint.width, 0)
+            self._lay(mask.reduce(self.times), box, paint.stroke, paint.opacity)
+
+    def _mask(self, box: tuple[int, int, int, int]) -> tuple[Image.Image, ImageDraw.ImageDraw]:
+        mask = Image.new("L", ((box[2] - box[0]) * self.times, (box[3] - box[1]) * self.times), 0)
+        return mask, ImageDraw.Draw(mask)
+
+    def _path(self, part: Path) -> None:
+        paint, points = part.paint, part.points
+        box = self._box(points.min(axis=0), points.max(axis=0), paint.width + 1.0, clipped=False)
+        if box[0] >= box[2] or box[1] >= box[3]:
+            return
+        if paint.fill:
+            mask, pen = self._mask(box)
+            pen.polygon(self._fine(points, box), fill=255)
+            self._lay(mask.reduce(self.times), box, paint.fill, paint.opacity)
+        if paint.stroke:
+            mask, pen = self._mask(box)
+            line = np.concatenate((points, points[:1])) if part.closed else points
+            for piece in dashes(line, paint.dash) if paint.dash else [line]:
+                self._stroke(pen, self._fine(piece, box), paint)
+            self._lay(mask.reduce(self.times), box, paint.stroke, paint.opacity)
+
+    def _fine(
+        self, points: npt.NDArray[np.float64], box: tuple[int, int, int, int]
+    ) -> list[tuple[float, float]]:
+        fine = (points - np.array(box[:2])) * self.times
+        return [(float(x), float(y)) for x, y in fine]
+
+    def _stroke(self, pen: ImageDraw.ImageDraw, points: list[tuple[float, float]], paint: Paint) -> None:
+        width = max(1, round(paint.width * self.times))
+        pen.line(points, fill=255, width=width)
+        reach = 0.5 * width
+        for x, y in points if width > 2 else ():  # round joins and ends
+            pen.ellipse((x - reach, y - reach, x + reach - 1.0, y + reach - 1.0), fill=255)
+
+    def _cells(self, part: Cells) -> None:
+        frame = self.frame
+        values = coverage(part.mask, frame.width, frame.height)
+        if part.hatch > 0.0:
+            y, x = np.indices(values.shape, dtype=np.float32)
+            phase = np.abs(((x + y) / (part.hatch * math.sqrt(2.0))) % 1.0 - 0.5)
+            stripe = np.clip((0.14 - phase) * part.hatch + 0.5, 0.0, 1.0)
+            values = np.rint(values * stripe).astype(np.uint8)
+        self._lay(Image.fromarray(values, "L"), self._map_box(), part.fill, part.opacity)
+
+    def _glow(self, part: Glow) -> None:
+        frame = self.frame
+        x = np.arange(frame.width, dtype=np.float32) + np.float32(frame.left + 0.5 - part.x)
+        y = np.arange(frame.height, dtype=np.float32) + np.float32(frame.top + 0.5 - part.y)
+        square = np.maximum(x * x + (y * y)[:, None], part.near**2)
+        share = np.clip(np.log(square / part.near**2) / (2.0 * math.log(part.far / part.near)), 0.0, 1.0)
+        inner, outer = np.array(rgb(part.inner), np.float32), np.array(rgb(part.outer), np.float32)
+        tint = np.rint(inner + share[:, :, None] * (outer - inner)).astype(np.uint8)
+        self.image.paste(Image.fromarray(tint, "RGB"), self._map_box())
+
+    def _text(self, part: Text) -> None:
+        font = ImageFont.load_default(part.size)
+        ImageDraw.Draw(self.image).text(
+            (part.x, part.y), part.text, fill=rgb(part.fill), font=font, anchor="ls"
+        )

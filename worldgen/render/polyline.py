@@ -1,0 +1,119 @@
+"""Geometry of drawn lines: thinning, arc length, dashes, where to put arrow heads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["along", "arc_length", "arrow_places", "corners", "dashes", "simplified"]
+
+Points = npt.NDArray[np.float64]
+CHUNK = 2000  # points thinned together: bounds the work on a long scribble
+
+
+def simplified(points: Points, tolerance: float) -> Points:
+    """The line with fewer points, nowhere further than ``tolerance`` from the given one.
+
+    Args:
+        points: (n, 2).
+        tolerance: In the points' unit.
+
+    Source: David Douglas, Thomas Peucker, "Algorithms for the Reduction of the Number of Points Required
+        to Represent a Digitized Line or its Caricature", 1973; in chunks.
+    """
+    if len(points) < 3:
+        return points
+    moved = np.concatenate(([True], (np.diff(points, axis=0) != 0.0).any(axis=1)))
+    points = points[moved]
+    keep = np.zeros(len(points), np.bool_)
+    keep[0] = keep[-1] = True
+    for first in range(0, len(points) - 1, CHUNK):
+        _keep_far(points, first, min(first + CHUNK, len(points) - 1), tolerance, keep)
+    return points[keep]
+
+
+def _keep_far(points: Points, first: int, last: int, tolerance: float, keep: npt.NDArray[np.bool_]) -> None:
+    keep[first] = keep[last] = True
+    spans = [(first, last)]
+    while spans:
+        a, b = spans.pop()
+        if b - a < 2:
+            continue
+        offset, chord = points[a + 1 : b] - points[a], points[b] - points[a]
+        square = float(chord @ chord)
+        share = np.clip(offset @ chord / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(offset))
+        distance = np.hypot(*(offset - share[:, None] * chord).T)
+        worst = int(np.argmax(distance))
+        if distance[worst] > tolerance:
+            middle = a + 1 + worst
+            keep[middle] = True
+            spans += [(a, middle), (middle, b)]
+
+
+def arc_length(points: Points) -> npt.NDArray[np.float64]:
+    """(n,) float64: way along the line to each of its (n, 2) points."""
+    return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+
+
+def along(points: Points, distance: Sequence[float] | Points) -> Points:
+    """(k, 2) float64: the points that lie ``distance`` (k,) along the line."""
+    length = arc_length(points)
+    return np.column_stack([np.interp(distance, length, points[:, axis]) for axis in (0, 1)])
+
+
+def arrow_places(points: Points, spacing: float, reach: float) -> list[tuple[float, float, float]]:
+    """Where arrow heads sit well: about ``spacing`` apart, on straight pieces.
+
+    Args:
+        points: (n, 2).
+        spacing: Way between two heads; a shorter line gets one.
+        reach: Half the length of line that a head covers.
+
+    Returns:
+        (x, y, angle) of each head, the angle in radians as the points' axes have it.
+    """
+    total = float(arc_length(points)[-1])
+    count = max(1, round(total / spacing))
+    step = total / count
+    places = []
+    for index in range(count):
+        # The straightest of some spots around the even one: a head on a corner points nowhere.
+        spots = (index + 0.5 + np.array((0.0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3, 0.4, -0.4))) * step
+        chords = along(points, spots + reach) - along(points, spots - reach)
+        best = int(np.argmax(np.round(np.hypot(*chords.T), 6)))
+        x, y = along(points, [spots[best]])[0]
+        places.append((float(x), float(y), float(np.arctan2(chords[best, 1], chords[best, 0]))))
+    return places
+
+
+def corners(points: Points, sharpest: float = 0.5) -> Points:
+    """The (k, 2) points at which the line turns by more than ``sharpest`` radians."""
+    if len(points) < 3:
+        return points[:0]
+    ways = np.diff(points, axis=0)
+    heading = np.arctan2(ways[:, 1], ways[:, 0])
+    turn = np.abs((np.diff(heading) + np.pi) % (2.0 * np.pi) - np.pi)
+    return points[1:-1][turn > sharpest]
+
+
+def dashes(points: Points, pattern: tuple[float, ...]) -> list[Points]:
+    """The drawn pieces of a dashed line, each (k, 2).
+
+    Args:
+        points: (n, 2).
+        pattern: Lengths drawn and left out, in turn.
+    """
+    length = arc_length(points)
+    period, total = sum(pattern), float(length[-1])
+    pieces = []
+    starts = np.concatenate(([0.0], np.cumsum(pattern)))
+    for lap in range(int(total // period) + 1):
+        for first in range(0, len(pattern), 2):
+            a, b = lap * period + starts[first], min(total, lap * period + starts[first + 1])
+            if a < b:
+                inner = points[(length > a) & (length < b)]
+                ends = along(points, [a, b])
+                pieces.append(np.concatenate((ends[:1], inner, ends[1:])))
+    return pieces

@@ -1,0 +1,104 @@
+"""The few things that every picture is made of. All coordinates are picture pixels, y down."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Cells", "Circle", "Glow", "Paint", "Path", "Primitive", "Text"]
+
+
+@dataclass(frozen=True, slots=True)
+class Paint:
+    """How a shape looks.
+
+    Args:
+        fill: ``#RRGGBB``; ``None`` leaves the inside alone.
+        stroke: ``#RRGGBB``; ``None`` draws no outline.
+        width: Width of the outline, px.
+        opacity: 0 (invisible) to 1, of fill and outline together.
+        dash: px drawn and px left out, in turn; empty for a solid line.
+    """
+
+    fill: str | None = None
+    stroke: str | None = None
+    width: float = 1.0
+    opacity: float = 1.0
+    dash: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Circle:
+    """A circle; ``clipped`` leaves out what lies outside the map."""
+
+    x: float
+    y: float
+    radius: float
+    paint: Paint
+    clipped: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """Straight lines through (n, 2) float64 points, with round joins and ends."""
+
+    points: npt.NDArray[np.float64]
+    paint: Paint
+    closed: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """Whole cells of the map in one colour, where ``mask`` (height, width) bool is set; row 0 the lowest y.
+
+    Args:
+        mask: Which cells.
+        fill: ``#RRGGBB``.
+        opacity: 0 to 1.
+        hatch: px from one diagonal stripe to the next; 0 fills the cells.
+    """
+
+    mask: npt.NDArray[np.bool_]
+    fill: str
+    opacity: float = 1.0
+    hatch: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Glow:
+    """The map's floor, tinted by the logarithm of the distance from a point.
+
+    The signal falls with the square of the distance, so equal steps of tint are equal ratios of signal.
+
+    Args:
+        x: Centre, px.
+        y: Centre, px.
+        near: Distance with the full tint, px.
+        far: Distance with none, px.
+        inner: ``#RRGGBB`` at ``near``.
+        outer: ``#RRGGBB`` at ``far``.
+    """
+
+    x: float
+    y: float
+    near: float
+    far: float
+    inner: str
+    outer: str
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A line of text; ``x`` is its left end, ``y`` its baseline, ``size`` the type's height, all px."""
+
+    x: float
+    y: float
+    size: float
+    text: str
+    fill: str
+
+
+Primitive: TypeAlias = Circle | Path | Cells | Glow | Text

@@ -1,0 +1,170 @@
+"""What is in a picture: a world, a run in it, and the caption, as a list of primitives in pixels."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from worldgen.render.caption import caption
+from worldgen.render.content import Changes, Content
+from worldgen.render.frame import Frame
+from worldgen.render.outline import corner_count, outlines
+from worldgen.render.overlay import Trail
+from worldgen.render.palette import FIRE, FLOOR, GREY, PAPER, START, TARGET, TUNNEL, WALL, mix
+from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Primitive
+from worldgen.render.trail_parts import trail_parts
+from worldgen.world import Cut, Witness, World
+
+__all__ = ["Scene", "compose"]
+
+FULL_TINT = mix(FLOOR, TARGET, 0.55)
+MOST_CORNERS = 4000  # of dotted outlines; with more they are a grey mess
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A picture, ready for any backend; primitives are drawn in order.
+
+    Args:
+        frame: Where the map lies.
+        width: px.
+        height: px.
+        title: What the picture is called; may be empty.
+        primitives: Lowest first.
+    """
+
+    frame: Frame
+    width: int
+    height: int
+    title: str
+    primitives: tuple[Primitive, ...]
+
+
+def compose(
+    world: World, trail: Trail | None, *, signal: bool, witness: bool, title: str, pixels: int
+) -> Scene:
+    """The whole picture of a world, lowest layer first.
+
+    Args:
+        world: What to draw.
+        trail: A run in it.
+        signal: Whether the floor shows the target's signal.
+        witness: Whether the proof's path, or its cut, is drawn.
+        title: First line of the caption.
+        pixels: Longer side of the map, px.
+
+    Raises:
+        InvalidParameter: If ``pixels`` is out of range.
+    """
+    frame = Frame.of(world, pixels)
+    content = Content(world, trail, signal, witness, title, frame, Changes.of(world))
+    words, height = caption(content)
+    paper = _box(0.0, 0.0, frame.picture_width, height, PAPER)
+    return Scene(frame, frame.picture_width, height, title, (paper, *_map(content), *words))
+
+
+def _map(content: Content) -> list[Primitive]:
+    world, frame = content.world, content.frame
+    parts: list[Primitive] = [_band(frame), *_floor(world, frame, signal=content.signal)]
+    parts += [Cells(world.walls, WALL), *_changes(content.changes, frame)]
+    if content.witness:
+        parts += _certificate(world, frame)
+    if content.trail is not None:
+        parts += trail_parts(content.trail, frame, world.robot_radius)
+    return [*parts, *_target(world, frame), *_start(world, frame)]
+
+
+def _box(left: float, top: float, right: float, bottom: float, fill: str) -> Path:
+    points = np.array(((left, top), (right, top), (right, bottom), (left, bottom)), np.float64)
+    return Path(points, Paint(fill=fill), closed=True)
+
+
+def _band(frame: Frame) -> Path:
+    """Everything outside the grid is solid, so the map has a wall around it."""
+    band = frame.band
+    return _box(
+        frame.left - band, frame.top - band, frame.left + frame.width + band, frame.bottom + band, WALL
+    )
+
+
+def _floor(world: World, frame: Frame, *, signal: bool) -> list[Primitive]:
+    if not signal:
+        return [_box(frame.left, frame.top, frame.left + frame.width, frame.bottom, FLOOR)]
+    target = world.target
+    x, y = frame.to_pixels(target.x, target.y)
+    width, height = world.width * world.cell_size, world.height * world.cell_size
+    far = math.hypot(max(target.x, width - target.x), max(target.y, height - target.y)) * frame.scale
+    near = max(target.radius * frame.scale, 2.0 * frame.unit)
+    parts: list[Primitive] = [Glow(x, y, near, max(far, near * 1.01), FULL_TINT, FLOOR)]
+    ring, gap = near, 12.0 * frame.unit
+    line = Paint(stroke=TARGET, width=1.0 * frame.unit, opacity=0.22)
+    while ring < far:
+        ring *= math.sqrt(2.0)  # the signal halves
+        if ring * (1.0 - math.sqrt(0.5)) >= gap:
+            parts.append(Circle(x, y, ring, line, clipped=True))
+    return parts
+
+
+def _changes(changes: Changes, frame: Frame) -> list[Primitive]:
+    unit = frame.unit
+    stripes = 7.0 * unit if frame.cell >= 4.0 * unit else 0.0
+    parts: list[Primitive] = []
+    for mask, colour in ((changes.closes, GREY), (changes.burns, FIRE)):
+        if mask.any():
+            parts.append(Cells(mask, colour, opacity=0.30))
+            if stripes:
+                parts.append(Cells(mask, colour, opacity=0.85, hatch=stripes))
+    if changes.opens.any() and corner_count(changes.opens) <= MOST_CORNERS:
+        dotted = Paint(stroke=PAPER, width=1.8 * unit, dash=(1.8 * unit, 3.2 * unit))
+        for line in outlines(changes.opens):
+            parts.append(Path(frame.corners(line), dotted, closed=True))
+    return parts
+
+
+def _certificate(world: World, frame: Frame) -> list[Primitive]:
+    unit, proof = frame.unit, world.certificate
+    if isinstance(proof, Witness) and len(proof.x) > 1:
+        points = frame.points(np.column_stack((proof.x, proof.y)))
+        return [Path(points, Paint(stroke=START, width=1.8 * unit, dash=(7.0 * unit, 5.0 * unit)))]
+    if isinstance(proof, Cut) and len(proof.cells):
+        points = frame.corners(proof.cells + 0.5)
+        casing = Path(points, Paint(stroke=PAPER, width=5.0 * unit, opacity=0.8), closed=True)
+        return [casing, Path(points, Paint(stroke=TUNNEL, width=3.0 * unit), closed=True)]
+    return []
+
+
+def _target(world: World, frame: Frame) -> list[Primitive]:
+    unit = frame.unit
+    x, y = frame.to_pixels(world.target.x, world.target.y)
+    radius = max(world.target.radius * frame.scale, 5.0 * unit)
+    reach = radius + 6.0 * unit
+    parts: list[Primitive] = [Circle(x, y, radius, Paint(fill=PAPER, opacity=0.75))]
+    for colour, width in ((PAPER, 5.0 * unit), (TARGET, 2.4 * unit)):
+        parts.append(Circle(x, y, radius, Paint(stroke=colour, width=width)))
+        for dx, dy in ((reach, 0.0), (0.0, reach)):
+            arm = np.array(((x - dx, y - dy), (x + dx, y + dy)))
+            parts.append(Path(arm, Paint(stroke=colour, width=width)))
+    return parts
+
+
+def _start(world: World, frame: Frame) -> list[Primitive]:
+    """The robot's disc, true to scale, with a tick ahead; a ring finds it where it is too small to see."""
+    unit, heading = frame.unit, world.start.heading
+    x, y = frame.to_pixels(world.start.x, world.start.y)
+    radius = world.robot_radius * frame.scale
+    shown = max(radius, 3.0 * unit)
+    hidden = radius < 6.0 * unit
+    tick = max(radius, 7.0 * unit) if hidden else radius
+    ahead = np.array(((x, y), (x + tick * math.cos(heading), y - tick * math.sin(heading))))
+    parts: list[Primitive] = [
+        Circle(x, y, shown + 1.5 * unit, Paint(fill=PAPER)),
+        Circle(x, y, shown, Paint(fill=mix(PAPER, START, 0.45))),
+        Circle(x, y, shown, Paint(stroke=START, width=2.0 * unit)),
+        Path(ahead, Paint(stroke=mix(START, "#000000", 0.35), width=3.0 * unit)),
+    ]
+    if hidden:
+        parts.append(Circle(x, y, 11.0 * unit, Paint(stroke=PAPER, width=4.5 * unit)))
+        parts.append(Circle(x, y, 11.0 * unit, Paint(stroke=START, width=2.2 * unit)))
+    return parts

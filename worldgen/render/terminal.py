@@ -1,0 +1,247 @@
+"""A world in the terminal: two cells per character with colours, or plain letters without."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+from dataclasses import dataclass
+from typing import TextIO
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.render.caption import facts
+from worldgen.render.content import Changes
+from worldgen.render.overlay import Trail
+from worldgen.render.palette import APPROACH, FIRE, FLOOR, GREY, LOOP, START, TARGET, TUNNEL, WALL, mix, rgb
+from worldgen.render.polyline import along, arc_length
+from worldgen.rows import flip_rows
+from worldgen.world import Witness, World
+
+__all__ = ["draw_terminal", "wants_color"]
+
+MOST_ROWS = 100  # rows of dots or letters; a higher world is scaled down
+SMALL = 60  # dots; in colour, a smaller world is scaled up to about this side
+Dots = npt.NDArray[np.uint8]
+
+# What a dot shows; a higher number hides a lower one.
+FREE, PARTLY, SOLID, CLOSES, BURNS, WITNESS, WAY, LOOPS, START_DOT, TARGET_DOT, TUNNELS = range(11)
+OPENS = 11  # only where a cell is solid
+
+
+@dataclass(frozen=True, slots=True)
+class Sign:
+    """How a dot is shown: the letter without colours, the colour, and its word in the key."""
+
+    letter: str
+    colour: str
+    word: str = ""
+
+
+SIGNS = {
+    FREE: Sign(".", FLOOR),
+    PARTLY: Sign("+", mix(FLOOR, WALL, 0.6), "partly solid"),
+    SOLID: Sign("#", WALL),
+    CLOSES: Sign("x", mix(FLOOR, GREY, 0.6), "closes later"),
+    BURNS: Sign("^", mix(FLOOR, FIRE, 0.7), "burns"),
+    OPENS: Sign("-", GREY, "opens later"),
+    WITNESS: Sign(",", mix(FLOOR, START, 0.6), "a way that fits"),
+    WAY: Sign("*", APPROACH, "trail"),
+    LOOPS: Sign("o", LOOP, "loop"),
+    START_DOT: Sign("S", START, "start"),
+    TARGET_DOT: Sign("G", TARGET, "target"),
+    TUNNELS: Sign("!", TUNNEL, "through a wall"),
+}
+
+
+def wants_color(stream: TextIO) -> bool:
+    """Whether a stream is a terminal that shows colours; NO_COLOR, FORCE_COLOR and TERM=dumb are obeyed."""
+    if os.environ.get("NO_COLOR"):
+        return False
+    if os.environ.get("FORCE_COLOR"):
+        return True
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def draw_terminal(
+    world: World,
+    *,
+    trail: Trail | None = None,
+    width: int | None = None,
+    color: bool = True,
+    truecolor: bool | None = None,
+) -> str:
+    """A world, and a run in it, as lines of text.
+
+    Without colours one character is one cell, as in a ``.grid`` file. With colours a character is two
+    dots, one above the other, and a small world gets several dots a cell. A world too large for the
+    terminal is scaled down; a dot is then several cells, and shows if any of them is solid.
+
+    Args:
+        world: What to draw.
+        trail: What a robot did in it.
+        width: Columns that may be used; the terminal's if left out.
+        color: Half-block characters with ANSI colours, or plain ASCII.
+        truecolor: 24-bit colours instead of 256; as COLORTERM says if left out.
+
+    Returns:
+        The picture, a key to its signs, and its scale; ends with a line end.
+    """
+    columns = max(8, shutil.get_terminal_size((80, 24)).columns if width is None else width)
+    grid = _Grid.of(world, columns, color=color)
+    dots = grid.dots(world, trail)
+    if color:
+        deep = os.environ.get("COLORTERM") in {"truecolor", "24bit"} if truecolor is None else truecolor
+        lines = _half_blocks(_colours(dots, grid, world), deep=deep)
+    else:
+        deep = False
+        lines = ["".join(SIGNS[int(dot)].letter for dot in row) for row in flip_rows(dots)]
+    key = _key(dots, color=color, deep=deep)
+    scale = (
+        f"; 1 character is {grid.cells} x {grid.cells * (2 if color else 1)} cells" if grid.cells > 1 else ""
+    )
+    return "\n".join([*lines, key, facts(world) + scale, ""])
+
+
+@dataclass(frozen=True, slots=True)
+class _Grid:
+    """The dots of a picture: each has ``cells`` cells a side, or each cell ``dots_per_cell`` dots."""
+
+    cells: int
+    dots_per_cell: int
+    dot_size: float  # m
+
+    @classmethod
+    def of(cls, world: World, columns: int, *, color: bool) -> _Grid:
+        rows = MOST_ROWS * (2 if color else 1)
+        cells = max(1, math.ceil(world.width / columns), math.ceil(world.height / rows))
+        fine = 1
+        if color and cells == 1:
+            fine = max(1, min(columns // world.width, SMALL // max(world.width, world.height)))
+        return cls(cells, fine, world.cell_size * cells / fine)
+
+    def shrunk(self, mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
+        """(rows, columns) float64: the share of each dot's cells that are set."""
+        if self.cells == 1:
+            return mask.repeat(self.dots_per_cell, 0).repeat(self.dots_per_cell, 1).astype(np.float64)
+        starts = [np.arange(0, side, self.cells) for side in mask.shape]
+        sums = np.add.reduceat(mask, starts[0], axis=0, dtype=np.float64)
+        sums = np.add.reduceat(sums, starts[1], axis=1)
+        sizes = [np.diff(np.append(first, side)) for first, side in zip(starts, mask.shape, strict=True)]
+        return np.asarray(sums / np.outer(*sizes), np.float64)
+
+    def dots(self, world: World, trail: Trail | None) -> Dots:
+        """(rows, columns) uint8: what each dot shows, row 0 the lowest."""
+        solid = self.shrunk(world.walls)
+        dots = np.where(solid >= 1.0, SOLID, np.where(solid > 0.0, PARTLY, FREE)).astype(np.uint8)
+        if world.is_dynamic:
+            changes = Changes.of(world)
+            for mask, sign in ((changes.closes, CLOSES), (changes.opens, OPENS), (changes.burns, BURNS)):
+                dots[self.shrunk(mask) > 0.0] = sign
+        if trail is not None:
+            self._line(dots, trail.approach, WAY)
+            self._line(dots, trail.loop, LOOPS)
+        elif isinstance(world.certificate, Witness) and self.dots_per_cell > 1:
+            self._line(dots, np.column_stack((world.certificate.x, world.certificate.y)), WITNESS)
+        self._disc(dots, world.target.x, world.target.y, world.target.radius, TARGET_DOT)
+        self._disc(dots, world.start.x, world.start.y, world.robot_radius, START_DOT)
+        if trail is not None:
+            for x, y in trail.places("tunnel"):
+                dots[self._place(dots, x, y)] = TUNNELS
+        return dots
+
+    def _place(self, dots: Dots, x: float, y: float) -> tuple[int, int]:
+        rows, columns = dots.shape
+        row, column = math.floor(y / self.dot_size), math.floor(x / self.dot_size)
+        return min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)
+
+    def _line(self, dots: Dots, points: npt.NDArray[np.float64], sign: int) -> None:
+        if not len(points):
+            return
+        total = float(arc_length(points)[-1])
+        count = min(4 * dots.size, math.ceil(3.0 * total / self.dot_size) + 1)
+        samples = np.concatenate((points, along(points, np.linspace(0.0, total, count))))
+        spots = np.floor(samples / self.dot_size).astype(np.int64)
+        rows, columns = dots.shape
+        dots[np.clip(spots[:, 1], 0, rows - 1), np.clip(spots[:, 0], 0, columns - 1)] = sign
+
+    def _disc(self, dots: Dots, x: float, y: float, radius: float, sign: int) -> None:
+        rows, columns = dots.shape
+        if self.dots_per_cell > 1:
+            dx = (np.arange(columns) + 0.5) * self.dot_size - x
+            dy = (np.arange(rows) + 0.5) * self.dot_size - y
+            dots[(dx * dx + (dy * dy)[:, None] <= radius * radius)] = sign
+        dots[self._place(dots, x, y)] = sign
+
+
+def _colours(dots: Dots, grid: _Grid, world: World) -> npt.NDArray[np.uint8]:
+    """(rows, columns, 3) uint8: the floor tinted by the signal, all else in the colours of its sign."""
+    rows, columns = dots.shape
+    table = np.array([rgb(SIGNS[sign].colour) for sign in range(len(SIGNS))], np.uint8)
+    colours = table[dots]
+    x = (np.arange(columns) + 0.5) * grid.dot_size - world.target.x
+    y = (np.arange(rows) + 0.5) * grid.dot_size - world.target.y
+    square = np.maximum(x * x + (y * y)[:, None], world.target.radius**2)
+    ratio = np.log(square / world.target.radius**2)
+    share = ratio / max(float(ratio.max()), 1e-9)
+    tint = np.array(rgb(mix(FLOOR, TARGET, 0.55)), np.float64)
+    floor = np.rint(tint + share[:, :, None] * (np.array(rgb(FLOOR)) - tint)).astype(np.uint8)
+    free = dots == FREE
+    colours[free] = floor[free]
+    part = dots == PARTLY
+    solid = (0.35 + 0.65 * grid.shrunk(world.walls))[:, :, None]
+    shade = np.rint(floor + solid * (np.array(rgb(WALL)) - floor)).astype(np.uint8)
+    colours[part] = shade[part]
+    return colours
+
+
+def _half_blocks(colours: npt.NDArray[np.uint8], *, deep: bool) -> list[str]:
+    top_first = flip_rows(colours).tolist()
+    if len(top_first) % 2:
+        top_first.append([None] * len(top_first[0]))
+    lines = []
+    for upper, lower in zip(top_first[::2], top_first[1::2], strict=True):
+        words: list[str] = []
+        last = None
+        for pair in zip(upper, lower, strict=True):
+            if pair != last:
+                over, under = pair
+                words.append(
+                    _ansi(over, 38, deep=deep) + (_ansi(under, 48, deep=deep) if under else "\x1b[49m")
+                )
+                last = pair
+            words.append("\u2580")
+        lines.append("".join(words) + "\x1b[0m")
+    return lines
+
+
+def _ansi(colour: list[int], layer: int, *, deep: bool) -> str:
+    if deep:
+        red, green, blue = colour
+        return f"\x1b[{layer};2;{red};{green};{blue}m"
+    return f"\x1b[{layer};5;{_xterm(colour)}m"
+
+
+LEVELS = (0, 95, 135, 175, 215, 255)  # xterm's 6 x 6 x 6 cube; 24 greys follow it
+
+
+def _xterm(colour: list[int]) -> int:
+    """The nearest of xterm's 240 fixed colours."""
+    steps = [min(range(6), key=lambda k, c=channel: abs(LEVELS[k] - c)) for channel in colour]  # type: ignore[misc]
+    grey = min(max(round((sum(colour) / 3 - 8) / 10), 0), 23)
+    off_cube = sum((LEVELS[step] - channel) ** 2 for step, channel in zip(steps, colour, strict=True))
+    off_grey = sum((8 + 10 * grey - channel) ** 2 for channel in colour)
+    return 232 + grey if off_grey < off_cube else 16 + 36 * steps[0] + 6 * steps[1] + steps[2]
+
+
+def _key(dots: Dots, *, color: bool, deep: bool) -> str:
+    words = []
+    for sign in (START_DOT, TARGET_DOT, WITNESS, WAY, LOOPS, TUNNELS, PARTLY, CLOSES, OPENS, BURNS):
+        if (dots == sign).any():
+            shown = SIGNS[sign]
+            swatch = (
+                f"{_ansi(list(rgb(shown.colour)), 38, deep=deep)}\u2588\x1b[0m" if color else shown.letter
+            )
+            words.append(f"{swatch} {shown.word}")
+    return "  ".join(words)

@@ -1,0 +1,151 @@
+"""What a run looks like on the map: the way there, the endless cycle, the robot's size, what it hit."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.render.frame import Frame
+from worldgen.render.overlay import Trail
+from worldgen.render.palette import APPROACH, INK, LOOP, PAPER, TUNNEL
+from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
+from worldgen.render.primitives import Circle, Paint, Path, Primitive
+
+__all__ = ["arrow_head", "cross", "stays_put", "trail_parts"]
+
+Points = npt.NDArray[np.float64]
+THIN = 0.15  # px; how far a drawn trail may be from the true one
+MOST_FOOTPRINTS = 6
+MOST_DOTS = 2000  # more bumps than this hide the map; dots that share a pixel count once
+
+
+def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primitive]:
+    """The primitives of a trail, lowest first. ``robot_radius`` in m."""
+    radius, unit = robot_radius * frame.scale, frame.unit
+    approach = simplified(frame.points(trail.approach), THIN)
+    parts: list[Primitive] = []
+    if trail.loop_from is None:
+        parts += _way(approach, LOOP, 2.2 * unit, unit)
+        if not len(trail.places("end")):
+            parts += _footprint(frame.points(trail.points[-1:])[0], radius, unit)
+    else:
+        loop = simplified(frame.points(trail.loop), THIN)
+        still = stays_put(trail, frame, robot_radius)
+        if not still:
+            parts.append(_swept(loop, radius))
+        if len(approach) > 1:
+            parts.append(Path(approach, Paint(stroke=APPROACH, width=1.8 * unit)))
+        parts += _spot(loop[0], radius, unit) if still else _cycle(loop, radius, unit)
+    return parts + _marks(trail, frame, radius)
+
+
+def _swept(loop: Points, radius: float) -> Primitive:
+    """The floor that the robot's disc covers in the cycle: shows which gaps it does not fit through."""
+    return Path(loop, Paint(stroke=LOOP, width=2.0 * radius, opacity=0.15))
+
+
+def _way(points: Points, colour: str, width: float, unit: float) -> list[Primitive]:
+    if len(points) < 2:
+        return []
+    casing = Path(points, Paint(stroke=PAPER, width=width + 2.0 * unit, opacity=0.7))
+    line = Path(points, Paint(stroke=colour, width=width))
+    size = 2.2 * width + 3.0 * unit
+    total = float(arc_length(points)[-1])
+    if total < 3.0 * size:
+        return [casing, line]
+    spacing = max(90.0 * unit, total / 14.0)
+    heads = [arrow_head(x, y, angle, size, colour) for x, y, angle in arrow_places(points, spacing, size)]
+    return [casing, line, *heads]
+
+
+def _cycle(loop: Points, radius: float, unit: float) -> list[Primitive]:
+    parts: list[Primitive] = []
+    for x, y in _footprint_places(loop, radius):
+        parts.append(Circle(x, y, radius, Paint(fill=LOOP, opacity=0.10)))
+        parts.append(Circle(x, y, radius, Paint(stroke=LOOP, width=1.2 * unit, opacity=0.55)))
+    return parts + _way(loop, LOOP, 3.2 * unit, unit)
+
+
+def stays_put(trail: Trail, frame: Frame, robot_radius: float) -> bool:
+    """Whether the cycle is too small to see as a line. ``robot_radius`` in m."""
+    if trail.loop_from is None:
+        return False
+    spread = float(np.max(np.ptp(trail.loop, axis=0))) * frame.scale
+    return spread < max(3.0 * frame.unit, 0.1 * robot_radius * frame.scale)
+
+
+def _spot(centre: Points, radius: float, unit: float) -> list[Primitive]:
+    """A cycle that stays on its spot: the robot's disc, strong. No arrow: it may turn or push."""
+    x, y = float(centre[0]), float(centre[1])
+    shown = max(radius, 7.0 * unit)
+    return [
+        Circle(x, y, shown, Paint(fill=LOOP, opacity=0.3)),
+        Circle(x, y, shown, Paint(stroke=PAPER, width=5.6 * unit, opacity=0.7)),
+        Circle(x, y, shown, Paint(stroke=LOOP, width=3.6 * unit)),
+        Circle(x, y, 3.0 * unit, Paint(fill=LOOP)),
+    ]
+
+
+def _footprint_places(loop: Points, radius: float) -> Points:
+    """Where the robot's disc is drawn: at the cycle's corners, for there it met something."""
+    found: list[npt.NDArray[np.float64]] = []
+    for point in corners(simplified(loop, max(1.0, 0.2 * radius))):
+        if all(np.hypot(*(point - other)) > 2.2 * radius for other in found):
+            found.append(point)
+    if 2 <= len(found) <= MOST_FOOTPRINTS:
+        return np.array(found)
+    total = float(arc_length(loop)[-1])
+    count = min(MOST_FOOTPRINTS, max(1, int(total / (5.0 * radius))))
+    return along(loop, np.arange(count) * total / count)
+
+
+def _footprint(centre: Points, radius: float, unit: float) -> list[Primitive]:
+    x, y = float(centre[0]), float(centre[1])
+    shown = max(radius, 4.0 * unit)
+    return [
+        Circle(x, y, shown, Paint(fill=LOOP, opacity=0.3)),
+        Circle(x, y, shown, Paint(stroke=LOOP, width=2.0 * unit)),
+        Circle(x, y, 2.2 * unit, Paint(fill=LOOP)),
+    ]
+
+
+def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
+    unit = frame.unit
+    parts: list[Primitive] = []
+    for place in trail.places("end"):
+        parts += _footprint(frame.points(place[None])[0], radius, unit)
+    for x, y in _distinct(frame.points(trail.places("bump"))):
+        parts.append(Circle(x, y, 3.4 * unit, Paint(fill=PAPER)))
+        parts.append(Circle(x, y, 2.4 * unit, Paint(fill=INK)))
+    for index, (x, y) in enumerate(_distinct(frame.points(trail.places("overlap")))):
+        reach = max(radius, 7.0 * unit) if index < MOST_FOOTPRINTS else 3.0 * unit
+        parts.append(Circle(x, y, reach, Paint(stroke=PAPER, width=4.6 * unit, opacity=0.8)))
+        parts.append(Circle(x, y, reach, Paint(stroke=TUNNEL, width=2.6 * unit)))
+    for x, y in _distinct(frame.points(trail.places("tunnel"))):
+        parts += cross(x, y, 7.0 * unit, PAPER, 7.0 * unit)
+        parts += cross(x, y, 7.0 * unit, TUNNEL, 4.0 * unit)
+    return parts
+
+
+def _distinct(points: Points) -> Points:
+    if not len(points):
+        return points
+    _, first = np.unique(np.round(points), axis=0, return_index=True)
+    chosen = np.sort(first)
+    return points[chosen[:: max(1, -(-len(chosen) // MOST_DOTS))]]
+
+
+def cross(x: float, y: float, reach: float, colour: str, width: float) -> list[Primitive]:
+    """An x-shaped mark."""
+    paint = Paint(stroke=colour, width=width)
+    arms = (((-1.0, -1.0), (1.0, 1.0)), ((-1.0, 1.0), (1.0, -1.0)))
+    return [Path(np.array((x, y)) + reach * np.array(arm), paint) for arm in arms]
+
+
+def arrow_head(x: float, y: float, angle: float, size: float, colour: str) -> Path:
+    """A barbed head, its middle on the point, pointing along ``angle`` (rad, pixels' axes)."""
+    shape = size * np.array(((0.6, 0.0), (-0.5, 0.45), (-0.25, 0.0), (-0.5, -0.45)))
+    turn = np.array(((math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))))
+    return Path(np.array((x, y)) + shape @ turn, Paint(fill=colour), closed=True)
