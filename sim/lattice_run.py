@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import Command, CompiledController, Controller, Memory, Observation, compiled_act
+from sim.controllers.base import CompiledController, Controller, compiled_act
 from sim.kernels import layout
 from sim.kernels.geometry import chessboard_clearance, pose_is_clear
-from sim.kernels.lattice_episode import Arena, advance, apply_events, begin, hash_row, lattice_episode, obey
-from sim.kernels.lattice_sense import heading_table, sense
+from sim.kernels.lattice_episode import Arena, lattice_episode
+from sim.kernels.lattice_sense import heading_table
 from sim.motion import MOTIONS
+from sim.outcome import Outcome
+from sim.python_loop import PythonLoop
 from sim.run_options import RunOptions
 from sim.trace import Trace
-from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.errors import InvalidWorld
 from worldgen.lattice import (
     TURN,
     UNIT,
@@ -30,23 +31,22 @@ from worldgen.lattice import (
     metres_to_lattice,
     radius_in_cells,
 )
+from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["LatticeResult", "LatticeRun"]
+__all__ = ["LatticeRun"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
-
-@dataclass(frozen=True)
-class LatticeResult:
-    """What the kernels report: ``counts`` and ``sums`` as in :mod:`sim.kernels.layout`, rows if recorded."""
-
-    counts: Ints
-    sums: Floats
-    rows: Ints
-    complete: bool
-    crash: str = ""
+_ENDINGS = {
+    layout.LIMIT: "limit",
+    layout.REACHED: "reached",
+    layout.LOOP: "loop",
+    layout.TUNNEL: "tunnel",
+    layout.BURNED: "burned",
+    layout.INVALID_COMMAND: "invalid-command",
+}
 
 
 @functools.cache
@@ -132,29 +132,55 @@ class LatticeRun:
             "overlaps a wall there; move the start or make the robot smaller"
         )
 
-    def run(self, steps: int, *, find_loop: bool, record: bool) -> LatticeResult:
-        """Runs up to ``steps`` steps; with ``find_loop`` a recurrence ends the run."""
+    def run(self, steps: int, *, find_loop: bool, record: bool) -> Outcome:
+        """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
         self.settings[layout.SET_STEPS] = steps
         self.settings[layout.SET_FIND_LOOP] = int(find_loop)
-        arena = Arena(
-            self._cells.copy(), self._clearance, self._events, _headings(), np.zeros(self._cells.shape, np.uint8)
-        )
+        visited = np.zeros(self._cells.shape, np.uint8)
+        arena = Arena(self._cells.copy(), self._clearance, self._events, _headings(), visited)
         if isinstance(self.controller, CompiledController):
             return self._run_compiled(self.controller, arena, steps, record)
-        return _PythonRun(self, arena).run(steps, find_loop=find_loop, record=record)
+        loop = PythonLoop(self.controller, arena, self.settings, self.scales)
+        loop.run(steps, find_loop=find_loop, record=record)
+        rows = np.stack(loop.rows) if record and loop.rows else None
+        return self._outcome(loop.counts, loop.sums, rows, loop.complete, loop.crash)
 
-    def _run_compiled(self, controller: CompiledController, arena: Arena, steps: int, record: bool) -> LatticeResult:
+    def _run_compiled(self, controller: CompiledController, arena: Arena, steps: int, record: bool) -> Outcome:
         memory = np.array(controller.memory, np.float64)
         counts, sums = np.zeros(layout.OUT_SIZE, np.int64), np.zeros(layout.SUM_SIZE)
         width = layout.ROW_STATE + layout.STATE_MEMORY + memory.size
         rows = np.zeros((steps + 1 if record else 0, width), np.int64)
         act = compiled_act(controller.act)
         _episode_kernel()(arena, self.settings, self.scales, act, memory, counts, sums, rows)
-        return LatticeResult(counts, sums, rows[: counts[layout.OUT_STEPS] + 1], complete=True)
+        return self._outcome(counts, sums, rows[: counts[layout.OUT_STEPS] + 1] if record else None)
 
-    def trace(self, result: LatticeResult) -> Trace:
+    def _outcome(
+        self, counts: Ints, sums: Floats, rows: Ints | None, complete: bool = True, crash: str = ""
+    ) -> Outcome:
+        def cell(first: int) -> tuple[int, int]:
+            return int(counts[first]), int(counts[first + 1])
+
+        return Outcome(
+            ending="crash" if crash else _ENDINGS[int(counts[layout.OUT_ENDING])],
+            steps=int(counts[layout.OUT_STEPS]),
+            period=int(counts[layout.OUT_PERIOD]),
+            path_length=float(sums[layout.SUM_PATH]) * float(self.scales[layout.SCALE_METRES]),
+            collisions=int(counts[layout.OUT_COLLISIONS]),
+            digest=f"{int(counts[layout.OUT_DIGEST]) & (2**64 - 1):016x}",
+            last_new_cell=int(counts[layout.OUT_LAST_NEW_CELL]),
+            hit_step=int(counts[layout.OUT_HIT_STEP]),
+            hit_cell=cell(layout.OUT_HIT_IX),
+            hit_state=CellState(int(counts[layout.OUT_HIT_STATE])).word,
+            overlap_step=int(counts[layout.OUT_OVERLAP_STEP]),
+            overlap_cell=cell(layout.OUT_OVERLAP_IX),
+            random_draws=int(counts[layout.OUT_DRAWS]),
+            complete=complete,
+            crash=crash,
+            trace=None if rows is None else self._trace(rows, complete),
+        )
+
+    def _trace(self, rows: Ints, complete: bool) -> Trace:
         """The recorded rows in metres and radians."""
-        rows = result.rows
         states = rows[:, layout.ROW_STATE :]
         metres = float(self.scales[layout.SCALE_METRES])
         used = rows[:, layout.ROW_CORNERS]
@@ -174,7 +200,7 @@ class LatticeRun:
             path_step=np.repeat(np.arange(len(rows)), keep.sum(axis=1)),
             words=rows[1:].view(np.uint64),
             states=np.ascontiguousarray(states).view(np.uint64),
-            complete=result.complete,
+            complete=complete,
         )
 
 
@@ -192,112 +218,3 @@ def _event_rows(world: World, time_step: float) -> Ints:
         for event in world.timeline
     ]
     return np.array(rows, np.int64).reshape(-1, 4)
-
-
-class _PythonRun:
-    """The episode loop for a Python controller, one kernel call a piece."""
-
-    def __init__(self, setup: LatticeRun, arena: Arena) -> None:
-        self.setup, self.arena = setup, arena
-        self.counts, self.sums = np.zeros(layout.OUT_SIZE, np.int64), np.zeros(layout.SUM_SIZE)
-        self.chain, self.event = np.zeros((4, 2), np.int64), 0
-        self.observation, self.command = np.zeros(layout.OBS_SIZE), np.zeros(layout.CMD_SIZE)
-
-    def run(self, steps: int, *, find_loop: bool, record: bool) -> LatticeResult:
-        controller = self.setup.controller
-        if isinstance(controller, CompiledController):
-            raise InvalidParameter("a compiled controller runs in the episode kernel")
-        hidden = repr(vars(controller)) if hasattr(controller, "__dict__") else ""
-        crash, rows = "", []
-        try:
-            memory = _flat(controller.reset())
-            state = np.zeros(layout.STATE_MEMORY + len(memory), np.int64)
-            begin(self.setup.settings, self.setup.scales, state, self.counts, self.sums)
-            state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
-            rows = self._loop(controller, memory, state, steps, find_loop, record)
-        except (InvalidParameter, KeyboardInterrupt):
-            raise
-        except Exception as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
-            crash = f"{type(error).__name__}: {error}"
-        now = repr(vars(controller)) if hasattr(controller, "__dict__") else ""
-        width = layout.ROW_STATE + layout.STATE_MEMORY
-        table = np.stack(rows) if rows else np.zeros((0, width), np.int64)
-        return LatticeResult(self.counts, self.sums, table, complete=hidden == now, crash=crash)
-
-    def _loop(
-        self, controller: Any, memory: Memory, state: Ints, steps: int, find_loop: bool, record: bool
-    ) -> list[Ints]:
-        counts, quiet = self.counts, int(self.arena.events[-1, 0]) if len(self.arena.events) else 0
-        first = np.zeros(layout.ROW_STATE + state.size, np.int64)
-        first[layout.ROW_STATE :] = state
-        rows, anchor, power, period, touching = [first] if record else [], b"", 1, 0, False
-        for step in range(1, steps + 1):
-            counts[layout.OUT_STEPS] = step
-            row, memory = self._step(controller, memory, state, step)
-            bumped = bool(row[layout.ROW_BUMP])
-            counts[layout.OUT_COLLISIONS] += bumped and not touching
-            touching = bumped
-            hash_row(row, counts)
-            if record:
-                rows.append(row)
-            if counts[layout.OUT_ENDING] != layout.LIMIT:
-                break
-            if find_loop and step > quiet:
-                period += 1
-                now = state.tobytes()
-                if now == anchor:
-                    counts[layout.OUT_ENDING], counts[layout.OUT_PERIOD] = layout.LOOP, period
-                    break
-                if period == power:
-                    anchor, power, period = now, 2 * power, 0
-        counts[layout.OUT_DRAWS] = state[layout.STATE_DRAWS]
-        return rows
-
-    def _step(self, controller: Any, memory: Memory, state: Ints, step: int) -> tuple[Ints, Memory]:
-        setup, counts = self.setup, self.counts
-        if self.event < len(self.arena.events) and self.arena.events[self.event, 0] <= step:
-            self.event = apply_events(self.arena, setup.settings, step, self.event, state, counts)
-        points, normal = 0, (0.0, 0.0)
-        if counts[layout.OUT_ENDING] == layout.LIMIT:
-            points, *contact = advance(
-                self.arena, setup.settings, setup.scales, step, state, self.chain, counts, self.sums
-            )
-            normal = (contact[0], contact[1])
-        if counts[layout.OUT_ENDING] == layout.LIMIT:
-            pose = (int(state[0]), int(state[1]), int(state[2]))
-            draws = int(state[layout.STATE_DRAWS])
-            sense(self.arena.cells, setup.settings, setup.scales, pose, normal, draws, self.observation)
-            command, after = controller.act(Observation.of(self.observation), memory)
-            memory = _flat(after, len(memory))
-            self._obey(Command(*command), state)
-            state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
-        row = np.zeros(layout.ROW_STATE + state.size, np.int64)
-        row[layout.ROW_BUMP] = normal != (0.0, 0.0)
-        row[layout.ROW_CORNERS] = max(points - 1, 0)
-        for k in range(max(points - 1, 0)):
-            row[layout.ROW_CORNER_1 + 2 * k : layout.ROW_CORNER_1 + 2 * k + 2] = self.chain[k]
-        row[layout.ROW_STATE :] = state
-        return row, memory
-
-    def _obey(self, command: Command, state: Ints) -> None:
-        try:
-            self.command[:] = (float(command.speed), float(command.turn_rate), float(bool(command.used_random)))
-        except (TypeError, ValueError):
-            self.counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
-            return
-        obey(self.setup.scales, self.command, state, self.counts)
-
-
-def _flat(memory: Any, size: int | None = None) -> Memory:
-    """The controller's memory as numbers.
-
-    Raises:
-        TypeError: If it is not a tuple of numbers of a fixed length; the run counts as a crash.
-    """
-    if not isinstance(memory, tuple) or not all(isinstance(value, int | float | np.number) for value in memory):
-        raise TypeError(f"memory must be a tuple of numbers, not {memory!r}")
-    if size is not None and len(memory) != size:
-        raise TypeError(f"memory had {size} numbers and now has {len(memory)}; keep its length fixed")
-    return tuple(float(value) for value in memory)
-
-

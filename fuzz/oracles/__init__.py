@@ -1,1 +1,50 @@
-"""oracles."""
+"""Oracles: each confirms one verdict from a recorded trace, sharing no code with the simulator.
+
+The simulator claims; an oracle looks at the positions that were recorded, with shapely and plain Python,
+and returns an objection or nothing. A failure is stored only when its oracle has none.
+
+Contents:
+    objection: the objection to an episode's verdict, whatever it is.
+    loop, overlap, reached, stalled, timeout, tunnel: one verdict a file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from fuzz.oracles.loop import object_to_loop
+from fuzz.oracles.overlap import object_to_overlap
+from fuzz.oracles.reached import object_to_reached
+from fuzz.oracles.stalled import object_to_stalled
+from fuzz.oracles.timeout import object_to_timeout
+from fuzz.oracles.tunnel import object_to_tunnel
+from sim.motion import Motion
+from sim.trace import Trace
+from worldgen.world import Value, World
+
+__all__ = ["ORACLES", "objection"]
+
+Oracle = Callable[[World, Trace, Mapping[str, Value], Motion], str]
+
+ORACLES: dict[str, Oracle] = {
+    "loop": object_to_loop,
+    "overlap": object_to_overlap,
+    "reached": object_to_reached,
+    "stalled": object_to_stalled,
+    "timeout": object_to_timeout,
+    "tunnel": object_to_tunnel,
+}
+
+
+def objection(verdict: str, world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
+    """Why a verdict does not hold for a trace; empty if it does, or if no oracle judges that verdict.
+
+    Args:
+        verdict: The claim.
+        world: Where the run was.
+        trace: The recording; for ``loop`` it goes on for a second period.
+        evidence: The claim's evidence.
+        motion: The motion model, whose stated overlap tolerance counts.
+    """
+    oracle = ORACLES.get(verdict)
+    return oracle(world, trace, evidence, motion) if oracle else ""

@@ -1,0 +1,150 @@
+"""Failures: a world, a controller and options under which it does not arrive, with evidence that holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from fuzz.oracles import objection
+from fuzz.signature import failure_class
+from sim.controllers import CONTROLLERS, CompiledController
+from sim.episode import Episode, prepare, simulate
+from sim.motion import MOTIONS
+from sim.run_options import RunOptions, step_budget
+from worldgen.errors import InvalidParameter, WorldgenError
+from worldgen.reach import REACHABLE, check_certificate, decide
+from worldgen.world import FailureRecord, Value, Witness, World
+
+__all__ = ["Replay", "Scenario", "certified", "failure_of", "judge", "replay", "scenario_of", "seeds_that_fail"]
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Everything about a run except the world.
+
+    Args:
+        controller: Name, as the command line takes it.
+        motion: Name of the motion model.
+        time_step: s.
+        seed: Of the controller's random numbers.
+    """
+
+    controller: str
+    motion: str = "swept"
+    time_step: float = RunOptions.time_step
+    seed: int = 0
+
+    def options(self, world: World) -> RunOptions:
+        """Options with the budget that the world's witness gives."""
+        return RunOptions(
+            motion=self.motion, steps=step_budget(world, self.time_step), time_step=self.time_step, seed=self.seed
+        )
+
+
+@dataclass(frozen=True)
+class Replay:
+    """What replaying a failure showed."""
+
+    verdict: str
+    confirmed: bool
+    reason: str
+    episode: Episode | None = None
+
+
+def certified(world: World) -> World | None:
+    """The world with a fresh witness, or ``None`` if its target is not provably reachable."""
+    decision = decide(world)
+    return replace(world, certificate=decision.certificate) if decision.result == REACHABLE else None
+
+
+def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, str]:
+    """Runs a scenario, recorded, and lets the oracle of its verdict object.
+
+    Returns:
+        The episode, and the objection; empty if the verdict holds.
+    """
+    episode = simulate(world, controller, options, record=True)
+    trace = episode.trace
+    if episode.verdict == "loop":
+        period = episode.evidence["period"]
+        longer = episode.steps + (period if isinstance(period, int) else 0)
+        trace = prepare(world, controller, options).run(longer, find_loop=False, record=True).trace
+    if trace is None:
+        return episode, "no trace was recorded"
+    return episode, objection(episode.verdict, world, trace, episode.evidence, MOTIONS.get(options.motion))
+
+
+def failure_of(world: World, scenario: Scenario, **details: Value) -> World | None:
+    """The failure file of a scenario, or ``None`` if the robot arrives or the verdict is not confirmed.
+
+    Args:
+        world: A world that carries a witness.
+        scenario: What runs in it.
+        **details: What else to note.
+    """
+    options = scenario.options(world)
+    episode, wrong = judge(world, scenario.controller, options)
+    if episode.verdict == "reached" or wrong:
+        return None
+    record = FailureRecord(
+        controller=scenario.controller,
+        motion=scenario.motion,
+        seed=scenario.seed,
+        verdict=episode.verdict,
+        trace_digest=episode.trace_digest,
+        parameters=options.parameters(),
+        evidence=episode.evidence,
+        details={"class": failure_class(world, episode), **details},
+    )
+    return replace(world, failure=record)
+
+
+def scenario_of(world: World) -> tuple[FailureRecord, RunOptions]:
+    """The record of a failure and the options that it stores.
+
+    Raises:
+        InvalidParameter: If the file holds no failure, or its parameters are unknown.
+    """
+    record = world.failure
+    if record is None:
+        raise InvalidParameter("this world holds no failure; worldgen run simulates it")
+    return record, RunOptions.of(record.motion, record.seed, record.parameters)
+
+
+def replay(world: World, controller: str | None = None) -> Replay:
+    """Runs a failure again from its file and compares verdict, evidence, digest and certificate.
+
+    Args:
+        world: A failure.
+        controller: Another name for the controller, where the file's name cannot be found here.
+    """
+    record, options = scenario_of(world)
+    try:
+        episode, wrong = judge(world, controller or record.controller, options)
+    except WorldgenError as error:
+        return Replay("error", False, str(error))
+    if episode.verdict != record.verdict:
+        return Replay(episode.verdict, False, f"the verdict is {episode.verdict}, not {record.verdict}", episode)
+    if episode.trace_digest != record.trace_digest:
+        return Replay(episode.verdict, False, f"the trace digest is {episode.trace_digest}", episode)
+    if dict(episode.evidence) != dict(record.evidence):
+        return Replay(episode.verdict, False, f"the evidence is {dict(episode.evidence)}", episode)
+    if wrong:
+        return Replay(episode.verdict, False, wrong, episode)
+    if isinstance(world.certificate, Witness):
+        report = check_certificate(world)
+        if not report.valid:
+            return Replay(episode.verdict, False, f"the witness does not hold: {report.reason}", episode)
+    return Replay(episode.verdict, True, "", episode)
+
+
+def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> tuple[int, int] | None:
+    """For a controller with randomness: of ``count`` seeds, how many do not arrive; else ``None``."""
+    controller = CONTROLLERS.get(scenario.controller)
+    if not (isinstance(controller, CompiledController) and controller.randomised):
+        return None
+    options = scenario.options(world)
+    failing = 0
+    for seed in range(count):
+        run = prepare(world, controller, replace(options, seed=seed))
+        failing += run.run(options.steps, find_loop=False, record=False).ending != "reached"
+    return failing, count

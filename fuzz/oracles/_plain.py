@@ -1,0 +1,70 @@
+"""What oracles share: cells over time and pieces of a path, in plain Python."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from sim.trace import Trace
+from worldgen.timeline import CellState
+from worldgen.world import Value, World
+
+__all__ = ["cell_box", "cell_of", "integer", "is_solid_at", "path_cells", "step_path", "target_gap"]
+
+
+def integer(evidence: Mapping[str, Value], key: str) -> int:
+    """A whole number of the evidence; -1 if it is missing or no number."""
+    value = evidence.get(key)
+    return value if isinstance(value, int) and not isinstance(value, bool) else -1
+
+
+def cell_of(evidence: Mapping[str, Value]) -> tuple[int, int] | None:
+    """The evidence's cell (ix, iy)."""
+    value = evidence.get("cell")
+    if isinstance(value, list) and len(value) == 2 and isinstance(value[0], int) and isinstance(value[1], int):
+        return value[0], value[1]
+    return None
+
+
+def cell_box(world: World, ix: int, iy: int) -> shapely.Polygon:
+    """A cell as a shapely box, m."""
+    side = world.cell_size
+    return shapely.box(ix * side, iy * side, (ix + 1) * side, (iy + 1) * side)
+
+
+def is_solid_at(world: World, ix: int, iy: int, earliest: float, latest: float) -> bool:
+    """Whether a cell is solid at some time in [earliest, latest] s; outside the grid always."""
+    if not (0 <= ix < world.width and 0 <= iy < world.height):
+        return True
+    state = CellState.SOLID if world.walls[iy, ix] else CellState.FREE
+    for event in world.timeline:
+        if event.time > latest:
+            break
+        if (event.ix, event.iy) == (ix, iy):
+            if state == CellState.SOLID and event.time > earliest:
+                return True
+            state = event.state
+    return state == CellState.SOLID
+
+
+def step_path(trace: Trace, step: int) -> shapely.LineString:
+    """The path of one step, from the state before it, m."""
+    first = int(np.searchsorted(trace.path_step, step, side="left"))
+    last = int(np.searchsorted(trace.path_step, step, side="right"))
+    points = np.stack([trace.path_x[first - 1 : last], trace.path_y[first - 1 : last]], axis=1)
+    return shapely.LineString(points if len(points) > 1 else np.repeat(points, 2, axis=0))
+
+
+def path_cells(world: World, trace: Trace) -> npt.NDArray[np.int64]:
+    """(n + 1, 2) cells (ix, iy) of the states."""
+    return np.stack([np.floor(trace.x / world.cell_size), np.floor(trace.y / world.cell_size)], axis=1).astype(np.int64)
+
+
+def target_gap(world: World, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> float:
+    """Smallest distance, m, from a path to the target's disc; negative inside."""
+    points = np.stack([x, y], axis=1)
+    path = shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])
+    return float(path.distance(shapely.Point(world.target.x, world.target.y))) - world.target.radius

@@ -1,0 +1,52 @@
+"""``loop``: the complete state came back, so the run repeats for ever."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fuzz.oracles._plain import integer, target_gap
+from sim.motion import Motion
+from sim.motion.base import THESIS
+from sim.trace import Trace
+from worldgen.world import Value, World
+
+__all__ = ["object_to_loop"]
+
+
+def object_to_loop(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
+    """Objects unless two whole periods repeat, state by state, after the last event, away from the target.
+
+    Args:
+        world: Where the run was.
+        trace: A recording up to ``entry + 2 * period`` steps.
+        evidence: ``entry``, ``period``, ``state_digest``.
+        motion: The motion model.
+    """
+    entry, period = integer(evidence, "entry"), integer(evidence, "period")
+    if entry < 0 or period < 1:
+        return "the evidence has no entry and period"
+    if not trace.complete:
+        return "the controller keeps memory that it does not declare, so equal states prove nothing"
+    if trace.steps < entry + 2 * period:
+        return f"the trace ends at step {trace.steps}, before the second period does"
+    if world.is_dynamic and entry * trace.time_step < float(world.timeline.times[-1]):
+        return "the world still changes after the loop's entry"
+    one = trace.states[entry : entry + period + 1]
+    two = trace.states[entry + period : entry + 2 * period + 1]
+    if not np.array_equal(one, two):
+        return "the second period differs from the first"
+    if evidence.get("state_digest") != _digest(trace.states[entry].tolist()):
+        return "the state at the entry is not the one of the evidence"
+    first, last = np.searchsorted(trace.path_step, [entry, entry + period])
+    if motion.kernel != THESIS and target_gap(world, trace.path_x[first:last], trace.path_y[first:last]) <= 0:
+        return "the loop passes through the target"
+    return ""
+
+
+def _digest(words: list[int]) -> str:
+    value = 1469598103934665603
+    for word in words:
+        value = (value ^ word) * 1099511628211 % 2**64
+    return f"{value:016x}"

@@ -1,0 +1,83 @@
+"""Hypothesis strategies for worlds, per family and combined.
+
+They draw structure, never raw cells: a family's parameters and seed, or the bytes of a feature layout
+(:mod:`fuzz.features`). Everything shrinks towards small, empty, straight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from hypothesis import reject
+from hypothesis import strategies as st
+
+from fuzz.features import LAYOUT_BYTES, decode_world
+from worldgen.errors import GenerationFailed, InvalidParameter
+from worldgen.family import FAMILIES
+from worldgen.generation import generate
+from worldgen.reach import REACHABLE, decide
+from worldgen.world import Value, World
+
+__all__ = ["family_worlds", "feature_worlds", "layouts", "worlds"]
+
+
+def layouts() -> st.SearchStrategy[bytes]:
+    """Byte strings that :func:`fuzz.features.decode_world` turns into worlds; one choice, so it is fast."""
+    return st.binary(min_size=LAYOUT_BYTES, max_size=LAYOUT_BYTES)
+
+
+@st.composite
+def feature_worlds(draw: st.DrawFn, *, robot_radius: float = 0.07) -> World:
+    """Arenas with a few walls, cups, corners, gates, diagonals and combs; reachable, with witness."""
+    from dataclasses import replace
+
+    world = decode_world(draw(layouts()), robot_radius=robot_radius)
+    decision = decide(world)
+    if decision.result != REACHABLE:
+        reject()
+    return replace(world, certificate=decision.certificate)
+
+
+@st.composite
+def family_worlds(draw: st.DrawFn, family: str, **fixed: Value) -> World:
+    """Worlds of one family over its shapes and sizes; parameters given by name stay fixed.
+
+    Raises:
+        InvalidParameter: If the family or a parameter is unknown.
+    """
+    made_by = FAMILIES.get(family)
+    unknown = set(fixed) - set(made_by.defaults())
+    if unknown:
+        raise InvalidParameter(f"{family} has no parameter {min(unknown)!r}; it has {', '.join(made_by.defaults())}")
+    params: dict[str, Any] = {"size": draw(st.integers(14, 30))}
+    for name, choices in _VARIED.get(family, {}).items():
+        params[name] = draw(choices())
+    params |= fixed
+    try:
+        return generate(made_by, draw(st.integers(0, 2**32 - 1)), **params)
+    except (GenerationFailed, InvalidParameter):
+        reject()
+
+
+def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World]:
+    """Reachable worlds with a witness: of one family, or of feature layouts and all built-in families.
+
+    Args:
+        family: Name of a family; ``None`` for all.
+        **fixed: Parameters of that family that are not to be drawn.
+    """
+    if family is not None:
+        return family_worlds(family, **fixed)
+    if fixed:
+        raise InvalidParameter(f"{', '.join(fixed)}: name the family that has these parameters")
+    return st.one_of(feature_worlds(), *(family_worlds(name) for name in sorted(_VARIED)))
+
+
+# What is drawn beside size and seed; each from the simplest up. Filled for the built-in families.
+_VARIED: dict[str, dict[str, Callable[[], st.SearchStrategy[Any]]]] = {
+    "corridor": {},
+    "fire": {},
+    "maze": {},
+    "trap": {},
+}

@@ -1,0 +1,167 @@
+"""One run of a controller in a world, and its verdict with evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sim.controllers import CONTROLLERS, CompiledController, Controller
+from sim.lattice_run import LatticeRun
+from sim.motion import MOTIONS
+from sim.motion.base import THESIS
+from sim.outcome import Outcome, Runnable
+from sim.run_options import RunOptions, step_budget
+from sim.thesis_run import ThesisRun
+from sim.trace import Trace, state_digest
+from worldgen.errors import InvalidParameter
+from worldgen.world import Value, Witness, World
+
+__all__ = ["Episode", "prepare", "simulate"]
+
+
+@dataclass(frozen=True)
+class Episode:
+    """What happened in one run.
+
+    Args:
+        verdict: ``reached``, ``loop``, ``stalled``, ``timeout``, ``tunnel``, ``overlap``, ``burned``,
+            ``crash`` or ``invalid-command``.
+        steps: Steps simulated; for a ``loop`` those until its first state has come back.
+        time: Their duration, s.
+        path_length: m.
+        collisions: Times that the robot began to touch a wall.
+        trace_digest: 16 hex digits over every state.
+        evidence: What a checker needs, by verdict.
+        trace: The recorded states, if they were asked for.
+    """
+
+    verdict: str
+    steps: int
+    time: float
+    path_length: float
+    collisions: int
+    trace_digest: str
+    evidence: Mapping[str, Value] = field(default_factory=dict)
+    trace: Trace | None = None
+
+
+def simulate(
+    world: World,
+    controller: str | Controller,
+    options: RunOptions | None = None,
+    *,
+    record: bool = False,
+    **settings: Value,
+) -> Episode:
+    """Runs a controller in a world until it arrives, provably loops, breaks a rule, or its budget is spent.
+
+    Args:
+        world: Where.
+        controller: Its name, or the controller itself.
+        options: How; without them, ``swept`` and a budget of 50 times the witness's time.
+        record: Whether to keep every state (``trace``).
+        **settings: Single options, as an alternative to ``options``: ``motion="stepped", seed=3``.
+
+    Returns:
+        The verdict and its evidence.
+
+    Raises:
+        InvalidParameter: If a name or an option is unknown, or the two do not fit each other.
+        InvalidWorld: If the robot cannot stand at the start.
+    """
+    if options is None:
+        time_step = settings.get("time_step", RunOptions.time_step)
+        budget = step_budget(world, float(time_step)) if isinstance(time_step, int | float) else 1
+        options = RunOptions(**{"steps": budget, **settings})  # type: ignore[arg-type]
+    elif settings:
+        raise InvalidParameter(f"give options or {', '.join(settings)}, not both")
+    run = prepare(world, controller, options)
+    outcome = run.run(options.steps, find_loop=True, record=False)
+    if outcome.ending == "loop":
+        return _loop(run, outcome, options, record)
+    if record:
+        outcome = run.run(outcome.steps, find_loop=False, record=True)
+    return _episode(_verdict(outcome, options), outcome, options, _evidence(world, outcome, options))
+
+
+def prepare(world: World, controller: str | Controller, options: RunOptions) -> Runnable:
+    """Packs a scenario for its motion model's kernel; see :func:`simulate`."""
+    found = CONTROLLERS.get(controller) if isinstance(controller, str) else controller
+    motion = MOTIONS.get(options.motion)
+    if motion.kernel != THESIS:
+        return LatticeRun(world, found, options)
+    if not isinstance(found, CompiledController) or not found.thesis_rule:
+        raise InvalidParameter(
+            f"motion {motion.name!r} runs the thesis's own robots: turn-left, turn-right, turn-random; "
+            "take --motion swept or endpoint for other controllers"
+        )
+    return ThesisRun(world, found.thesis_rule, options)
+
+
+def _loop(run: Runnable, found: Outcome, options: RunOptions, record: bool) -> Episode:
+    """Finds where the recurrence begins, and shows it over two periods."""
+    period = found.period
+    whole = run.run(found.steps + period, find_loop=False, record=True)
+    if whole.trace is None or not whole.complete:
+        return _episode(_verdict(whole, options), whole, options, {})
+    states = whole.trace.states
+    same = (states[:-period] == states[period:]).all(axis=1)
+    entry = int(np.argmax(same))
+    if not same[entry:].all():  # a controller with memory that it did not declare
+        return _episode(_verdict(found, options), found, options, {})
+    outcome = run.run(entry + period, find_loop=False, record=record)
+    if outcome.overlap_step >= 0:
+        return _episode("overlap", outcome, options, _overlap_evidence(outcome))
+    evidence: dict[str, Value] = {
+        "entry": entry,
+        "period": period,
+        "state_digest": state_digest(states[entry]),
+    }
+    return _episode("loop", outcome, options, evidence)
+
+
+def _verdict(outcome: Outcome, options: RunOptions) -> str:
+    if outcome.ending in ("tunnel", "burned", "invalid-command", "crash"):
+        return outcome.ending
+    if outcome.overlap_step >= 0:
+        return "overlap"
+    if outcome.ending == "reached":
+        return "reached"
+    return "stalled" if outcome.last_new_cell <= outcome.steps // 2 else "timeout"
+
+
+def _evidence(world: World, outcome: Outcome, options: RunOptions) -> dict[str, Value]:
+    verdict = _verdict(outcome, options)
+    if verdict in ("tunnel", "burned"):
+        evidence: dict[str, Value] = {"step": outcome.hit_step, "cell": list(outcome.hit_cell)}
+        return evidence | ({"state": outcome.hit_state} if verdict == "burned" else {})
+    if verdict == "overlap":
+        return _overlap_evidence(outcome)
+    if verdict in ("stalled", "timeout"):
+        budget: dict[str, Value] = {"last_new_cell": outcome.last_new_cell}
+        if isinstance(world.certificate, Witness) and world.certificate.duration > 0:
+            spent = outcome.steps * options.time_step
+            budget["witness_multiple"] = round(spent / world.certificate.duration, 3)
+        return budget
+    if verdict == "crash":
+        return {"error": outcome.crash, "step": outcome.steps}
+    return {"step": outcome.steps}
+
+
+def _overlap_evidence(outcome: Outcome) -> dict[str, Value]:
+    return {"step": outcome.overlap_step, "cell": list(outcome.overlap_cell)}
+
+
+def _episode(verdict: str, outcome: Outcome, options: RunOptions, evidence: dict[str, Value]) -> Episode:
+    return Episode(
+        verdict=verdict,
+        steps=outcome.steps,
+        time=round(outcome.steps * options.time_step, 9),
+        path_length=outcome.path_length,
+        collisions=outcome.collisions,
+        trace_digest=outcome.digest,
+        evidence=evidence,
+        trace=outcome.trace,
+    )

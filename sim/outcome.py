@@ -1,0 +1,59 @@
+"""What one kernel run found, in the same words for every motion model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from sim.trace import Trace
+
+__all__ = ["Outcome", "Runnable"]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The kernel's claims about a run; oracles check them from the trace.
+
+    Args:
+        ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, ``invalid-command`` or ``crash``.
+        steps: Steps simulated.
+        period: Steps of the recurrence, for ``loop``.
+        path_length: m.
+        collisions: Times that the robot began to touch a wall.
+        digest: 16 hex digits.
+        last_new_cell: Last step in which the centre entered a cell for the first time.
+        hit_step: Step of the tunnel, fire or debris; -1.
+        hit_cell: Its cell (ix, iy).
+        hit_state: ``solid`` or ``burning``, for ``burned``.
+        overlap_step: First step whose path cut a wall by more than the tolerance; -1.
+        overlap_cell: Its cell.
+        random_draws: Random numbers used.
+        complete: Whether the recorded state is all that decides the future.
+        crash: What the controller raised.
+        trace: The recording, if one was asked for.
+    """
+
+    ending: str
+    steps: int
+    period: int
+    path_length: float
+    collisions: int
+    digest: str
+    last_new_cell: int
+    hit_step: int
+    hit_cell: tuple[int, int]
+    hit_state: str
+    overlap_step: int
+    overlap_cell: tuple[int, int]
+    random_draws: int
+    complete: bool = True
+    crash: str = ""
+    trace: Trace | None = None
+
+
+class Runnable(Protocol):
+    """A world, a controller and options, packed for some kernel."""
+
+    def run(self, steps: int, *, find_loop: bool, record: bool) -> Outcome:
+        """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
+        ...

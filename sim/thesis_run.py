@@ -1,0 +1,3 @@
+"""placeholder until the thesis kernels land"""
+class ThesisRun:  # noqa
+    def __init__(self, *a): raise NotImplementedError
