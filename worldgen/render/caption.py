@@ -12,6 +12,7 @@ from worldgen.render.palette import (
     APPROACH,
     FIRE,
     FLOOR,
+    FULL_TINT,
     GREY,
     INK,
     LOOP,
@@ -32,7 +33,7 @@ TITLE_SIZE, TEXT_SIZE = 16.0, 12.5  # units
 LEADING = 1.5  # line distance over type size
 MOST_LINES = 3
 ICON = 26.0  # units, width of a key's sample
-GAP = 16.0  # units between two keys
+GAP = 18.0  # units between two keys
 
 Sample = Callable[[float, float, float], list[Primitive]]
 """Draws a key's sample: its left end, its middle's y, and the unit, all px."""
@@ -59,7 +60,7 @@ def printable(text: str) -> str:
 def text_width(text: str, size: float) -> float:
     """About the width of a line in a common sans-serif face, the same for every backend."""
     narrow, wide = "iljtfrI.,:;'|!()[] ", "mwMW@%"
-    ems = sum(0.30 if c in narrow else 0.88 if c in wide else 0.68 if c.isupper() else 0.56 for c in text)
+    ems = sum(0.30 if c in narrow else 0.88 if c in wide else 0.68 if c.isupper() else 0.58 for c in text)
     return ems * size
 
 
@@ -222,7 +223,7 @@ def _signal_sample(x: float, y: float, unit: float) -> list[Primitive]:
     step = ICON * unit / steps
     parts: list[Primitive] = []
     for index in range(steps):
-        tint = mix(mix(FLOOR, TARGET, 0.55), FLOOR, index / (steps - 1))
+        tint = mix(FULL_TINT, FLOOR, index / (steps - 1))
         corners = np.array(((0.0, -6.0 * unit), (step, -6.0 * unit), (step, 6.0 * unit), (0.0, 6.0 * unit)))
         parts.append(Path(np.array((x + index * step, y)) + corners, Paint(fill=tint), closed=True))
     return parts

@@ -56,7 +56,7 @@ def draw_html(
     scene = compose(world, trail, signal=signal, witness=witness, title=title, pixels=pixels)
     name = html.escape(printable(title)) or "A world"
     rows = "\n".join(
-        f"<tr><th>{html.escape(key)}</th><td>{html.escape(printable(value))}</td></tr>"
+        f"<tr><th>{html.escape(printable(key))}</th><td>{html.escape(printable(value))}</td></tr>"
         for key, value in _known(world)
     )
     return (

@@ -10,12 +10,14 @@ __all__ = [
     "APPROACH",
     "FIRE",
     "FLOOR",
+    "FULL_TINT",
     "GREY",
     "INK",
     "LOOP",
     "PAPER",
     "RULE",
     "START",
+    "SWEPT",
     "TARGET",
     "TUNNEL",
     "WALL",
@@ -48,3 +50,7 @@ def mix(first: str, second: str, share: float) -> str:
     """The colour with ``share`` (0 to 1) of the second in it."""
     parts = (round(a + (b - a) * share) for a, b in zip(rgb(first), rgb(second), strict=True))
     return "#" + "".join(f"{part:02X}" for part in parts)
+
+
+SWEPT = mix(PAPER, LOOP, 0.35)  # the floor that the robot covers in its loop
+FULL_TINT = mix(FLOOR, TARGET, 0.55)  # the floor where the signal is strongest

@@ -64,7 +64,7 @@ def along(points: Points, distance: Sequence[float] | Points) -> Points:
 
 
 def arrow_places(points: Points, spacing: float, reach: float) -> list[tuple[float, float, float]]:
-    """Where arrow heads sit well: about ``spacing`` apart, on straight pieces.
+    """Where arrow heads sit well: about ``spacing`` apart, on straight pieces, none on another.
 
     Args:
         points: (n, 2).
@@ -77,14 +77,17 @@ def arrow_places(points: Points, spacing: float, reach: float) -> list[tuple[flo
     total = float(arc_length(points)[-1])
     count = max(1, round(total / spacing))
     step = total / count
-    places = []
+    places: list[tuple[float, float, float]] = []
     for index in range(count):
-        # The straightest of some spots around the even one: a head on a corner points nowhere.
+        # Spots around the even one, straightest first: a head on a corner points nowhere.
         spots = (index + 0.5 + np.array((0.0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3, 0.4, -0.4))) * step
         chords = along(points, spots + reach) - along(points, spots - reach)
-        best = int(np.argmax(np.round(np.hypot(*chords.T), 6)))
-        x, y = along(points, [spots[best]])[0]
-        places.append((float(x), float(y), float(np.arctan2(chords[best, 1], chords[best, 0]))))
+        order = np.argsort(-np.round(np.hypot(*chords.T) / reach, 2), kind="stable")
+        for spot, (dx, dy) in zip(along(points, spots[order]), chords[order], strict=True):
+            x, y = float(spot[0]), float(spot[1])
+            if all(max(abs(x - other[0]), abs(y - other[1])) > 2.5 * reach for other in places):
+                places.append((x, y, float(np.arctan2(dy, dx))))
+                break
     return places
 
 

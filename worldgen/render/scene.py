@@ -12,14 +12,13 @@ from worldgen.render.content import Changes, Content
 from worldgen.render.frame import Frame
 from worldgen.render.outline import corner_count, outlines
 from worldgen.render.overlay import Trail
-from worldgen.render.palette import FIRE, FLOOR, GREY, PAPER, START, TARGET, TUNNEL, WALL, mix
+from worldgen.render.palette import FIRE, FLOOR, FULL_TINT, GREY, PAPER, START, TARGET, TUNNEL, WALL, mix
 from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Primitive
-from worldgen.render.trail_parts import trail_parts
+from worldgen.render.trail_parts import swept_parts, trail_parts
 from worldgen.world import Cut, Witness, World
 
 __all__ = ["Scene", "compose"]
 
-FULL_TINT = mix(FLOOR, TARGET, 0.55)
 MOST_CORNERS = 4000  # of dotted outlines; with more they are a grey mess
 
 
@@ -71,9 +70,11 @@ def _map(content: Content) -> list[Primitive]:
     parts += [Cells(world.walls, WALL), *_changes(content.changes, frame)]
     if content.witness:
         parts += _certificate(world, frame)
-    if content.trail is not None:
-        parts += trail_parts(content.trail, frame, world.robot_radius)
-    return [*parts, *_target(world, frame), *_start(world, frame)]
+    if content.trail is None:
+        return [*parts, *_start(world, frame), *_target(world, frame)]
+    # The start lies under the lines, for a cycle often leads through it.
+    parts += [*swept_parts(content.trail, frame, world.robot_radius), *_start(world, frame)]
+    return [*parts, *trail_parts(content.trail, frame, world.robot_radius), *_target(world, frame)]
 
 
 def _box(left: float, top: float, right: float, bottom: float, fill: str) -> Path:

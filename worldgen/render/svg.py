@@ -145,7 +145,7 @@ class _Writer:
         period = part.hatch * scale
         return self._define(
             f'<pattern id="{{id}}" width="{period:.5g}" height="{period:.5g}" patternUnits="userSpaceOnUse" '
-            f'patternTransform="rotate(45)"><rect width="{0.28 * period:.5g}" height="{period:.5g}" '
+            f'patternTransform="rotate(-45)"><rect width="{0.28 * period:.5g}" height="{period:.5g}" '
             f'fill="{part.fill}"/></pattern>'
         )
 

@@ -14,7 +14,20 @@ import numpy.typing as npt
 from worldgen.render.caption import facts
 from worldgen.render.content import Changes
 from worldgen.render.overlay import Trail
-from worldgen.render.palette import APPROACH, FIRE, FLOOR, GREY, LOOP, START, TARGET, TUNNEL, WALL, mix, rgb
+from worldgen.render.palette import (
+    APPROACH,
+    FIRE,
+    FLOOR,
+    FULL_TINT,
+    GREY,
+    LOOP,
+    START,
+    TARGET,
+    TUNNEL,
+    WALL,
+    mix,
+    rgb,
+)
 from worldgen.render.polyline import along, arc_length
 from worldgen.rows import flip_rows
 from worldgen.world import Witness, World
@@ -23,6 +36,9 @@ __all__ = ["draw_terminal", "wants_color"]
 
 MOST_ROWS = 100  # rows of dots or letters; a higher world is scaled down
 SMALL = 60  # dots; in colour, a smaller world is scaled up to about this side
+# The signal's steps where only 256 colours can be shown: those of one hue, and where each step ends.
+BLUES = ("#5FAFFF", "#87D7FF", "#AFD7FF", "#D7FFFF", "#FFFFFF")
+BLUE_ENDS = (0.15, 0.35, 0.60, 0.80)
 Dots = npt.NDArray[np.uint8]
 
 # What a dot shows; a higher number hides a lower one.
@@ -56,7 +72,14 @@ SIGNS = {
 
 
 def wants_color(stream: TextIO) -> bool:
-    """Whether a stream is a terminal that shows colours; NO_COLOR, FORCE_COLOR and TERM=dumb are obeyed."""
+    """Whether a stream is a terminal that shows colours and half blocks.
+
+    NO_COLOR, FORCE_COLOR and TERM=dumb are obeyed.
+    """
+    try:
+        "\u2580".encode(getattr(stream, "encoding", None) or "ascii")
+    except (UnicodeEncodeError, LookupError):
+        return False
     if os.environ.get("NO_COLOR"):
         return False
     if os.environ.get("FORCE_COLOR"):
@@ -93,7 +116,7 @@ def draw_terminal(
     dots = grid.dots(world, trail)
     if color:
         deep = os.environ.get("COLORTERM") in {"truecolor", "24bit"} if truecolor is None else truecolor
-        lines = _half_blocks(_colours(dots, grid, world), deep=deep)
+        lines = _half_blocks(_colours(dots, grid, world, deep=deep), deep=deep)
     else:
         deep = False
         lines = ["".join(SIGNS[int(dot)].letter for dot in row) for row in flip_rows(dots)]
@@ -175,7 +198,7 @@ class _Grid:
         dots[self._place(dots, x, y)] = sign
 
 
-def _colours(dots: Dots, grid: _Grid, world: World) -> npt.NDArray[np.uint8]:
+def _colours(dots: Dots, grid: _Grid, world: World, *, deep: bool) -> npt.NDArray[np.uint8]:
     """(rows, columns, 3) uint8: the floor tinted by the signal, all else in the colours of its sign."""
     rows, columns = dots.shape
     table = np.array([rgb(SIGNS[sign].colour) for sign in range(len(SIGNS))], np.uint8)
@@ -185,8 +208,11 @@ def _colours(dots: Dots, grid: _Grid, world: World) -> npt.NDArray[np.uint8]:
     square = np.maximum(x * x + (y * y)[:, None], world.target.radius**2)
     ratio = np.log(square / world.target.radius**2)
     share = ratio / max(float(ratio.max()), 1e-9)
-    tint = np.array(rgb(mix(FLOOR, TARGET, 0.55)), np.float64)
-    floor = np.rint(tint + share[:, :, None] * (np.array(rgb(FLOOR)) - tint)).astype(np.uint8)
+    if deep:
+        tint = np.array(rgb(FULL_TINT), np.float64)
+        floor = np.rint(tint + share[:, :, None] * (np.array(rgb(FLOOR)) - tint)).astype(np.uint8)
+    else:
+        floor = np.array([rgb(blue) for blue in BLUES], np.uint8)[np.searchsorted(BLUE_ENDS, share)]
     free = dots == FREE
     colours[free] = floor[free]
     part = dots == PARTLY

@@ -9,41 +9,63 @@ import numpy.typing as npt
 
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Trail
-from worldgen.render.palette import APPROACH, INK, LOOP, PAPER, TUNNEL
+from worldgen.render.palette import APPROACH, INK, LOOP, PAPER, SWEPT, TUNNEL
 from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
 from worldgen.render.primitives import Circle, Paint, Path, Primitive
 
-__all__ = ["arrow_head", "cross", "stays_put", "trail_parts"]
+__all__ = ["arrow_head", "cross", "stays_put", "swept_parts", "trail_parts"]
 
 Points = npt.NDArray[np.float64]
-THIN = 0.15  # px; how far a drawn trail may be from the true one
+THIN = (0.15, 0.5, 1.5)  # px; how far a drawn trail may be from the true one: the first that is short enough
+MOST_POINTS = 20_000  # of a drawn trail; more make an SVG of megabytes
 MOST_FOOTPRINTS = 6
-MOST_DOTS = 2000  # more bumps than this hide the map; dots that share a pixel count once
+MOST_DOTS = 400  # more bumps than this hide the map; those that would overlap are one anyway
+
+
+def swept_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primitive]:
+    """The floor that the robot's disc covers in its cycle: shows which gaps it does not fit through.
+
+    Args:
+        trail: The run.
+        frame: Where the map lies.
+        robot_radius: m.
+    """
+    if trail.loop_from is None or stays_put(trail, frame, robot_radius):
+        return []
+    width = 2.0 * robot_radius * frame.scale
+    return [Path(_thinned(frame.points(trail.loop)), Paint(stroke=SWEPT, width=width, opacity=0.6))]
 
 
 def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primitive]:
-    """The primitives of a trail, lowest first. ``robot_radius`` in m."""
+    """The lines, footprints and marks of a trail, lowest first.
+
+    Args:
+        trail: The run.
+        frame: Where the map lies.
+        robot_radius: m.
+    """
     radius, unit = robot_radius * frame.scale, frame.unit
-    approach = simplified(frame.points(trail.approach), THIN)
+    approach = _thinned(frame.points(trail.approach))
     parts: list[Primitive] = []
     if trail.loop_from is None:
         parts += _way(approach, LOOP, 2.2 * unit, unit)
         if not len(trail.places("end")):
             parts += _footprint(frame.points(trail.points[-1:])[0], radius, unit)
     else:
-        loop = simplified(frame.points(trail.loop), THIN)
-        still = stays_put(trail, frame, robot_radius)
-        if not still:
-            parts.append(_swept(loop, radius))
         if len(approach) > 1:
             parts.append(Path(approach, Paint(stroke=APPROACH, width=1.8 * unit)))
+        loop = _thinned(frame.points(trail.loop))
+        still = stays_put(trail, frame, robot_radius)
         parts += _spot(loop[0], radius, unit) if still else _cycle(loop, radius, unit)
     return parts + _marks(trail, frame, radius)
 
 
-def _swept(loop: Points, radius: float) -> Primitive:
-    """The floor that the robot's disc covers in the cycle: shows which gaps it does not fit through."""
-    return Path(loop, Paint(stroke=LOOP, width=2.0 * radius, opacity=0.15))
+def _thinned(points: Points) -> Points:
+    for tolerance in THIN:
+        points = simplified(points, tolerance)
+        if len(points) <= MOST_POINTS:
+            break
+    return points
 
 
 def _way(points: Points, colour: str, width: float, unit: float) -> list[Primitive]:
@@ -64,7 +86,7 @@ def _cycle(loop: Points, radius: float, unit: float) -> list[Primitive]:
     parts: list[Primitive] = []
     for x, y in _footprint_places(loop, radius):
         parts.append(Circle(x, y, radius, Paint(fill=LOOP, opacity=0.10)))
-        parts.append(Circle(x, y, radius, Paint(stroke=LOOP, width=1.2 * unit, opacity=0.55)))
+        parts.append(Circle(x, y, radius, Paint(stroke=LOOP, width=1.2 * unit, opacity=0.6)))
     return parts + _way(loop, LOOP, 3.2 * unit, unit)
 
 
@@ -94,6 +116,8 @@ def _footprint_places(loop: Points, radius: float) -> Points:
     for point in corners(simplified(loop, max(1.0, 0.2 * radius))):
         if all(np.hypot(*(point - other)) > 2.2 * radius for other in found):
             found.append(point)
+        if len(found) > MOST_FOOTPRINTS:
+            break
     if 2 <= len(found) <= MOST_FOOTPRINTS:
         return np.array(found)
     total = float(arc_length(loop)[-1])
@@ -116,23 +140,23 @@ def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
     parts: list[Primitive] = []
     for place in trail.places("end"):
         parts += _footprint(frame.points(place[None])[0], radius, unit)
-    for x, y in _distinct(frame.points(trail.places("bump"))):
+    for x, y in _distinct(frame.points(trail.places("bump")), 4.0 * unit):
         parts.append(Circle(x, y, 3.4 * unit, Paint(fill=PAPER)))
         parts.append(Circle(x, y, 2.4 * unit, Paint(fill=INK)))
-    for index, (x, y) in enumerate(_distinct(frame.points(trail.places("overlap")))):
+    for index, (x, y) in enumerate(_distinct(frame.points(trail.places("overlap")), 4.0 * unit)):
         reach = max(radius, 7.0 * unit) if index < MOST_FOOTPRINTS else 3.0 * unit
         parts.append(Circle(x, y, reach, Paint(stroke=PAPER, width=4.6 * unit, opacity=0.8)))
         parts.append(Circle(x, y, reach, Paint(stroke=TUNNEL, width=2.6 * unit)))
-    for x, y in _distinct(frame.points(trail.places("tunnel"))):
+    for x, y in _distinct(frame.points(trail.places("tunnel")), 4.0 * unit):
         parts += cross(x, y, 7.0 * unit, PAPER, 7.0 * unit)
         parts += cross(x, y, 7.0 * unit, TUNNEL, 4.0 * unit)
     return parts
 
 
-def _distinct(points: Points) -> Points:
+def _distinct(points: Points, grain: float) -> Points:
     if not len(points):
         return points
-    _, first = np.unique(np.round(points), axis=0, return_index=True)
+    _, first = np.unique(np.round(points / grain), axis=0, return_index=True)
     chosen = np.sort(first)
     return points[chosen[:: max(1, -(-len(chosen) // MOST_DOTS))]]
 

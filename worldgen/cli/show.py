@@ -1,0 +1,83 @@
+"""``worldgen show``: a world in the terminal, or as a picture file."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from worldgen.cli.output import force_option, note, write_bytes
+
+if TYPE_CHECKING:
+    from worldgen.world import FailureRecord
+
+__all__ = ["show"]
+
+T = TypeVar("T")
+
+EXAMPLES = "\b\n  worldgen show w.grid\n  worldgen show w.grid --png w.png"
+OUT = click.Path(path_type=Path)
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("path", type=click.Path(path_type=Path))
+@click.option("--png", type=OUT, metavar="OUT", help="Write a PNG picture.")
+@click.option("--svg", type=OUT, metavar="OUT", help="Write an SVG picture.")
+@click.option("--html", type=OUT, metavar="OUT", help="Write an HTML page with the picture and the facts.")
+@click.option(
+    "--pixels", type=int, default=900, show_default=True, help="Longer side of the map in a picture."
+)
+@click.option("--signal/--no-signal", default=True, help="Tint the floor by the target's signal.")
+@click.option(
+    "--witness/--no-witness", default=True, help="Draw the path, or the cut, that proves the world."
+)
+@force_option
+def show(
+    path: Path,
+    png: Path | None,
+    svg: Path | None,
+    html: Path | None,
+    pixels: int,
+    signal: bool,
+    witness: bool,
+    force: bool,
+) -> None:
+    """Draw a world in the terminal, or as PNG, SVG or HTML.
+
+    With --png, --svg or --html nothing is drawn in the terminal; they may be combined.
+    """
+    from worldgen import render
+    from worldgen.grid_file import read_world
+
+    world = read_world(path)
+
+    def look(draw: Callable[..., T]) -> T:
+        return draw(world, signal=signal, witness=witness, title=path.name, pixels=pixels)
+
+    pictures: list[tuple[Path, bytes]] = []
+    if png is not None:
+        pictures.append((png, look(render.draw_png)))
+    if svg is not None:
+        pictures.append((svg, look(render.draw_svg).encode()))
+    if html is not None:
+        pictures.append((html, look(render.draw_html).encode()))
+    for out, data in pictures:
+        write_bytes(out, data, force=force)
+        note(f"wrote {out}")
+    if not pictures:
+        color = render.wants_color(sys.stdout)
+        click.echo(render.draw_terminal(world, color=color), nl=False, color=color)
+    if world.failure is not None:
+        click.echo(_failure_lines(world.failure, path))
+
+
+def _failure_lines(failure: FailureRecord, path: Path) -> str:
+    evidence = ", ".join(f"{key} {value}" for key, value in failure.evidence.items())
+    what = f"{failure.controller} under {failure.motion}: {failure.verdict}" + (
+        f" ({evidence})" if evidence else ""
+    )
+    return f"failure: {what}\nreplay:  worldgen replay {shlex.quote(str(path))}"
