@@ -73,15 +73,17 @@ def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, 
     return episode, objection(episode.verdict, world, trace, episode.evidence, MOTIONS.get(options.motion))
 
 
-def failure_of(world: World, scenario: Scenario, **details: Value) -> World | None:
+def failure_of(world: World, scenario: Scenario, *, fewest_steps: int = 0, **details: Value) -> World | None:
     """The failure file of a scenario, or ``None`` if the robot arrives or the verdict is not confirmed.
 
     Args:
         world: A world that carries a witness.
         scenario: What runs in it.
+        fewest_steps: Budget to give at least, for verdicts that the run itself proves.
         **details: What else to note.
     """
     options = scenario.options(world)
+    options = replace(options, steps=max(options.steps, fewest_steps))
     episode, wrong = judge(world, scenario.controller, options)
     if episode.verdict == "reached" or wrong:
         return None

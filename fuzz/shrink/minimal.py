@@ -1,0 +1,34 @@
+"""The independent check that a shrunk world is 1-minimal: its own loops, no pass of the shrinker."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from fuzz.shrink.edits import bare, drop_columns, drop_rows, free_cells
+from worldgen.world import World
+
+__all__ = ["removable"]
+
+
+def removable(world: World, still_fails: Callable[[World], World | None]) -> list[str]:
+    """Everything that could still go: solid cells one by one, rows, columns.
+
+    Args:
+        world: A shrunk world.
+        still_fails: Returns the candidate, certified, if it fails with the same verdict.
+
+    Returns:
+        What can be removed, in words; empty for a 1-minimal world.
+    """
+    return [name for name, candidate in _neighbours(bare(world)) if candidate is not None and still_fails(candidate)]
+
+
+def _neighbours(world: World) -> Iterator[tuple[str, World | None]]:
+    for iy, ix in np.argwhere(world.walls).tolist():
+        yield f"cell ({ix}, {iy})", free_cells(world, [(ix, iy)])
+    for row in range(world.height):
+        yield f"row {row}", drop_rows(world, row, 1)
+    for column in range(world.width):
+        yield f"column {column}", drop_columns(world, column, 1)

@@ -1,0 +1,126 @@
+"""Runs the passes until a whole round changes nothing, within a budget of time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from fuzz.failure import Scenario, failure_of, scenario_of
+from fuzz.shrink.edits import bare
+from fuzz.shrink.minimal import removable
+from fuzz.shrink.order import PASSES, Pass
+from fuzz.shrink.predicate import StillFails
+from worldgen.errors import InvalidParameter
+from worldgen.world import World
+
+__all__ = ["Shrunk", "shrink"]
+
+_FEWEST_STEPS = 20_000  # a simpler world may need longer until its loop closes than the one it came from
+
+
+@dataclass(frozen=True)
+class Shrunk:
+    """The result of shrinking.
+
+    Args:
+        world: The failure, with fresh certificate, evidence and digest.
+        before: Solid cells before.
+        after: Solid cells now.
+        simulations: Runs that it took.
+        left: What could still be removed; empty if the world is 1-minimal.
+        complete: Whether every pass ended by itself, not by the clock.
+    """
+
+    world: World
+    before: int
+    after: int
+    simulations: int
+    left: tuple[str, ...]
+    complete: bool
+
+
+def shrink(
+    failure: World,
+    *,
+    seconds: float | None = None,
+    progress: Callable[[World], None] | None = None,
+) -> Shrunk:
+    """Makes a failure's world as small as it can be, keeping verdict and certificate.
+
+    Args:
+        failure: A world with a failure record.
+        seconds: Stop after this time with the best so far; a fixed amount of work without it.
+        progress: Called with each simpler world.
+
+    Returns:
+        The shrunk failure. Ctrl-C returns the best so far, too.
+
+    Raises:
+        InvalidParameter: If the world holds no failure, or it does not fail (any more).
+    """
+    record, options = scenario_of(failure)
+    scenario = Scenario(record.controller, record.motion, options.time_step, record.seed)
+    still_fails = StillFails(scenario, record.verdict, max(options.steps, _FEWEST_STEPS))
+    best = still_fails(bare(failure))
+    if best is None:
+        raise InvalidParameter(
+            f"{record.controller} under {record.motion} does not end as {record.verdict!r} in this world, or its "
+            "target is not reachable; replay the file first: worldgen replay"
+        )
+    reducer = _Reducer(best, still_fails, None if seconds is None else time.monotonic() + seconds, progress)
+    complete = reducer.run()
+    left = tuple(removable(reducer.best, still_fails)) if complete else ("not checked: stopped early",)
+    details = dict(record.details) | {
+        "shrunk_from": failure.solid_cells,
+        "one_minimal": not left,
+        "simulations": still_fails.simulations,
+    }
+    details.pop("class", None)
+    world = failure_of(reducer.best, scenario, fewest_steps=still_fails.fewest_steps, **details)
+    if world is None:
+        raise InvalidParameter(f"the shrunk world of {record.verdict!r} was not confirmed by its oracle")
+    return Shrunk(world, failure.solid_cells, world.solid_cells, still_fails.simulations, left, complete)
+
+
+class _Reducer:
+    """Holds the best world so far, so that the clock or Ctrl-C can stop it at any time."""
+
+    def __init__(
+        self,
+        best: World,
+        still_fails: StillFails,
+        deadline: float | None,
+        progress: Callable[[World], None] | None,
+    ) -> None:
+        self.best, self._still_fails, self._deadline, self._progress = best, still_fails, deadline, progress
+
+    def run(self) -> bool:
+        """Passes until a whole round changes nothing; False if stopped before."""
+        try:
+            before = None
+            while before is not self.best:
+                before = self.best
+                for simplify in PASSES:
+                    self._exhaust(simplify)
+        except (TimeoutError, KeyboardInterrupt):
+            return False
+        return True
+
+    def _exhaust(self, simplify: Pass) -> None:
+        """Takes every edit that still fails; after one is taken the pass goes on from there, not afresh."""
+        first, taken = 0, True
+        while taken:
+            taken = False
+            for index, edit in enumerate(simplify(bare(self.best))):
+                if index < first:
+                    continue
+                if self._deadline is not None and time.monotonic() > self._deadline:
+                    raise TimeoutError
+                candidate = edit()
+                kept = None if candidate is None else self._still_fails(candidate)
+                if kept is not None:
+                    self.best, first, taken = kept, index, True
+                    if self._progress is not None:
+                        self._progress(kept)
+                    break
