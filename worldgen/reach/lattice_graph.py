@@ -133,7 +133,9 @@ def find_path(
         goal[node] = 2
     for node in ends:
         goal[node] = 1
-    found = search(clear, middle, graph.stride, np.array(sources, np.int64), goal, toward[0], toward[1], cost, came)
+    found = search(
+        clear, middle, graph.stride, np.array(sources, np.int64), goal, toward[0], toward[1], cost, came
+    )
     return _trace(int(found), came, graph.stride)
 
 
@@ -149,7 +151,9 @@ def _trace(node: int, came: Any, stride: int) -> list[int]:
     return path[::-1]
 
 
-def _search(clear: Any, middle: Any, stride: Any, sources: Any, goal: Any, gx: Any, gy: Any, cost: Any, came: Any) -> int:
+def _search(
+    clear: Any, middle: Any, stride: Any, sources: Any, goal: Any, gx: Any, gy: Any, cost: Any, came: Any
+) -> int:
     """A* over the eight neighbours; the same text runs in plain Python and compiled.
 
     ``goal`` is 1 where the search stops, 2 where it would be content; ``came`` gets the direction (1 to 8)

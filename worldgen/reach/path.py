@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
 
-from worldgen.lattice import UNIT, exact, lattice_to_metres
-from worldgen.reach.walls import Point, Walls, segment_box_sq
+from worldgen.lattice import UNIT, exact
+from worldgen.reach.walls import ExactPoint, Point, Walls, segment_box_sq
 from worldgen.world import Witness
 
-__all__ = ["clearance_sq", "make_witness", "merge_straight", "root_down", "shorten", "tick_of"]
+__all__ = [
+    "clearance_sq",
+    "make_witness",
+    "merge_straight",
+    "metres",
+    "root_down",
+    "root_up",
+    "shorten",
+    "ticks_per_second",
+]
 
 _LOOK_AHEAD = 32  # corners that one straight line may replace
 _TESTS = 40_000  # straight lines tried on one path; long paths look ahead less
@@ -48,19 +58,19 @@ def shorten(walls: Walls, points: list[Point]) -> list[Point]:
     return merge_straight(kept)
 
 
-def clearance_sq(walls: Walls, points: list[Point]) -> Fraction:
+def clearance_sq(walls: Walls, points: Sequence[ExactPoint]) -> Fraction:
     """Squared distance from a path to the nearest solid cell, lu squared, exactly."""
     pieces = list(zip(points, points[1:], strict=False)) or [(points[0], points[0])]
     reach = 2 * math.ceil(walls.radius * UNIT)
     while True:
-        best, over = reach * reach, 1
+        best = Fraction(reach * reach)
         for p, q in pieces:
-            for cell in walls.near(p, q, math.isqrt(best // over) + 1):
-                distance, under = segment_box_sq(p, q, cell)
-                if distance * over < best * under:
-                    best, over = distance, under
-        if best * 1 < reach * reach * over:
-            return Fraction(best, over)
+            for cell in walls.near(p, q, math.isqrt(math.ceil(best)) + 1):
+                distance, over = segment_box_sq(p, q, cell)
+                if distance * best.denominator < best.numerator * over:
+                    best = Fraction(distance) / over
+        if best < reach * reach:
+            return best
         reach *= 2
 
 
@@ -74,35 +84,39 @@ def root_down(square: Fraction) -> float:
     return root
 
 
-def tick_of(cell_size: float, speed: float) -> int:
-    """Ticks per second for the times of a path: microseconds, finer where a cell takes less than a ms."""
+def root_up(square: Fraction) -> float:
+    """The smallest float whose shortest decimal, squared, is at least ``square``."""
+    root = root_down(square)
+    return root if exact(root) ** 2 == square else math.nextafter(root, math.inf)
+
+
+def ticks_per_second(cell_size: float, speed: float) -> int:
+    """Resolution of a path's times: microseconds, finer where the robot crosses a cell in less than 1 ms."""
     ticks = 10**6
     while cell_size / speed * ticks < 1000 and ticks < 10**12:
         ticks *= 10
     return ticks
 
 
-def make_witness(
-    walls: Walls, points: list[Point], start: tuple[float, float], cell_size: float, speed: float
-) -> Witness:
-    """The path at the robot's speed, every time rounded up to a tick so that no piece is too fast.
+def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, speed: float) -> Witness:
+    """The path at the robot's speed, each time rounded up to a tick so that no piece is too fast.
 
     Args:
         walls: The walls with the disc's radius.
-        points: The path, lu; its first point is the start's.
-        start: The start as the world has it, m: nearer than half a lattice unit to the first point.
+        points: The path, lu.
         cell_size: m.
         speed: m/s.
     """
-    x = [lattice_to_metres(point[0], cell_size) for point in points]
-    y = [lattice_to_metres(point[1], cell_size) for point in points]
-    if (x[0], y[0]) != start:
-        x.insert(0, start[0])
-        y.insert(0, start[1])
-    ticks = tick_of(cell_size, speed)
-    times = [0]
-    for i in range(1, len(x)):
+    x, y = metres(points, cell_size)
+    ticks, times = ticks_per_second(cell_size, speed), [0]
+    for i in range(1, len(points)):
         length = math.hypot(x[i] - x[i - 1], y[i] - y[i - 1]) * (1 + 1e-12)
         times.append(times[-1] + math.ceil(length / speed * ticks))
     clearance = root_down(clearance_sq(walls, points) * (exact(cell_size) / UNIT) ** 2)
     return Witness(np.array([time / ticks for time in times]), np.array(x), np.array(y), clearance)
+
+
+def metres(points: Sequence[ExactPoint], cell_size: float) -> tuple[list[float], list[float]]:
+    """x and y of points in m, correctly rounded, so that their shortest decimals are the ones to write."""
+    scale = exact(cell_size) / UNIT
+    return [float(p[0] * scale) for p in points], [float(p[1] * scale) for p in points]

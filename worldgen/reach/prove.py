@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+import numpy as np
+
+from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT, exact, in_cells, metres_to_lattice
+from worldgen.reach.cut import find_chain
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
+from worldgen.reach.disc import COVER_MARGIN, Disc, look_for_open_pose, target_disc
 from worldgen.reach.lattice_graph import Graph, build_graph, find_path
-from worldgen.reach.path import make_witness, shorten
-from worldgen.reach.walls import Cell, Point, Walls
+from worldgen.reach.path import make_witness, root_up, shorten
+from worldgen.reach.walls import Cell, ExactPoint, Point, Walls
 from worldgen.world import Cut, World
 
 __all__ = ["decide"]
 
-
-@dataclass(frozen=True)
-class _Question:
-    world: World
-    walls: Walls
-    start: Point
-    target: Point
+_FINER = (4, 8, 16)  # nodes per cell side where half cells neither find a path nor leave a cut
+_MOST_NODES = 40_000_000  # a finer graph than this is not searched: about 1 GB
+_POSES = 4  # poses of the target's disc tried with a cut each
 
 
 def decide(world: World, *, radius: float | None = None) -> Decision:
@@ -30,29 +32,166 @@ def decide(world: World, *, radius: float | None = None) -> Decision:
     Args:
         world: The world; its own certificate is not looked at.
         radius: Radius of the disc, m; the robot's where left out.
+
+    Raises:
+        InvalidParameter: If the radius is not a finite number above 0.
     """
     radius = world.robot_radius if radius is None else radius
-    walls = Walls(world.walls, in_cells(radius, world.cell_size))
-    start, target = (
-        (metres_to_lattice(point.x, world.cell_size), metres_to_lattice(point.y, world.cell_size))
-        for point in (world.start, world.target)
-    )
-    question = _Question(world, walls, start, target)
-    blocker = walls.blocker(start, start)
-    if blocker is not None:
-        return Decision(BLOCKED, None, f"the start is nearer than the radius to cell {blocker}")
-    for k in (2, 4, 8):
-        path = _find(question, build_graph(world.walls, walls.radius, k))
-        if path:
-            witness = make_witness(
-                walls, shorten(walls, path), (world.start.x, world.start.y), world.cell_size, world.robot_speed
+    if not (math.isfinite(radius) and radius > 0):
+        raise InvalidParameter(f"radius={radius} m: must be a finite number above 0")
+    return _Question(world, radius).answer()
+
+
+@dataclass
+class _Question:
+    """One world and one disc.
+
+    Attributes:
+        walls: Solid cells and radius.
+        start: The start on the pose lattice, lu.
+        exact_start: The start as the world's decimals say it, lu.
+        disc: The target.
+        goal: A clear pose in the target's disc, if one is known.
+    """
+
+    world: World
+    radius: float
+
+    def __post_init__(self) -> None:
+        world = self.world
+        self.walls = Walls(world.walls, in_cells(self.radius, world.cell_size))
+        self.start: Point = (
+            metres_to_lattice(world.start.x, world.cell_size),
+            metres_to_lattice(world.start.y, world.cell_size),
+        )
+        self.exact_start: ExactPoint = (
+            in_cells(world.start.x, world.cell_size) * UNIT,
+            in_cells(world.start.y, world.cell_size) * UNIT,
+        )
+        self.disc: Disc = target_disc(world)
+        self.goal: Point | None = None
+
+    def answer(self) -> Decision:
+        """The decision."""
+        bad_start = self._judge_start()
+        if bad_start is not None:
+            return bad_start
+        self.goal = self._find_goal()
+        found = self._path(build_graph(self.world.walls, self.walls.radius, 2))
+        if not found:
+            cut = self._cut()
+            if cut is not None:
+                return cut
+            found = self._finer_path()
+        if not found:
+            return Decision(
+                UNDECIDED,
+                None,
+                "neither a path nor a cut was found: some passage is barely as wide as the disc",
             )
-            return Decision(REACHABLE, witness, f"a path of {witness.length:.3g} m")
-    return Decision(UNDECIDED, None, "no path found")
+        points: list[ExactPoint] = [*shorten(self.walls, found)]
+        if self.exact_start != points[0]:
+            points.insert(0, self.exact_start)
+        witness = make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed)
+        return Decision(
+            REACHABLE,
+            witness,
+            f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through",
+        )
+
+    def _judge_start(self) -> Decision | None:
+        cell = self.walls.blocker(self.exact_start, self.exact_start)
+        if cell is not None:
+            cell, distance_sq = self.walls.nearest(self.exact_start)
+            reason = f"the start is nearer than the radius to cell {cell}"
+            return Decision(BLOCKED, self._make_cut([cell], Fraction(distance_sq) / UNIT**2), reason)
+        if not self.walls.is_clear(self.exact_start, self.start):
+            reason = "the start touches a wall once it is rounded to 1/1024 cell; move it off the wall"
+            return Decision(UNDECIDED, None, reason)
+        return None
+
+    def _find_goal(self) -> Point | None:
+        """The target's centre, or else any clear pose in its disc."""
+        centre = (math.floor(self.disc.x + Fraction(1, 2)), math.floor(self.disc.y + Fraction(1, 2)))
+        if self.disc.holds(centre) and self.walls.is_clear(centre, centre):
+            return centre
+        return look_for_open_pose(self.walls, self.disc, [], self.start).pose
+
+    def _path(self, graph: Graph) -> list[Point]:
+        """Points from the start to the target over one graph; empty if it has no such path."""
+        unit = UNIT // graph.k
+        sources = _links(self.walls, graph, self.start)
+        ends = _links(self.walls, graph, self.goal) if self.goal is not None else []
+        spare = _nodes_within(self.disc, graph)
+        if not sources or not (ends or spare):
+            return []
+        toward = (round(self.disc.x / unit), round(self.disc.y / unit))
+        nodes = find_path(graph, sources, ends, spare, toward)
+        if not nodes:
+            return []
+        points = [self.start, *((node % graph.stride * unit, node // graph.stride * unit) for node in nodes)]
+        if self.goal is not None and nodes[-1] in ends:
+            points.append(self.goal)
+        return points
+
+    def _finer_path(self) -> list[Point]:
+        for k in _FINER:
+            if k * k * self.world.walls.size > _MOST_NODES:
+                break
+            found = self._path(build_graph(self.world.walls, self.walls.radius, k))
+            if found:
+                return found
+        return []
+
+    def _cut(self) -> Decision | None:
+        """A proof that no pose of the target can be reached, if one chain of cells gives it."""
+        if self.goal is None:
+            if not look_for_open_pose(self.walls, self.disc, [], self.start).shut:
+                return None
+            cell, _ = self.walls.nearest((self.disc.x, self.disc.y))
+            return Decision(
+                BLOCKED, self._make_cut([cell], self._covering_sq()), "no pose in the target's disc is clear"
+            )
+        goal: Point | None = self.goal
+        for _ in range(_POSES):
+            chain = (
+                find_chain(self.world.walls, self.walls.radius, self.start, goal)
+                if goal is not None
+                else None
+            )
+            if chain is None:
+                return None
+            search = look_for_open_pose(self.walls, self.disc, chain, self.start)
+            if search.shut:
+                wide = Fraction(
+                    max(_gap_sq(a, b) for a, b in zip(chain, [*chain[1:], chain[0]], strict=True)), 4
+                )
+                reason = f"a chain of {len(chain)} solid cells, every gap narrower than the disc, parts start from target"
+                return Decision(
+                    BLOCKED,
+                    self._make_cut(chain, max(wide, self._covering_sq()) if search.covered else wide),
+                    reason,
+                )
+            goal = search.pose
+        return None
+
+    def _covering_sq(self) -> Fraction:
+        """Squared radius, cells, from which on the cells are known to cover what they cover."""
+        return (self.walls.radius * (1 - COVER_MARGIN / 2)) ** 2
+
+    def _make_cut(self, chain: Sequence[Cell], stopped_sq: Fraction) -> Cut:
+        """The cut with what it stops: every disc whose squared radius, in cells, is above ``stopped_sq``."""
+        cell_size = exact(self.world.cell_size)
+        clearance = min(root_up(stopped_sq * cell_size**2), math.nextafter(self.radius, 0.0))
+        return Cut(np.array(chain, np.int64), clearance)
+
+
+def _gap_sq(a: Cell, b: Cell) -> int:
+    return max(abs(a[0] - b[0]) - 1, 0) ** 2 + max(abs(a[1] - b[1]) - 1, 0) ** 2
 
 
 def _links(walls: Walls, graph: Graph, point: Point) -> list[int]:
-    """Clear nodes near a point to which the disc may go straight."""
+    """Clear nodes near a point to which the disc may go straight; the node itself where the point is one."""
     unit = UNIT // graph.k
     x, y = point
     if x % unit == 0 and y % unit == 0:
@@ -68,31 +207,17 @@ def _links(walls: Walls, graph: Graph, point: Point) -> list[int]:
     return nodes
 
 
-def _spare_ends(world: World, graph: Graph) -> list[int]:
+def _nodes_within(disc: Disc, graph: Graph) -> list[int]:
     """Clear nodes in the target's disc."""
-    k = graph.k
-    x, y, rho = (k * in_cells(value, world.cell_size) for value in (world.target.x, world.target.y, world.target.radius))
-    rows, columns = graph.clear.shape
-    nodes = []
-    for j in range(max(0, math.ceil(y - rho)), min(rows - 1, math.floor(y + rho)) + 1):
-        for i in range(max(0, math.ceil(x - rho)), min(columns - 1, math.floor(x + rho)) + 1):
-            if graph.clear[j, i] and (i - x) ** 2 + (j - y) ** 2 <= rho * rho:
-                nodes.append(j * graph.stride + i)
-    return nodes
-
-
-def _find(question: _Question, graph: Graph) -> list[Point]:
     unit = UNIT // graph.k
-    sources = _links(question.walls, graph, question.start)
-    if not sources:
-        return []
-    ends = _links(question.walls, graph, question.target) if question.walls.is_clear(question.target, question.target) else []
-    toward = (round(question.target[0] / unit), round(question.target[1] / unit))
-    nodes = find_path(graph, sources, ends, _spare_ends(question.world, graph), toward)
-    if not nodes:
-        return []
-    points = [(node % graph.stride * unit, node // graph.stride * unit) for node in nodes]
-    points.insert(0, question.start)
-    if nodes[-1] in ends:
-        points.append(question.target)
-    return points
+    rows, columns = graph.clear.shape
+    low_y, high_y = (
+        max(0, math.ceil((disc.y - disc.radius) / unit)),
+        min(rows - 1, math.floor((disc.y + disc.radius) / unit)),
+    )
+    low_x, high_x = (
+        max(0, math.ceil((disc.x - disc.radius) / unit)),
+        min(columns - 1, math.floor((disc.x + disc.radius) / unit)),
+    )
+    found = np.argwhere(graph.clear[low_y : high_y + 1, low_x : high_x + 1]) + (low_y, low_x)
+    return [j * graph.stride + i for j, i in found.tolist() if disc.holds((i * unit, j * unit))]

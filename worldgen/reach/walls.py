@@ -1,7 +1,7 @@
-"""Exact distances between segments and solid cells, in integers.
+"""Exact distances between points, segments and solid cells.
 
-Unit of length: 1/1024 cell (:data:`worldgen.lattice.UNIT`), written *lu* below. A point is a pair of
-integers. Python's integers do not overflow, so nothing here rounds.
+Unit of length: 1/1024 cell (:data:`worldgen.lattice.UNIT`), written *lu* below. Coordinates are Python
+integers, or fractions for a start that is not on the lattice; neither rounds or overflows.
 """
 
 from __future__ import annotations
@@ -9,16 +9,28 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from fractions import Fraction
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.lattice import UNIT
 
-__all__ = ["Cell", "Point", "Walls", "point_box_sq", "segment_box_sq"]
+__all__ = [
+    "Cell",
+    "ExactPoint",
+    "Number",
+    "Point",
+    "Walls",
+    "point_box_sq",
+    "segment_box_sq",
+    "segment_meets_box",
+]
 
-Point = tuple[int, int]
-Cell = tuple[int, int]
+Number: TypeAlias = int | Fraction
+Point: TypeAlias = tuple[int, int]
+ExactPoint: TypeAlias = tuple[Number, Number]
+Cell: TypeAlias = tuple[int, int]
 
 
 class Walls:
@@ -30,13 +42,14 @@ class Walls:
     """
 
     def __init__(self, solid: npt.NDArray[np.bool_], radius: Fraction) -> None:
+        self.solid = solid
         self.height, self.width = solid.shape
         self.radius = radius
         self.radius_sq = (radius * UNIT) ** 2
         self._stride = self.width + 2
         self._cells = np.pad(solid, 1, constant_values=True).tobytes()
 
-    def near(self, p: Point, q: Point, reach: int) -> Iterator[Cell]:
+    def near(self, p: ExactPoint, q: ExactPoint, reach: int) -> Iterator[Cell]:
         """Solid cells (ix, iy) that may lie within ``reach`` lu of segment pq; none nearer is left out.
 
         Of the outside, only the ring next to the grid is listed: the rest is never nearer.
@@ -60,7 +73,7 @@ class Walls:
                 yield at - base, iy
                 at += 1
 
-    def blocker(self, p: Point, q: Point) -> Cell | None:
+    def blocker(self, p: ExactPoint, q: ExactPoint) -> Cell | None:
         """A solid cell nearer than the radius to segment pq, or None when the disc may sweep it."""
         numerator, denominator = self.radius_sq.numerator, self.radius_sq.denominator
         for cell in self.near(p, q, math.ceil(self.radius * UNIT)):
@@ -69,12 +82,21 @@ class Walls:
                 return cell
         return None
 
-    def is_clear(self, p: Point, q: Point) -> bool:
+    def is_clear(self, p: ExactPoint, q: ExactPoint) -> bool:
         """Whether the disc may sweep from p to q."""
         return self.blocker(p, q) is None
 
+    def nearest(self, p: ExactPoint) -> tuple[Cell, Number]:
+        """The solid cell nearest to a point, and its squared distance in lu squared."""
+        reach = UNIT
+        while True:
+            found = [(point_box_sq(p, cell), cell) for cell in self.near(p, p, reach)]
+            if found and min(found)[0] <= reach * reach:
+                return min(found)[1], min(found)[0]
+            reach *= 2
 
-def point_box_sq(p: Point, cell: Cell) -> int:
+
+def point_box_sq(p: ExactPoint, cell: Cell) -> Number:
     """Squared distance from a point to a closed cell, lu squared."""
     x0, y0 = cell[0] * UNIT, cell[1] * UNIT
     dx = max(x0 - p[0], 0, p[0] - x0 - UNIT)
@@ -82,25 +104,42 @@ def point_box_sq(p: Point, cell: Cell) -> int:
     return dx * dx + dy * dy
 
 
-def segment_box_sq(p: Point, q: Point, cell: Cell) -> tuple[int, int]:
+def segment_box_sq(p: ExactPoint, q: ExactPoint, cell: Cell) -> tuple[Number, Number]:
     """Squared distance from segment pq to a closed cell as (numerator, denominator), lu squared.
 
     The least distance between two disjoint convex polygons is attained at a vertex of one of them.
     """
     best, over = min(point_box_sq(p, cell), point_box_sq(q, cell)), 1
     ex, ey = q[0] - p[0], q[1] - p[1]
-    length_sq = ex * ex + ey * ey
+    length_sq: Number = ex * ex + ey * ey
     if best == 0 or length_sq == 0:
         return best, 1
-    x0, y0 = cell[0] * UNIT - p[0], cell[1] * UNIT - p[1]
-    low = high = None
-    for cx, cy in ((x0, y0), (x0 + UNIT, y0), (x0, y0 + UNIT), (x0 + UNIT, y0 + UNIT)):
-        side = ex * cy - ey * cx
-        low = side if low is None or side < low else low
-        high = side if high is None or side > high else high
-        if 0 < ex * cx + ey * cy < length_sq and side * side * over < best * length_sq:
-            best, over = side * side, length_sq
-    apart = max(0, ex) < x0 or min(0, ex) > x0 + UNIT or max(0, ey) < y0 or min(0, ey) > y0 + UNIT
-    if not apart and low is not None and high is not None and low <= 0 <= high:
+    x0, y0 = cell[0] * UNIT, cell[1] * UNIT
+    if segment_meets_box(p, q, x0, y0, UNIT):
         return 0, 1
-    return best, over
+    divisor: Number = over
+    for cx, cy in ((x0, y0), (x0 + UNIT, y0), (x0, y0 + UNIT), (x0 + UNIT, y0 + UNIT)):
+        ux, uy = cx - p[0], cy - p[1]
+        side = ex * uy - ey * ux
+        if 0 < ex * ux + ey * uy < length_sq and side * side * divisor < best * length_sq:
+            best, divisor = side * side, length_sq
+    return best, divisor
+
+
+def segment_meets_box(p: ExactPoint, q: ExactPoint, x0: Number, y0: Number, side: Number) -> bool:
+    """Whether segment pq touches the closed square [x0, x0 + side] x [y0, y0 + side].
+
+    Two convex shapes are apart exactly if some edge normal of one of them parts them.
+    """
+    if (
+        max(p[0], q[0]) < x0
+        or min(p[0], q[0]) > x0 + side
+        or max(p[1], q[1]) < y0
+        or min(p[1], q[1]) > y0 + side
+    ):
+        return False
+    ex, ey = q[0] - p[0], q[1] - p[1]
+    base = ex * (y0 - p[1]) - ey * (x0 - p[0])
+    across, up = -ey * side, ex * side
+    sides = (base, base + across, base + up, base + across + up)
+    return min(sides) <= 0 <= max(sides)

@@ -1,0 +1,366 @@
+"""Checks a certificate without any of the code that made it: shapely, numpy, plain Python.
+
+A witness is checked in metres with a tolerance of 1e-9 m. A cut's gaps and its winding are whole numbers of
+cells and halves, so they are checked exactly; only a target's disc that reaches over the chain needs
+shapely's polygons, and there every rounding goes against the certificate.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from worldgen.timeline import CellState
+from worldgen.world import Certificate, Cut, Witness, World
+
+__all__ = ["TOLERANCE", "CheckReport", "check_certificate"]
+
+TOLERANCE = 1e-9  # m; a path may come this much nearer to a wall than the radius
+SPEED_TOLERANCE = 1e-9  # share of the speed by which a piece may be too fast
+_ARC = 512  # segments of a quarter circle in polygons that stand for discs
+_SHRINK = 1 - 2.0**-11  # a pose that the disc leaves clear shows as an area once the disc is this much smaller
+
+Cells: TypeAlias = npt.NDArray[np.int64]
+Floats: TypeAlias = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """What the check found.
+
+    Args:
+        valid: Whether the certificate proves what it claims, for the radius asked.
+        reason: One sentence: what does not hold, or what does.
+        clearance: m. Of a witness, the largest disc that it lets through, as measured; of a cut, half its
+            widest gap. 0 where the certificate broke before it was measured.
+    """
+
+    valid: bool
+    reason: str
+    clearance: float
+
+
+class _Refused(Exception):  # noqa: N818 - the outcome of a check, not an error
+    """The certificate does not hold; the message says why."""
+
+
+def check_certificate(
+    world: World, certificate: Certificate | None = None, *, radius: float | None = None
+) -> CheckReport:
+    """Whether a certificate proves that a disc can, or cannot, get from start to target.
+
+    Args:
+        world: The world.
+        certificate: The proof; the world's own where left out.
+        radius: Radius of the disc, m; the robot's where left out.
+    """
+    certificate = world.certificate if certificate is None else certificate
+    radius = world.robot_radius if radius is None else radius
+    if certificate is None:
+        return CheckReport(False, "the world carries no certificate", 0.0)
+    measured = [0.0]
+    try:
+        if isinstance(certificate, Witness):
+            _check_witness(world, certificate, radius, measured)
+            reason = f"the path is clear for discs of up to {measured[0]:.6g} m"
+        else:
+            reason = _check_cut(world, certificate, radius, measured)
+    except _Refused as refusal:
+        return CheckReport(False, str(refusal), measured[0])
+    return CheckReport(True, reason, measured[0])
+
+
+def _require(holds: bool, otherwise: str) -> None:
+    if not holds:
+        raise _Refused(otherwise)
+
+
+# ---------------------------------------------------------------------------------------------- cells over time
+
+
+@dataclass(frozen=True)
+class _Spans:
+    """When the cells that change are solid or burning: from ``begin`` (inclusive) to ``end`` (exclusive), s."""
+
+    ix: Cells
+    iy: Cells
+    begin: Floats
+    end: Floats
+
+
+def _blocked_spans(world: World) -> _Spans:
+    """One row per uninterrupted state of each cell that changes."""
+    line = world.timeline
+    order = np.lexsort((np.arange(len(line)), line.times, line.iy, line.ix))
+    ix, iy = line.ix[order], line.iy[order]
+    begin, state = line.times[order], line.states[order].astype(np.int64)
+    changes = (np.diff(ix) != 0) | (np.diff(iy) != 0)
+    first, last = np.ones(len(ix), np.bool_), np.ones(len(ix), np.bool_)
+    first[1:], last[:-1] = changes, changes
+    end = np.full(len(ix), math.inf)
+    end[:-1][~changes] = begin[1:][~changes]
+    ix, iy = np.concatenate([ix, ix[first]]), np.concatenate([iy, iy[first]])
+    begin, end = np.concatenate([begin, np.zeros(int(first.sum()))]), np.concatenate([end, begin[first]])
+    wall = np.where(world.walls[iy[len(state) :], ix[len(state) :]], int(CellState.SOLID), int(CellState.FREE))
+    state = np.concatenate([state, wall])
+    kept = (state != int(CellState.FREE)) & (begin < end)
+    return _Spans(ix[kept], iy[kept], begin[kept], end[kept])
+
+
+def _always_blocked(world: World, spans: _Spans) -> npt.NDArray[np.bool_]:
+    """(height, width) bool: solid or burning at every time from 0 on."""
+    blocked = world.walls.copy()
+    blocked[world.timeline.iy, world.timeline.ix] = False
+    order = np.lexsort((spans.begin, spans.iy, spans.ix))
+    until: dict[tuple[int, int], float] = {}
+    for ix, iy, begin, end in zip(
+        spans.ix[order].tolist(),
+        spans.iy[order].tolist(),
+        spans.begin[order].tolist(),
+        spans.end[order].tolist(),
+        strict=True,
+    ):
+        if begin <= until.get((ix, iy), 0.0):
+            until[ix, iy] = end
+    for (ix, iy), end in until.items():
+        blocked[iy, ix] = end == math.inf
+    return blocked
+
+
+# ------------------------------------------------------------------------------------------------------ witness
+
+
+def _check_witness(world: World, witness: Witness, radius: float, measured: list[float]) -> None:
+    times, x, y = witness.times, witness.x, witness.y
+    finite = all(np.isfinite(values).all() for values in (times, x, y))
+    _require(len(times) > 0 and finite, "the witness has no points, or a number that is not finite")
+    _require(times[0] == 0.0, f"the witness starts at {times[0]} s, not at 0 s")
+    at_start = math.dist((x[0], y[0]), (world.start.x, world.start.y)) <= TOLERANCE
+    _require(at_start, f"the witness starts at ({x[0]}, {y[0]}) m, not at the start ({world.start.x}, {world.start.y}) m")
+    missed = math.dist((x[-1], y[-1]), (world.target.x, world.target.y)) - world.target.radius
+    _require(missed <= TOLERANCE, f"the witness ends {missed:.3g} m outside the target's disc")
+    waits = np.diff(times)
+    falls = np.nonzero(waits < 0)[0]
+    _require(not len(falls), f"the witness goes back in time after point {falls[0] if len(falls) else 0}")
+    steps = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2)
+    fast = np.nonzero(steps > world.robot_speed * waits * (1 + SPEED_TOLERANCE) + 1e-12)[0]
+    _require(
+        not len(fast), f"the witness is faster than {world.robot_speed} m/s after point {fast[0] if len(fast) else 0}"
+    )
+    clearance, where = _static_clearance(world, x, y)
+    if world.is_dynamic:
+        clearance, where = _timed_clearance(world, witness, clearance, where, max(radius, witness.clearance))
+    measured[0] = max(clearance, 0.0)
+    _require(
+        clearance >= radius - TOLERANCE, f"the witness comes within {clearance:.9g} m of {where}; the radius is {radius} m"
+    )
+    _require(
+        clearance >= witness.clearance - TOLERANCE,
+        f"the witness claims a clearance of {witness.clearance} m and comes within {clearance:.9g} m of {where}",
+    )
+
+
+def _pieces(x: Floats, y: Floats) -> npt.NDArray[np.object_]:
+    """One shape per piece of a path: a line, or a point where it stands still."""
+    points = np.stack([x, y], axis=1)
+    if len(points) == 1:
+        return np.asarray(shapely.points(points))
+    still = (np.diff(x) == 0) & (np.diff(y) == 0)
+    shapes = np.asarray(shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1)))
+    shapes[still] = shapely.points(points[:-1][still])
+    return shapes
+
+
+def _static_clearance(world: World, x: Floats, y: Floats) -> tuple[float, str]:
+    """Distance, m, from a path to the nearest cell that is solid and never changes, or to the outside."""
+    size = world.cell_size
+    # The outside is the complement of a convex box: the path is nearest to it at one of its points.
+    rim = min(x.min(), y.min(), world.width * size - x.max(), world.height * size - y.max())
+    clearance, where = float(rim), "the outside of the grid"
+    fixed = world.walls.copy()
+    fixed[world.timeline.iy, world.timeline.ix] = False
+    runs = np.diff(np.pad(fixed, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    iy, begin = np.nonzero(runs == 1)
+    end = np.nonzero(runs == -1)[1]  # runs of solid cells in a row: far fewer boxes than cells
+    if len(iy):
+        tree = shapely.STRtree(shapely.box(begin * size, iy * size, end * size, (iy + 1) * size))
+        (_, boxes), distances = tree.query_nearest(_pieces(x, y), all_matches=False, return_distance=True)
+        nearest = int(np.argmin(distances))
+        if distances[nearest] < clearance:
+            clearance = float(distances[nearest])
+            box = boxes[nearest]
+            where = f"the solid cells {begin[box]} to {end[box] - 1} of row {iy[box]}"
+    return clearance, where
+
+
+def _timed_clearance(
+    world: World, witness: Witness, clearance: float, where: str, claim: float
+) -> tuple[float, str]:
+    """The same with the cells that change, each while it is solid or burning."""
+    spans, size = _blocked_spans(world), world.cell_size
+    times = witness.times if len(witness.times) > 1 else np.zeros(2)
+    begin, end = times[:-1], times[1:]
+    early = spans.begin <= times[-1]
+    ix, iy, since, until = spans.ix[early], spans.iy[early], spans.begin[early], spans.end[early]
+    reach = min(clearance, claim + size)
+    tree = shapely.STRtree(_pieces(witness.x, witness.y))
+    boxes = shapely.box(ix * size, iy * size, (ix + 1) * size, (iy + 1) * size)
+    cell, piece = tree.query(boxes, predicate="dwithin", distance=max(reach, 0.0))
+    meet = (since[cell] <= end[piece]) & (until[cell] > begin[piece])
+    cell, piece = cell[meet], piece[meet]
+    if not len(cell):
+        return reach, where
+    low, high = np.maximum(since[cell], begin[piece]), np.minimum(until[cell], end[piece])
+    parts = _clipped(witness, piece, low, high)
+    distances = shapely.distance(parts, boxes[cell])
+    nearest = int(np.argmin(distances))
+    if distances[nearest] >= reach:
+        return reach, where
+    named = f"cell ({ix[cell[nearest]]}, {iy[cell[nearest]]}) at {low[nearest]:.6g} s to {high[nearest]:.6g} s"
+    return float(distances[nearest]), named
+
+
+def _clipped(witness: Witness, piece: Cells, low: Floats, high: Floats) -> npt.NDArray[np.object_]:
+    """The parts of the pieces between times ``low`` and ``high``."""
+    if len(witness.times) == 1:
+        return np.asarray(shapely.points(np.full(len(piece), witness.x[0]), np.full(len(piece), witness.y[0])))
+    begin, length = witness.times[piece], np.diff(witness.times)[piece]
+    safe = np.where(length > 0, length, 1.0)
+    a, b = (low - begin) / safe, (high - begin) / safe
+    ends = []
+    for share in (a, b):
+        columns = [values[piece] + share * np.diff(values)[piece] for values in (witness.x, witness.y)]
+        ends.append(np.stack(columns, axis=1))
+    shapes = np.asarray(shapely.linestrings(np.stack(ends, axis=1)))
+    still = (ends[0] == ends[1]).all(axis=1)
+    shapes[still] = shapely.points(ends[0][still])
+    return shapes
+
+
+# ---------------------------------------------------------------------------------------------------------- cut
+
+
+def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> str:
+    cells = [(int(ix), int(iy)) for ix, iy in cut.cells]
+    _require(len(cells) > 0, "the cut has no cells")
+    gaps = [_gap_sq(a, b) for a, b in zip(cells, [*cells[1:], cells[0]], strict=True)]
+    wide = max(gaps)
+    measured[0] = math.sqrt(wide) / 2 * world.cell_size
+    _require(cut.clearance < radius, f"the cut stops discs above {cut.clearance} m; the radius is {radius} m")
+    claim_holds = _decimal(cut.clearance) ** 2 * 4 >= wide * _decimal(world.cell_size) ** 2
+    _require(claim_holds, f"the cut claims to stop discs above {cut.clearance} m and has a gap of twice {measured[0]:.9g} m")
+    in_cells = _decimal(radius) / _decimal(world.cell_size)
+    at = gaps.index(wide)
+    _require(
+        wide < (2 * in_cells) ** 2,
+        f"the gap between cells {cells[at]} and {cells[(at + 1) % len(cells)]} is not narrower than the disc",
+    )
+    spans = _blocked_spans(world)
+    if _start_is_covered(world, cells, in_cells, spans):
+        return "the start is nearer to a solid cell than the radius"
+    blocked = _always_blocked(world, spans)
+    for ix, iy in cells:
+        outside = not (0 <= ix < world.width and 0 <= iy < world.height)
+        _require(outside or bool(blocked[iy, ix]), f"cell ({ix}, {iy}) of the cut is free at some time")
+    return _check_sides(world, cells, min(cut.clearance, radius * _SHRINK), blocked)
+
+
+def _decimal(value: float) -> Fraction:
+    """The number that the shortest decimal of a float says."""
+    return Fraction(repr(float(value)))
+
+
+def _gap_sq(a: tuple[int, int], b: tuple[int, int]) -> int:
+    return max(abs(a[0] - b[0]) - 1, 0) ** 2 + max(abs(a[1] - b[1]) - 1, 0) ** 2
+
+
+def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fraction, spans: _Spans) -> bool:
+    """Whether a cell of the chain that is solid or burning at time 0 is nearer to the start than the radius."""
+    now = world.walls.copy()
+    now[world.timeline.iy, world.timeline.ix] = False
+    at_once = spans.begin == 0.0
+    now[spans.iy[at_once], spans.ix[at_once]] = True
+    x, y = (_decimal(value) / _decimal(world.cell_size) for value in (world.start.x, world.start.y))
+    for ix, iy in cells:
+        solid = not (0 <= ix < world.width and 0 <= iy < world.height) or bool(now[iy, ix])
+        dx, dy = max(ix - x, 0, x - ix - 1), max(iy - y, 0, y - iy - 1)
+        if solid and dx * dx + dy * dy < radius * radius:
+            return True
+    return False
+
+
+def _check_sides(world: World, cells: list[tuple[int, int]], radius: float, blocked: npt.NDArray[np.bool_]) -> str:
+    """Every clear pose in the target's disc must lie on the other side of the chain than the start."""
+    size = _decimal(world.cell_size)
+    start = (_decimal(world.start.x) / size, _decimal(world.start.y) / size)
+    target = (_decimal(world.target.x) / size, _decimal(world.target.y) / size)
+    line = _closed_line(cells)
+    parted = _winds_round(line, start) != _winds_round(line, target)
+    reach = world.target.radius / world.cell_size
+    ring = shapely.LineString([(float(px), float(py)) for px, py in line]) if len(cells) > 1 else None
+    centre = shapely.Point(float(target[0]), float(target[1]))
+    if parted and ring is not None and centre.distance(ring) > reach + TOLERANCE:
+        return "the chain parts the start from the whole target"
+    disc = centre.buffer(reach / math.cos(math.pi / (4 * _ARC)), quad_segs=_ARC)
+    near = disc
+    if ring is not None:
+        inner = _odd_faces(ring, line)
+        near = disc.intersection(inner) if _winds_round(line, start) else disc.difference(inner)
+    open_area = near.difference(_covered(world, disc, radius / world.cell_size, blocked)).area
+    _require(open_area <= 1e-12, "the chain does not part the start from every clear pose of the target")
+    return "the chain parts the start from every clear pose of the target"
+
+
+def _closed_line(cells: list[tuple[int, int]]) -> list[tuple[Fraction, Fraction]]:
+    """Centre of each cell, closest points of it and the next, and so on, back to the first centre; in cells."""
+    half, line = Fraction(1, 2), []
+    for a, b in zip(cells, [*cells[1:], cells[0]], strict=True):
+        toward = [(b[k] > a[k]) - (b[k] < a[k]) for k in (0, 1)]
+        line.append((a[0] + half, a[1] + half))
+        line.append((a[0] + half + half * toward[0], a[1] + half + half * toward[1]))
+        line.append((b[0] + half - half * toward[0], b[1] + half - half * toward[1]))
+    return [*line, line[0]]
+
+
+def _winds_round(line: list[tuple[Fraction, Fraction]], point: tuple[Fraction, Fraction]) -> bool:
+    """Whether a closed line winds round a point an odd number of times: even-odd rule, exact."""
+    x, y = point
+    odd = False
+    for (ax, ay), (bx, by) in zip(line[:-1], line[1:], strict=True):
+        if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
+            odd = not odd
+    return odd
+
+
+def _odd_faces(ring: shapely.LineString, line: list[tuple[Fraction, Fraction]]) -> shapely.Geometry:
+    """The area round which the line winds an odd number of times."""
+    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.node(ring))))
+    inner = []
+    for face in faces:
+        point = face.representative_point()
+        if _winds_round(line, (Fraction(point.x), Fraction(point.y))):
+            inner.append(face)
+    return shapely.union_all(inner)
+
+
+def _covered(
+    world: World, disc: shapely.Geometry, radius: float, blocked: npt.NDArray[np.bool_]
+) -> shapely.Geometry:
+    """What part of the neighbourhood of a disc no robot of ``radius`` cells can stand in; never too much."""
+    x0, y0, x1, y1 = disc.bounds
+    pad = math.ceil(radius) + 1
+    low_x, low_y = max(0, math.floor(x0) - pad), max(0, math.floor(y0) - pad)
+    iy, ix = np.nonzero(blocked[low_y : math.ceil(y1) + pad, low_x : math.ceil(x1) + pad])
+    boxes = shapely.box(ix + low_x, iy + low_y, ix + low_x + 1, iy + low_y + 1)
+    grown = shapely.union_all(shapely.buffer(boxes, radius, quad_segs=_ARC // 4))
+    frame = shapely.box(x0 - 1, y0 - 1, x1 + 1, y1 + 1)
+    if 2 * radius < min(world.width, world.height):
+        free = shapely.box(radius, radius, world.width - radius, world.height - radius)
+        frame = frame.difference(free)
+    return shapely.union_all([grown, frame])

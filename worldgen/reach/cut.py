@@ -1,0 +1,291 @@
+"""Finds a cut: a closed chain of solid cells, gaps below 2 r, that winds round start or target but not both.
+
+Two cells are linked when their gap is below 2 r. Each link carries a bit: whether its line (centre, closest
+point, closest point, centre) crosses the ray from the start upwards, xor the same for the target. A cycle
+whose bits add up to an odd number parts start from target, and there is one exactly if the two lie in
+different components of the clear poses (docs/reachability.md). A union-find that keeps bits tells whether
+there is one; a breadth-first search over (cell, bit) then finds a short one.
+
+Lengths are whole numbers of 1/1024 cell, so every crossing is decided exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.jit import lazy_kernel
+from worldgen.lattice import UNIT
+from worldgen.reach.walls import Cell, Point
+
+__all__ = ["find_chain", "linked_offsets"]
+
+_SMALL = 400_000  # links that plain Python unites in less time than loading numba takes
+_STARTS = 24  # cells from which a short cycle is sought
+_WORK = 2_000_000  # links that those searches may follow in plain Python; 200 times that when compiled
+
+Ints = npt.NDArray[np.int64]
+
+
+def find_chain(
+    solid: npt.NDArray[np.bool_], radius: Fraction, start: Point, target: Point
+) -> list[Cell] | None:
+    """A chain of cells that parts two clear poses for a disc of ``radius`` cells, or None if there is none.
+
+    Args:
+        solid: (height, width) bool.
+        radius: cells.
+        start: A clear pose, 1/1024 cell.
+        target: Another.
+
+    Returns:
+        Cells (ix, iy) in chain order; -1 and the grid's sides stand for the cells just outside.
+    """
+    links = _Links(solid, linked_offsets(radius), start, target)
+    cells = len(links.cells)
+    parent, bit, odd_one = np.arange(cells), np.zeros(cells, np.uint8), np.zeros(cells, np.uint8)
+    graph = links.arrays()
+    if links.plain:
+        parent_list = parent.tolist()
+        _unite(*graph, parent_list, bytearray(cells), flags := bytearray(cells))
+        parent, odd_one = np.array(parent_list), np.frombuffer(flags, np.uint8)
+    else:
+        _unite_compiled(*graph, parent, bit, odd_one)
+    if not odd_one.any():
+        return None
+    return _short_cycle(links, odd_one[_roots(parent)] > 0)
+
+
+def linked_offsets(radius: Fraction) -> list[Cell]:
+    """Every (dx, dy) between two cells whose gap is below ``2 * radius`` cells.
+
+    The first half has no two offsets that are each other's reverse.
+    """
+    limit = math.ceil((2 * radius) ** 2)  # gap squared is whole: gap < 2 r means gap squared < limit
+    reach = math.isqrt(limit - 1) + 1
+    span = range(-reach, reach + 1)
+    found = [
+        (dx, dy)
+        for dx in span
+        for dy in span
+        if (dx, dy) != (0, 0) and max(abs(dx) - 1, 0) ** 2 + max(abs(dy) - 1, 0) ** 2 < limit
+    ]
+    return found[len(found) // 2 :] + found[: len(found) // 2]
+
+
+class _Links:
+    """The cells of the rim, their links, and the bits of those.
+
+    Attributes:
+        cells: (n, 2) int64, (ix, iy) of the solid cells that touch a free one, the ring outside included.
+        number: Flat raster, wide enough for every offset, with each cell's number or -1.
+        place: (n,) where in ``number`` a cell is.
+        steps: (m,) what each offset adds to a place.
+        slot: (n,) row of ``odd`` for cells near a ray, else -1.
+        odd: (k, m) uint8, bit of each link of these cells; all other links have 0.
+    """
+
+    def __init__(
+        self, solid: npt.NDArray[np.bool_], offsets: list[Cell], start: Point, target: Point
+    ) -> None:
+        self.points = (*start, *target)
+        self.offsets = np.array(offsets, np.int64)
+        reach = int(self.offsets.max())
+        rim = np.pad(_rim(solid), reach)
+        stride = rim.shape[1]
+        rows, columns = np.nonzero(rim)
+        self.cells: Ints = np.stack([columns, rows], axis=1) - (reach + 1)
+        self.place: Ints = rows * stride + columns
+        self.number: Ints = np.full(rim.size, -1, np.int64)
+        self.number[self.place] = np.arange(len(rows))
+        self.steps: Ints = self.offsets[:, 1] * stride + self.offsets[:, 0]
+        near = np.zeros(len(rows), np.bool_)
+        for x in (start[0], target[0]):
+            near |= np.abs(self.cells[:, 0] - x // UNIT) <= reach + 1
+        chosen = self.cells[near]
+        self.odd = link_bits(
+            chosen[:, :1], chosen[:, 1:], self.offsets[:, 0], self.offsets[:, 1], self.points
+        )
+        some = self.odd.any(axis=1)
+        self.odd = self.odd[some]
+        self.slot: Ints = np.full(len(rows), -1, np.int64)
+        self.slot[np.nonzero(near)[0][some]] = np.arange(int(np.count_nonzero(some)))
+        self.plain = len(rows) * len(offsets) // 2 <= _SMALL
+
+    def arrays(self) -> tuple[Any, ...]:
+        """What the searches read; lists where plain Python reads them."""
+        arrays = (self.number, self.place, self.steps, self.slot, self.odd.ravel())
+        return tuple(array.tolist() for array in arrays) if self.plain else arrays
+
+    def is_odd(self, cells: Ints) -> npt.NDArray[np.bool_]:
+        """For each cell of a closed chain, whether its link to the next has bit 1."""
+        delta = np.roll(cells, -1, axis=0) - cells
+        return link_bits(cells[:, 0], cells[:, 1], delta[:, 0], delta[:, 1], self.points) > 0
+
+
+def _rim(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """(height + 2, width + 2) bool: solid cells with a free one among their eight neighbours."""
+    wide = np.pad(solid, 2, constant_values=True)
+    free = ~wide
+    rows = free[:-2] | free[1:-1] | free[2:]
+    rim: npt.NDArray[np.bool_] = wide[1:-1, 1:-1] & (rows[:, :-2] | rows[:, 1:-1] | rows[:, 2:])
+    return rim
+
+
+def link_bits(
+    x: Ints, y: Ints, dx: Ints, dy: Ints, points: tuple[int, int, int, int]
+) -> npt.NDArray[np.uint8]:
+    """The bits of links from cells (x, y) to cells (x + dx, y + dy); the arrays are broadcast."""
+    ax, ay = UNIT * x + UNIT // 2, UNIT * y + UNIT // 2
+    dx_, dy_ = ax + UNIT * dx, ay + UNIT * dy
+    bx, cx = ax + UNIT // 2 * np.sign(dx), dx_ - UNIT // 2 * np.sign(dx)
+    by, cy = ay + UNIT // 2 * np.sign(dy), dy_ - UNIT // 2 * np.sign(dy)
+    sx, sy, tx, ty = points
+    bits = np.zeros(np.broadcast_shapes(x.shape, dx.shape), np.uint8)
+    for px, py, qx, qy in ((ax, ay, bx, by), (bx, by, cx, cy), (cx, cy, dx_, dy_)):
+        bits ^= _crosses(px, py, qx, qy, sx, sy) ^ _crosses(px, py, qx, qy, tx, ty)
+    return bits
+
+
+def _crosses(px: Ints, py: Ints, qx: Ints, qy: Ints, sx: int, sy: int) -> npt.NDArray[np.uint8]:
+    """1 where segment pq crosses the ray from s upwards; points level with s count as left of it."""
+    astride = (px <= sx) != (qx <= sx)
+    above = (py - sy) * (qx - px) + (qy - py) * (sx - px)
+    crossing: npt.NDArray[np.uint8] = (astride & (np.sign(above) == np.sign(qx - px))).astype(np.uint8)
+    return crossing
+
+
+def _unite(
+    number: Any, place: Any, steps: Any, slot: Any, odd: Any, parent: Any, bit: Any, odd_one: Any
+) -> None:
+    """Unites linked cells; ``odd_one`` is 1 at the root of each set that has a cycle of odd sum.
+
+    ``bit[u]`` is the sum along the tree from u to ``parent[u]``. The same text runs plain and compiled.
+    """
+    width = len(steps)
+    for u in range(len(place)):
+        for o in range(width // 2):
+            v = number[place[u] + steps[o]]
+            if v < 0:
+                continue
+            total = odd[slot[u] * width + o] if slot[u] >= 0 else 0
+            a, b = u, v
+            while parent[a] != a:
+                bit[a] ^= bit[parent[a]]
+                parent[a] = parent[parent[a]]
+                total ^= bit[a]
+                a = parent[a]
+            while parent[b] != b:
+                bit[b] ^= bit[parent[b]]
+                parent[b] = parent[parent[b]]
+                total ^= bit[b]
+                b = parent[b]
+            if a != b:
+                if a > b:
+                    a, b = b, a
+                parent[b] = a
+                bit[b] = total
+                odd_one[a] |= odd_one[b]
+            elif total == 1:
+                odd_one[a] = 1
+
+
+def _roots(parent: Ints) -> Ints:
+    while True:
+        further = parent[parent]
+        if np.array_equal(further, parent):
+            return parent
+        parent = further
+
+
+def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell]:
+    """The shortest odd cycle through one of a few cells at the rays."""
+    sources = np.nonzero(has_odd & (links.slot >= 0))[0]
+    sx, sy, tx, ty = links.points
+    x, y = (UNIT * links.cells[sources] + UNIT // 2).T
+    nearness = np.minimum((x - sx) ** 2 + (y - sy) ** 2, (x - tx) ** 2 + (y - ty) ** 2)
+    sources = sources[np.argsort(nearness, kind="stable")]
+    chosen = sources[np.unique(np.linspace(0, len(sources) - 1, _STARTS).astype(np.int64))]
+    size, graph = 2 * len(links.cells), links.arrays()
+    work = _WORK if links.plain else 200 * _WORK
+    search: Any = _odd_cycle if links.plain else _odd_cycle_compiled
+    best: list[int] = []
+    for source in chosen.tolist():
+        before: Any = [-1] * size if links.plain else np.full(size, -1, np.int64)
+        order: Any = [0] * size if links.plain else np.zeros(size, np.int64)
+        looked = int(search(*graph, source, len(best) or size, before, order))
+        state, chain = 2 * source + 1, []
+        while before[state] >= 0 and (state != 2 * source or not chain):
+            chain.append(state >> 1)
+            state = int(before[state])
+        if chain and (not best or len(chain) < len(best)):
+            best = chain
+        work -= looked
+        if best and work < 0:
+            break
+    return _simple(links, best)
+
+
+def _odd_cycle(
+    number: Any, place: Any, steps: Any, slot: Any, odd: Any, source: Any, limit: Any, before: Any, order: Any
+) -> Any:
+    """Breadth-first search from (source, 0) to (source, 1) over states 2 * cell + bit, below ``limit`` links.
+
+    ``before[state]`` is the state before it. Returns the number of links looked at.
+    """
+    width = len(steps)
+    order[0] = 2 * source
+    before[2 * source] = 2 * source
+    head, tail, level_end, depth, looked = 0, 1, 1, 0, 0
+    while head < tail:
+        if head == level_end:
+            depth += 1
+            level_end = tail
+            if depth + 1 >= limit:
+                return looked
+        state = order[head]
+        head += 1
+        u = state >> 1
+        for o in range(width):
+            v = number[place[u] + steps[o]]
+            if v < 0:
+                continue
+            looked += 1
+            total = odd[slot[u] * width + o] if slot[u] >= 0 else 0
+            other = 2 * v + ((state & 1) ^ total)
+            if before[other] < 0:
+                before[other] = state
+                if other == 2 * source + 1:
+                    return looked
+                order[tail] = other
+                tail += 1
+    return looked
+
+
+def _simple(links: _Links, chain: Sequence[int]) -> list[Cell]:
+    """Splits a closed chain at cells that it visits twice, and keeps an odd part each time."""
+    cells = links.cells[np.array(chain, np.int64)]
+    odd = links.is_odd(cells)
+    kept: list[tuple[Cell, bool]] = []  # cell, and the sum of bits from it to the next kept one
+    where: dict[Cell, int] = {}
+    for cell, bit in zip(map(tuple, cells.tolist()), odd.tolist(), strict=True):
+        if cell in where:
+            loop = kept[where[cell] :]
+            if sum(piece[1] for piece in loop) % 2:
+                return [piece[0] for piece in loop]
+            for piece in loop:
+                del where[piece[0]]
+            del kept[len(kept) - len(loop) :]
+        where[cell] = len(kept)
+        kept.append((cell, bit))
+    return [piece[0] for piece in kept]
+
+
+_unite_compiled = lazy_kernel(_unite)
+_odd_cycle_compiled = lazy_kernel(_odd_cycle)
