@@ -1,0 +1,116 @@
+"""Files: read whole, plain or compressed, within a limit; written whole or not at all."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import zlib
+from os import PathLike
+from pathlib import Path
+from typing import BinaryIO, cast
+
+from worldgen.errors import FormatError, OutputError
+from worldgen.files import write_bytes
+from worldgen.grid_file.reader import loads
+from worldgen.grid_file.schema import EXPANSION_FLOOR, EXPANSION_RATIO, MAX_FILE_BYTES
+from worldgen.grid_file.writer import dumps
+from worldgen.world import World
+
+__all__ = ["expansion_limit", "read_world", "write_world"]
+
+_COMPRESSION = 6  # zlib's own default; fixed, so that equal worlds are equal files
+_PIECE = 1 << 20  # bytes decompressed at a time
+
+
+def read_world(path: str | PathLike[str]) -> World:
+    """The world in a file; names ending in ``.gz`` are decompressed.
+
+    Raises:
+        FormatError: If the file cannot be read, or is no ``.grid`` file; with the line where there is one.
+    """
+    source = str(path)
+    try:
+        with Path(path).open("rb") as stream:
+            data = stream.read(MAX_FILE_BYTES + 1)
+    except FileNotFoundError as error:
+        raise FormatError("there is no such file; check the name", source=source) from error
+    except IsADirectoryError as error:
+        raise FormatError("this is a folder; name a .grid file in it", source=source) from error
+    except OSError as error:
+        raise FormatError(f"cannot be read: {error.strerror or error}", source=source) from error
+    except ValueError as error:  # a name with a NUL
+        raise FormatError(f"cannot be read: {error}; check the name", source=repr(source)) from error
+    if len(data) > MAX_FILE_BYTES:
+        raise FormatError(f"longer than {MAX_FILE_BYTES} bytes, the limit of a .grid file", source=source)
+    return loads(_expand(data, source) if _is_compressed(source) else data, source)
+
+
+def write_world(world: World, path: str | PathLike[str], *, force: bool = False) -> None:
+    """Writes the canonical text of a world; names ending in ``.gz`` are compressed.
+
+    Args:
+        world: What to write.
+        path: Where to.
+        force: Whether a file that is there is overwritten.
+
+    Raises:
+        InvalidWorld: If the world holds what the format cannot.
+        OutputError: If the file is there already, or cannot be written; nothing is left half written.
+    """
+    data = dumps(world)
+    if len(data) > MAX_FILE_BYTES:
+        raise OutputError(
+            f"{path}: {len(data)} bytes; a .grid file has at most {MAX_FILE_BYTES}; split the world"
+        )
+    if _is_compressed(str(path)):
+        packed = _compress(data)
+        if len(data) > expansion_limit(len(packed)):
+            raise OutputError(
+                f"{path}: {len(data)} bytes would be compressed beyond what reading allows; "
+                "write it without .gz"
+            )
+        data = packed
+    write_bytes(Path(path), data, force=force)
+
+
+def expansion_limit(compressed: int) -> int:
+    """Bytes that a compressed file of this size may expand to."""
+    return min(MAX_FILE_BYTES, max(EXPANSION_FLOOR, EXPANSION_RATIO * compressed))
+
+
+def _is_compressed(name: str) -> bool:
+    return name.lower().endswith(".gz")
+
+
+def _compress(data: bytes) -> bytes:
+    """Gzip data without name or time, so that equal worlds are equal files."""
+    packed = io.BytesIO()
+    with gzip.GzipFile(filename="", mode="wb", compresslevel=_COMPRESSION, fileobj=packed, mtime=0) as stream:
+        stream.write(data)
+    return packed.getvalue()
+
+
+def _expand(data: bytes, source: str) -> bytes:
+    limit = expansion_limit(len(data))
+    pieces: list[bytes] = []
+    size = 0
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
+            while piece := cast(BinaryIO, stream).read(_PIECE):
+                size += len(piece)
+                if size > limit:
+                    raise FormatError(
+                        f"{len(data)} compressed bytes expand to more than {limit}, the limit; "
+                        "unpack the file by hand if you trust it",
+                        source=source,
+                    )
+                pieces.append(piece)
+    except EOFError as error:
+        raise FormatError(
+            "the gzip data ends too early; the file was cut off; copy it again", source=source
+        ) from error
+    except (OSError, zlib.error) as error:
+        raise FormatError(
+            f"no sound gzip data: {error}; copy the file again, or name it without .gz", source=source
+        ) from error
+    return b"".join(pieces)

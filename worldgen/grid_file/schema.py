@@ -1,0 +1,148 @@
+"""The rules of ``.grid`` version 1 as data: keys, sections, words, limits.
+
+``docs/grid-format.md`` says the same in prose; a test holds the two together. This module imports
+neither the reader nor the writer, which both go by it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from worldgen.timeline import CellState
+
+__all__ = [
+    "BARE_KEY",
+    "CERTIFICATE_KINDS",
+    "CUT",
+    "END",
+    "EXPANSION_FLOOR",
+    "EXPANSION_RATIO",
+    "FREE",
+    "HEADER_KEYS",
+    "LINE_SECTIONS",
+    "MAGIC",
+    "MAX_DEPTH",
+    "MAX_FILE_BYTES",
+    "MAX_HEADER_BYTES",
+    "MAX_INTEGER_BITS",
+    "MAX_WORD",
+    "OPTIONAL_KEYS",
+    "SECTIONS",
+    "SOLID",
+    "START",
+    "STATES",
+    "TABLE_KEYS",
+    "TARGET",
+    "TIMELINE",
+    "WITNESS",
+    "Field",
+    "LineSection",
+]
+
+MAGIC: Final = "%worldgen-grid 1"
+END: Final = "end"
+SECTIONS: Final = ("cells", "timeline", "witness", "cut", END)  # in this order, each at most once
+
+SOLID: Final = "#"
+FREE: Final = "."
+START: Final = "S"
+TARGET: Final = "G"
+
+STATES: Final = {state.word: state for state in CellState}
+CERTIFICATE_KINDS: Final = ("witness", "cut")
+
+# Header keys in the order in which the writer gives them, each with what it holds.
+HEADER_KEYS: Final = {
+    "cell_size": "side of a cell, m",
+    "robot_radius": "radius of the robot's disc, m",
+    "robot_speed": "top speed of the robot, m/s",
+    "start": "[x m, y m, heading rad]",
+    "target": "[x m, y m, radius m]",
+}
+TABLE_KEYS: Final = {
+    "provenance": ("family", "version", "seed", "params"),
+    "certificate": ("kind", "clearance"),
+    "failure": (
+        "controller", "motion", "seed", "verdict", "trace_digest", "parameters", "evidence", "details",
+    ),
+}  # fmt: skip
+OPTIONAL_KEYS: Final = frozenset({"robot_speed", "params", "parameters", "evidence", "details"})
+
+MAX_HEADER_BYTES: Final = 1 << 20  # a header is pages at most; TOML costs 100 times its size in memory
+MAX_FILE_BYTES: Final = 512 << 20  # the largest world, 20000 x 20000, takes 382 MiB
+EXPANSION_RATIO: Final = 1000  # deflate can reach 1032; more than this is a bomb, or an empty plain
+EXPANSION_FLOOR: Final = 64 << 20  # bytes that any compressed file may expand to
+MAX_DEPTH: Final = 32  # brackets open at once, values in values, and parts of a dotted key
+MAX_INTEGER_BITS: Final = 1024  # seeds have 64; reading a number's digits takes quadratic time
+MAX_WORD: Final = 2000  # characters of a number or bare key in the header
+
+BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]{1,64}\Z")
+
+_NUMBER = rb"[0-9]{1,400}(?:\.[0-9]{1,400})?(?:[eE][+-]?[0-9]{1,4})?"
+_WHOLE = rb"[0-9]{1,19}"
+
+
+class Field(NamedTuple):
+    """One word of a line.
+
+    Args:
+        name: What it is called in messages and in the documentation.
+        pattern: What it may look like.
+        rule: The same in prose.
+        read: Turns a word that fits the pattern into a number.
+        dtype: NumPy type of the numbers.
+    """
+
+    name: str
+    pattern: bytes
+    rule: str
+    read: Callable[[bytes], float]
+    dtype: type[np.generic]
+
+
+class LineSection(NamedTuple):
+    """A section of lines with a fixed number of words, one space between two."""
+
+    name: str
+    fields: tuple[Field, ...]
+    example: str
+
+    @property
+    def form(self) -> str:
+        """What a line looks like."""
+        return " ".join(field.name for field in self.fields)
+
+
+def _state(word: bytes) -> int:
+    return int(STATES[word.decode("ascii")])
+
+
+def _decimal(name: str, *, signed: bool = True) -> Field:
+    rule = "a decimal number, like 0.35 or -2e-05" if signed else "a decimal number, 0 or more, like 12.5"
+    return Field(name, b"-?" * signed + _NUMBER, rule, float, np.float64)
+
+
+def _index(name: str, *, signed: bool) -> Field:
+    rule = f"a whole number{'' if signed else ', 0 or more'}, of 64 bits"
+    return Field(name, b"-?" * signed + _WHOLE, rule, int, np.int64)
+
+
+TIMELINE: Final = LineSection(
+    "timeline",
+    (
+        _decimal("time", signed=False),
+        _index("ix", signed=False),
+        _index("iy", signed=False),
+        Field(
+            "state", b"(?:%s)" % "|".join(STATES).encode(), f"one of {', '.join(STATES)}", _state, np.uint8
+        ),
+    ),
+    "12.5 8 3 burning",
+)
+WITNESS: Final = LineSection("witness", tuple(_decimal(name) for name in ("time", "x", "y")), "0.0 0.35 5.65")
+CUT: Final = LineSection("cut", tuple(_index(name, signed=True) for name in ("ix", "iy")), "8 3")
+LINE_SECTIONS: Final = {section.name: section for section in (TIMELINE, WITNESS, CUT)}

@@ -1,0 +1,204 @@
+"""The sections: cells as one block of bytes, events and points as lines of few words.
+
+What is right is read in bulk; only when something is wrong does a slow second look find the line.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import re
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError
+from worldgen.grid_file.header import shown
+from worldgen.grid_file.schema import FREE, SOLID, START, STATES, TARGET, Field, LineSection
+from worldgen.rows import flip_rows
+from worldgen.world import MAX_SIDE
+
+__all__ = ["Block", "Cells", "Mark", "read_cells", "read_columns"]
+
+_CHUNK = 1 << 20  # bytes of lines split into words at a time; words take 20 times their text in memory
+_CELL_BYTES = (SOLID + FREE + START + TARGET).encode("ascii")
+
+
+class Block(NamedTuple):
+    """Where a section's lines lie: ``data[begin:end]``, whole lines, the first is line ``line``."""
+
+    data: bytes
+    begin: int
+    end: int
+    line: int
+    source: str | None
+
+    def fault(self, message: str, row: int) -> FormatError:
+        """An error in line ``row`` of the block, counted from 0."""
+        return FormatError(message, line=self.line + row, source=self.source)
+
+
+class Mark(NamedTuple):
+    """A cell marked by a letter: column, row from the bottom, and the line of the file."""
+
+    ix: int
+    iy: int
+    line: int
+
+
+class Cells(NamedTuple):
+    """What ``%cells`` holds: walls, lowest row first, and the marks of start and target."""
+
+    walls: npt.NDArray[np.bool_]
+    start: Mark | None
+    target: Mark | None
+
+
+def read_cells(block: Block) -> Cells:
+    """Cells from their rows.
+
+    Raises:
+        FormatError: If there are no rows, too many, too long ones, ones of different length, a
+            character that is no cell, or a second start or target.
+    """
+    data, begin, end = block.data, block.begin, block.end
+    if begin == end:
+        raise block.fault(
+            f"%cells has no rows; write one line of {SOLID} and {FREE} for each row, the top one first", -1
+        )
+    width = data.index(b"\n", begin) - begin
+    height, rest = divmod(end - begin, width + 1)
+    if rest or not 0 < width <= MAX_SIDE or height > MAX_SIDE:
+        _check_rows(block, width)
+    text = np.frombuffer(data, np.uint8, end - begin, begin).reshape(height, width + 1)
+    cells = text[:, :-1]
+    solid = cells == ord(SOLID)
+    start = target = None
+    if not ((text[:, -1] == ord("\n")).all() and (solid | (cells == ord(FREE))).all()):
+        _check_rows(block, width)
+        start, target = _mark(block, cells, START), _mark(block, cells, TARGET)
+    return Cells(flip_rows(solid), start, target)
+
+
+def _mark(block: Block, cells: npt.NDArray[np.uint8], letter: str) -> Mark | None:
+    found = np.flatnonzero(cells == ord(letter))
+    if len(found) == 0:
+        return None
+    height, width = cells.shape
+    if len(found) > 1:
+        raise block.fault(
+            f"a second {letter}: one cell is marked {letter}; make this one {FREE}", int(found[1]) // width
+        )
+    row, ix = divmod(int(found[0]), width)
+    return Mark(ix, height - 1 - row, block.line + row)
+
+
+def _check_rows(block: Block, width: int) -> None:
+    """Raises for the first row that breaks a rule; what comes before it is at most a world's size."""
+    at, row = block.begin, 0
+    while at < block.end:
+        stop = block.data.index(b"\n", at)
+        length = stop - at
+        if row == MAX_SIDE:
+            raise block.fault(
+                f"more than {MAX_SIDE} rows; a side has at most {MAX_SIDE} cells; split the world", row
+            )
+        if length == 0:
+            raise block.fault("an empty line in %cells; a row has at least one cell; delete the line", row)
+        strange = block.data[at : min(stop, at + MAX_SIDE)].translate(None, _CELL_BYTES)
+        if strange:
+            raise _strange_cell(block, at, stop, row)
+        if length > MAX_SIDE:
+            raise block.fault(
+                f"a row of {length} cells; a side has at most {MAX_SIDE} cells; split the world", row
+            )
+        if length != width:
+            raise block.fault(
+                f"a row of {length} cells under a first row of {width}; make them equally long", row
+            )
+        at, row = stop + 1, row + 1
+
+
+def _strange_cell(block: Block, at: int, stop: int, row: int) -> FormatError:
+    column = next(k for k, code in enumerate(block.data[at:stop]) if code not in _CELL_BYTES)
+    character = block.data[at + column : min(at + column + 4, stop)].decode("utf-8", "replace")[0]
+    return block.fault(
+        f"{character!r} at column {column + 1} is no cell; "
+        f"write {SOLID} for solid, {FREE} for free, {START} and {TARGET} for start and target",
+        row,
+    )
+
+
+def read_columns(block: Block, section: LineSection) -> list[npt.NDArray[Any]]:
+    """The words of a section, one array a field.
+
+    Raises:
+        FormatError: If a line has other words than the section's form, or a number is beyond 64 bits.
+    """
+    line_pattern = _line_pattern(section)
+    at, row = block.begin, 0
+    parts: list[list[npt.NDArray[Any]]] = [[np.zeros(0, field.dtype)] for field in section.fields]
+    while at < block.end:
+        stop = _chunk_end(block, at)
+        match = line_pattern.match(block.data, at, stop)
+        if match is None or match.end() < stop:
+            good_until = at if match is None else match.end()
+            raise _strange_line(block, section, good_until, row + block.data.count(b"\n", at, good_until))
+        words = block.data[at:stop].split()
+        count = len(section.fields)
+        for k, field in enumerate(section.fields):
+            parts[k].append(_column(block, section, field, words[k::count], row))
+        at, row = stop, row + len(words) // count
+    return [np.concatenate(columns) for columns in parts]
+
+
+def _chunk_end(block: Block, at: int) -> int:
+    """End of the whole lines within a chunk, or of the one line that is longer."""
+    if block.end - at <= _CHUNK:
+        return block.end
+    last = block.data.rfind(b"\n", at, at + _CHUNK)
+    return (last if last >= 0 else block.data.index(b"\n", at)) + 1
+
+
+@functools.cache
+def _line_pattern(section: LineSection) -> re.Pattern[bytes]:
+    return re.compile(b"(?:" + b" ".join(field.pattern for field in section.fields) + b"\n)*+")
+
+
+def _column(
+    block: Block, section: LineSection, field: Field, words: list[bytes], row: int
+) -> npt.NDArray[Any]:
+    values = list(map(field.read, words))
+    try:
+        column = np.array(values, field.dtype)
+        if np.isfinite(column).all():
+            return column
+        wrong = int(np.argmin(np.isfinite(column)))
+    except OverflowError:
+        wrong = next(k for k, value in enumerate(values) if not -(2**63) <= value < 2**63)
+    raise block.fault(_word_message(section, field, words[wrong].decode("ascii")), row + wrong)
+
+
+def _word_message(section: LineSection, field: Field, word: str) -> str:
+    close = difflib.get_close_matches(word[:20], list(STATES), n=1) if field.name == "state" else []
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    return (
+        f"%{section.name}: {field.name} {shown(word)} is not {field.rule}{hint}; "
+        f"write `{section.form}`, for example `{section.example}`"
+    )
+
+
+def _strange_line(block: Block, section: LineSection, at: int, row: int) -> FormatError:
+    stop = block.data.index(b"\n", at)
+    line = block.data[at : min(stop, at + 1000)].decode("utf-8", "replace")
+    words = line.split(" ")
+    if len(words) == len(section.fields):
+        for field, word in zip(section.fields, words, strict=True):
+            if not re.fullmatch(field.pattern, word.encode("utf-8", "replace")):
+                return block.fault(_word_message(section, field, word), row)
+    return block.fault(
+        f"%{section.name}: {shown(line)} is not `{section.form}`, words with one space between them; "
+        f"write it like `{section.example}`",
+        row,
+    )
