@@ -45,7 +45,7 @@ _ATAN_ONE, _ATAN_ONE_TAIL = 7.85398163397448278999e-01, 3.06161699786838301793e-
 _ATAN_THREE_HALVES, _ATAN_THREE_HALVES_TAIL = 9.82793723247329054082e-01, 1.39033110312309984516e-17
 _ATAN_INF, _ATAN_INF_TAIL = 1.57079632679489655800e00, 6.12323399573676603587e-17
 
-_QUARTER_PI_END = 0.7853989362716675  # first double whose high word is above that of pi/4
+_QUARTER_PI_END = 0.7853984832763672  # first double whose high word is above that of pi/4
 _TINY = 2.0**-27
 
 
@@ -62,7 +62,7 @@ def _high_word(value: float) -> int:
 
 @kernel
 def _sin_reduced(x: float, tail: float, has_tail: bool) -> float:
-    """Sine of ``x + tail``, for \\|x\\| at most about pi/4."""
+    """Sine of ``x + tail``, for x between about -pi/4 and pi/4."""
     if -_TINY < x < _TINY:
         return x
     z = x * x
@@ -75,7 +75,7 @@ def _sin_reduced(x: float, tail: float, has_tail: bool) -> float:
 
 @kernel
 def _cos_reduced(x: float, tail: float) -> float:
-    """Cosine of ``x + tail``, for \\|x\\| at most about pi/4."""
+    """Cosine of ``x + tail``, for x between about -pi/4 and pi/4."""
     if -_TINY < x < _TINY:
         return 1.0
     z = x * x
@@ -84,7 +84,7 @@ def _cos_reduced(x: float, tail: float) -> float:
     if high < 0x3FD33333:  # |x| < 0.3
         return 1.0 - (0.5 * z - (z * r - x * tail))
     quarter = 0.28125
-    if high <= 0x3FE90000:  # about |x| / 4, with the low word cleared so that 1 - quarter is exact
+    if high <= 0x3FE90000:  # about a quarter of |x|, low word cleared so that 1 - quarter is exact
         quarter = np.int64((high - 0x00200000) << 32).view(np.float64)
     half = 0.5 * z - quarter
     return (1.0 - quarter) - (half - (z * r - x * tail))
@@ -130,7 +130,7 @@ def _reduce_positive(x: float) -> tuple[int, float, float]:
 
 @kernel
 def sin(x: float) -> float:
-    """Sine of ``x`` rad with fdlibm's bits; nan where \\|x\\| is above ``REDUCTION_LIMIT`` or not finite."""
+    """Sine of ``x`` rad with fdlibm's bits; nan beyond ``REDUCTION_LIMIT`` either way, and for nan."""
     if -_QUARTER_PI_END < x < _QUARTER_PI_END:
         return _sin_reduced(x, 0.0, False)
     if not -REDUCTION_LIMIT <= x <= REDUCTION_LIMIT:
@@ -142,7 +142,7 @@ def sin(x: float) -> float:
 
 @kernel
 def cos(x: float) -> float:
-    """Cosine of ``x`` rad with fdlibm's bits; nan where \\|x\\| is above ``REDUCTION_LIMIT`` or not finite."""
+    """Cosine of ``x`` rad with fdlibm's bits; nan beyond ``REDUCTION_LIMIT`` either way, and for nan."""
     if -_QUARTER_PI_END < x < _QUARTER_PI_END:
         return _cos_reduced(x, 0.0)
     if not -REDUCTION_LIMIT <= x <= REDUCTION_LIMIT:
