@@ -199,11 +199,11 @@ def _opens_sample(x: float, y: float, unit: float) -> list[Primitive]:
 
 def _start_sample(x: float, y: float, unit: float) -> list[Primitive]:
     x += 0.5 * ICON * unit
-    tick = np.array(((x, y), (x + 7.0 * unit, y)))
+    tick = np.array(((x + 3.0 * unit, y), (x + 7.0 * unit, y)))
     return [
         Circle(x, y, 7.0 * unit, Paint(fill=mix(PAPER, START, 0.45))),
         Circle(x, y, 7.0 * unit, Paint(stroke=START, width=2.0 * unit)),
-        Path(tick, Paint(stroke=mix(START, "#000000", 0.35), width=2.6 * unit)),
+        Path(tick, Paint(stroke=mix(START, "#000000", 0.45), width=3.0 * unit)),
     ]
 
 

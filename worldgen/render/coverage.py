@@ -11,7 +11,7 @@ from worldgen.rows import flip_rows
 
 __all__ = ["coverage"]
 
-FINE = 4  # where cells are larger than pixels, each pixel is sampled at this many places a side
+BLOCK = 1024  # rows shrunk together: bounds the memory for worlds of 20,000 cells a side
 
 
 def coverage(mask: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArray[np.uint8]:
@@ -23,22 +23,21 @@ def coverage(mask: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArra
         height: Pixels down.
 
     Returns:
-        (height, width) uint8, 0 to 255; exact where a cell is a whole number of pixels or of pixel parts.
+        (height, width) uint8: the covered area as a share, times 255, rounded.
     """
-    share: npt.NDArray[Any] = flip_rows(mask)
-    for axis, pixels in ((0, height), (1, width)):
-        cells = share.shape[axis]
-        if cells <= pixels:
-            samples = pixels * FINE
-            share = np.take(share, (np.arange(samples) * cells) // samples, axis=axis)
-        share = _pooled(share, axis, pixels)
+    top_first = flip_rows(mask)
+    blocks = [_means(top_first[row : row + BLOCK], width) for row in range(0, len(mask), BLOCK)]
+    share = _means(np.concatenate(blocks).T, height).T
     return np.asarray(np.rint(share * 255.0), np.uint8)
 
 
-def _pooled(values: npt.NDArray[Any], axis: int, pixels: int) -> npt.NDArray[np.float32]:
-    """The mean of each of ``pixels`` neighbouring groups along one axis, as equal as whole numbers allow."""
-    side = values.shape[axis]
-    first = (np.arange(pixels) * side) // pixels
-    counts = np.diff(np.append(first, side)).astype(np.float32)
-    sums = np.add.reduceat(values, first, axis=axis, dtype=np.float32)
-    return np.asarray(sums / (counts[:, None] if axis == 0 else counts), np.float32)
+def _means(values: npt.NDArray[Any], pixels: int) -> npt.NDArray[np.float64]:
+    """(rows, pixels) float64: each row's mean over equal stretches, which may cut through its values."""
+    rows, cells = values.shape
+    sums = np.zeros((rows, cells + 1))
+    np.cumsum(values, axis=1, out=sums[:, 1:])
+    edges = np.arange(pixels + 1) * (cells / pixels)
+    left = np.minimum(edges.astype(np.int64), cells - 1)
+    part = edges - left
+    until = sums[:, left] * (1.0 - part) + sums[:, left + 1] * part
+    return np.asarray(np.diff(until, axis=1) * (pixels / cells), np.float64)

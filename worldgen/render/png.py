@@ -166,7 +166,7 @@ class _Canvas:
             phase = np.abs(((x + y) / (part.hatch * math.sqrt(2.0))) % 1.0 - 0.5)
             stripe = np.clip((0.14 - phase) * part.hatch + 0.5, 0.0, 1.0)
             values = np.rint(values * stripe).astype(np.uint8)
-        self._lay(Image.fromarray(values, "L"), self._map_box(), part.fill, part.opacity)
+        self._lay(Image.fromarray(values), self._map_box(), part.fill, part.opacity)
 
     def _glow(self, part: Glow) -> None:
         frame = self.frame
@@ -176,7 +176,7 @@ class _Canvas:
         share = np.clip(np.log(square / part.near**2) / (2.0 * math.log(part.far / part.near)), 0.0, 1.0)
         inner, outer = np.array(rgb(part.inner), np.float32), np.array(rgb(part.outer), np.float32)
         tint = np.rint(inner + share[:, :, None] * (outer - inner)).astype(np.uint8)
-        self.image.paste(Image.fromarray(tint, "RGB"), self._map_box())
+        self.image.paste(Image.fromarray(tint), self._map_box())
 
     def _text(self, part: Text) -> None:
         font = ImageFont.load_default(part.size)

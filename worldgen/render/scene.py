@@ -19,6 +19,7 @@ from worldgen.world import Cut, Witness, World
 
 __all__ = ["Scene", "compose"]
 
+HIDDEN, FINDER = 6.0, 11.0  # units; a robot with a smaller radius gets a ring of this one
 MOST_CORNERS = 4000  # of dotted outlines; with more they are a grey mess
 
 
@@ -70,11 +71,11 @@ def _map(content: Content) -> list[Primitive]:
     parts += [Cells(world.walls, WALL), *_changes(content.changes, frame)]
     if content.witness:
         parts += _certificate(world, frame)
-    if content.trail is None:
-        return [*parts, *_start(world, frame), *_target(world, frame)]
-    # The start lies under the lines, for a cycle often leads through it.
-    parts += [*swept_parts(content.trail, frame, world.robot_radius), *_start(world, frame)]
-    return [*parts, *trail_parts(content.trail, frame, world.robot_radius), *_target(world, frame)]
+    trail, radius = content.trail, world.robot_radius
+    # The start's disc lies under the lines, for a cycle often leads through it; its heading lies above.
+    parts += [*(swept_parts(trail, frame, radius) if trail else ()), *_start_disc(world, frame)]
+    parts += [*(trail_parts(trail, frame, radius) if trail else ()), _start_heading(world, frame)]
+    return [*parts, *_target(world, frame)]
 
 
 def _box(left: float, top: float, right: float, bottom: float, fill: str) -> Path:
@@ -150,22 +151,29 @@ def _target(world: World, frame: Frame) -> list[Primitive]:
     return parts
 
 
-def _start(world: World, frame: Frame) -> list[Primitive]:
-    """The robot's disc, true to scale, with a tick ahead; a ring finds it where it is too small to see."""
-    unit, heading = frame.unit, world.start.heading
+def _start_disc(world: World, frame: Frame) -> list[Primitive]:
+    """The robot's disc, true to scale; a ring finds it where it is too small to see."""
+    unit = frame.unit
     x, y = frame.to_pixels(world.start.x, world.start.y)
     radius = world.robot_radius * frame.scale
     shown = max(radius, 3.0 * unit)
-    hidden = radius < 6.0 * unit
-    tick = max(radius, 7.0 * unit) if hidden else radius
-    ahead = np.array(((x, y), (x + tick * math.cos(heading), y - tick * math.sin(heading))))
     parts: list[Primitive] = [
         Circle(x, y, shown + 1.5 * unit, Paint(fill=PAPER)),
         Circle(x, y, shown, Paint(fill=mix(PAPER, START, 0.45))),
         Circle(x, y, shown, Paint(stroke=START, width=2.0 * unit)),
-        Path(ahead, Paint(stroke=mix(START, "#000000", 0.35), width=3.0 * unit)),
     ]
-    if hidden:
-        parts.append(Circle(x, y, 11.0 * unit, Paint(stroke=PAPER, width=4.5 * unit)))
-        parts.append(Circle(x, y, 11.0 * unit, Paint(stroke=START, width=2.2 * unit)))
+    if radius < HIDDEN * unit:
+        parts.append(Circle(x, y, FINDER * unit, Paint(stroke=PAPER, width=4.5 * unit)))
+        parts.append(Circle(x, y, FINDER * unit, Paint(stroke=START, width=2.2 * unit)))
     return parts
+
+
+def _start_heading(world: World, frame: Frame) -> Primitive:
+    """A tick on the rim of the start's disc, or of the ring around it."""
+    x, y = frame.to_pixels(world.start.x, world.start.y)
+    rim = world.robot_radius * frame.scale
+    if rim < HIDDEN * frame.unit:
+        rim = FINDER * frame.unit
+    ahead = np.array((math.cos(world.start.heading), -math.sin(world.start.heading)))
+    tick = np.array((x, y)) + np.outer((0.45 * rim, rim), ahead)
+    return Path(tick, Paint(stroke=mix(START, "#000000", 0.45), width=3.6 * frame.unit))

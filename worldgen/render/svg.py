@@ -156,7 +156,7 @@ class _Writer:
         share = min(1.0, max(frame.width, frame.height) / max(rows, columns))
         grey = coverage(part.mask, max(1, round(columns * share)), max(1, round(rows * share)))
         levels = np.rint(grey / 17.0).astype(np.uint8)  # sixteen are enough for edges, and compress
-        image = Image.fromarray(levels, "P")
+        image = Image.fromarray(levels)
         image.putpalette([channel for _ in range(256) for channel in rgb(part.fill)])
         stream = io.BytesIO()
         image.save(

@@ -1,0 +1,282 @@
+"""What the picture files show: colours at places, sizes, captions."""
+
+import dataclasses
+import io
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from worldgen.errors import InvalidParameter
+from worldgen.random_streams import RandomStream
+from worldgen.render import Frame, Mark, Trail, draw_html, draw_png, draw_svg
+from worldgen.render.palette import FIRE, FLOOR, GREY, LOOP, PAPER, START, TUNNEL, WALL, mix, rgb
+from worldgen.timeline import CellState, Event, Timeline
+from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
+
+
+def small_world(**changes):
+    walls = np.zeros((12, 20), bool)
+    walls[2:5, 10] = True
+    world = World(walls, Pose(0.35, 0.35, 0.0), Target(1.75, 0.95, 0.05))
+    return dataclasses.replace(world, **changes)
+
+
+def square_trail(**changes):
+    x = [0.35, 0.6, 0.9, 0.9, 0.6, 0.6]
+    y = [0.35, 0.8, 0.8, 1.1, 1.1, 0.8]
+    return dataclasses.replace(Trail(x, y, 1), **changes)
+
+
+def large_maze(cells):
+    walls = np.ones((2 * cells + 1, 2 * cells + 1), bool)
+    walls[1::2, 1::2] = False
+    rng = RandomStream(5)
+    for row in range(1, 2 * cells, 2):
+        for column in range(1, 2 * cells, 2):
+            dy, dx = rng.choice(((0, 1), (1, 0)))
+            walls[min(row + dy, 2 * cells - 1), min(column + dx, 2 * cells - 1)] = False
+    return World(walls, Pose(0.15, 0.15), Target(0.35, 0.35, 0.05))
+
+
+def decoded(data):
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), np.int64)
+
+
+def pixel(world, x, y, **options):
+    column, row = Frame.of(world, options.get("pixels", 900)).to_pixels(x, y)
+    return tuple(decoded(draw_png(world, **options))[int(row), int(column)])
+
+
+def near(colour, other, tolerance=6):
+    return max(abs(a - b) for a, b in zip(colour, rgb(other), strict=True)) <= tolerance
+
+
+def test_walls_are_dark_where_the_world_has_them_and_not_mirrored():
+    world = small_world()
+    assert near(pixel(world, 1.05, 0.35), WALL)
+    assert not near(pixel(world, 1.05, 1.2 - 0.35), WALL, 60)
+
+
+def test_the_map_stands_in_a_wall_for_outside_everything_is_solid():
+    world = small_world()
+    frame = Frame.of(world)
+    picture = decoded(draw_png(world))
+    assert near(picture[frame.top - 2, frame.left + 300], WALL)
+    assert near(picture[frame.bottom + 2, frame.left - 2], WALL)
+
+
+def test_the_floor_is_bluer_near_the_target_and_clear_far_away():
+    world = small_world()
+    red = [pixel(world, x, 0.95, witness=False)[0] for x in (1.62, 1.38, 0.73, 0.02)]
+    assert red == sorted(red)
+    assert red[-1] - red[0] > 60
+    assert near(pixel(world, 0.01, 0.01), FLOOR, 12)
+
+
+def test_without_signal_the_floor_is_plain():
+    world = small_world()
+    assert pixel(world, 1.55, 0.95, signal=False) == pixel(world, 0.05, 0.05, signal=False) == rgb(FLOOR)
+
+
+def test_equal_ratios_of_distance_are_equal_steps_of_tint():
+    world = World(np.zeros((4, 400), bool), Pose(39.0, 0.2), Target(0.0, 0.2, 0.05))
+    red = [pixel(world, x, 0.31)[0] for x in (1.5, 4.5, 13.5)]
+    assert red[1] - red[0] == pytest.approx(red[2] - red[1], abs=2)
+
+
+def test_the_start_is_a_disc_of_the_robots_true_radius():
+    world = small_world(certificate=None)
+    assert near(pixel(world, 0.35, 0.35 + 0.055), mix(PAPER, START, 0.45))
+    assert near(pixel(world, 0.35, 0.35 + 0.07), START, 45)
+    assert pixel(world, 0.35, 0.35 + 0.09)[0] > 200
+
+
+def test_a_robot_too_small_to_see_is_ringed():
+    world = World(np.zeros((900, 900), bool), Pose(45.0, 45.0), Target(80.0, 80.0, 0.05))
+    column, row = Frame.of(world).to_pixels(45.0, 45.0)
+    ring = decoded(draw_png(world))[int(row) - 12 : int(row) - 8, int(column)]
+    assert any(near(colour, START, 40) for colour in ring)
+
+
+def test_the_loop_is_drawn_in_its_strong_colour_and_the_approach_is_not():
+    world, trail = small_world(), square_trail()
+    assert near(pixel(world, 0.75, 0.8, trail=trail), LOOP)
+    assert near(pixel(world, 0.6, 0.95, trail=trail), LOOP)
+    assert not near(pixel(world, 0.5, 0.62, trail=trail), LOOP)
+
+
+def test_the_floor_that_the_loop_covers_is_tinted_to_the_robots_radius():
+    world, trail = small_world(), square_trail()
+    covered, bare = (pixel(world, 0.75, 0.8 - gap, trail=trail) for gap in (0.06, 0.08))
+    assert covered[0] > covered[2]
+    assert bare[0] <= bare[2]
+
+
+def test_a_loop_on_one_spot_is_still_seen():
+    trail = Trail([0.35, 0.75, 0.75], [0.35, 0.8, 0.8], 1)
+    assert near(pixel(small_world(), 0.75, 0.8, trail=trail), LOOP)
+    assert near(pixel(small_world(), 0.75, 0.87, trail=trail), LOOP, 30)
+    assert "for ever on this spot" in draw_svg(small_world(), trail=trail)
+
+
+def test_a_run_without_a_loop_ends_in_a_footprint():
+    trail = square_trail(loop_from=None)
+    assert near(pixel(small_world(), 0.6, 0.8 - 0.07, trail=trail), LOOP, 30)
+
+
+@pytest.mark.parametrize(("kind", "colour"), [("bump", "#1B1F24"), ("tunnel", TUNNEL), ("end", LOOP)])
+def test_marks_are_drawn_where_they_happened(kind, colour):
+    trail = square_trail(marks=[Mark(1.05, 0.35, kind)])
+    assert near(pixel(small_world(), 1.05, 0.35, trail=trail), colour, 20)
+
+
+def test_an_overlap_shows_the_robots_disc_over_the_wall():
+    trail = square_trail(marks=[Mark(0.95, 0.35, "overlap")])
+    assert near(pixel(small_world(), 0.95 + 0.07, 0.35, trail=trail), TUNNEL, 20)
+
+
+def test_the_witness_is_dashed_green_and_can_be_left_out():
+    world = small_world(certificate=Witness([0, 1], [0.35, 1.75], [1.1, 1.1], 0.1))
+    with_path, without = (decoded(draw_png(world, witness=shown)) for shown in (True, False))
+    row = int(Frame.of(world).to_pixels(0.0, 1.1)[1])
+    left, right = (int(Frame.of(world).to_pixels(x, 0.0)[0]) for x in (0.45, 1.65))
+    green = [near(colour, START, 30) for colour in with_path[row, left:right]]
+    assert 0.3 < np.mean(green) < 0.9
+    assert not any(near(colour, START, 30) for colour in without[row, left:right])
+
+
+def test_a_cut_is_drawn_through_its_cells():
+    world = small_world(certificate=Cut([[10, 2], [10, 4], [14, 4]], 0.0))
+    assert near(pixel(world, 1.05, 0.40), TUNNEL)
+    assert "every gap too narrow" in draw_svg(world)
+
+
+def test_cells_that_change_are_tinted_by_what_they_become():
+    events = [
+        Event(1.0, 3, 9, CellState.BURNING),
+        Event(2.0, 6, 9, CellState.SOLID),
+        Event(3.0, 10, 3, CellState.FREE),
+    ]
+    world = small_world(timeline=Timeline.of(events))
+    picture, frame = decoded(draw_png(world, signal=False)), Frame.of(world)
+    for x, colour in ((0.35, FIRE), (0.65, GREY)):
+        column, row = (int(value) for value in frame.to_pixels(x, 0.95))
+        patch = picture[row - 15 : row + 15, column - 15 : column + 15].reshape(-1, 3)
+        assert any(near(spot, mix(FLOOR, colour, 0.30), 8) for spot in patch)
+        assert any(near(spot, mix(FLOOR, colour, 0.89), 12) for spot in patch)
+    assert any(near(spot, PAPER, 20) for spot in picture[int(frame.to_pixels(0.0, 0.4)[1]), 450:540])
+
+
+@pytest.mark.parametrize(("width", "height"), [(100, 10), (10, 100), (60, 60), (7, 3)])
+def test_the_map_keeps_its_aspect(width, height):
+    frame = Frame.of(World(np.zeros((height, width), bool), Pose(0.05, 0.05), Target(0.2, 0.2, 0.05)))
+    assert frame.width * height == frame.height * width
+    assert 800 <= max(frame.width, frame.height) <= 900
+
+
+def test_twice_the_pixels_is_twice_the_picture():
+    small, large = (decoded(draw_png(small_world(), pixels=pixels)).shape for pixels in (900, 1800))
+    assert (large[0], large[1]) == pytest.approx((2 * small[0], 2 * small[1]), abs=4)
+
+
+@pytest.mark.parametrize("pixels", [-1, 0, 99, 8001, 10**9])
+def test_absurd_sizes_are_refused(pixels):
+    with pytest.raises(InvalidParameter, match="is outside 100 to 8000"):
+        draw_png(small_world(), pixels=pixels)
+
+
+def test_two_thousand_cells_a_side_give_a_picture_of_the_usual_size():
+    walls = np.zeros((2000, 2000), bool)
+    walls[500] = True
+    world = World(walls, Pose(20.0, 20.0), Target(150.0, 150.0, 0.05))
+    assert max(decoded(draw_png(world)).shape) < 1100
+    assert pixel(world, 100.0, 50.05)[0] < pixel(world, 100.0, 49.0)[0] - 50
+
+
+def test_one_cell_is_a_world_with_a_picture():
+    world = World(np.zeros((1, 1), bool), Pose(0.05, 0.05), Target(0.05, 0.05, 0.01), robot_radius=0.01)
+    assert decoded(draw_png(world)).shape[1] >= 900
+
+
+def test_equal_worlds_give_equal_bytes():
+    assert draw_png(small_world(), trail=square_trail()) == draw_png(small_world(), trail=square_trail())
+
+
+def test_svg_is_xml_with_title_scale_and_key():
+    svg = draw_svg(small_world(), trail=square_trail(), title='<b>"A & B"</b>')
+    texts = [element.text for element in ElementTree.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")]
+    assert texts[:2] == ['<b>"A & B"</b>', "2 x 1.2 m, cell 0.1 m, robot radius 0.07 m"]
+    assert {"start", "target", "approach", "loop, for ever"} <= set(texts)
+
+
+def test_titles_that_no_file_can_hold_are_made_harmless():
+    svg = draw_svg(small_world(), title="a\x00b\udcffc\nd")
+    assert ElementTree.fromstring(svg.encode()).find("{http://www.w3.org/2000/svg}title").text == "a?b?c d"
+    draw_png(small_world(), title="a\x00b\udcffc\nd" * 100)
+
+
+def test_a_long_title_is_wrapped_and_cut_off():
+    svg = draw_svg(small_world(), title="word " * 1000)
+    lines = [text for text in re.findall(">(word[^<]*)<", svg) if len(text) < 1000]
+    assert len(lines) == 3
+    assert lines[-1].endswith("...")
+
+
+def test_svg_of_a_large_maze_stays_small():
+    assert len(draw_svg(large_maze(100))) < 200_000
+
+
+def test_svg_of_noise_holds_an_image_and_not_a_million_corners():
+    walls = RandomStream(1).floats(1000 * 1000).reshape(1000, 1000) < 0.3
+    svg = draw_svg(World(walls, Pose(1.0, 1.0), Target(5.0, 5.0, 0.05)))
+    assert 'href="data:image/png;base64,' in svg
+    assert len(svg) < 1_000_000
+
+
+def test_html_asks_the_network_for_nothing():
+    page = draw_html(small_world(), trail=square_trail(), title="a world")
+    assert "http" not in page
+    assert not re.search(r"""(src|href)\s*=\s*["'](?!data:|#)""", page)
+    assert "<title>a world</title>" in page
+
+
+def test_html_tells_what_failed_and_escapes_it():
+    failure = FailureRecord("<script>", "swept", 3, "loop", "00ff", evidence={"entry": 12, "period": 104})
+    page = draw_html(small_world(failure=failure, provenance=Provenance("maze", 1, 7, {"size": 60})))
+    assert "&lt;script&gt; under swept, seed 3: loop" in page
+    assert "<script>" not in page
+    assert "<th>period</th><td>104</td>" in page
+    assert "<th>maze: size</th><td>60</td>" in page
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "loop_from", "message"),
+    [
+        ([], [], None, "two flat arrays"),
+        ([1.0, 2.0], [1.0], None, "two flat arrays"),
+        ([[1.0]], [[1.0]], None, "two flat arrays"),
+        ([float("nan")], [1.0], None, "finite numbers"),
+        ([1.0], [1.0], 1, "loop_from=1 is outside 0 to 0"),
+        ([1.0], [1.0], -1, "loop_from=-1 is outside"),
+    ],
+)
+def test_a_trail_that_makes_no_sense_is_refused(x, y, loop_from, message):
+    with pytest.raises(InvalidParameter, match=message):
+        Trail(x, y, loop_from)
+
+
+@pytest.mark.parametrize(
+    ("x", "kind", "message"), [(0.0, "crash", "mark kind 'crash'"), (float("inf"), "end", "finite")]
+)
+def test_a_mark_that_makes_no_sense_is_refused(x, kind, message):
+    with pytest.raises(InvalidParameter, match=message):
+        Mark(x, 0.0, kind)
+
+
+def test_a_trail_outside_the_map_and_one_of_one_point_are_drawn():
+    for trail in (Trail([-5.0, 9.0], [-5.0, 9.0]), Trail([0.35], [0.35]), Trail([0.35], [0.35], 0)):
+        draw_png(small_world(), trail=trail)
+        draw_svg(small_world(), trail=trail)
