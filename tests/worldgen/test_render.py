@@ -3,6 +3,7 @@
 import dataclasses
 import io
 import re
+from itertools import pairwise
 from xml.etree import ElementTree
 
 import numpy as np
@@ -89,7 +90,7 @@ def test_equal_ratios_of_distance_are_equal_steps_of_tint():
 
 def test_the_start_is_a_disc_of_the_robots_true_radius():
     world = small_world(certificate=None)
-    assert near(pixel(world, 0.35, 0.35 + 0.055), mix(PAPER, START, 0.45))
+    assert near(pixel(world, 0.35, 0.35 + 0.061), mix(PAPER, START, 0.45))
     assert near(pixel(world, 0.35, 0.35 + 0.07), START, 45)
     assert pixel(world, 0.35, 0.35 + 0.09)[0] > 200
 
@@ -223,6 +224,24 @@ def test_a_long_title_is_wrapped_and_cut_off():
     lines = [text for text in re.findall(">(word[^<]*)<", svg) if len(text) < 1000]
     assert len(lines) == 3
     assert lines[-1].endswith("...")
+
+
+def test_svg_walls_lie_where_the_frame_puts_them():
+    world = small_world()
+    frame, svg = Frame.of(world), ElementTree.fromstring(draw_svg(world))
+    (walls,) = [path for path in svg.iter("{http://www.w3.org/2000/svg}path") if path.get("fill") == WALL]
+    left, bottom, across, up = (float(number) for number in re.findall(r"-?[\d.]+", walls.get("transform")))
+    x, y, steps = re.fullmatch(r"M(\d+) (\d+)([hv\d-]+)z", walls.get("d")).groups()
+    assert (left + across * int(x), bottom + up * int(y)) == pytest.approx(frame.to_pixels(1.0, 0.2))
+    assert steps == "h1v3h-1"
+
+
+def test_the_signal_halves_from_ring_to_ring():
+    circles = ElementTree.fromstring(draw_svg(small_world())).iter("{http://www.w3.org/2000/svg}circle")
+    radii = [float(circle.get("r")) for circle in circles if circle.get("clip-path")]
+    strength = [1.0 / radius**2 for radius in radii]
+    assert len(strength) > 5
+    assert all(weak / strong == pytest.approx(0.5, rel=1e-3) for strong, weak in pairwise(strength))
 
 
 def test_svg_of_a_large_maze_stays_small():

@@ -84,6 +84,12 @@ def test_a_thinned_line_stays_within_the_tolerance(line, tolerance):
     assert np.array_equal(thin[-1], line[-1])
 
 
+def test_a_bend_is_kept_if_it_is_further_than_the_tolerance():
+    bend = np.array([[0.0, 0.0], [5.0, 1.5], [10.0, 0.0]])
+    assert len(simplified(bend, 1.4)) == 3
+    assert len(simplified(bend, 1.6)) == 2
+
+
 def test_a_straight_line_is_thinned_to_its_ends():
     line = np.column_stack((np.linspace(0.0, 9.0, 1000), np.linspace(0.0, 3.0, 1000)))
     assert np.allclose(simplified(line, 0.01), [[0.0, 0.0], [9.0, 3.0]])

@@ -114,11 +114,10 @@ def draw_terminal(
     columns = max(8, shutil.get_terminal_size((80, 24)).columns if width is None else width)
     grid = _Grid.of(world, columns, color=color)
     dots = grid.dots(world, trail)
+    deep = os.environ.get("COLORTERM") in {"truecolor", "24bit"} if truecolor is None else truecolor
     if color:
-        deep = os.environ.get("COLORTERM") in {"truecolor", "24bit"} if truecolor is None else truecolor
         lines = _half_blocks(_colours(dots, grid, world, deep=deep), deep=deep)
     else:
-        deep = False
         lines = ["".join(SIGNS[int(dot)].letter for dot in row) for row in flip_rows(dots)]
     key = _key(dots, color=color, deep=deep)
     scale = (
