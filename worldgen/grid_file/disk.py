@@ -7,7 +7,7 @@ import io
 import zlib
 from os import PathLike
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import Protocol
 
 from worldgen.errors import FormatError, OutputError
 from worldgen.files import write_bytes
@@ -18,8 +18,16 @@ from worldgen.world import World
 
 __all__ = ["expansion_limit", "read_world", "write_world"]
 
+
 _COMPRESSION = 6  # zlib's own default; fixed, so that equal worlds are equal files
-_PIECE = 1 << 20  # bytes decompressed at a time
+_PIECE = 1 << 20  # bytes read at a time
+
+
+class _SupportsRead(Protocol):
+    """What can be read piece by piece."""
+
+    def read(self, size: int, /) -> bytes:
+        """The next bytes, none at the end."""
 
 
 def read_world(path: str | PathLike[str]) -> World:
@@ -31,7 +39,7 @@ def read_world(path: str | PathLike[str]) -> World:
     source = str(path)
     try:
         with Path(path).open("rb") as stream:
-            data = stream.read(MAX_FILE_BYTES + 1)
+            data = _read_up_to(stream, MAX_FILE_BYTES)
     except FileNotFoundError as error:
         raise FormatError("there is no such file; check the name", source=source) from error
     except IsADirectoryError as error:
@@ -40,7 +48,7 @@ def read_world(path: str | PathLike[str]) -> World:
         raise FormatError(f"cannot be read: {error.strerror or error}", source=source) from error
     except ValueError as error:  # a name with a NUL
         raise FormatError(f"cannot be read: {error}; check the name", source=repr(source)) from error
-    if len(data) > MAX_FILE_BYTES:
+    if data is None:
         raise FormatError(f"longer than {MAX_FILE_BYTES} bytes, the limit of a .grid file", source=source)
     return loads(_expand(data, source) if _is_compressed(source) else data, source)
 
@@ -92,25 +100,28 @@ def _compress(data: bytes) -> bytes:
 
 def _expand(data: bytes, source: str) -> bytes:
     limit = expansion_limit(len(data))
-    pieces: list[bytes] = []
-    size = 0
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
-            while piece := cast(BinaryIO, stream).read(_PIECE):
-                size += len(piece)
-                if size > limit:
-                    raise FormatError(
-                        f"{len(data)} compressed bytes expand to more than {limit}, the limit; "
-                        "unpack the file by hand if you trust it",
-                        source=source,
-                    )
-                pieces.append(piece)
+            expanded = _read_up_to(stream, limit)
     except EOFError as error:
-        raise FormatError(
-            "the gzip data ends too early; the file was cut off; copy it again", source=source
-        ) from error
+        message = "the gzip data ends too early; the file was cut off; copy it again"
+        raise FormatError(message, source=source) from error
     except (OSError, zlib.error) as error:
-        raise FormatError(
-            f"no sound gzip data: {error}; copy the file again, or name it without .gz", source=source
-        ) from error
+        message = f"no sound gzip data: {error}; copy the file again, or name it without .gz"
+        raise FormatError(message, source=source) from error
+    if expanded is None:
+        message = f"{len(data)} compressed bytes expand to more than the limit of {limit}; unpack it by hand"
+        raise FormatError(message, source=source)
+    return expanded
+
+
+def _read_up_to(stream: _SupportsRead, limit: int) -> bytes | None:
+    """All of a stream, or nothing if it is longer than ``limit``: a device may never end."""
+    pieces: list[bytes] = []
+    left = limit
+    while piece := stream.read(_PIECE):
+        left -= len(piece)
+        if left < 0:
+            return None
+        pieces.append(piece)
     return b"".join(pieces)

@@ -70,9 +70,7 @@ def _finite(header: Header, value: object, what: str, path: tuple[str, ...]) -> 
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise header.fault(
-            f"{what} is {shown(value)}; write a finite number within the range of a float64", *path
-        )
+        raise header.fault(f"{what} is {number}; write a finite number within the range of a float64", *path)
     return number
 
 

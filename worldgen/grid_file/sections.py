@@ -77,20 +77,22 @@ def read_cells(block: Block) -> Cells:
     start = target = None
     if not ((text[:, -1] == ord("\n")).all() and (solid | (cells == ord(FREE))).all()):
         _check_rows(block, width)
-        start, target = _mark(block, cells, START), _mark(block, cells, TARGET)
+        start, target = _mark(block, START, width), _mark(block, TARGET, width)
     return Cells(flip_rows(solid), start, target)
 
 
-def _mark(block: Block, cells: npt.NDArray[np.uint8], letter: str) -> Mark | None:
-    found = np.flatnonzero(cells == ord(letter))
-    if len(found) == 0:
+def _mark(block: Block, letter: str, width: int) -> Mark | None:
+    """The one cell with a letter, in a block whose rows are right."""
+    code = letter.encode("ascii")
+    first = block.data.find(code, block.begin, block.end)
+    if first < 0:
         return None
-    height, width = cells.shape
-    if len(found) > 1:
-        raise block.fault(
-            f"a second {letter}: one cell is marked {letter}; make this one {FREE}", int(found[1]) // width
-        )
-    row, ix = divmod(int(found[0]), width)
+    second = block.data.find(code, first + 1, block.end)
+    if second >= 0:
+        row = (second - block.begin) // (width + 1)
+        raise block.fault(f"a second {letter}; one cell is marked {letter}: make the other one {FREE}", row)
+    height = (block.end - block.begin) // (width + 1)
+    row, ix = divmod(first - block.begin, width + 1)
     return Mark(ix, height - 1 - row, block.line + row)
 
 
