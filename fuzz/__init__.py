@@ -1,1 +1,40 @@
-"""The fuzzer: searches for worlds in which a controller fails, proves it, shrinks it, keeps it."""
+"""The fuzzer: searches for worlds in which a controller fails, proves it, shrinks it, keeps it.
+
+Contents, each imported when it is first used:
+    worlds, feature_worlds, family_worlds: Hypothesis strategies for worlds with a witness.
+    Campaign, CampaignConfig: a budgeted search.
+    Scenario, failure_of, replay, Replay: failures and their confirmation.
+    Shrunk: what ``fuzz.shrink.shrink`` returns, the smallest world that still fails.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fuzz.campaign import Campaign
+    from fuzz.failure import Replay, Scenario, failure_of, replay
+    from fuzz.shrink.run import Shrunk
+    from fuzz.strategies import family_worlds, feature_worlds, worlds
+    from fuzz.unit import CampaignConfig
+
+_HOME = {
+    "campaign": ("Campaign",),
+    "failure": ("Replay", "Scenario", "failure_of", "replay"),
+    "strategies": ("family_worlds", "feature_worlds", "worlds"),
+    "unit": ("CampaignConfig",),
+}
+_MODULE = {name: f"fuzz.{module}" for module, names in _HOME.items() for name in names}
+_MODULE |= {"Shrunk": "fuzz.shrink.run"}
+
+__all__ = [
+    "Campaign", "CampaignConfig", "Replay", "Scenario", "Shrunk", "failure_of", "family_worlds", "feature_worlds",
+    "replay", "worlds",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULE:
+        raise AttributeError(f"module 'fuzz' has no attribute {name!r}")
+    return getattr(importlib.import_module(_MODULE[name]), name)

@@ -79,12 +79,17 @@ def failure_of(world: World, scenario: Scenario, *, fewest_steps: int = 0, **det
     Args:
         world: A world that carries a witness.
         scenario: What runs in it.
-        fewest_steps: Budget to give at least, for verdicts that the run itself proves.
+        fewest_steps: Budget to give at least, for verdicts that the run itself proves; ``stalled`` and
+            ``timeout`` always speak of the witness's budget.
         **details: What else to note.
     """
     options = scenario.options(world)
-    options = replace(options, steps=max(options.steps, fewest_steps))
-    episode, wrong = judge(world, scenario.controller, options)
+    longer = replace(options, steps=max(options.steps, fewest_steps))
+    episode, wrong = judge(world, scenario.controller, longer)
+    if episode.verdict in ("stalled", "timeout"):
+        episode, wrong = judge(world, scenario.controller, options)
+    else:
+        options = longer
     if episode.verdict == "reached" or wrong:
         return None
     record = FailureRecord(

@@ -30,7 +30,8 @@ def failure_class(world: World, episode: Episode) -> str:
     if verdict == "loop":
         entry, period = integer(evidence, "entry"), integer(evidence, "period")
         bumps, turns = _touches(trace, entry, entry + period), _turns(trace, entry, entry + period)
-        return f"loop-{bumps}bump-{turns}turn-{_extent(world, trace, entry, entry + period)}"
+        extent = _extent(world, trace, entry, entry + period)
+        return f"loop-{_few(bumps, 4)}bump-{_few(turns, 2)}turn-{extent}"
     if verdict in ("tunnel", "overlap"):
         cell = cell_of(evidence)
         return f"{verdict}-{_wall_kind(world, *cell)}" if cell else verdict
@@ -39,6 +40,10 @@ def failure_class(world: World, episode: Episode) -> str:
     if verdict == "burned":
         return f"burned-{evidence.get('state', 'burning')}"
     return verdict
+
+
+def _few(count: int, most: int) -> str:
+    return str(count) if count <= most else "many"
 
 
 def _touches(trace: Trace, first: int, last: int) -> int:

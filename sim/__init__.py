@@ -1,1 +1,39 @@
-"""The shared simulator: robots, motion models, controllers, runs and their traces."""
+"""The shared simulator: robots, motion models, controllers, runs and their traces.
+
+Contents, each imported when it is first used:
+    simulate: one run and its verdict. Episode, Trace: what comes back. RunOptions: how it is done.
+    CompiledController, PythonController, Observation, Command: bring your own controller.
+    CONTROLLERS, MOTIONS: what is registered.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sim.controllers import CONTROLLERS, Command, CompiledController, Observation, PythonController
+    from sim.episode import Episode, simulate
+    from sim.motion import MOTIONS
+    from sim.run_options import RunOptions
+    from sim.trace import Trace
+
+_HOME = {
+    "controllers": ("CONTROLLERS", "Command", "CompiledController", "Observation", "PythonController"),
+    "episode": ("Episode", "simulate"),
+    "motion": ("MOTIONS",),
+    "run_options": ("RunOptions",),
+    "trace": ("Trace",),
+}
+_MODULE = {name: f"sim.{module}" for module, names in _HOME.items() for name in names}
+
+__all__ = [
+    "CONTROLLERS", "MOTIONS", "Command", "CompiledController", "Episode", "Observation", "PythonController",
+    "RunOptions", "Trace", "simulate",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULE:
+        raise AttributeError(f"module 'sim' has no attribute {name!r}")
+    return getattr(importlib.import_module(_MODULE[name]), name)

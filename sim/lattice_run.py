@@ -182,7 +182,7 @@ class LatticeRun:
     def _trace(self, rows: Ints, complete: bool) -> Trace:
         """The recorded rows in metres and radians."""
         states = rows[:, layout.ROW_STATE :]
-        metres = float(self.scales[layout.SCALE_METRES])
+        side = self.world.cell_size
         used = rows[:, layout.ROW_CORNERS]
         points = np.zeros((len(rows), 3, 2), np.int64)
         points[:, 0], points[:, 1] = rows[:, 2:4], rows[:, 4:6]
@@ -191,12 +191,12 @@ class LatticeRun:
         turned = states[:, layout.STATE_HEADING]
         return Trace(
             time_step=self.options.time_step,
-            x=_metres(states[:, 0], self.world.cell_size, metres),
-            y=_metres(states[:, 1], self.world.cell_size, metres),
+            x=_metres(states[:, layout.STATE_X], side),
+            y=_metres(states[:, layout.STATE_Y], side),
             heading=np.where(turned > TURN // 2, turned - TURN, turned) * float(self.scales[layout.SCALE_RADIANS]),
             bump=rows[:, layout.ROW_BUMP] != 0,
-            path_x=points[keep][:, 0] * metres,
-            path_y=points[keep][:, 1] * metres,
+            path_x=_metres(points[keep][:, 0], side),
+            path_y=_metres(points[keep][:, 1], side),
             path_step=np.repeat(np.arange(len(rows)), keep.sum(axis=1)),
             words=rows[1:].view(np.uint64),
             states=np.ascontiguousarray(states).view(np.uint64),
@@ -204,10 +204,11 @@ class LatticeRun:
         )
 
 
-def _metres(units: Ints, cell_size: float, scale: float) -> Floats:
-    """Lattice units as metres, correctly rounded where the run is short enough to be read by people."""
-    if len(units) > 10_000:
-        return units * scale
+def _metres(units: Ints, cell_size: float) -> Floats:
+    """Lattice units as metres, correctly rounded, so that short decimals stay short."""
+    ratio = exact(cell_size) / UNIT
+    if int(np.abs(units).max(initial=0)) * ratio.numerator < 2**53 and ratio.denominator < 2**53:
+        return (units * ratio.numerator) / float(ratio.denominator)  # one rounding: both are exact
     return np.array([lattice_to_metres(unit, cell_size) for unit in units.tolist()])
 
 

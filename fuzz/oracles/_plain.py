@@ -12,7 +12,15 @@ from sim.trace import Trace
 from worldgen.timeline import CellState
 from worldgen.world import Value, World
 
-__all__ = ["cell_box", "cell_of", "integer", "is_solid_at", "path_cells", "step_path", "target_gap"]
+__all__ = [
+    "cell_box",
+    "cell_of",
+    "first_new_cell_of_second_half",
+    "integer",
+    "is_solid_at",
+    "step_path",
+    "target_gap",
+]
 
 
 def integer(evidence: Mapping[str, Value], key: str) -> int:
@@ -58,9 +66,13 @@ def step_path(trace: Trace, step: int) -> shapely.LineString:
     return shapely.LineString(points if len(points) > 1 else np.repeat(points, 2, axis=0))
 
 
-def path_cells(world: World, trace: Trace) -> npt.NDArray[np.int64]:
-    """(n + 1, 2) cells (ix, iy) of the states."""
-    return np.stack([np.floor(trace.x / world.cell_size), np.floor(trace.y / world.cell_size)], axis=1).astype(np.int64)
+def first_new_cell_of_second_half(world: World, trace: Trace) -> tuple[int, int] | None:
+    """A cell (ix, iy) that a state of the second half enters and no state of the first half has seen."""
+    columns, rows = np.floor(trace.x / world.cell_size), np.floor(trace.y / world.cell_size)
+    cells = columns.astype(np.int64) + rows.astype(np.int64) * (world.width + 2)
+    half = trace.steps // 2
+    fresh = np.setdiff1d(cells[half + 1 :], cells[: half + 1])
+    return (int(fresh[0]) % (world.width + 2), int(fresh[0]) // (world.width + 2)) if len(fresh) else None
 
 
 def target_gap(world: World, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> float:

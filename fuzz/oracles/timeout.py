@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fuzz.oracles._plain import path_cells
+from fuzz.oracles._plain import first_new_cell_of_second_half
 from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import Value, World
@@ -14,6 +14,4 @@ __all__ = ["object_to_timeout"]
 
 def object_to_timeout(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
     """Objects if the second half has no new cell: that would be ``stalled``."""
-    cells = [tuple(cell) for cell in path_cells(world, trace).tolist()]
-    half = trace.steps // 2
-    return "" if set(cells[half + 1 :]) - set(cells[: half + 1]) else "the second half has no new cell"
+    return "" if first_new_cell_of_second_half(world, trace) else "the second half has no new cell"

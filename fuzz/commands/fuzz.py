@@ -1,0 +1,91 @@
+"""``worldgen fuzz``: a campaign on the command line."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import draw_seed, force_option, json_option, seed_option
+
+__all__ = ["fuzz"]
+
+EXAMPLES = (
+    "\b\n  worldgen fuzz --controller turn-right --motion stepped --budget 30s --seed 1 --out failures/\n"
+    "  worldgen fuzz --controller ./mine.py:Robot --family trap --units 20 --out failures/\n"
+    "  worldgen fuzz --controller turn-left --world map.grid --budget 1m --out failures/"
+)
+
+
+class _Duration(click.ParamType):
+    name = "duration"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Reads 30s, 5m, 1.5h, or plain seconds."""
+        match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", str(value).strip())
+        if not match or float(match[1]) <= 0:
+            self.fail(f"{value!r} is no duration; write 30s, 5m or 1h", param, ctx)
+        return float(match[1]) * {"s": 1, "m": 60, "h": 3600, None: 1}[match[2]]
+
+
+@click.command(epilog=EXAMPLES)
+@click.option("--controller", required=True, help="Name, package.module:name, or ./file.py:name.")
+@click.option("--motion", default="swept", show_default=True, help="Motion model.")
+@click.option("--family", "families", multiple=True, help="Draw worlds from this family; may be repeated.")
+@click.option("--world", type=click.Path(path_type=Path), help="Keep this map; vary start, target and radius.")
+@click.option("--budget", type=_Duration(), metavar="TIME", help="Search this long: 30s, 5m, 1h [default: 30s].")
+@click.option("--units", type=click.IntRange(1), help="Do this much work; the result depends on the seed alone.")
+@click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
+@click.option("--time-step", type=float, help="Duration of a step, s [default: the motion model's].")
+@click.option("--examples", type=click.IntRange(1, 100_000), default=400, show_default=True, help="Draws a unit.")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the failures.")
+@seed_option
+@json_option
+@force_option
+def fuzz(
+    controller: str,
+    motion: str,
+    families: tuple[str, ...],
+    world: Path | None,
+    budget: float | None,
+    units: int | None,
+    workers: int | None,
+    time_step: float | None,
+    examples: int,
+    out: Path,
+    seed: int | None,
+    as_json: bool,
+    force: bool,
+) -> None:
+    """Search for worlds in which a controller fails; prove, shrink and save what is found.
+
+    Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there is any,
+    0 if not. Ctrl-C keeps what was found.
+    """
+    import os
+
+    from fuzz.session import CampaignSession, configure
+    from worldgen.grid_file import read_world
+
+    if budget is not None and units is not None:
+        raise click.UsageError("give --budget or --units, not both")
+    config = configure(
+        controller=controller,
+        motion=motion,
+        families=families,
+        fixed_map=None if world is None else read_world(world),
+        time_step=time_step,
+        examples=examples,
+        seed=draw_seed(seed),
+    )
+    session = CampaignSession(
+        config,
+        out,
+        units=units,
+        seconds=None if units else budget or 30.0,
+        workers=workers or os.cpu_count() or 1,
+        force=force,
+        quiet=as_json,
+    )
+    raise SystemExit(session.run())

@@ -1,0 +1,59 @@
+"""``worldgen replay``: every failure, from its file, with the same verdict and digest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import emit_json, json_option
+
+__all__ = ["replay"]
+
+
+@click.command(epilog="\b\n  worldgen replay failures/\n  worldgen replay failures/loop-4bump-1turn-near.grid --show")
+@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH|DIR...")
+@click.option("--controller", help="Use this controller instead of the one that the file names.")
+@click.option("--show", "with_picture", is_flag=True, help="Draw each failure in the terminal.")
+@json_option
+def replay(paths: tuple[Path, ...], controller: str | None, with_picture: bool, as_json: bool) -> None:
+    """Run saved failures again and compare verdict, evidence, trace digest and certificate.
+
+    Exit code 0 if every one is confirmed, 1 if one is not.
+    """
+    from fuzz.failure import replay as replay_failure
+    from fuzz.session import describe
+    from worldgen.grid_file import read_world
+
+    results = []
+    for path in _files(paths):
+        world = read_world(path)
+        outcome = replay_failure(world, controller)
+        results.append({"file": str(path), "verdict": outcome.verdict, "confirmed": outcome.confirmed})
+        if not as_json:
+            click.echo(f"{path}: {outcome.verdict} " + ("confirmed" if outcome.confirmed else f"NOT confirmed: {outcome.reason}"))
+            if with_picture and outcome.confirmed:
+                click.echo(describe(world, path))
+    confirmed = sum(bool(result["confirmed"]) for result in results)
+    if as_json:
+        emit_json({"replayed": len(results), "confirmed": confirmed, "failures": results})
+    else:
+        click.echo(f"{confirmed} of {len(results)} confirmed")
+    if confirmed < len(results):
+        raise SystemExit(1)
+
+
+def _files(paths: tuple[Path, ...]) -> list[Path]:
+    """The failure files that paths and folders name."""
+    from worldgen.errors import InvalidParameter
+
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            found = sorted(file for pattern in ("*.grid", "*.grid.gz") for file in path.rglob(pattern))
+            if not found:
+                raise InvalidParameter(f"{path} holds no .grid file; name a folder of failures")
+            files += found
+        else:
+            files.append(path)
+    return files

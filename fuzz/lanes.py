@@ -1,0 +1,102 @@
+"""Lanes: where a campaign's scenarios come from. Each is a Hypothesis strategy and a way to run its draws."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
+
+from fuzz.features import decode_world
+from fuzz.strategies import family_worlds, layouts
+from worldgen.errors import InvalidWorld
+from worldgen.lattice import lattice_to_metres
+from worldgen.world import Pose, Target, World
+
+__all__ = ["COMBINED", "Draw", "explore", "lane_strategy", "poses_on"]
+
+COMBINED = ("features", "features", "trap", "features", "maze", "features", "corridor")
+"""What unit after unit draws from when no family is named: mostly features, which fail most often per second."""
+
+TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)  # s: the range of the thesis's spinner
+
+
+@dataclass(frozen=True)
+class Draw:
+    """One scenario as Hypothesis drew it.
+
+    Args:
+        world: Without certificate, or with the one that its family proved.
+        seed: For the controller's random numbers.
+        time_step: s.
+    """
+
+    world: World
+    seed: int
+    time_step: float
+
+
+def explore(strategy: st.SearchStrategy[Draw], unit_seed: int, examples: int, visit: Callable[[Draw], None]) -> None:
+    """Lets Hypothesis generate; nothing is raised, so one round goes through all its examples.
+
+    The profile is explicit: with ``CI`` set, Hypothesis would derandomise and drop its database.
+    """
+
+    @settings(
+        max_examples=examples,
+        phases=[Phase.generate],
+        database=None,
+        derandomize=False,
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @seed(unit_seed)
+    @given(strategy)
+    def round_of_examples(draw: Draw) -> None:
+        visit(draw)
+
+    round_of_examples()
+
+
+def lane_strategy(
+    lane: str, *, time_steps: tuple[float, ...], fixed_map: World | None = None
+) -> st.SearchStrategy[Draw]:
+    """The strategy of a lane: ``features``, ``map`` (poses on a fixed foreign map), or a family's name."""
+    if lane == "map" and fixed_map is not None:
+        worlds: st.SearchStrategy[World] = poses_on(fixed_map)
+    elif lane == "features":
+        worlds = layouts().map(decode_world)
+    else:
+        worlds = family_worlds(lane)
+    return st.builds(Draw, worlds, st.integers(0, 2**32 - 1), st.sampled_from(time_steps))
+
+
+def poses_on(world: World) -> st.SearchStrategy[World]:
+    """Start, heading, target and robot radius on a fixed map, on half-cell points of its free cells."""
+    free = np.argwhere(~world.walls)
+    if not len(free):
+        raise InvalidWorld("the map has no free cell to start from")
+    plain = replace(world, certificate=None, provenance=None, failure=None)
+    radii = sorted({round(world.robot_radius * share, 6) for share in (0.5, 0.75, 1.0)}, reverse=True)
+
+    def place(start: int, heading: int, target: int, radius: float) -> World:
+        at, to = free[start], free[target]
+        side = world.cell_size
+        return replace(
+            plain,
+            start=Pose(_centre(at[1], side), _centre(at[0], side), heading * (math.pi / 8)),
+            target=Target(_centre(to[1], side), _centre(to[0], side), world.target.radius),
+            robot_radius=radius,
+        )
+
+    index = st.integers(0, len(free) - 1)
+    return st.builds(place, index, st.integers(0, 15), index, st.sampled_from(radii))
+
+
+def _centre(index: int, cell_size: float) -> float:
+    return lattice_to_metres(1024 * int(index) + 512, cell_size)
+
+

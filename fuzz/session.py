@@ -1,0 +1,220 @@
+"""A campaign at a terminal: progress on stderr, failures into a folder, a summary at the end."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress as Bar
+from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from fuzz.campaign import Campaign, Found
+from fuzz.lanes import TIME_STEPS
+from fuzz.unit import CampaignConfig
+from sim.controllers import CONTROLLERS
+from sim.episode import prepare, simulate
+from sim.motion import MOTIONS
+from sim.picture import trail_of
+from sim.run_options import RunOptions
+from sim.words import evidence_in_words
+from worldgen.cli.output import emit_json, note
+from worldgen.errors import OutputError
+from worldgen.family import FAMILIES
+from worldgen.grid_file import write_world
+from worldgen.render import draw_terminal, wants_color
+from worldgen.world import Pose, Target, World
+
+__all__ = ["CampaignSession", "configure"]
+
+
+def configure(
+    *,
+    controller: str,
+    motion: str,
+    families: tuple[str, ...],
+    fixed_map: World | None,
+    time_step: float | None,
+    examples: int,
+    seed: int,
+) -> CampaignConfig:
+    """Checks a campaign's parts before any work begins.
+
+    Raises:
+        InvalidParameter: If a name is unknown, or controller and motion model do not fit.
+        InvalidWorld: If the map leaves no room.
+    """
+    for name in families:
+        FAMILIES.get(name)
+    if time_step is not None:
+        time_steps: tuple[float, ...] = (RunOptions(time_step=time_step).time_step,)
+    else:
+        time_steps = TIME_STEPS if MOTIONS.get(motion).name == "endpoint" else (RunOptions.time_step,)
+    _try_out(controller, motion, time_steps[0])
+    return CampaignConfig(controller, motion, seed, families, time_steps, fixed_map, examples)
+
+
+def _try_out(controller: str, motion: str, time_step: float) -> None:
+    """One short run in an empty arena, so that a name or a compile error shows at once."""
+
+    arena = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0.6, 0.05))
+    options = RunOptions(motion=motion, steps=2, time_step=time_step)
+    prepare(arena, CONTROLLERS.get(controller), options).run(2, find_loop=False, record=False)
+
+
+class CampaignSession:
+    """Runs a campaign and keeps its folder.
+
+    Args:
+        config: What to look for.
+        out: Folder of the failures; made if it is missing.
+        units: Amount of work, or ``None``.
+        seconds: Time to search, or ``None``.
+        workers: Processes.
+        force: Whether files of the same name may be replaced.
+        quiet: Print one JSON object at the end instead of text.
+    """
+
+    def __init__(
+        self,
+        config: CampaignConfig,
+        out: Path,
+        *,
+        units: int | None,
+        seconds: float | None,
+        workers: int,
+        force: bool,
+        quiet: bool,
+    ) -> None:
+        self._config, self._out, self._quiet = config, out, quiet
+        self._campaign = Campaign(config, units=units, seconds=seconds, workers=workers)
+        self._limit = f"{units} units" if units else f"{seconds:g} s"
+        _prepare_folder(out, force)
+
+    def run(self) -> int:
+        """Does the campaign; returns the exit code."""
+        started, stopped = time.monotonic(), False
+        try:
+            self._watch()
+        except KeyboardInterrupt:
+            stopped = True
+            self._save_pending()
+        finally:
+            seconds = time.monotonic() - started
+        best = self._campaign.state.best
+        self._report(seconds)
+        if stopped:
+            note(f"interrupted; {len(best)} failures are kept in {self._out}")
+            return 130
+        return 1 if best else 0
+
+    def _watch(self) -> None:
+        console = Console(stderr=True)
+        columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+        with Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+            task = bar.add_task(f"searching ({self._limit})", total=None)
+            for event in self._campaign.run():
+                state = self._campaign.state
+                if isinstance(event, Found):
+                    self._save(event.kind, event.world)
+                bar.update(
+                    task,
+                    description=f"searching ({self._limit}): {state.worlds} worlds, "
+                    f"{sum(n for verdict, n in state.verdicts.items() if verdict != 'reached')} not reached, "
+                    f"{len(state.best)} classes",
+                )
+
+    def _save(self, kind: str, world: World) -> None:
+        write_world(world, self._path(kind), force=True)
+
+    def _save_pending(self) -> None:
+        """After Ctrl-C: what was proved but not shrunk yet is kept as it is."""
+        for kind, world in self._campaign.pending().items():
+            if kind not in self._campaign.state.best:
+                self._campaign.state.best[kind] = world
+                self._save(kind, world)
+
+    def _path(self, kind: str) -> Path:
+        return self._out / f"{kind}.grid"
+
+    def _report(self, seconds: float) -> None:
+        state = self._campaign.state
+        if self._quiet:
+            emit_json(self._summary(seconds))
+            return
+        for kind, world in sorted(state.best.items()):
+            click.echo(describe(world, self._path(kind), met=state.met))
+        verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
+        click.echo(
+            f"seed {self._config.seed}: {state.units} units, {state.worlds} worlds, {state.steps} steps "
+            f"in {seconds:.1f} s; at first look {verdicts or 'nothing'}"
+        )
+        if not state.best:
+            click.echo(f"no failure of {self._config.controller} under {self._config.motion} found")
+
+    def _summary(self, seconds: float) -> dict[str, object]:
+        state = self._campaign.state
+        return {
+            "seed": self._config.seed,
+            "units": state.units,
+            "worlds": state.worlds,
+            "steps": state.steps,
+            "seconds": round(seconds, 3),
+            "verdicts": dict(state.verdicts),
+            "failures": [
+                {
+                    "file": str(self._path(kind)),
+                    "verdict": world.failure.verdict if world.failure else "",
+                    "class": kind,
+                    "solid_cells": world.solid_cells,
+                    "replay": replay_line(self._path(kind)),
+                }
+                for kind, world in sorted(state.best.items())
+            ],
+        }
+
+
+def replay_line(path: Path) -> str:
+    """The command that shows a failure again."""
+    return f"worldgen replay {shlex.quote(str(path))}"
+
+
+def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> str:
+    """A failure for the terminal: what happened, the picture, the line that replays it."""
+    record = world.failure
+    if record is None:
+        return str(path)
+    options = RunOptions.of(record.motion, record.seed, record.parameters)
+    episode = simulate(world, record.controller, options, record=True)
+    kind = str(record.details.get("class", record.verdict))
+    often = f", met {met[kind]} times" if met and met[kind] else ""
+    minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
+    color = wants_color(sys.stdout)
+    return (
+        f"{record.controller} under {record.motion}: {record.verdict}{evidence_in_words(episode)}\n"
+        f"  class {kind}{often}; {world.width} x {world.height} cells, {world.solid_cells} solid{minimal}\n"
+        f"{draw_terminal(world, trail=trail_of(episode), color=color)}"
+        f"  {replay_line(path)}\n"
+    )
+
+
+def _prepare_folder(out: Path, force: bool) -> None:
+    if out.exists() and not out.is_dir():
+        raise OutputError(f"{out} is a file; name a folder")
+    if out.is_dir() and not force and any(out.glob("*.grid")):
+        raise OutputError(
+            f"{out} holds .grid files already; give --force to add to them and replace those of the same name, "
+            "or name another folder"
+        )
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        probe = out / ".worldgen-probe"
+        probe.write_bytes(b"")
+        probe.unlink()
+    except OSError as error:
+        raise OutputError(f"{out}: cannot be written: {error.strerror or error}") from error

@@ -1,0 +1,121 @@
+"""Units of a campaign: pure functions of (configuration, unit number), so any worker may do any of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field, replace
+
+from fuzz.failure import Scenario, certified, failure_of
+from fuzz.lanes import COMBINED, Draw, explore, lane_strategy
+from sim.controllers import CONTROLLERS
+from sim.episode import prepare
+from sim.outcome import Outcome
+from sim.run_options import RunOptions, step_budget
+from worldgen.errors import InvalidWorld
+from worldgen.random_streams import RandomStream
+from worldgen.world import World
+
+__all__ = ["CampaignConfig", "UnitResult", "run_unit"]
+
+_SEARCH_STEPS = 6_000  # budget of a first look, before the witness is known
+_PROOF_STEPS = 60_000  # budget in which a failing run may close its loop
+_PROVE_AT_MOST = 24  # failing runs of one verdict that a unit proves and classifies; the rest it counts
+
+
+@dataclass(frozen=True)
+class CampaignConfig:
+    """What a campaign looks for.
+
+    Args:
+        controller: Name, as the command line takes it.
+        motion: Name of the motion model.
+        seed: Of the whole campaign.
+        families: Where worlds come from; empty for feature layouts and the built-in families in turn.
+        time_steps: Durations of a step to draw from, s.
+        fixed_map: A foreign map on which only start, heading, target and radius vary.
+        examples: Hypothesis examples in one unit.
+    """
+
+    controller: str
+    motion: str = "swept"
+    seed: int = 0
+    families: tuple[str, ...] = ()
+    time_steps: tuple[float, ...] = (RunOptions.time_step,)
+    fixed_map: World | None = None
+    examples: int = 400
+
+    def lane(self, unit: int) -> str:
+        """The lane of a unit."""
+        names = ("map",) if self.fixed_map is not None else (self.families or COMBINED)
+        return names[unit % len(names)]
+
+
+@dataclass
+class UnitResult:
+    """What one unit found.
+
+    Args:
+        worlds: Scenarios simulated.
+        steps: Steps simulated.
+        verdicts: How often each verdict came up at first look.
+        failures: The smallest failure of each class, with witness, evidence and class.
+        met: How often each class was met among the failures that were classified.
+    """
+
+    worlds: int = 0
+    steps: int = 0
+    verdicts: Counter[str] = field(default_factory=Counter)
+    failures: dict[str, World] = field(default_factory=dict)
+    met: Counter[str] = field(default_factory=Counter)
+
+
+def run_unit(config: CampaignConfig, unit: int) -> UnitResult:
+    """Does one unit: draws, runs, proves, classifies. No clock, no shared state."""
+    search = _Search(config, UnitResult())
+    lane = config.lane(unit)
+    strategy = lane_strategy(lane, time_steps=config.time_steps, fixed_map=config.fixed_map)
+    unit_seed = RandomStream(config.seed).child("unit", unit).next64()
+    examples = config.examples if lane in ("features", "map") else max(config.examples // 4, 1)
+    explore(strategy, unit_seed, examples, search.visit)
+    return search.result
+
+
+class _Search:
+    """Runs draws and keeps what fails."""
+
+    def __init__(self, config: CampaignConfig, result: UnitResult) -> None:
+        self._config, self.result = config, result
+        self._controller = CONTROLLERS.get(config.controller)
+
+    def visit(self, draw: Draw) -> None:
+        """Runs one scenario; a failure is proved, classified and kept if it is the smallest of its class."""
+        scenario = Scenario(self._config.controller, self._config.motion, draw.time_step, draw.seed)
+        budget = step_budget(draw.world, draw.time_step) if draw.world.certificate else _SEARCH_STEPS
+        try:
+            run = prepare(draw.world, self._controller, replace(scenario.options(draw.world), steps=budget))
+            outcome = run.run(budget, find_loop=True, record=False)
+        except InvalidWorld:  # the drawn start is in a wall
+            return
+        verdict = _first_look(outcome)
+        self.result.worlds += 1
+        self.result.steps += outcome.steps
+        self.result.verdicts[verdict] += 1
+        if verdict != "reached" and self.result.verdicts[verdict] <= _PROVE_AT_MOST:
+            self._prove(draw.world, scenario)
+
+    def _prove(self, world: World, scenario: Scenario) -> None:
+        proved = world if world.certificate else certified(world)
+        failure = None if proved is None else failure_of(proved, scenario, fewest_steps=_PROOF_STEPS)
+        if failure is None or failure.failure is None:
+            return
+        kind = str(failure.failure.details["class"])
+        self.result.met[kind] += 1
+        before = self.result.failures.get(kind)
+        if before is None or failure.solid_cells < before.solid_cells:
+            self.result.failures[kind] = failure
+
+
+def _first_look(outcome: Outcome) -> str:
+    if outcome.ending == "limit":
+        return "overlap" if outcome.overlap_step >= 0 else "undecided"
+    return "overlap" if outcome.overlap_step >= 0 and outcome.ending in ("reached", "loop") else outcome.ending

@@ -1,0 +1,121 @@
+"""``worldgen run``: one controller, one world, one verdict."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+
+if TYPE_CHECKING:
+    from sim.episode import Episode
+    from worldgen.world import World
+
+__all__ = ["run"]
+
+EXAMPLES = (
+    "\b\n  worldgen run w.grid --controller turn-right --trail run.png\n"
+    "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json"
+)
+OUT = click.Path(path_type=Path)
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("path", type=click.Path(path_type=Path))
+@click.option("--controller", required=True, help="Name, package.module:name, or ./file.py:name.")
+@click.option("--motion", default="swept", show_default=True, help="Motion model.")
+@click.option("--steps", type=int, help="Budget in steps [default: 50 times the witness's time].")
+@click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
+@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers.")
+@click.option("--trail", type=OUT, metavar="OUT", help="Draw world and trail: .png, .svg or .html.")
+@click.option("--trace", type=OUT, metavar="OUT", help="Write t,x,y,heading per step, as CSV.")
+@json_option
+@force_option
+def run(
+    path: Path,
+    controller: str,
+    motion: str,
+    steps: int | None,
+    time_step: float | None,
+    seed: int,
+    trail: Path | None,
+    trace: Path | None,
+    as_json: bool,
+    force: bool,
+) -> None:
+    """Run a controller in a world and say how it ends.
+
+    Exit code 0 if the robot arrives, 1 if it does not.
+    """
+    from sim.episode import simulate
+    from sim.run_options import RunOptions, step_budget
+    from worldgen.grid_file import read_world
+
+    world = read_world(path)
+    duration = RunOptions.time_step if time_step is None else time_step
+    checked = RunOptions(motion=motion, time_step=duration, seed=seed)
+    budget = step_budget(world, checked.time_step) if steps is None else steps
+    options = RunOptions(motion=motion, steps=budget, time_step=duration, seed=seed)
+    for out in (trail, trace):
+        _check_output(out, force)
+    episode = simulate(world, controller, options, record=trail is not None or trace is not None)
+    if as_json:
+        emit_json(_summary(episode))
+    else:
+        click.echo(_sentence(episode))
+    if trace is not None and episode.trace is not None:
+        write_bytes(trace, episode.trace.to_csv().encode(), force=force)
+        note(f"wrote {trace}")
+    if trail is not None:
+        title = f"{controller}, {motion}: {_sentence(episode)}"
+        write_bytes(trail, _picture(world, episode, title, trail.suffix), force=force)
+        note(f"wrote {trail}")
+    if episode.verdict != "reached":
+        raise SystemExit(1)
+
+
+def _check_output(out: Path | None, force: bool) -> None:
+    """Refuses before the work what could not be written after it."""
+    from worldgen.errors import OutputError
+
+    if out is None:
+        return
+    if out.exists() and out.is_file() and not force:
+        raise OutputError(f"{out} is there already; give --force to overwrite it, or another name")
+    if not out.parent.is_dir():
+        raise OutputError(f"{out}: the folder {out.parent} does not exist; make it first")
+
+
+def _summary(episode: Episode) -> dict[str, object]:
+    return {
+        "verdict": episode.verdict,
+        "steps": episode.steps,
+        "time": episode.time,
+        "path_length": episode.path_length,
+        "collisions": episode.collisions,
+        "trace_digest": episode.trace_digest,
+        "evidence": dict(episode.evidence),
+    }
+
+
+def _sentence(episode: Episode) -> str:
+    from sim.words import evidence_in_words
+
+    return (
+        f"{episode.verdict}{evidence_in_words(episode)}: {episode.steps} steps, {episode.time:g} s, "
+        f"{episode.path_length:.3f} m driven, {episode.collisions} collisions, trace {episode.trace_digest}"
+    )
+
+
+def _picture(world: World, episode: Episode, title: str, suffix: str) -> bytes:
+    from sim.picture import trail_of
+    from worldgen import render
+
+    trail = trail_of(episode)
+    if suffix == ".svg":
+        return render.draw_svg(world, trail=trail, title=title).encode()
+    if suffix in (".html", ".htm"):
+        return render.draw_html(world, trail=trail, title=title).encode()
+    return render.draw_png(world, trail=trail, title=title)

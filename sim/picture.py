@@ -1,0 +1,34 @@
+"""A run as something to draw over its world."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim.episode import Episode
+from worldgen.render import Mark, Trail
+
+__all__ = ["trail_of"]
+
+_MOST_BUMPS = 400  # marks beyond that hide the picture
+
+
+def trail_of(episode: Episode) -> Trail | None:
+    """The driven line of a recorded episode, its loop, bumps and breaches; ``None`` without a recording."""
+    trace = episode.trace
+    if trace is None:
+        return None
+    entry = episode.evidence.get("entry")
+    loop_from = None
+    if episode.verdict == "loop" and isinstance(entry, int):
+        loop_from = int(np.searchsorted(trace.path_step, entry, side="right")) - 1
+    onsets = np.flatnonzero(trace.bump[1:] & ~trace.bump[:-1]) + 1
+    marks = [Mark(float(trace.x[k]), float(trace.y[k]), "bump") for k in onsets[:_MOST_BUMPS]]
+    step = episode.evidence.get("step")
+    if isinstance(step, int) and 0 <= step <= trace.steps:
+        if episode.verdict == "tunnel":
+            marks.append(Mark(float(trace.x[step]), float(trace.y[step]), "tunnel"))
+        if episode.verdict == "overlap":
+            marks.append(Mark(float(trace.x[step]), float(trace.y[step]), "overlap"))
+    if loop_from is None:
+        marks.append(Mark(float(trace.x[-1]), float(trace.y[-1]), "end"))
+    return Trail(trace.path_x, trace.path_y, loop_from, marks)

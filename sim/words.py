@@ -1,0 +1,32 @@
+"""Verdicts in words."""
+
+from __future__ import annotations
+
+from sim.episode import Episode
+
+__all__ = ["evidence_in_words"]
+
+
+def evidence_in_words(episode: Episode) -> str:
+    """What the evidence says, to stand behind the verdict; starts with a blank, or is empty."""
+    evidence = episode.evidence
+    verdict = episode.verdict
+    if verdict == "loop":
+        return f" for ever (the state after step {evidence['entry']} comes back every {evidence['period']} steps)"
+    if verdict in ("tunnel", "overlap") and "cell" in evidence:
+        return f" (step {evidence['step']}, wall cell {tuple(_list(evidence['cell']))})"
+    if verdict == "burned":
+        cause = "fire" if evidence.get("state") == "burning" else "debris"
+        return f" ({cause} in step {evidence['step']}, cell {tuple(_list(evidence['cell']))})"
+    if verdict == "stalled":
+        spent = f", {evidence['witness_multiple']} times the witness's time" if "witness_multiple" in evidence else ""
+        return f" (no new cell after step {evidence['last_new_cell']}{spent})"
+    if verdict == "timeout":
+        return " (budget spent, still in new cells)"
+    if verdict == "crash":
+        return f" ({evidence['error']})"
+    return ""
+
+
+def _list(value: object) -> list[object]:
+    return value if isinstance(value, list) else []
