@@ -1,1 +1,35 @@
-"""interop."""
+"""Foreign formats.
+
+Contents:
+    import_world: a foreign map becomes a world with a proof (``importing``).
+    read_map, FORMATS: the formats by name (``formats``), each read in a file of its own:
+    read_movingai, read_scenario (``movingai``), read_ros_map (``ros_map``, ``grey_image``).
+    place: start and target for a map that has none (``place``).
+"""
+
+from worldgen.interop.foreign_map import ForeignMap
+from worldgen.interop.formats import FORMATS, ReadOptions, read_map
+from worldgen.interop.importing import Imported, RobotOptions, as_json, describe, import_world, parse_point
+from worldgen.interop.movingai import Scenario, read_movingai, read_scenario
+from worldgen.interop.place import Placement, place
+from worldgen.interop.ros_map import occupancy, read_ros_map
+
+__all__ = [
+    "FORMATS",
+    "ForeignMap",
+    "Imported",
+    "Placement",
+    "ReadOptions",
+    "RobotOptions",
+    "Scenario",
+    "as_json",
+    "describe",
+    "import_world",
+    "occupancy",
+    "parse_point",
+    "place",
+    "read_map",
+    "read_movingai",
+    "read_ros_map",
+    "read_scenario",
+]

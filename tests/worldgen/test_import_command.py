@@ -1,0 +1,311 @@
+"""``worldgen import``: from a map to a world with start, target and a proof."""
+
+import importlib.resources
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from worldgen.cli.main import cli
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, OutputError
+from worldgen.grid_file import read_world, write_world
+from worldgen.interop import FORMATS, import_world, place
+from worldgen.interop.place import _flood, _flood_compiled
+from worldgen.lattice import exact
+from worldgen.reach import check_certificate, decide
+from worldgen.timeline import CellState, Timeline
+from worldgen.world import Pose, Provenance, Target, World
+
+MAPS = importlib.resources.files("corpora") / "maps"
+MAZE, HALL = str(MAPS / "maze-32-32-2.map"), str(MAPS / "mrpt-uwb-demo.yaml")
+PROBLEMS = str(MAPS / "maze-32-32-2-even-1.scen")
+
+
+@pytest.fixture
+def run(tmp_path, capsys):
+    """Runs the command with --json; gives the object, the world and stderr."""
+
+    def run_import(*args):
+        out = tmp_path / "w.grid"
+        cli.main(["import", *map(str, args), "--out", str(out), "--json", "--force"], standalone_mode=False)
+        captured = capsys.readouterr()
+        return json.loads(captured.out), read_world(out), captured.err
+
+    return run_import
+
+
+def drawing(tmp_path, *rows, name="a.map"):
+    path = tmp_path / name
+    lines = ["type octile", f"height {len(rows)}", f"width {len(rows[0])}", "map", *rows]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+SHIPPED = [
+    ("maze", [MAZE], "reachable"),
+    ("maze, tight", [MAZE, "--radius", "0.1", "--start", "0.2,0.2", "--target", "2.9,2.7"], "reachable"),
+    ("maze, too tight", [MAZE, "--radius", "0.11", "--start", "0.8,0.85", "--target", "2.9,2.7"], "blocked"),
+    ("maze, scenario", [MAZE, "--scen", PROBLEMS, "--row", "16"], "reachable"),
+    ("hall", [HALL], "reachable"),
+    ("hall, small", [HALL, "--radius", "0.35", "--start", "8,9", "--target", "2.2,1.2"], "reachable"),
+    ("hall, huge", [HALL, "--radius", "0.45", "--start", "8,9", "--target", "2.2,1.2"], "blocked"),
+]
+
+
+@pytest.mark.parametrize(
+    ("args", "result"), [case[1:] for case in SHIPPED], ids=[case[0] for case in SHIPPED]
+)
+def test_shipped_maps_are_decided_with_a_proof_that_the_checker_accepts(run, args, result):
+    answer, world, _ = run(*args)
+    assert answer["result"] == result
+    report = check_certificate(world)
+    assert report.valid, report.reason
+
+
+def test_the_answer_is_the_file(run, tmp_path):
+    answer, world, _ = run(MAZE, "--seed", 3)
+    assert answer == {
+        "file": str(tmp_path / "w.grid"), "result": "reachable", "clearance": world.certificate.clearance,
+        "radius": 0.07, "width": 32, "height": 32, "cell_size": 0.1,
+        "start": [world.start.x, world.start.y, world.start.heading],
+        "target": [world.target.x, world.target.y, 0.07], "notes": [], "warnings": [],
+    }  # fmt: skip
+
+
+def test_provenance_names_the_source_and_its_digest(run):
+    provenance = run(HALL, "--seed", 5)[1].provenance
+    assert (provenance.family, provenance.version, provenance.seed) == ("import", 1, 5)
+    params = provenance.params
+    assert (params["format"], params["source"], params["origin"]) == (
+        "ros",
+        "mrpt-uwb-demo.yaml",
+        [-3.16, -9.36],
+    )
+    assert params["sha256"] == "79a5abb21c59e7df1514ac7c378668f96196655b1247378053da2e7f617891a2"
+
+
+def test_people_get_three_lines_and_the_origin_as_a_note(tmp_path, capsys):
+    out = tmp_path / "w.grid"
+    cli.main(["import", HALL, "--out", str(out)], standalone_mode=False)
+    captured = capsys.readouterr()
+    assert captured.out.splitlines()[0] == f"{out}: 384 x 482 cells of 0.04 m, robot radius 0.028 m"
+    assert captured.out.splitlines()[2].startswith("reachable: ")
+    assert "the world's (0, 0) is the map's (-3.16, -9.36) m" in captured.err
+
+
+def test_equal_seeds_place_equally_and_the_file_is_the_same_to_the_byte(run, tmp_path):
+    run(HALL, "--seed", 9)
+    once = (tmp_path / "w.grid").read_bytes()
+    run(HALL, "--seed", 9)
+    assert (tmp_path / "w.grid").read_bytes() == once
+
+
+def test_given_places_stay_and_missing_ones_are_found_far_away(run):
+    _, world, _ = run(MAZE, "--start", "0.2,0.2,1.5")
+    assert world.start == Pose(0.2, 0.2, 1.5)
+    _, world, _ = run(MAZE, "--target", "0.2,0.2,0.03")
+    assert world.target == Target(0.2, 0.2, 0.03)
+    assert world.certificate.length > 3.2
+
+
+def test_without_a_heading_the_robot_looks_at_the_target(run):
+    _, world, _ = run(MAZE, "--start", "0.2,0.2", "--target", "0.2,0.5")
+    assert world.start.heading == pytest.approx(np.pi / 2)
+
+
+def test_a_scenario_runs_from_its_start_to_its_goal(run):
+    _, world, _ = run(MAZE, "--scen", PROBLEMS, "--row", 1, "--cell-size", 0.5)
+    assert (world.start.x, world.start.y, world.target.x, world.target.y) == (8.75, 5.25, 7.75, 7.75)
+    assert (world.robot_radius, world.provenance.params["optimal"]) == (0.2, 13.82842712)
+
+
+def test_both_ends_lie_in_the_largest_region(tmp_path, run):
+    _, world, _ = run(drawing(tmp_path, "..@....", "..@....", "..@....", "@@@@@@@", "......."))
+    assert min(world.start.x, world.target.x) > 0.3
+    assert min(world.start.y, world.target.y) > 0.2
+
+
+def test_a_map_of_rooms_behind_narrow_doors_is_warned_of(tmp_path, run):
+    answer, _, err = run(drawing(tmp_path, "...@...@...", "...........", "...@...@..."))
+    assert "finds 3 separate regions" in answer["warnings"][0]
+    assert "warning: a disc of radius 0.07 m" in err
+
+
+def test_one_free_spot_gives_a_world_and_a_warning(tmp_path, run):
+    answer, _, _ = run(drawing(tmp_path, "@@@", "@.@", "@@@"), "--radius", 0.05)
+    assert answer["warnings"] == ["the largest region is a single place; start and target coincide"]
+
+
+@settings(max_examples=40)
+@given(
+    hnp.arrays(np.bool_, (7, 9), elements=st.booleans(), fill=st.just(False)),
+    st.sampled_from([0.3, 0.5, 0.7, 1.0]),
+)
+def test_placed_ends_can_always_be_joined(walls, radius):
+    try:
+        placed = place(walls, 1.0, radius, 0)
+    except InvalidWorld as error:
+        assert "no place in the map is clear" in str(error)
+        return
+    world = World(walls, Pose(*placed.start), Target(*placed.target, 0.1), 1.0, radius)
+    assert decide(world).result == "reachable"
+
+
+@given(hnp.arrays(np.uint8, (6, 8), elements=st.integers(0, 1)))
+def test_the_compiled_flood_equals_its_python_twin(clear):
+    clear = np.pad(clear, 1)
+    found = []
+    for flood in (_flood, _flood_compiled):
+        seen, queue = np.zeros(80, np.uint8), np.zeros(80, np.int32)
+        found.append((*flood(clear.ravel(), 10, 0, 80, 1, seen, queue), seen.tolist(), queue.tolist()))
+    assert found[0] == found[1]
+
+
+def test_a_world_of_ours_keeps_its_places_its_robot_and_its_timeline(tmp_path, run):
+    old = import_world(MAPS / "maze-32-32-2.map").world
+    timeline = Timeline.of([(1.0, 0, 0, CellState.BURNING)])
+    old = World(
+        old.walls,
+        old.start,
+        old.target,
+        0.1,
+        0.06,
+        1.5,
+        timeline,
+        provenance=Provenance("maze", 1, 7, {"size": 32}),
+    )
+    write_world(old, tmp_path / "old.grid")
+    _, world, _ = run(tmp_path / "old.grid")
+    assert (world.start, world.target, world.timeline) == (old.start, old.target, timeline)
+    assert (world.robot_radius, world.robot_speed) == (0.06, 1.5)
+    assert world.provenance.params["made_by"]["seed"] == 7
+
+
+def test_a_world_of_ours_gets_new_places_with_a_seed_and_new_numbers_where_given(tmp_path, run):
+    write_world(
+        World(np.zeros((9, 9), bool), Pose(0.45, 0.45), Target(0.5, 0.5, 0.02)), tmp_path / "old.grid.gz"
+    )
+    _, world, _ = run(tmp_path / "old.grid.gz", "--seed", 1, "--radius", "0.1", "--speed", 3)
+    assert {(world.start.x, world.start.y), (world.target.x, world.target.y)} in (
+        {(0.1, 0.1), (0.8, 0.8)}, {(0.1, 0.8), (0.8, 0.1)},
+    )  # fmt: skip
+    assert (world.robot_radius, world.robot_speed) == (0.1, 3.0)
+
+
+@pytest.mark.parametrize(("name", "file"), [("movingai", MAZE), ("ros", HALL)])
+def test_a_format_is_known_by_its_contents_or_by_name(tmp_path, run, name, file):
+    assert run(file, "--from", name)[0]["result"] == "reachable"
+    if name == "movingai":
+        (tmp_path / "noname").write_bytes((MAPS / "maze-32-32-2.map").read_bytes())
+        assert run(tmp_path / "noname")[1].provenance.params["format"] == "movingai"
+
+
+REFUSED = [
+    (["none.map"], FormatError, "none.map: cannot be read: No such file"),
+    (["."], FormatError, "is no regular file"),
+    (["junk"], FormatError, "is no map that is known: movingai .*; ros .*; grid"),
+    (["m.pgm"], FormatError, "a picture alone has no scale"),
+    ([PROBLEMS], FormatError, "a scenario file has no map"),
+    ([MAZE, "--from", "moving-ai"], InvalidParameter, "did you mean 'movingai'"),
+    ([HALL, "--from", "movingai"], FormatError, ":1: .* came where `type octile` belongs"),
+    ([HALL, "--cell-size", "1"], InvalidParameter, "cell_size means nothing to a ros map"),
+    ([MAZE, "--unknown", "free"], InvalidParameter, "unknown means nothing to a movingai map"),
+    ([MAZE, "--cell-size", "0"], InvalidParameter, "cell_size=0 m is outside"),
+    ([MAZE, "--cell-size", "nan"], InvalidParameter, "cell_size=nan m is outside"),
+    ([MAZE, "--radius", "0"], InvalidParameter, "radius=0 m is outside"),
+    ([MAZE, "--radius", "-1"], InvalidParameter, "radius=-1 m is outside"),
+    ([MAZE, "--speed", "inf"], InvalidParameter, "speed=inf m/s is outside"),
+    ([MAZE, "--radius", "2"], InvalidWorld, "no place in the map is clear for a disc of radius 2 m"),
+    ([MAZE, "--start", "1"], InvalidParameter, "start='1' is not X,Y or X,Y,HEADING"),
+    ([MAZE, "--start", "1,2,3,4"], InvalidParameter, "start='1,2,3,4' is not"),
+    ([MAZE, "--target", "a,b"], InvalidParameter, "target='a,b' is not X,Y or X,Y,RADIUS"),
+    ([MAZE, "--start", "1e999,0"], InvalidWorld, r"start \(inf, 0\) m lies outside"),
+    ([MAZE, "--start=-1,0.5"], InvalidWorld, r"start \(-1, 0.5\) m lies outside the map of 3.2 x 3.2 m"),
+    ([MAZE, "--target", "3,4"], InvalidWorld, r"target \(3, 4\) m lies outside"),
+    ([MAZE, "--target", "0.2,0.2,0"], InvalidWorld, "target radius=0"),
+    ([MAZE, "--start", "0.2,0.15,1e999"], InvalidWorld, "heading inf"),
+    ([MAZE, "--start", "0.05,0.3"], InvalidWorld, r"is in the solid cell \(0, 2\)"),
+    (
+        [MAZE, "--start", "0.15,0.25"],
+        InvalidWorld,
+        "0.05 m from the solid cell .* nearest clear place is 0.2,0.25",
+    ),
+    ([MAZE, "--start", "0.5,0.05"], InvalidWorld, "0.05 m from the map's edge"),
+    ([MAZE, "--scen", "none.scen"], FormatError, "none.scen: cannot be read"),
+    ([MAZE, "--scen", PROBLEMS, "--row", "231"], FormatError, "has no row 231; it has rows 1 to 230"),
+    ([MAZE, "--scen", PROBLEMS, "--start", "1,1"], InvalidParameter, "scen gives start and target"),
+    ([HALL, "--scen", PROBLEMS], InvalidParameter, "scen is for MovingAI maps"),
+]
+
+
+@pytest.mark.parametrize(("args", "kind", "message"), REFUSED, ids=range(len(REFUSED)))
+def test_what_cannot_be_imported_is_refused_and_nothing_is_written(
+    tmp_path, monkeypatch, run, args, kind, message
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "junk").write_bytes(b"\x00\x01junk")
+    (tmp_path / "m.pgm").write_bytes(b"P5\n1 1\n255\n\0")
+    with pytest.raises(kind, match=message):
+        run(*args)
+    assert not (tmp_path / "w.grid").exists()
+
+
+def test_the_nearest_clear_place_of_a_message_is_clear(tmp_path, run):
+    with pytest.raises(InvalidWorld) as caught:
+        run(HALL, "--radius", "0.3", "--start", "8,3")
+    offered = str(caught.value).rpartition(" ")[2]
+    assert run(HALL, "--radius", "0.3", "--start", offered)[0]["result"] == "reachable"
+
+
+def test_an_existing_file_is_kept_unless_forced(tmp_path):
+    out = tmp_path / "w.grid"
+    out.write_text("mine")
+    with pytest.raises(OutputError, match="is there already"):
+        cli.main(["import", MAZE, "--out", str(out)], standalone_mode=False)
+    assert out.read_text() == "mine"
+
+
+def test_the_program_ends_with_2_and_one_line(tmp_path):
+    (tmp_path / "a.map").write_bytes(b"type octile\nheight 9\n")
+    command = [
+        sys.executable,
+        "-c",
+        "from worldgen.cli.main import main; main()",
+        "import",
+        "a.map",
+        "--out",
+        "w.grid",
+    ]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert (
+        done.stderr.startswith("worldgen: a.map:3: the end of the file came") and done.stderr.count("\n") == 1
+    )
+
+
+def test_every_shipped_map_is_credited():
+    text = (MAPS / "README.md").read_text()
+    for file in MAPS.iterdir():
+        assert f"`{file.name}`" in text or file.name == "README.md", file.name
+
+
+def test_the_page_names_every_format_and_option():
+    page = (Path(__file__).parents[2] / "docs" / "import.md").read_text()
+    names = [f"`{name}`" for name in FORMATS]
+    options = [
+        f"`{option}"
+        for parameter in cli.get_command(None, "import").params
+        for option in parameter.opts[:1]
+        if option.startswith("--")
+    ]
+    assert [word for word in names + options if word not in page] == []
+
+
+def test_a_default_robot_is_seven_tenths_of_a_cell(run):
+    assert run(MAZE, "--cell-size", "0.3")[1].robot_radius == float(7 * exact(0.3) / 10)

@@ -1,0 +1,79 @@
+"""``worldgen import``: a foreign map becomes a world with start, target and a proof."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note
+
+__all__ = ["import_map"]
+
+
+@click.command("import")
+@click.argument("path", type=click.Path(path_type=Path))
+@click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write.")
+@click.option("--from", "name", metavar="FORMAT", help="movingai, ros or grid; recognised if left out.")
+@click.option("--radius", type=float, help="Robot's radius, m.  [default: 0.7 cells; 0.4 with --scen]")
+@click.option("--speed", type=float, help="Robot's top speed, m/s.  [default: 2.0]")
+@click.option(
+    "--start", metavar="X,Y[,HEADING]", help="m and rad, from the lower-left corner; placed if left out."
+)
+@click.option("--target", metavar="X,Y[,RADIUS]", help="m; placed if left out, with the robot's radius.")
+@click.option("--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target.")
+@click.option("--row", type=click.IntRange(1), default=1, show_default=True, help="Which problem of --scen.")
+@click.option("--cell-size", type=float, help="Side of a MovingAI cell, m.  [default: 0.1]")
+@click.option(
+    "--unknown", type=click.Choice(["solid", "free"]), help="What unknown ROS cells are.  [default: solid]"
+)
+@click.option(
+    "--seed", type=click.IntRange(0, 2**64 - 1), help="Where the search for far places begins.  [default: 0]"
+)
+@force_option
+@json_option
+def import_map(
+    path: Path,
+    out: Path,
+    name: str | None,
+    radius: float | None,
+    speed: float | None,
+    start: str | None,
+    target: str | None,
+    scen: Path | None,
+    row: int,
+    cell_size: float | None,
+    unknown: str | None,
+    seed: int | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    r"""Read a foreign map and place start and target.
+
+    PATH is a MovingAI octile map (.map), a ROS map_server file (.yaml beside its .pgm or .png), or a
+    .grid, whose places it keeps unless told otherwise. Start and target that are not given are placed
+    far apart in the largest region the robot can drive through.
+
+    \b
+      worldgen import arena.map --out w.grid
+      worldgen import arena.map --scen arena.map.scen --row 12 --out w.grid
+      worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid
+    """
+    from worldgen import interop
+    from worldgen.grid_file import write_world
+
+    robot = interop.RobotOptions(
+        None if start is None else interop.parse_point("start", start, "HEADING"),
+        None if target is None else interop.parse_point("target", target, "RADIUS"),
+        radius, speed, scen, row, seed,
+    )  # fmt: skip
+    imported = interop.import_world(path, robot, name=name, options=interop.ReadOptions(cell_size, unknown))
+    write_world(imported.world, out, force=force)
+    for sentence in imported.notes:
+        note(sentence)
+    for sentence in imported.warnings:
+        note(f"warning: {sentence}")
+    if as_json:
+        emit_json(interop.as_json(str(out), imported))
+    else:
+        click.echo("\n".join(interop.describe(str(out), imported)))

@@ -1,0 +1,99 @@
+"""What every reader of a foreign format gives back, and how it takes bytes from the disk."""
+
+from __future__ import annotations
+
+import hashlib
+import stat
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError
+from worldgen.world import MAX_SIDE, Value, World
+
+__all__ = [
+    "CELL_SIZES",
+    "MAX_CELLS",
+    "MAX_FILE_BYTES",
+    "ForeignMap",
+    "check_sides",
+    "digest",
+    "read_bounded",
+    "shown",
+]
+
+CELL_SIZES = (1e-6, 1e6)  # m; beyond, a coordinate in m has no digits left for the pose lattice
+MAX_CELLS = 64_000_000  # 8000 x 8000; a small compressed picture can claim far more than a machine holds
+MAX_FILE_BYTES = 256 << 20  # a plain PGM takes up to 4 bytes a cell
+
+
+@dataclass(frozen=True, eq=False)
+class ForeignMap:
+    """A map as its file has it, before there is a robot in it.
+
+    Args:
+        walls: (height, width) bool, True is solid; row 0 is the lowest y.
+        cell_size: Side of a cell, m.
+        params: What provenance keeps of the source: file, format, digests, origin, ...
+        notes: Sentences worth knowing.
+        warnings: Sentences that point at a likely mistake.
+        world: The world, where the format holds a whole one.
+    """
+
+    walls: npt.NDArray[np.bool_]
+    cell_size: float
+    params: Mapping[str, Value] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    world: World | None = None
+
+
+def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
+    """A file's bytes.
+
+    Raises:
+        FormatError: If it is missing, unreadable, no regular file, or larger than ``limit`` bytes.
+    """
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise FormatError("is no regular file; give the map file itself", source=str(path))
+        with path.open("rb") as stream:
+            data = stream.read(limit + 1)
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+        reason = getattr(error, "strerror", None) or error
+        if isinstance(error, FormatError):
+            raise
+        raise FormatError(f"cannot be read: {reason}; check the name", source=str(path)) from error
+    if len(data) > limit:
+        raise FormatError(f"is larger than {limit} bytes; cut a smaller map out of it", source=str(path))
+    return data
+
+
+def check_sides(width: int, height: int, *, line: int | None = None, source: str | None = None) -> None:
+    """Refuses sizes that no world has.
+
+    Raises:
+        FormatError: If a side is 0 or above ``MAX_SIDE``, or there are more than ``MAX_CELLS`` cells.
+    """
+    if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE and width * height <= MAX_CELLS):
+        raise FormatError(
+            f"{width} x {height} cells; a map has sides of 1 to {MAX_SIDE} and at most {MAX_CELLS} cells; "
+            "cut or shrink it",
+            line=line,
+            source=source,
+        )
+
+
+def digest(data: bytes) -> str:
+    """SHA-256 in hex, for provenance."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def shown(data: bytes | str, limit: int = 40) -> str:
+    """What came, quoted and short enough for a message; bytes that are no text as escapes."""
+    text = data[: 4 * limit].decode("utf-8", "backslashreplace") if isinstance(data, bytes) else data
+    quoted = repr(text)
+    return quoted if len(quoted) <= limit else f"{quoted[: limit - 3]}..."

@@ -1,0 +1,187 @@
+"""From a foreign map to a world with a proof: a robot is put in, a start, a target, and decided."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+
+from worldgen.errors import InvalidParameter
+from worldgen.family import check_between
+from worldgen.interop.foreign_map import ForeignMap
+from worldgen.interop.formats import ReadOptions, read_map
+from worldgen.interop.movingai import read_scenario
+from worldgen.interop.place import heading_towards, place
+from worldgen.lattice import exact
+from worldgen.reach import Decision, decide
+from worldgen.timeline import Timeline
+from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Target, Value, World
+
+__all__ = ["VERSION", "Imported", "RobotOptions", "as_json", "describe", "import_world", "parse_point"]
+
+VERSION = 1  # goes up whenever some file becomes another world than before
+_RADIUS_IN_CELLS = Fraction(7, 10)  # the thesis's robot
+_SCENARIO_RADIUS_IN_CELLS = Fraction(4, 10)  # a scenario's robot turns in corridors one cell wide
+_NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
+
+
+@dataclass(frozen=True)
+class RobotOptions:
+    """What the map does not have.
+
+    Args:
+        start: x and y, m, and if you like the heading, rad; placed where left out.
+        target: x and y, m, and if you like the radius, m; placed where left out.
+        radius: Radius of the robot's disc, m; 0.7 cells where left out, 0.4 with a scenario.
+        speed: Top speed, m/s.
+        scenario: A MovingAI scenario file for start and target.
+        row: Which of its problems, from 1.
+        seed: Where the search for far places begins. A ``.grid`` keeps its own places unless it is given.
+    """
+
+    start: tuple[float, ...] | None = None
+    target: tuple[float, ...] | None = None
+    radius: float | None = None
+    speed: float | None = None
+    scenario: Path | None = None
+    row: int = 1
+    seed: int | None = None
+
+
+@dataclass(frozen=True)
+class Imported:
+    """A world with the answer whether its target can be reached.
+
+    Args:
+        world: With certificate and provenance.
+        decision: Result, proof, and a sentence.
+        notes: Sentences worth knowing.
+        warnings: Sentences that point at a likely mistake.
+    """
+
+    world: World
+    decision: Decision
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
+    """Two or three numbers between commas, as ``--start`` and ``--target`` take them.
+
+    Raises:
+        InvalidParameter: If there are too few or too many, or one is no number.
+    """
+    words = [word.strip() for word in text.split(",")]
+    if not 2 <= len(words) <= 3 or not all(_NUMBER.fullmatch(word) for word in words):
+        raise InvalidParameter(f"{name}={text[:60]!r} is not X,Y or X,Y,{third}; write numbers like 1.5,0.35")
+    return tuple(float(word) for word in words)
+
+
+def import_world(
+    path: Path,
+    robot: RobotOptions | None = None,
+    *,
+    name: str | None = None,
+    options: ReadOptions | None = None,
+) -> Imported:
+    """Reads a map, puts a robot, a start and a target in it, and decides whether the target can be reached.
+
+    Args:
+        path: A file of any known format.
+        robot: Robot, start and target.
+        name: The format; recognised where left out.
+        options: What the file leaves open.
+
+    Raises:
+        FormatError: If the file breaks its format's rules.
+        InvalidParameter: If an option is out of range, or contradicts another.
+        InvalidWorld: If the start is not clear, or there is no room for the robot.
+    """
+    robot = robot or RobotOptions()
+    found = read_map(path, name, options)
+    params = dict(found.params)
+    robot = _complete(_with_scenario(robot, found, params), found)
+    world, warnings = _place(robot, found)
+    decision = decide(world)
+    provenance = Provenance("import", VERSION, robot.seed or 0, params)
+    world = replace(world, certificate=decision.certificate, provenance=provenance)
+    return Imported(world, decision, found.notes, (*found.warnings, *warnings))
+
+
+def _with_scenario(robot: RobotOptions, found: ForeignMap, params: dict[str, Value]) -> RobotOptions:
+    """Start and target of the scenario, where one is given."""
+    if robot.scenario is None:
+        return robot
+    if found.params.get("format") != "movingai":
+        raise InvalidParameter("scen is for MovingAI maps; give start and target instead")
+    if robot.start is not None or robot.target is not None:
+        raise InvalidParameter("scen gives start and target; leave out start and target, or scen")
+    height, width = found.walls.shape
+    problem = read_scenario(robot.scenario, robot.row, width, height, found.cell_size)
+    params |= {"scenario": robot.scenario.name, "row": robot.row, "optimal": problem.optimal}
+    radius = _first(robot.radius, float(_SCENARIO_RADIUS_IN_CELLS * exact(found.cell_size)))
+    return replace(robot, start=problem.start, target=problem.goal, radius=radius)
+
+
+def _complete(robot: RobotOptions, found: ForeignMap) -> RobotOptions:
+    """Options with what a world of ours says, and with the default robot, where they are left out."""
+    old, start, target = found.world, robot.start, robot.target
+    if old is not None and robot.seed is None:  # a seed asks for new places
+        start = start or (old.start.x, old.start.y, old.start.heading)
+        target = target or (old.target.x, old.target.y, old.target.radius)
+    usual = float(_RADIUS_IN_CELLS * exact(found.cell_size))
+    radius = _first(robot.radius, old.robot_radius if old else usual)
+    speed = _first(robot.speed, old.robot_speed if old else DEFAULT_ROBOT_SPEED)
+    check_between("radius", radius, 1e-9, 1e9, "m")
+    check_between("speed", speed, 1e-6, 1e6, "m/s")
+    return replace(robot, start=start, target=target, radius=radius, speed=speed)
+
+
+def _first(value: float | None, otherwise: float) -> float:
+    return otherwise if value is None else value
+
+
+def _place(robot: RobotOptions, found: ForeignMap) -> tuple[World, tuple[str, ...]]:
+    """The map with start and target, as given or placed."""
+    radius, speed = robot.radius or 0.0, robot.speed or 0.0  # _complete has set them
+    given = [None if point is None else (point[0], point[1]) for point in (robot.start, robot.target)]
+    at, to, warnings = place(
+        found.walls, found.cell_size, radius, robot.seed or 0, start=given[0], target=given[1]
+    )
+    headed, sized = robot.start or (), robot.target or ()
+    start = Pose(*at, headed[2] if len(headed) > 2 else heading_towards(at, to))
+    target = Target(*to, sized[2] if len(sized) > 2 else radius)
+    timeline = found.world.timeline if found.world else Timeline()
+    return World(found.walls, start, target, found.cell_size, radius, speed, timeline), warnings
+
+
+def as_json(file: str, imported: Imported) -> Mapping[str, object]:
+    """What ``import --json`` prints."""
+    world, decision = imported.world, imported.decision
+    return {
+        "file": file,
+        "result": decision.result,
+        "clearance": decision.certificate.clearance if decision.certificate else None,
+        "radius": world.robot_radius,
+        "width": world.width,
+        "height": world.height,
+        "cell_size": world.cell_size,
+        "start": [world.start.x, world.start.y, world.start.heading],
+        "target": [world.target.x, world.target.y, world.target.radius],
+        "notes": list(imported.notes),
+        "warnings": list(imported.warnings),
+    }
+
+
+def describe(file: str, imported: Imported) -> list[str]:
+    """What ``import`` prints for people."""
+    world, decision = imported.world, imported.decision
+    start, target, radius = world.start, world.target, world.robot_radius
+    return [
+        f"{file}: {world.width} x {world.height} cells of {world.cell_size:g} m, robot radius {radius:g} m",
+        f"start ({start.x:g}, {start.y:g}) m, heading {start.heading:.4g} rad; "
+        f"target ({target.x:g}, {target.y:g}) m, radius {target.radius:g} m",
+        f"{decision.result}: {decision.reason}",
+    ]

@@ -1,0 +1,227 @@
+"""MovingAI's octile maps (``.map``) and scenarios (``.scen``).
+
+Source: Nathan Sturtevant, "Benchmarks for Grid-Based Pathfinding", 2012, and movingai.com.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError
+from worldgen.family import check_between
+from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
+from worldgen.lattice import UNIT, lattice_to_metres
+from worldgen.rows import flip_rows
+from worldgen.world import DEFAULT_CELL_SIZE, Value
+
+__all__ = ["BLOCKED", "PASSABLE", "Scenario", "read_movingai", "read_scenario"]
+
+# Swamp can be entered from plain ground; water cannot, so for a robot that starts on ground it is a wall.
+PASSABLE = b".GS"
+BLOCKED = b"@OTW"
+_FIRST_ROW = 5  # line of the first row, after type, height, width and map
+_MAX_SCENARIO_LINE = 4096  # bytes; nine short fields
+_MAX_SCENARIO_BYTES = 64 << 20
+_MAX_SCENARIOS = 1_000_000  # a file; the benchmark's largest have some ten thousand
+_LENGTH = re.compile(rb"[0-9]{1,20}(\.[0-9]{0,20})?([eE][+-]?[0-9]{1,2})?")
+_BAD = 2
+
+_TABLE = np.full(256, _BAD, np.uint8)
+_TABLE[list(PASSABLE)] = 0
+_TABLE[list(BLOCKED)] = 1
+
+
+def read_movingai(path: Path, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
+    """A map of ``type octile``.
+
+    Args:
+        path: The ``.map`` file; LF or CRLF.
+        cell_size: Side of a cell, m: the format has no units.
+
+    Raises:
+        FormatError: If the header is not the format's, or rows do not match it, with the line.
+    """
+    data = read_bounded(path)
+    walls = flip_rows(_parse(data, str(path)))
+    params: dict[str, Value] = {"format": "movingai", "source": path.name, "sha256": digest(data)}
+    return ForeignMap(walls, cell_size, params)
+
+
+def _parse(data: bytes, source: str) -> npt.NDArray[np.bool_]:
+    """Solid cells, top row first."""
+    head = data.split(b"\n", _FIRST_ROW - 1)
+    lines = [line.removesuffix(b"\r") for line in head]
+    kind = _words(lines, 1, "type", source)
+    if kind != b"octile":
+        known = "its corner heights are no cells; " if kind == b"octile-corner" else ""
+        raise FormatError(
+            f"type {shown(kind)} is not read; {known}give a map of `type octile`", line=1, source=source
+        )
+    height = _size(_words(lines, 2, "height", source), "height", 2, source)
+    width = _size(_words(lines, 3, "width", source), "width", 3, source)
+    check_sides(width, height, line=3, source=source)
+    if len(lines) < 4 or lines[3].split() != [b"map"]:
+        _expect(lines, 4, "map", source)
+    return _rows(head[4] if len(head) > 4 else b"", width, height, source)
+
+
+def _words(lines: list[bytes], number: int, key: str, source: str) -> bytes:
+    words = lines[number - 1].split() if len(lines) >= number else []
+    if len(words) != 2 or words[0] != key.encode():
+        _expect(lines, number, f"{key} {'octile' if key == 'type' else 'N'}", source)
+    return words[1]
+
+
+def _expect(lines: list[bytes], number: int, form: str, source: str) -> NoReturn:
+    ended = len(lines) < number or (len(lines) == number and not lines[-1])
+    came = "the end of the file" if ended else shown(lines[number - 1])
+    raise FormatError(
+        f"{came} came where `{form}` belongs; an octile map begins with the lines type, height, width, map",
+        line=number,
+        source=source,
+    )
+
+
+def _size(word: bytes, key: str, number: int, source: str) -> int:
+    if not re.fullmatch(rb"[0-9]{1,9}", word):
+        raise FormatError(f"{key} {shown(word)} is no whole number of cells", line=number, source=source)
+    return int(word)
+
+
+def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.bool_]:
+    # The header's sizes bound the split, so a file of line ends alone takes no more than its own size.
+    rows = [row.removesuffix(b"\r") for row in body.split(b"\n", height)]
+    rest = rows.pop() if len(rows) > height else b""
+    for index, row in enumerate(rows):
+        if len(row) != width:
+            _wrong_row(row, index, len(rows), width, height, source)
+    if len(rows) < height:
+        _too_few(len(rows), height, source)
+    if rest.strip():
+        raise FormatError(
+            f"more than the {height} rows of the header; correct `height`, or delete the rest",
+            line=_FIRST_ROW + height,
+            source=source,
+        )
+    cells = _TABLE[np.frombuffer(b"".join(rows), np.uint8).reshape(height, width)]
+    if (cells == _BAD).any():
+        row_index, column = divmod(int(np.argmax(cells == _BAD)), width)
+        _wrong_character(rows[row_index], row_index, column, source)
+    solid: npt.NDArray[np.bool_] = cells == 1
+    return solid
+
+
+def _wrong_row(row: bytes, index: int, count: int, width: int, height: int, source: str) -> NoReturn:
+    if not row and index == count - 1:  # only the last line end was split off
+        _too_few(index, height, source)
+    strange = np.flatnonzero(_TABLE[np.frombuffer(row, np.uint8)] == _BAD)
+    if len(strange):
+        _wrong_character(row, index, int(strange[0]), source)
+    raise FormatError(
+        f"a row of {len(row)} cells; the header says width {width}; every row has that many",
+        line=_FIRST_ROW + index,
+        source=source,
+    )
+
+
+def _too_few(count: int, height: int, source: str) -> NoReturn:
+    raise FormatError(
+        f"{count} rows; the header says height {height}; add the missing rows or correct it",
+        line=_FIRST_ROW + count,
+        source=source,
+    )
+
+
+def _wrong_character(row: bytes, index: int, column: int, source: str) -> NoReturn:
+    raise FormatError(
+        f"character {shown(row[column : column + 1])} at column {column + 1} is no octile cell; "
+        "passable are . G S, blocked are @ O T W",
+        line=_FIRST_ROW + index,
+        source=source,
+    )
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One problem of a scenario file: start and goal in m, cell centres, y up.
+
+    Args:
+        start: (x, y).
+        goal: (x, y).
+        optimal: Length of the benchmark's shortest path, cells: diagonal steps, no corner cut.
+        map_name: The map's name as the file gives it.
+    """
+
+    start: tuple[float, float]
+    goal: tuple[float, float]
+    optimal: float
+    map_name: str
+
+
+def read_scenario(path: Path, row: int, width: int, height: int, cell_size: float) -> Scenario:
+    """Problem number ``row``, counted from 1, of a scenario file.
+
+    Args:
+        path: The ``.scen`` file.
+        row: Which problem.
+        width: Cells of the map in x; the file must name the same.
+        height: Cells of the map in y, likewise.
+        cell_size: m.
+
+    Raises:
+        FormatError: If the file or the line is no scenario, or is made for a map of another size.
+        InvalidParameter: If ``row`` is below 1 or beyond any benchmark's file.
+    """
+    check_between("row", row, 1, _MAX_SCENARIOS)
+    source = str(path)
+    lines = read_bounded(path, _MAX_SCENARIO_BYTES).split(b"\n", row + 1)
+    if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", lines[0].strip()):
+        raise FormatError(f"{shown(lines[0])} came where `version 1` belongs", line=1, source=source)
+    if len(lines) <= row or not lines[row].strip():
+        count = sum(1 for line in lines[1:] if line.strip())
+        raise FormatError(f"has no row {row}; it has rows 1 to {count}", source=source)
+    line = lines[row].removesuffix(b"\r")
+    fields = _fields(line, row + 1, source)
+    numbers = [int(field) for field in fields[2:8]]
+    if numbers[:2] != [width, height]:
+        raise FormatError(
+            f"the problem is for a map of {numbers[0]} x {numbers[1]} cells, the map has {width} x {height}; "
+            "give the map it was made for, in that size",
+            line=row + 1,
+            source=source,
+        )
+    for column, line_from_top in (numbers[2:4], numbers[4:6]):
+        if column >= width or line_from_top >= height:
+            message = f"cell ({column}, {line_from_top}) lies outside the map of {width} x {height} cells"
+            raise FormatError(message, line=row + 1, source=source)
+    start, goal = (_centre(numbers[at], numbers[at + 1], height, cell_size) for at in (2, 4))
+    return Scenario(start, goal, float(fields[8]), fields[1].decode("utf-8", "backslashreplace"))
+
+
+def _fields(line: bytes, number: int, source: str) -> list[bytes]:
+    """The nine words of a problem. Names may hold spaces, but only where tabs part the fields."""
+    too_long = len(line) > _MAX_SCENARIO_LINE
+    parts = [] if too_long else line.split(b"\t") if b"\t" in line else line.split()
+    fields = [part.strip() for part in parts]
+    whole = [re.fullmatch(rb"[0-9]{1,9}", field) for field in fields[2:8]]
+    if len(fields) != 9 or not all(whole) or not _LENGTH.fullmatch(fields[8]):
+        raise FormatError(
+            f"{shown(line)} is no problem; nine fields: bucket, map, width, height, start x, start y, "
+            "goal x, goal y, optimal length",
+            line=number,
+            source=source,
+        )
+    return fields
+
+
+def _centre(column: int, row_from_top: int, height: int, cell_size: float) -> tuple[float, float]:
+    """Centre of a cell; MovingAI counts rows from the top, the world from the bottom."""
+    half = UNIT // 2
+    x, y = column * UNIT + half, (height - 1 - row_from_top) * UNIT + half
+    return lattice_to_metres(x, cell_size), lattice_to_metres(y, cell_size)

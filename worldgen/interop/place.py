@@ -1,0 +1,284 @@
+"""Places start and target on a map that has none: far apart, clear, and joined by construction.
+
+The places are the multiples of half a cell at which the disc is clear, exactly. A step of half a cell
+along an axis between two of them is clear as well (docs/reachability.md), so two places that are joined
+by such steps are joined for the robot.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidWorld
+from worldgen.jit import lazy_kernel
+from worldgen.lattice import (
+    UNIT,
+    exact,
+    heading_from_lattice,
+    heading_to_lattice,
+    in_cells,
+    lattice_to_metres,
+    metres_to_lattice,
+)
+from worldgen.random_streams import RandomStream
+from worldgen.reach.lattice_graph import build_graph
+from worldgen.reach.walls import Walls, point_box_sq
+
+__all__ = ["Placement", "heading_towards", "place"]
+
+_HALF = UNIT // 2
+_SMALL = 200_000  # places that plain Python floods in less time than loading numba takes
+_SCATTERED = 0.5  # share of the clear places below which the largest region is worth a warning
+_Point = tuple[float, float]
+
+
+class Placement(NamedTuple):
+    """Where start and target lie, m, and what is worth saying about it."""
+
+    start: _Point
+    target: _Point
+    warnings: tuple[str, ...] = ()
+
+
+def place(
+    walls: npt.NDArray[np.bool_],
+    cell_size: float,
+    radius: float,
+    seed: int,
+    *,
+    start: _Point | None = None,
+    target: _Point | None = None,
+) -> Placement:
+    """Start and target, as far apart by path as two sweeps find; what is given stays.
+
+    With neither given, both lie in the largest region that the disc can drive through; else what is
+    missing lies as far as possible from what is given, in its region.
+
+    Args:
+        walls: (height, width) bool, row 0 the lowest y.
+        cell_size: m.
+        radius: Radius of the robot's disc, m.
+        seed: Where in the region the sweeps begin.
+        start: x and y, m; moves to the nearest point of the pose lattice.
+        target: x and y, m; need not be clear itself.
+
+    Raises:
+        InvalidWorld: If a given point lies outside, the start is not clear (the message names the wall,
+            its distance, and the nearest clear place), or there is no room for the disc.
+    """
+    for name, point in (("start", start), ("target", target)):
+        if point is not None:
+            _check_inside(name, point, walls, cell_size)
+    if start is not None:
+        start = _on_lattice(start, cell_size)
+        _check_start(walls, cell_size, radius, start)
+    if start is not None and target is not None:
+        return Placement(start, target)
+    places = _Places(walls, cell_size, radius)
+    given = start if start is not None else target
+    if given is not None:
+        other = places.metres(places.farthest(places.near(given)))
+        return Placement(given, other) if start is not None else Placement(other, given)
+    region = places.largest_region()
+    first = places.farthest(places.any_of(region, RandomStream(seed).child("import")))
+    last = places.farthest(first)
+    warnings = []
+    if first == last:
+        warnings.append("the largest region is a single place; start and target coincide")
+    if region.share < _SCATTERED:
+        warnings.append(
+            f"a disc of radius {radius:g} m finds {region.regions} separate regions; start and target lie in "
+            f"the largest, {100 * region.share:.0f} % of the room; a smaller radius may join them"
+        )
+    return Placement(places.metres(first), places.metres(last), tuple(warnings))
+
+
+class _Region(NamedTuple):
+    """The largest region: a place in it, how many it has, its share of all, the number of regions."""
+
+    root: int
+    size: int
+    share: float
+    regions: int
+
+
+class _Places:
+    """The clear multiples of half a cell, as flat indices, and floods over them."""
+
+    def __init__(self, walls: npt.NDArray[np.bool_], cell_size: float, radius: float) -> None:
+        cells = in_cells(radius, cell_size)
+        self._cell_size, self._radius = cell_size, radius
+        self._walls = Walls(walls, cells)
+        self.clear = build_graph(walls, cells, 2).clear
+        self._stride = int(self.clear.shape[1])
+        size = self.clear.size
+        if size <= _SMALL:
+            self._clear: Any = self.clear.tobytes()
+            self._seen: Any = bytearray(size)
+            self._queue: Any = [0] * size
+            self._run: Any = _flood
+        else:
+            self._clear = self.clear.view(np.uint8).ravel()
+            self._seen, self._queue = np.zeros(size, np.uint8), np.zeros(size, np.int32)
+            self._run = _flood_compiled
+        self._floods = 0
+
+    def _flood(self, first: int, last: int) -> tuple[int, int, int, int]:
+        self._floods += 1
+        return self._run(self._clear, self._stride, first, last, self._floods, self._seen, self._queue)  # type: ignore[no-any-return]
+
+    def largest_region(self) -> _Region:
+        root, size, count, total = self._flood(0, self.clear.size)
+        if size == 0:
+            raise InvalidWorld(
+                f"no place in the map is clear for a disc of radius {self._radius:g} m; give a smaller radius"
+            )
+        return _Region(root, size, size / total, count)
+
+    def any_of(self, region: _Region, rng: RandomStream) -> int:
+        """One of a region's places, all equally likely."""
+        self._flood(region.root, region.root + 1)
+        return int(self._queue[rng.below(region.size)])
+
+    def farthest(self, source: int) -> int:
+        """The place that takes most steps from ``source``; the last such in the order of the flood."""
+        _, size, _, _ = self._flood(source, source + 1)
+        return int(self._queue[size - 1])
+
+    def near(self, point: _Point) -> int:
+        """A clear place that the disc reaches straight from a point, or else the nearest in its own disc."""
+        x, y = (metres_to_lattice(value, self._cell_size) for value in point)
+        found = []
+        for j in range(y // _HALF - 1, y // _HALF + 3):
+            for i in range(x // _HALF - 1, x // _HALF + 3):
+                inside = 0 <= j < self.clear.shape[0] and 0 <= i < self._stride
+                if inside and self.clear[j, i]:
+                    straight = self._walls.is_clear((x, y), (i * _HALF, j * _HALF))
+                    distance = (i * _HALF - x) ** 2 + (j * _HALF - y) ** 2
+                    found.append((not straight, distance, j * self._stride + i))
+        if not found:
+            raise InvalidWorld(
+                f"no room for a disc of radius {self._radius:g} m near ({point[0]:g}, {point[1]:g}) m "
+                "to place the other end from; give both start and target, or a smaller radius"
+            )
+        return min(found)[2]
+
+    def nearest_to(self, point: _Point) -> _Point | None:
+        """The clear place nearest to a point, m."""
+        x, y = (metres_to_lattice(value, self._cell_size) / _HALF for value in point)
+        reach = 8
+        while True:
+            low_j, low_i = max(0, math.floor(y) - reach), max(0, math.floor(x) - reach)
+            window = self.clear[low_j : math.floor(y) + reach + 1, low_i : math.floor(x) + reach + 1]
+            j, i = np.nonzero(window)
+            if len(j):
+                distance = (i + low_i - x) ** 2 + (j + low_j - y) ** 2
+                best = int(np.argmin(distance))
+                if distance[best] <= reach * reach:
+                    return self.metres((int(j[best]) + low_j) * self._stride + int(i[best]) + low_i)
+            if reach > 2 * max(self.clear.shape):
+                return None
+            reach *= 2
+
+    def metres(self, node: int) -> _Point:
+        j, i = divmod(node, self._stride)
+        return lattice_to_metres(i * _HALF, self._cell_size), lattice_to_metres(j * _HALF, self._cell_size)
+
+
+def _check_inside(name: str, point: _Point, walls: npt.NDArray[np.bool_], cell_size: float) -> None:
+    height, width = (side * cell_size for side in walls.shape)
+    if not (0.0 <= point[0] <= width and 0.0 <= point[1] <= height):
+        raise InvalidWorld(
+            f"{name} ({point[0]:g}, {point[1]:g}) m lies outside the map of {width:g} x {height:g} m; "
+            "give m from its lower-left corner, x right, y up"
+        )
+
+
+def _on_lattice(point: _Point, cell_size: float) -> _Point:
+    x, y = (lattice_to_metres(metres_to_lattice(value, cell_size), cell_size) for value in point)
+    return x, y
+
+
+def _check_start(walls: npt.NDArray[np.bool_], cell_size: float, radius: float, start: _Point) -> None:
+    """Refuses a start at which the disc cuts a wall."""
+    solid = Walls(walls, in_cells(radius, cell_size))
+    x, y = (metres_to_lattice(value, cell_size) for value in start)
+    distance_sq, cell = _nearest_wall(solid, (x, y))
+    if distance_sq >= max(Fraction(1), solid.radius_sq):
+        return
+    height, width = walls.shape
+    inside = 0 <= cell[0] < width and 0 <= cell[1] < height
+    what = f"the solid cell {cell}" if inside else "the map's edge"
+    where = (
+        f"in {what}" if distance_sq == 0 else f"{math.sqrt(distance_sq) / UNIT * cell_size:.3g} m from {what}"
+    )
+    clear = _Places(walls, cell_size, radius).nearest_to(start)
+    hint = (
+        "no place in the map is clear for it"
+        if clear is None
+        else f"the nearest clear place is {clear[0]!r},{clear[1]!r}"
+    )
+    raise InvalidWorld(
+        f"start ({start[0]:g}, {start[1]:g}) m is {where}; the robot's radius is {radius:g} m; {hint}"
+    )
+
+
+def _nearest_wall(solid: Walls, point: tuple[int, int]) -> tuple[Fraction, tuple[int, int]]:
+    """Squared distance in lattice units to the nearest solid cell, and the cell."""
+    reach = UNIT
+    while True:  # the outside is solid, so there is an end to it
+        near = [(Fraction(point_box_sq(point, cell)), cell) for cell in solid.near(point, point, reach)]
+        if near and min(near)[0] <= reach * reach:
+            return min(near)
+        reach *= 2
+
+
+def heading_towards(start: _Point, target: _Point) -> float:
+    """The heading from start to target, on the heading lattice; 0 where they coincide."""
+    angle = math.atan2(float(exact(target[1]) - exact(start[1])), float(exact(target[0]) - exact(start[0])))
+    return heading_from_lattice(heading_to_lattice(angle))
+
+
+def _flood(clear: Any, stride: Any, first: Any, last: Any, stamp: Any, seen: Any, queue: Any) -> Any:
+    """Floods every region that has a place in first .. last - 1; the same text runs in Python and compiled.
+
+    ``seen`` gets ``stamp`` at every place reached; ``queue`` ends with the last region flooded, in order of
+    steps from its root. Returns root and size of the largest region, the number of regions and of places.
+    """
+    best, best_size, regions, total = -1, 0, 0, 0
+    for root in range(first, last):
+        if clear[root] == 0 or seen[root] == stamp:
+            continue
+        seen[root] = stamp
+        queue[0] = root
+        head, tail = 0, 1
+        while head < tail:
+            node = queue[head]
+            head += 1
+            # Places on the rim of the grid are never clear, so a clear one has all four neighbours.
+            for direction in range(4):
+                if direction == 0:
+                    other = node + 1
+                elif direction == 1:
+                    other = node + stride
+                elif direction == 2:
+                    other = node - 1
+                else:
+                    other = node - stride
+                if clear[other] != 0 and seen[other] != stamp:
+                    seen[other] = stamp
+                    queue[tail] = other
+                    tail += 1
+        regions += 1
+        total += tail
+        if tail > best_size:
+            best, best_size = root, tail
+    return best, best_size, regions, total
+
+
+_flood_compiled = lazy_kernel(_flood)
