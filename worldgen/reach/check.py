@@ -24,7 +24,9 @@ __all__ = ["TOLERANCE", "CheckReport", "check_certificate"]
 TOLERANCE = 1e-9  # m; a path may come this much nearer to a wall than the radius
 SPEED_TOLERANCE = 1e-9  # share of the speed by which a piece may be too fast
 _ARC = 512  # segments of a quarter circle in polygons that stand for discs
-_SHRINK = 1 - 2.0**-11  # a pose that the disc leaves clear shows as an area once the disc is this much smaller
+_SHRINK = (
+    1 - 2.0**-11
+)  # a pose that the disc leaves clear shows as an area once the disc is this much smaller
 
 Cells: TypeAlias = npt.NDArray[np.int64]
 Floats: TypeAlias = npt.NDArray[np.float64]
@@ -107,7 +109,9 @@ def _blocked_spans(world: World) -> _Spans:
     end[:-1][~changes] = begin[1:][~changes]
     ix, iy = np.concatenate([ix, ix[first]]), np.concatenate([iy, iy[first]])
     begin, end = np.concatenate([begin, np.zeros(int(first.sum()))]), np.concatenate([end, begin[first]])
-    wall = np.where(world.walls[iy[len(state) :], ix[len(state) :]], int(CellState.SOLID), int(CellState.FREE))
+    wall = np.where(
+        world.walls[iy[len(state) :], ix[len(state) :]], int(CellState.SOLID), int(CellState.FREE)
+    )
     state = np.concatenate([state, wall])
     kept = (state != int(CellState.FREE)) & (begin < end)
     return _Spans(ix[kept], iy[kept], begin[kept], end[kept])
@@ -142,7 +146,10 @@ def _check_witness(world: World, witness: Witness, radius: float, measured: list
     _require(len(times) > 0 and finite, "the witness has no points, or a number that is not finite")
     _require(times[0] == 0.0, f"the witness starts at {times[0]} s, not at 0 s")
     at_start = math.dist((x[0], y[0]), (world.start.x, world.start.y)) <= TOLERANCE
-    _require(at_start, f"the witness starts at ({x[0]}, {y[0]}) m, not at the start ({world.start.x}, {world.start.y}) m")
+    _require(
+        at_start,
+        f"the witness starts at ({x[0]}, {y[0]}) m, not at the start ({world.start.x}, {world.start.y}) m",
+    )
     missed = math.dist((x[-1], y[-1]), (world.target.x, world.target.y)) - world.target.radius
     _require(missed <= TOLERANCE, f"the witness ends {missed:.3g} m outside the target's disc")
     waits = np.diff(times)
@@ -151,14 +158,16 @@ def _check_witness(world: World, witness: Witness, radius: float, measured: list
     steps = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2)
     fast = np.nonzero(steps > world.robot_speed * waits * (1 + SPEED_TOLERANCE) + 1e-12)[0]
     _require(
-        not len(fast), f"the witness is faster than {world.robot_speed} m/s after point {fast[0] if len(fast) else 0}"
+        not len(fast),
+        f"the witness is faster than {world.robot_speed} m/s after point {fast[0] if len(fast) else 0}",
     )
     clearance, where = _static_clearance(world, x, y)
     if world.is_dynamic:
         clearance, where = _timed_clearance(world, witness, clearance, where, max(radius, witness.clearance))
     measured[0] = max(clearance, 0.0)
     _require(
-        clearance >= radius - TOLERANCE, f"the witness comes within {clearance:.9g} m of {where}; the radius is {radius} m"
+        clearance >= radius - TOLERANCE,
+        f"the witness comes within {clearance:.9g} m of {where}; the radius is {radius} m",
     )
     _require(
         clearance >= witness.clearance - TOLERANCE,
@@ -222,14 +231,18 @@ def _timed_clearance(
     nearest = int(np.argmin(distances))
     if distances[nearest] >= reach:
         return reach, where
-    named = f"cell ({ix[cell[nearest]]}, {iy[cell[nearest]]}) at {low[nearest]:.6g} s to {high[nearest]:.6g} s"
+    named = (
+        f"cell ({ix[cell[nearest]]}, {iy[cell[nearest]]}) at {low[nearest]:.6g} s to {high[nearest]:.6g} s"
+    )
     return float(distances[nearest]), named
 
 
 def _clipped(witness: Witness, piece: Cells, low: Floats, high: Floats) -> npt.NDArray[np.object_]:
     """The parts of the pieces between times ``low`` and ``high``."""
     if len(witness.times) == 1:
-        return np.asarray(shapely.points(np.full(len(piece), witness.x[0]), np.full(len(piece), witness.y[0])))
+        return np.asarray(
+            shapely.points(np.full(len(piece), witness.x[0]), np.full(len(piece), witness.y[0]))
+        )
     begin, length = witness.times[piece], np.diff(witness.times)[piece]
     safe = np.where(length > 0, length, 1.0)
     a, b = (low - begin) / safe, (high - begin) / safe
@@ -254,7 +267,10 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
     measured[0] = math.sqrt(wide) / 2 * world.cell_size
     _require(cut.clearance < radius, f"the cut stops discs above {cut.clearance} m; the radius is {radius} m")
     claim_holds = _decimal(cut.clearance) ** 2 * 4 >= wide * _decimal(world.cell_size) ** 2
-    _require(claim_holds, f"the cut claims to stop discs above {cut.clearance} m and has a gap of twice {measured[0]:.9g} m")
+    _require(
+        claim_holds,
+        f"the cut claims to stop discs above {cut.clearance} m and has a gap of twice {measured[0]:.9g} m",
+    )
     in_cells = _decimal(radius) / _decimal(world.cell_size)
     at = gaps.index(wide)
     _require(
@@ -295,7 +311,9 @@ def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fracti
     return False
 
 
-def _check_sides(world: World, cells: list[tuple[int, int]], radius: float, blocked: npt.NDArray[np.bool_]) -> str:
+def _check_sides(
+    world: World, cells: list[tuple[int, int]], radius: float, blocked: npt.NDArray[np.bool_]
+) -> str:
     """Every clear pose in the target's disc must lie on the other side of the chain than the start."""
     size = _decimal(world.cell_size)
     start = (_decimal(world.start.x) / size, _decimal(world.start.y) / size)

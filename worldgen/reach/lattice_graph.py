@@ -18,8 +18,19 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.jit import lazy_kernel
+from worldgen.lattice import UNIT
+from worldgen.reach.disc import Disc
 
-__all__ = ["AXIS_COST", "DIAGONAL_COST", "Graph", "build_graph", "clear_raster", "find_path"]
+__all__ = [
+    "AXIS_COST",
+    "DIAGONAL_COST",
+    "Graph",
+    "build_graph",
+    "clear_raster",
+    "find_path",
+    "nodes_within",
+    "touching_cells",
+]
 
 AXIS_COST, DIAGONAL_COST = 70, 99  # 99/70 is sqrt(2) to 7e-5; whole numbers give the same path everywhere
 _SMALL = 200_000  # nodes that plain Python searches in less time than loading numba takes
@@ -101,6 +112,34 @@ def clear_raster(
         row, column = windows.pad + dj, windows.pad + low
         blocked |= made[count][row : row + shape[0], column : column + shape[1]]
     return ~blocked
+
+
+def touching_cells(a: int, b: int, m: int, radius: Fraction) -> list[tuple[int, int]]:
+    """Cells (dx, dy) whose distance from the point (a/m, b/m) is below the radius; all in cells."""
+    limit = math.ceil((m * radius) ** 2)
+    reach = math.isqrt(limit - 1) // m + 2
+    return [
+        (dx, dy)
+        for dy in range(-reach, reach + 1)
+        for dx in range(-reach, reach + 1)
+        if max(m * dx - a, 0, a - m * dx - m) ** 2 + max(m * dy - b, 0, b - m * dy - m) ** 2 < limit
+    ]
+
+
+def nodes_within(disc: Disc, graph: Graph) -> list[int]:
+    """Clear nodes in the target's disc."""
+    unit = UNIT // graph.k
+    rows, columns = graph.clear.shape
+    low_y, high_y = (
+        max(0, math.ceil((disc.y - disc.radius) / unit)),
+        min(rows - 1, math.floor((disc.y + disc.radius) / unit)),
+    )
+    low_x, high_x = (
+        max(0, math.ceil((disc.x - disc.radius) / unit)),
+        min(columns - 1, math.floor((disc.x + disc.radius) / unit)),
+    )
+    found = np.argwhere(graph.clear[low_y : high_y + 1, low_x : high_x + 1]) + (low_y, low_x)
+    return [j * graph.stride + i for j, i in found.tolist() if disc.holds((i * unit, j * unit))]
 
 
 def find_path(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -14,15 +14,19 @@ from worldgen.lattice import UNIT, exact, in_cells, metres_to_lattice
 from worldgen.reach.cut import find_chain
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.reach.disc import COVER_MARGIN, Disc, look_for_open_pose, target_disc
-from worldgen.reach.lattice_graph import Graph, build_graph, find_path
+from worldgen.reach.lattice_graph import Graph, build_graph, find_path, nodes_within
 from worldgen.reach.path import make_witness, root_up, shorten
+from worldgen.reach.spans import ChangingWalls, Spans
+from worldgen.reach.timed import find_timed_path, make_timed_witness, shorten_timed
 from worldgen.reach.walls import Cell, ExactPoint, Point, Walls
+from worldgen.timeline import Timeline
 from worldgen.world import Cut, World
 
 __all__ = ["decide"]
 
 _FINER = (4, 8, 16)  # nodes per cell side where half cells neither find a path nor leave a cut
 _MOST_NODES = 40_000_000  # a finer graph than this is not searched: about 1 GB
+_MOST_TIMED_NODES = 4_000_000  # likewise in time
 _POSES = 4  # poses of the target's disc tried with a cut each
 
 
@@ -39,7 +43,32 @@ def decide(world: World, *, radius: float | None = None) -> Decision:
     radius = world.robot_radius if radius is None else radius
     if not (math.isfinite(radius) and radius > 0):
         raise InvalidParameter(f"radius={radius} m: must be a finite number above 0")
+    if world.is_dynamic:
+        return _decide_changing(world, radius)
     return _Question(world, radius).answer()
+
+
+def _decide_changing(world: World, radius: float) -> Decision:
+    spans = Spans(world)
+    still = replace(world, timeline=Timeline(), certificate=None)
+    at_once = _Question(replace(still, walls=spans.at_start), radius)
+    bad_start = at_once.judge_start()
+    if bad_start is not None:
+        return bad_start
+    walls = ChangingWalls(world, spans, at_once.walls.radius)
+    for k in (2, *_FINER):
+        if k > 2 and k * k * world.walls.size > _MOST_TIMED_NODES:
+            break
+        path = find_timed_path(world, walls, k, at_once.exact_start, at_once.disc)
+        if path is not None:
+            witness = make_timed_witness(world, walls, shorten_timed(walls, path))
+            reason = f"a timed path of {witness.length:.4g} m arrives after {witness.duration:.4g} s"
+            return Decision(REACHABLE, witness, reason)
+    for_ever = _Question(replace(still, walls=spans.always), radius).answer()
+    if for_ever.result == BLOCKED:
+        return for_ever
+    reason = "no timed path was found, and the cells that never open leave no cut"
+    return Decision(UNDECIDED, None, reason)
 
 
 @dataclass
@@ -73,7 +102,7 @@ class _Question:
 
     def answer(self) -> Decision:
         """The decision."""
-        bad_start = self._judge_start()
+        bad_start = self.judge_start()
         if bad_start is not None:
             return bad_start
         self.goal = self._find_goal()
@@ -99,7 +128,8 @@ class _Question:
             f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through",
         )
 
-    def _judge_start(self) -> Decision | None:
+    def judge_start(self) -> Decision | None:
+        """The decision, if the start settles it."""
         cell = self.walls.blocker(self.exact_start, self.exact_start)
         if cell is not None:
             cell, distance_sq = self.walls.nearest(self.exact_start)
@@ -122,7 +152,7 @@ class _Question:
         unit = UNIT // graph.k
         sources = _links(self.walls, graph, self.start)
         ends = _links(self.walls, graph, self.goal) if self.goal is not None else []
-        spare = _nodes_within(self.disc, graph)
+        spare = nodes_within(self.disc, graph)
         if not sources or not (ends or spare):
             return []
         toward = (round(self.disc.x / unit), round(self.disc.y / unit))
@@ -205,19 +235,3 @@ def _links(walls: Walls, graph: Graph, point: Point) -> list[int]:
             if inside and graph.clear[j, i] and walls.is_clear(point, (i * unit, j * unit)):
                 nodes.append(j * graph.stride + i)
     return nodes
-
-
-def _nodes_within(disc: Disc, graph: Graph) -> list[int]:
-    """Clear nodes in the target's disc."""
-    unit = UNIT // graph.k
-    rows, columns = graph.clear.shape
-    low_y, high_y = (
-        max(0, math.ceil((disc.y - disc.radius) / unit)),
-        min(rows - 1, math.floor((disc.y + disc.radius) / unit)),
-    )
-    low_x, high_x = (
-        max(0, math.ceil((disc.x - disc.radius) / unit)),
-        min(columns - 1, math.floor((disc.x + disc.radius) / unit)),
-    )
-    found = np.argwhere(graph.clear[low_y : high_y + 1, low_x : high_x + 1]) + (low_y, low_x)
-    return [j * graph.stride + i for j, i in found.tolist() if disc.holds((i * unit, j * unit))]

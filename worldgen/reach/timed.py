@@ -1,0 +1,357 @@
+"""The earliest arrival in a world that changes: safe-interval search over the same exact graph.
+
+A point of the graph is safe while no blocked cell is nearer than the radius. The clearance of an edge is
+attained at its ends or its middle whatever the cells, so an edge is safe while these are. A state of the
+search is (node, safe interval): within one interval, an earlier arrival is never worse, for one can wait.
+
+Source: Mike Phillips, Maxim Likhachev, "SIPP: Safe Interval Path Planning for Dynamic Environments", 2011.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.jit import lazy_kernel
+from worldgen.lattice import UNIT, exact
+from worldgen.reach.lattice_graph import build_graph, nodes_within, touching_cells
+from worldgen.reach.disc import Disc
+from worldgen.reach.path import metres, root_down
+from worldgen.reach.spans import FOREVER, MARGIN, ChangingWalls, Spans
+from worldgen.reach.walls import ExactPoint, Point
+from worldgen.world import Witness, World
+
+__all__ = ["TimedPath", "find_timed_path", "make_timed_witness", "shorten_timed"]
+
+_LOOK_AHEAD = 24  # corners that one straight line may replace
+_TESTS = 20_000  # straight lines tried on one path; long paths look ahead less
+_SMALL = 60_000  # nodes that plain Python handles in less time than loading numba takes
+
+Ints = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class TimedPath:
+    """Points, 1/1024 cell, and the ticks at which the robot is there; it moves evenly in between."""
+
+    points: list[ExactPoint]
+    times: list[int]
+
+
+@dataclass(frozen=True)
+class _Intervals:
+    """Safe intervals of the points of a raster: point p has first[p] to first[p + 1] - 1, in order of time."""
+
+    first: Any
+    begin: Any
+    end: Any
+
+
+def piece_ticks(length: float, speed: float, ticks: int) -> int:
+    """Ticks that a piece of ``length`` m takes, rounded up."""
+    return max(1, math.ceil(length * (1 + 1e-12) / speed * ticks))
+
+
+def find_timed_path(
+    world: World, walls: ChangingWalls, k: int, start: ExactPoint, disc: Disc
+) -> TimedPath | None:
+    """The earliest way, over nodes at multiples of 1/k cell, from the start at time 0 to a node of the target.
+
+    Args:
+        world: The world, for speed and size.
+        walls: Its changes and the radius.
+        k: Nodes per cell side.
+        start: lu.
+        disc: The target.
+    """
+    spans = walls.spans
+    graph = build_graph(spans.fixed, walls.radius, k)
+    ends = nodes_within(disc, graph)
+    unit = UNIT // k
+    side = float(exact(world.cell_size) / k)
+    axis = piece_ticks(side, world.robot_speed, spans.ticks)
+    diagonal = piece_ticks(side * math.sqrt(2.0), world.robot_speed, spans.ticks)
+    sources = []
+    for node, point in _nodes_round(start, graph.clear, unit):
+        length = math.hypot(start[0] - point[0], start[1] - point[1]) / UNIT * world.cell_size
+        arrival = piece_ticks(length, world.robot_speed, spans.ticks) if length else 0
+        if walls.is_clear(start, point, 0, arrival):
+            sources.append((node, arrival))
+    if not sources or not ends:
+        return None
+    plain = graph.clear.size <= _SMALL
+    nodes = _intervals(graph.clear, spans, walls.radius, k, 0, plain)
+    middles = _intervals(graph.middle, spans, walls.radius, k, 1, plain)
+    toward = (round(disc.x / unit), round(disc.y / unit))
+    states = _search_states(nodes, middles, graph.stride, sources, ends, (axis, diagonal), toward, plain)
+    if not states:
+        return None
+    points: list[ExactPoint] = [start]
+    times = [0]
+    for node, depart, arrival in states:
+        point = (node % graph.stride * unit, node // graph.stride * unit)
+        if depart > times[-1]:
+            points.append(points[-1])
+            times.append(depart)
+        if arrival > times[-1]:
+            points.append(point)
+            times.append(arrival)
+    return TimedPath(points, times)
+
+
+def shorten_timed(walls: ChangingWalls, path: TimedPath) -> TimedPath:
+    """Replaces corners by straight lines, driven evenly, that stay clear of all that is blocked meanwhile.
+
+    Waits stay: a line never spans one.
+    """
+    points, times = _merge_even(path)
+    ahead = min(_LOOK_AHEAD, max(2, _TESTS // len(points)))
+    kept, at = [0], 0
+    while at < len(points) - 1:
+        far = at + 1
+        while (
+            far < min(at + ahead, len(points) - 1)
+            and points[far] != points[far - 1]
+            and points[far + 1] != points[far]
+        ):
+            far += 1
+        while far > at + 1 and not walls.is_clear(
+            points[at], points[far], times[at] - MARGIN, times[far] + MARGIN
+        ):
+            far -= 1
+        kept.append(far)
+        at = far
+    return TimedPath([points[i] for i in kept], [times[i] for i in kept])
+
+
+def _merge_even(path: TimedPath) -> tuple[list[ExactPoint], list[int]]:
+    """Leaves out points on a straight line that the robot passes without a change of speed."""
+    points, times = path.points[:1], path.times[:1]
+    for i in range(1, len(path.points)):
+        while len(points) > 1 and _is_even(points[-2:], times[-2:], path.points[i], path.times[i]):
+            points.pop()
+            times.pop()
+        points.append(path.points[i])
+        times.append(path.times[i])
+    return points, times
+
+
+def _is_even(points: list[ExactPoint], times: list[int], point: ExactPoint, time: int) -> bool:
+    (a, b), before, after = points, times[1] - times[0], time - times[1]
+    return all((b[axis] - a[axis]) * after == (point[axis] - b[axis]) * before for axis in (0, 1))
+
+
+def make_timed_witness(world: World, walls: ChangingWalls, path: TimedPath) -> Witness:
+    """The path in metres and seconds, with its clearance."""
+    x, y = metres(path.points, world.cell_size)
+    clearance = root_down(walls.clearance_sq(path.points, path.times) * (exact(world.cell_size) / UNIT) ** 2)
+    return Witness(
+        np.array([time / walls.spans.ticks for time in path.times]), np.array(x), np.array(y), clearance
+    )
+
+
+def _nodes_round(start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int) -> list[tuple[int, Point]]:
+    """The start's node, or the nodes round it."""
+    x, y = start
+    exactly = x % unit == 0 and y % unit == 0
+    spread = range(1) if exactly else range(-1, 3)
+    found = []
+    for j in (y // unit + d for d in spread):
+        for i in (x // unit + d for d in spread):
+            if 0 <= j < clear.shape[0] and 0 <= i < clear.shape[1] and clear[j, i]:
+                found.append((j * clear.shape[1] + i, (i * unit, j * unit)))
+    return found
+
+
+def _intervals(
+    clear: npt.NDArray[np.bool_], spans: Spans, radius: Fraction, k: int, half: int, plain: bool
+) -> _Intervals:
+    """Safe intervals at the nodes (``half`` 0) or at the middles of their squares (``half`` 1)."""
+    pad = math.ceil(radius) + 2
+    cells = np.pad(spans.changing, pad)
+    number = np.zeros(cells.size + 1, np.int64)
+    number[:-1][cells.ravel()] = (spans.first[1:] - spans.first[:-1])[spans.changing.ravel()]
+    span_first = np.concatenate([[0], np.cumsum(number[:-1])])
+    classes = [touching_cells(2 * a + half, 2 * b + half, 2 * k, radius) for b in range(k) for a in range(k)]
+    steps = np.array([dy * cells.shape[1] + dx for found in classes for dx, dy in found], np.int64)
+    class_first = np.concatenate([[0], np.cumsum([len(found) for found in classes])]).astype(np.int64)
+    rows, columns = clear.shape
+    place = (np.arange(rows)[:, None] // k + pad) * cells.shape[1] + np.arange(columns)[None, :] // k + pad
+    kind = np.arange(rows)[:, None] % k * k + np.arange(columns)[None, :] % k
+    work = np.zeros(2 + int(number.max(initial=0)) * max(len(found) for found in classes), np.int64)
+    inputs = [
+        clear.view(np.uint8).ravel(),
+        place.ravel(),
+        kind.ravel(),
+        class_first,
+        steps,
+        span_first,
+        spans.begin,
+        spans.end,
+    ]
+    first = np.zeros(clear.size + 1, np.int64)
+    nothing = np.zeros(0, np.int64)
+    make: Any = _safe_intervals if plain else _safe_intervals_compiled
+    if plain:
+        lists = [array.tolist() for array in inputs]
+        counts, low, high = first.tolist(), work.tolist(), work.tolist()
+        make(*lists, counts, [], [], low, high, False)
+        total = np.cumsum(counts).tolist()
+        begin, end = [0] * total[-1], [0] * total[-1]
+        make(*lists, total, begin, end, low, high, True)
+        return _Intervals(total, begin, end)
+    make(*inputs, first, nothing, nothing, work, work.copy(), False)
+    first = np.cumsum(first)
+    begins, ends = np.zeros(int(first[-1]), np.int64), np.zeros(int(first[-1]), np.int64)
+    make(*inputs, first, begins, ends, work, work.copy(), True)
+    return _Intervals(first, begins, ends)
+
+
+def _safe_intervals(
+    clear: Any, place: Any, kind: Any, class_first: Any, steps: Any, span_first: Any, span_begin: Any, span_end: Any,
+    first: Any, begin: Any, end: Any, low: Any, high: Any, fill: Any,
+) -> None:  # fmt: skip
+    """Counts the safe intervals of point p in first[p + 1], or writes them from first[p] on.
+
+    ``low`` and ``high`` hold the blocked spans round one point, sorted by insertion. The same text runs
+    plain and compiled.
+    """
+    for p in range(len(clear)):
+        if clear[p] == 0:
+            continue
+        count = 0
+        for s in range(class_first[kind[p]], class_first[kind[p] + 1]):
+            cell = place[p] + steps[s]
+            for span in range(span_first[cell], span_first[cell + 1]):
+                at = count
+                while at > 0 and low[at - 1] > span_begin[span]:
+                    low[at], high[at] = low[at - 1], high[at - 1]
+                    at -= 1
+                low[at], high[at] = span_begin[span], span_end[span]
+                count += 1
+        free, found = 0, 0  # free: tick from which on nothing seen so far blocks the point
+        for i in range(count + 1):
+            until = low[i] if i < count else FOREVER
+            if until > free:
+                if fill:
+                    begin[first[p] + found], end[first[p] + found] = free, until
+                found += 1
+            if i < count and high[i] > free:
+                free = high[i]
+        if not fill:
+            first[p + 1] = found
+
+
+def _search_states(
+    nodes: _Intervals, middles: _Intervals, stride: int, sources: Sequence[tuple[int, int]], ends: Sequence[int],
+    ticks: tuple[int, int], toward: tuple[int, int], plain: bool,
+) -> list[tuple[int, int, int]]:  # fmt: skip
+    """(node, departure from the one before, arrival) along the earliest way; empty if there is none."""
+    size, count = len(nodes.first) - 1, len(nodes.begin)
+    if not count:
+        return []
+    node_of: Any = np.repeat(np.arange(size), np.diff(nodes.first))
+    goal: Any = np.zeros(size, np.uint8)
+    goal[list(ends)] = 1
+    x, y = toward
+    spread = max(max(abs(node % stride - x), abs(node // stride - y)) for node in ends)
+    cost: Any = np.full(count, FOREVER, np.int64)
+    came: Any = np.full(count, -1, np.int64)
+    depart: Any = np.zeros(count, np.int64)
+    first_states = [
+        (state, arrival)
+        for node, arrival in sources
+        for state in range(nodes.first[node], nodes.first[node + 1])
+        if nodes.begin[state] <= arrival < nodes.end[state]
+    ]
+    if not first_states:
+        return []
+    begun: Any = np.array(first_states, np.int64)
+    search: Any = _safe_search_compiled
+    if plain:
+        node_of, goal, cost, came, depart = (array.tolist() for array in (node_of, goal, cost, came, depart))
+        search = _safe_search
+    lean = (x, y, spread * ticks[1])  # an end is at most that much nearer than ``toward``
+    final = int(search(
+        nodes.first, nodes.begin, nodes.end, middles.first, middles.begin, middles.end, node_of, stride, begun, goal,
+        lean, ticks, cost, came, depart,
+    ))  # fmt: skip
+    path = []
+    while final >= 0:
+        path.append((int(node_of[final]), int(depart[final]), int(cost[final])))
+        final = int(came[final])
+    return path[::-1]
+
+
+def _safe_search(
+    first: Any, begin: Any, end: Any, mid_first: Any, mid_begin: Any, mid_end: Any, node_of: Any, stride: Any,
+    begun: Any, goal: Any, lean: Any, ticks: Any, cost: Any, came: Any, depart: Any,
+) -> Any:  # fmt: skip
+    """A* over (node, safe interval); cost is the tick of arrival. Returns the final state or -1.
+
+    The same text runs plain and compiled.
+    """
+    gx, gy, slack = lean
+    axis, diagonal = ticks
+    queue = [(0, 0, 0)]
+    heapq.heappop(queue)
+    for i in range(len(begun)):
+        state, arrival = int(begun[i][0]), int(begun[i][1])
+        cost[state] = arrival
+        heapq.heappush(queue, (arrival, arrival, state))
+    while len(queue) > 0:
+        _, now, state = heapq.heappop(queue)
+        if now != cost[state]:
+            continue
+        node = node_of[state]
+        if goal[node] == 1:
+            return state
+        for direction in range(8):
+            if direction < 4:
+                other, corner, takes = node, -1, axis
+            else:
+                other, corner, takes = node, node, diagonal
+            if direction == 0:
+                other = node + 1
+            elif direction == 1:
+                other = node - 1
+            elif direction == 2:
+                other = node + stride
+            elif direction == 3:
+                other = node - stride
+            elif direction == 4:
+                other = node + stride + 1
+            elif direction == 5:
+                other, corner = node - stride - 1, node - stride - 1
+            elif direction == 6:
+                other, corner = node + stride - 1, node - 1
+            else:
+                other, corner = node - stride + 1, node - stride
+            for onto in range(first[other], first[other + 1]):
+                leave, close = max(now, begin[onto]), min(end[state], end[onto])
+                if leave + takes > close or leave + takes >= cost[onto]:
+                    continue
+                if corner >= 0:
+                    found = -1
+                    for middle in range(mid_first[corner], mid_first[corner + 1]):
+                        if found < 0 and max(leave, mid_begin[middle]) + takes <= min(close, mid_end[middle]):
+                            found = max(leave, mid_begin[middle])
+                    if found < 0 or found + takes >= cost[onto]:
+                        continue
+                    leave = found
+                cost[onto], came[onto], depart[onto] = leave + takes, state, leave
+                dx, dy = abs(other % stride - gx), abs(other // stride - gy)
+                guess = max(0, axis * max(dx, dy) + (diagonal - axis) * min(dx, dy) - slack)
+                heapq.heappush(queue, (leave + takes + guess, leave + takes, onto))
+    return -1
+
+
+_safe_intervals_compiled = lazy_kernel(_safe_intervals)
+_safe_search_compiled = lazy_kernel(_safe_search)
