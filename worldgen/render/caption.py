@@ -16,6 +16,7 @@ from worldgen.render.palette import (
     GREY,
     INK,
     LOOP,
+    LOOP_HEAD,
     PAPER,
     START,
     TARGET,
@@ -165,7 +166,9 @@ def _line(colour: str, width: float, *, dash: tuple[float, ...] = (), arrow: boo
         ends = np.array(((x, y), (x + ICON * unit, y)))
         paint = Paint(stroke=colour, width=width * unit, dash=tuple(length * unit for length in dash))
         head = (
-            [arrow_head(x + 0.5 * ICON * unit, y, 0.0, (2.2 * width + 3.0) * unit, colour)] if arrow else []
+            [arrow_head(x + 0.5 * ICON * unit, y, 0.0, (2.2 * width + 4.0) * unit, LOOP_HEAD)]
+            if arrow
+            else []
         )
         return [Path(ends, paint), *head]
 

@@ -14,6 +14,7 @@ __all__ = [
     "GREY",
     "INK",
     "LOOP",
+    "LOOP_HEAD",
     "PAPER",
     "RULE",
     "START",
@@ -52,5 +53,6 @@ def mix(first: str, second: str, share: float) -> str:
     return "#" + "".join(f"{part:02X}" for part in parts)
 
 
+LOOP_HEAD = mix(LOOP, "#000000", 0.4)  # arrow heads, to stand out from the line
 SWEPT = mix(PAPER, LOOP, 0.35)  # the floor that the robot covers in its loop
 FULL_TINT = mix(FLOOR, TARGET, 0.55)  # the floor where the signal is strongest

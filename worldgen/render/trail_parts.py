@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Trail
-from worldgen.render.palette import APPROACH, INK, LOOP, PAPER, SWEPT, TUNNEL
+from worldgen.render.palette import APPROACH, INK, LOOP, LOOP_HEAD, PAPER, SWEPT, TUNNEL
 from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
 from worldgen.render.primitives import Circle, Paint, Path, Primitive
 
@@ -48,7 +48,7 @@ def trail_parts(trail: Trail, frame: Frame, robot_radius: float) -> list[Primiti
     approach = _thinned(frame.points(trail.approach))
     parts: list[Primitive] = []
     if trail.loop_from is None:
-        parts += _way(approach, LOOP, 2.2 * unit, unit)
+        parts += _way(approach, 2.2 * unit, unit)
         if not len(trail.places("end")):
             parts += _footprint(frame.points(trail.points[-1:])[0], radius, unit)
     else:
@@ -68,17 +68,17 @@ def _thinned(points: Points) -> Points:
     return points
 
 
-def _way(points: Points, colour: str, width: float, unit: float) -> list[Primitive]:
+def _way(points: Points, width: float, unit: float) -> list[Primitive]:
     if len(points) < 2:
         return []
     casing = Path(points, Paint(stroke=PAPER, width=width + 2.0 * unit, opacity=0.7))
-    line = Path(points, Paint(stroke=colour, width=width))
-    size = 2.2 * width + 3.0 * unit
+    line = Path(points, Paint(stroke=LOOP, width=width))
+    size = 2.2 * width + 4.0 * unit
     total = float(arc_length(points)[-1])
     if total < 3.0 * size:
         return [casing, line]
     spacing = max(90.0 * unit, total / 14.0)
-    heads = [arrow_head(x, y, angle, size, colour) for x, y, angle in arrow_places(points, spacing, size)]
+    heads = [arrow_head(x, y, angle, size, LOOP_HEAD) for x, y, angle in arrow_places(points, spacing, size)]
     return [casing, line, *heads]
 
 
@@ -87,7 +87,7 @@ def _cycle(loop: Points, radius: float, unit: float) -> list[Primitive]:
     for x, y in _footprint_places(loop, radius):
         parts.append(Circle(x, y, radius, Paint(fill=LOOP, opacity=0.10)))
         parts.append(Circle(x, y, radius, Paint(stroke=LOOP, width=1.2 * unit, opacity=0.6)))
-    return parts + _way(loop, LOOP, 3.2 * unit, unit)
+    return parts + _way(loop, 3.2 * unit, unit)
 
 
 def stays_put(trail: Trail, frame: Frame, robot_radius: float) -> bool:
