@@ -1,0 +1,89 @@
+"""``worldgen demo``: the whole chain on one screen, with the commands that do it step by step."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import force_option, note
+
+__all__ = ["demo"]
+
+_SEED = 7
+_SECONDS = 8.0
+
+
+@click.command()
+@click.option("--out", type=click.Path(path_type=Path), default=Path("demo"), show_default=True, help="Folder.")
+@click.option("--controller", default="turn-right", show_default=True, help="Whom to test.")
+@click.option("--motion", default="stepped", show_default=True, help="Motion model of the search.")
+@force_option
+def demo(out: Path, controller: str, motion: str, force: bool) -> None:
+    """Make a world, run a robot in it, search for worlds in which it fails, and draw the smallest ones.
+
+    Everything lands in one folder; each step says which command does it. Exit code 0.
+    """
+    import os
+
+    from fuzz.session import CampaignSession, configure
+    from worldgen.errors import OutputError
+
+    if out.exists() and not force:
+        raise OutputError(f"{out} is there already; give --force to overwrite what is in it, or --out another name")
+    out.mkdir(parents=True, exist_ok=True)
+    _world_and_run(out, controller)
+    failures = out / "failures"
+    _say(f"worldgen fuzz --controller {controller} --motion {motion} --budget {_SECONDS:g}s --seed 1 --out {failures}")
+    config = configure(
+        controller=controller, motion=motion, families=(), fixed_map=None, time_step=None, examples=200, seed=1
+    )
+    workers = os.cpu_count() or 1
+    session = CampaignSession(
+        config, failures, units=None, seconds=_SECONDS, workers=workers, force=True, quiet=False
+    )
+    code = session.run()
+    if code not in (0, 1):
+        raise SystemExit(code)
+    _draw_failures(failures)
+
+
+def _say(command: str) -> None:
+    note(f"\n$ {command}")
+
+
+def _world_and_run(out: Path, controller: str) -> None:
+    from sim import simulate
+    from sim.picture import trail_of
+    from worldgen import generate, write_world
+    from worldgen.cli.output import write_bytes
+    from worldgen.render import draw_png
+
+    path, picture = out / "w.grid", out / "run.png"
+    _say(f"worldgen maze --size 60 --seed {_SEED} --out {path}")
+    world = generate("maze", _SEED, size=60)
+    write_world(world, path, force=True)
+    _say(f"worldgen run {path} --controller {controller} --trail {picture}")
+    episode = simulate(world, controller, record=True)
+    title = f"{controller}, swept: {episode.verdict}"
+    write_bytes(picture, draw_png(world, trail=trail_of(episode), title=title), force=True)
+    note(f"{episode.verdict} after {episode.steps} steps; wrote {picture}")
+
+
+def _draw_failures(folder: Path) -> None:
+    from fuzz.failure import scenario_of
+    from sim import simulate
+    from sim.picture import trail_of
+    from worldgen.cli.output import write_bytes
+    from worldgen.grid_file import read_world
+    from worldgen.render import draw_png
+
+    _say(f"worldgen replay {folder}")
+    for path in sorted(folder.glob("*.grid")):
+        world = read_world(path)
+        record, options = scenario_of(world)
+        episode = simulate(world, record.controller, options, record=True)
+        title = f"{record.controller}, {record.motion}: {record.verdict}"
+        picture = path.with_suffix(".png")
+        write_bytes(picture, draw_png(world, trail=trail_of(episode), title=title), force=True)
+        note(f"{path.name}: {episode.verdict}; drawn in {picture}")
