@@ -108,7 +108,7 @@ def _loop(run: Runnable, found: Outcome, options: RunOptions, record: bool) -> E
         return _episode(_verdict(whole, options), whole, options, {})
     states = whole.trace.states
     same = (states[:-period] == states[period:]).all(axis=1)
-    entry = int(np.argmax(same))
+    entry = max(int(np.argmax(same)), run.last_event_step)
     if not same[entry:].all():  # a controller with memory that it did not declare
         return _episode(_verdict(found, options), found, options, {})
     outcome = run.run(entry + period, find_loop=False, record=record)

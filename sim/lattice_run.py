@@ -132,6 +132,11 @@ class LatticeRun:
             "overlaps a wall there; move the start or make the robot smaller"
         )
 
+    @property
+    def last_event_step(self) -> int:
+        """Step at whose beginning the world changes for the last time; 0 if it never does."""
+        return int(self._events[-1, 0]) if len(self._events) else 0
+
     def run(self, steps: int, *, find_loop: bool, record: bool) -> Outcome:
         """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
         self.settings[layout.SET_STEPS] = steps

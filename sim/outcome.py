@@ -54,6 +54,11 @@ class Outcome:
 class Runnable(Protocol):
     """A world, a controller and options, packed for some kernel."""
 
+    @property
+    def last_event_step(self) -> int:
+        """Step at whose beginning the world changes for the last time; 0 if it never does."""
+        ...
+
     def run(self, steps: int, *, find_loop: bool, record: bool) -> Outcome:
         """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
         ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, TypeAlias
@@ -133,14 +134,16 @@ def compiled_act(act: Act) -> Any:
         InvalidParameter: If numba cannot compile it.
     """
     from numba import config, njit, void
-    from numba.core.errors import NumbaError
+    from numba.core.errors import NumbaError, NumbaWarning
     from numba.types import float64
 
     if config.DISABLE_JIT:
         return act
     array = float64[::1]
     try:
-        return njit(void(array, array, array), nogil=True)(getattr(act, "py_func", act))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NumbaWarning)  # the error, if any, says it better
+            return njit(void(array, array, array), nogil=True)(getattr(act, "py_func", act))
     except NumbaError as error:
         name = getattr(act, "__name__", repr(act))
         first = str(error).strip().splitlines()

@@ -1,0 +1,209 @@
+"""Runs from Python: verdicts, evidence, determinism, bad controllers."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim import Command, CompiledController, RunOptions, simulate
+from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World
+
+
+TURN_RATE = 512 / 65536 * 2 * math.pi / 0.015  # rad/s: 512 heading units a step, 128 steps a turn
+
+
+def arena(side=12, start=(0.35, 0.35, 0.0), target=(0.85, 0.85), walls=()):
+    cells = np.zeros((side, side), bool)
+    cells[[0, -1], :] = cells[:, [0, -1]] = True
+    for iy, ix in walls:
+        cells[iy, ix] = True
+    return World(cells, Pose(*start), Target(*target, 0.05))
+
+
+class GoToTarget:
+    """Turns to the target and drives."""
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        turn = observation.target_heading - observation.heading
+        turn = (turn + math.pi) % (2 * math.pi) - math.pi
+        return Command(observation.top_speed, turn / observation.time_step), memory
+
+
+class Circle:
+    """Drives in a circle for ever."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        return Command(0.5, TURN_RATE), memory
+
+
+def cup():
+    return arena(16, (0.75, 0.35, math.pi / 2), (0.75, 1.35), [(8, x) for x in range(3, 13)])
+
+
+def test_a_robot_that_goes_to_the_target_reaches_it():
+    episode = simulate(arena(), GoToTarget())
+    assert (episode.verdict, episode.collisions) == ("reached", 0)
+
+
+def test_the_path_of_a_straight_run_is_as_long_as_the_way():
+    episode = simulate(arena(start=(0.25, 0.25, 0.0), target=(0.85, 0.25)), GoToTarget())
+    assert episode.path_length == pytest.approx(0.6, abs=0.06)
+
+
+def test_an_endless_circle_is_a_proved_loop():
+    episode = simulate(arena(), Circle(), record=True)
+    entry, period = episode.evidence["entry"], episode.evidence["period"]
+    states = episode.trace.states
+    assert episode.verdict == "loop" and np.array_equal(states[entry], states[entry + period])
+
+
+def test_the_loop_entry_is_the_first_repeated_state():
+    episode = simulate(arena(), Circle(), record=True)
+    entry, period = episode.evidence["entry"], episode.evidence["period"]
+    assert entry == 0 or not np.array_equal(episode.trace.states[entry - 1], episode.trace.states[entry + period - 1])
+
+
+def test_a_controller_that_hides_memory_is_never_called_a_loop():
+    class Hidden(Circle):
+        def __init__(self):
+            self.count = 0
+
+        def act(self, observation, memory):
+            self.count += 1
+            return super().act(observation, memory)
+
+    assert simulate(arena(), Hidden(), steps=3000).verdict in ("stalled", "timeout")
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+@pytest.mark.parametrize("controller", ["turn-left", "turn-right"])
+def test_the_thesis_robots_are_trapped_in_front_of_a_long_wall(controller, motion):
+    assert simulate(cup(), controller, motion=motion, steps=20_000).verdict == "loop"
+
+
+def test_equal_seeds_give_equal_digests_and_other_seeds_do_not():
+    digests = [simulate(cup(), "turn-random", steps=3000, seed=seed).trace_digest for seed in (1, 1, 2)]
+    assert digests[0] == digests[1] != digests[2]
+
+
+def test_a_digest_is_pinned_so_that_every_machine_gives_the_same():
+    episode = simulate(cup(), "turn-right", steps=20_000)
+    assert (episode.steps, episode.trace_digest) == PINNED
+
+
+def test_the_recorded_words_give_the_digest_again():
+    episode = simulate(cup(), "turn-left", record=True)
+    assert episode.trace.digest() == episode.trace_digest
+
+
+def test_a_compiled_and_a_python_controller_drive_the_same_way():
+    def act(observation, memory, command):
+        command[0] = 0.5
+        command[1] = TURN_RATE
+
+    one = simulate(arena(), CompiledController("circle", act, (0.0,)), record=True)
+    two = simulate(arena(), Circle(), record=True)
+    assert one.trace_digest == two.trace_digest
+
+
+def test_a_fast_robot_tunnels_under_endpoint_and_not_under_swept():
+    world = arena(24, (0.5, 1.15, 0.0), (2.05, 1.15), [(y, 12) for y in range(24)])
+    verdicts = {m: simulate(world, GoToTarget(), motion=m, time_step=0.15).verdict for m in ("endpoint", "swept")}
+    assert verdicts["endpoint"] == "tunnel" and verdicts["swept"] in ("loop", "stalled")
+
+
+def test_fire_that_reaches_the_robot_burns_it():
+    timeline = Timeline.of([Event(0.3, 7, 3, CellState.BURNING)])
+    episode = simulate(replace(arena(start=(0.35, 0.35, 0.0)), timeline=timeline), Straight())
+    assert (episode.verdict, episode.evidence["state"]) == ("burned", "burning")
+
+
+def test_debris_that_falls_on_the_robot_is_told_from_fire():
+    timeline = Timeline.of([Event(0.03, 3, 3, CellState.SOLID)])
+    episode = simulate(replace(arena(), timeline=timeline), Circle())
+    assert (episode.verdict, episode.evidence["state"]) == ("burned", "solid")
+
+
+def test_a_loop_is_not_claimed_before_the_last_event():
+    timeline = Timeline.of([Event(30.0, 9, 9, CellState.SOLID)])
+    episode = simulate(replace(arena(), timeline=timeline), Circle())
+    assert episode.verdict == "loop" and episode.evidence["entry"] * 0.015 >= 29.9
+
+
+class Straight:
+    """Drives ahead."""
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        return Command(1.0, 0.0), memory
+
+
+class Faulty:
+    """Raises after a while."""
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        raise RuntimeError("no idea")
+
+
+class Nonsense(Straight):
+    """Commands nan."""
+
+    def act(self, observation, memory):
+        return Command(math.nan, 0.0), memory
+
+
+class Growing(Straight):
+    """Grows its memory."""
+
+    def act(self, observation, memory):
+        return Command(), (*memory, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("controller", "verdict"), [(Faulty(), "crash"), (Growing(), "crash"), (Nonsense(), "invalid-command")]
+)
+def test_a_broken_controller_has_a_verdict_of_its_own(controller, verdict):
+    assert simulate(arena(), controller).verdict == verdict
+
+
+def test_a_start_inside_a_wall_is_refused_with_the_way_out():
+    with pytest.raises(InvalidWorld, match=r"overlaps a wall there; move the start or make the robot smaller"):
+        simulate(arena(start=(0.05, 0.05, 0.0)), "turn-left")
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"motion": "swpet"}, "did you mean 'swept'"),
+        ({"steps": 0}, "steps=0 is outside"),
+        ({"time_step": math.nan}, "time_step=nan s is outside"),
+        ({"seed": -1}, "seed=-1 is outside"),
+        ({"motion": "stepped"}, "runs the thesis's own robots"),
+    ],
+)
+def test_bad_options_are_refused(settings, message):
+    with pytest.raises(InvalidParameter, match=message):
+        simulate(arena(), GoToTarget(), RunOptions(**settings))
+
+
+def test_a_function_that_numba_cannot_compile_is_refused():
+    def act(observation, memory, command):
+        command[0] = {}.get("speed")
+
+    with pytest.raises(InvalidParameter, match="does not compile"):
+        simulate(arena(), CompiledController("bad", act))
+
+
+PINNED = (1500, "b095c7dbaa7a18ff")
