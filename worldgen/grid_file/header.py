@@ -19,10 +19,10 @@ __all__ = ["Header", "shown"]
 _TOKEN = re.compile(
     r"""
       (?P<comment> \# [^\n]* )
-    | (?P<text> \"{3} (?: [^"\\] | \\. | "{1,2}(?!") )*+ "{3,5}
-              | '{3} (?: [^'] | '{1,2}(?!') )*+ '{3,5}
-              | " (?: [^"\\\n] | \\. )*+ "
-              | ' [^'\n]*+ ' )
+    | (?P<long_text> "{3} (?: [^"\\] | \\. | "{1,2}(?!") )*+ "{3,5}
+                   | '{3} (?: [^'] | '{1,2}(?!') )*+ '{3,5} )
+    | (?P<unclosed_long> "{3} | '{3} )
+    | (?P<text> " (?: [^"\\\n] | \\. )*+ " | ' [^'\n]*+ ' )
     | (?P<unclosed> ["'] )
     | (?P<newline> \n )
     | (?P<open> [\[{] )
@@ -56,6 +56,7 @@ class Header:
 
     def __init__(self, text: str, line: int, source: str | None) -> None:
         self._text, self._line, self.source = text, line, source
+        self._last_line = self._line_at(len(text))
         self._guard()
         try:
             self.data: dict[str, Any] = tomllib.loads(text)
@@ -85,13 +86,13 @@ class Header:
 
     def _fail_toml(self, message: str) -> NoReturn:
         place = _PLACE.search(message)
-        line, column = self._line + self._text.count("\n"), ""
+        line, column = self._last_line, ""  # what stays open is seen at the end, and mended at its begin
         if place is not None and place[1] is not None:
             line, column = self._line + int(place[1]) - 1, f", column {place[2]}"
         reason = _PLACE.sub("", message)
         raise FormatError(
             f"the header is not TOML{column}: {reason}; write `key = value`, text in quotes, [table]",
-            line=min(line, self._line + self._text.count("\n")),
+            line=line,
             source=self.source,
         )
 
@@ -100,8 +101,9 @@ class Header:
         depth = dots = 0
         for token in _TOKEN.finditer(self._text):
             kind = token.lastgroup
-            if kind == "unclosed":
-                return  # tomllib says what is wrong with it, and reads no further
+            if kind in ("unclosed", "unclosed_long"):  # tomllib says what is wrong, and reads no further
+                self._last_line = self._line_at(token.start())
+                return
             if kind == "open":
                 depth += 1
             elif kind == "close":

@@ -200,11 +200,7 @@ def _ends(header: Header, cells: Cells, cell_size: float) -> tuple[Pose, Target]
         start = Pose(*_centre(header, cells.start, cell_size))
     if cells.target is None:
         return start, Target(*read_triple(header, "target"))
-    radius = lattice_to_metres(UNIT // 2, cell_size)
-    if radius <= 0.0:
-        raise header.fault(
-            f"cell_size is {cell_size}; half of it, the target's radius, is no float64", "cell_size"
-        )
+    radius = lattice_to_metres(UNIT // 2, cell_size)  # above 0 even for the smallest float64
     return start, Target(*_centre(header, cells.target, cell_size), radius)
 
 

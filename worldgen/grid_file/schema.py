@@ -26,6 +26,7 @@ __all__ = [
     "LINE_SECTIONS",
     "MAGIC",
     "MAX_DEPTH",
+    "MAX_DIGITS",
     "MAX_FILE_BYTES",
     "MAX_HEADER_BYTES",
     "MAX_INTEGER_BITS",
@@ -79,10 +80,11 @@ EXPANSION_FLOOR: Final = 64 << 20  # bytes that any compressed file may expand t
 MAX_DEPTH: Final = 32  # brackets open at once, values in values, and parts of a dotted key
 MAX_INTEGER_BITS: Final = 1024  # seeds have 64; reading a number's digits takes quadratic time
 MAX_WORD: Final = 2000  # characters of a number or bare key in the header
+MAX_DIGITS: Final = 400  # of a decimal in a section, on either side of its point; float64 needs 309
 
 BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]{1,64}\Z")
 
-_NUMBER = rb"[0-9]{1,400}(?:\.[0-9]{1,400})?(?:[eE][+-]?[0-9]{1,4})?"
+_NUMBER = rb"[0-9]{1,%d}(?:\.[0-9]{1,%d})?(?:[eE][+-]?[0-9]{1,4})?" % (MAX_DIGITS, MAX_DIGITS)
 _WHOLE = rb"[0-9]{1,19}"
 
 

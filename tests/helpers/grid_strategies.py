@@ -1,0 +1,102 @@
+"""Hypothesis strategies for worlds with every optional part, and for damaged ``.grid`` text.
+
+The worlds are legal, not sensible: a start may lie in a wall and a witness may prove nothing. Use them
+for what must hold for any world at all.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import strategies as st
+
+from worldgen.grid_file import dumps
+from worldgen.timeline import CellState, Event, Timeline
+from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
+
+__all__ = ["damaged_files", "values", "worlds_with_everything"]
+
+_finite = st.floats(allow_nan=False, allow_infinity=False)
+_lengths = st.sampled_from([0.1, 0.05, 1.0, 0.3]) | st.floats(1e-300, 1e300)
+_integers = st.integers(-(2**200), 2**200) | st.integers(0, 2**64 - 1)
+_indices = st.integers(-(2**63), 2**63 - 1) | st.integers(-1, 12)
+
+
+def values():
+    """Everything that a header's tables can hold."""
+    leaves = st.booleans() | _integers | _finite | st.text(max_size=8)
+    return st.recursive(
+        leaves,
+        lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+        max_leaves=8,
+    )
+
+
+def _tables():
+    return st.dictionaries(st.text(max_size=5), values(), max_size=3)
+
+
+@st.composite
+def _timelines(draw, width, height):
+    events = st.builds(
+        Event,
+        st.floats(0.0, allow_infinity=False),
+        st.integers(0, width - 1),
+        st.integers(0, height - 1),
+        st.sampled_from(CellState),
+    )
+    return Timeline.of(draw(st.lists(events, max_size=4)))
+
+
+@st.composite
+def _witnesses(draw):
+    points = draw(st.lists(st.tuples(_finite, _finite, _finite), max_size=4))
+    times, x, y = np.array(points, float).reshape(-1, 3).T
+    return Witness(times, x, y, draw(_finite))
+
+
+@st.composite
+def _cuts(draw):
+    cells = draw(st.lists(st.tuples(_indices, _indices), max_size=4))
+    return Cut(np.array(cells, np.int64).reshape(-1, 2), draw(_finite))
+
+
+@st.composite
+def worlds_with_everything(draw):
+    """Worlds of up to 8 x 8 cells, any optional part there or not."""
+    width, height = draw(st.integers(1, 8)), draw(st.integers(1, 8))
+    cells = draw(st.lists(st.booleans(), min_size=width * height, max_size=width * height))
+    size = draw(_lengths)
+    across, up = st.floats(0.0, width * size), st.floats(0.0, height * size)
+    names = st.text(max_size=6)
+    provenances = st.builds(Provenance, names, _integers, _integers, _tables())
+    failures = st.builds(
+        FailureRecord, names, names, _integers, names, names, _tables(), _tables(), _tables()
+    )
+    return World(
+        np.array(cells).reshape(height, width),
+        draw(st.builds(Pose, across, up, _finite)),
+        draw(st.builds(Target, across, up, _lengths)),
+        cell_size=size,
+        robot_radius=draw(_lengths),
+        robot_speed=draw(_lengths | st.just(2.0)),
+        timeline=draw(_timelines(width, height)),
+        certificate=draw(st.none() | _witnesses() | _cuts()),
+        provenance=draw(st.none() | provenances),
+        failure=draw(st.none() | failures),
+    )
+
+
+@st.composite
+def damaged_files(draw):
+    """The bytes of a good file after up to three cuts, swaps, doublings or foreign bytes."""
+    data = dumps(draw(worlds_with_everything()))
+    for _ in range(draw(st.integers(1, 3))):
+        separator = draw(st.sampled_from([b"\n", b" ", b""]))
+        parts = data.split(separator) if separator else [data[k : k + 1] for k in range(len(data))]
+        at = draw(st.integers(0, max(0, len(parts) - 1)))
+        other = parts[draw(st.integers(0, max(0, len(parts) - 1)))] if parts else b""
+        new = draw(st.sampled_from([[], [other], [other, other], [b"%"], [b"\n"], [b"S"], [b"="]]))
+        new = new if draw(st.booleans()) else [draw(st.binary(max_size=3) | st.just(b"[[{"))]
+        parts[at : at + draw(st.integers(0, 2))] = new
+        data = separator.join(parts)
+    return data

@@ -1,0 +1,428 @@
+"""The .grid file: what is written is read back, whatever it is; canonical bytes; files on disk."""
+
+import gzip
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.helpers.grid_strategies import damaged_files, values, worlds_with_everything
+from worldgen.errors import FormatError, InvalidWorld, OutputError
+from worldgen.grid_file import disk, dumps, loads, read_world, world_digest, write_world
+from worldgen.grid_file.schema import EXPANSION_FLOOR, MAX_HEADER_BYTES
+from worldgen.rows import flip_rows
+from worldgen.timeline import CellState, Event, Timeline
+from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
+
+GOLDEN = Path(__file__).parent / "golden" / "everything.grid"
+GOLDEN_DIGEST = "813168cca219dc68508b2d4f33a1dfd2bfb3910617507bf8a8ed6923a908efa3"
+
+
+def everything():
+    walls = np.ones((5, 7), bool)
+    walls[1:4, 1:6] = False
+    walls[2, 2:5] = walls[1, 4] = True
+    return World(
+        walls,
+        Pose(0.75, 0.75, -1.5708),
+        Target(2.75, 1.75, 0.25),
+        cell_size=0.5,
+        robot_radius=0.2,
+        robot_speed=1.5,
+        timeline=Timeline.of(
+            [
+                Event(4.5, 3, 1, CellState.SOLID),
+                Event(2.0, 3, 3, CellState.BURNING),
+                (4.5, 3, 3, CellState.FREE),
+            ]
+        ),
+        certificate=Witness([0.0, 1.0, 5.0, 8.0], [0.75, 0.75, 0.75, 2.75], [0.75, 1.75, 1.75, 1.75], 0.25),
+        provenance=Provenance(
+            "fire",
+            1,
+            2**64 - 1,
+            {"width": 7, "over": "maze", "spread": 0.25, "odd key": [True, -3, 1e-07, {}]},
+        ),
+        failure=FailureRecord(
+            "turn-right",
+            "swept",
+            7,
+            "loop",
+            "0123456789abcdef",
+            {"steps": 20000},
+            {"entry": 212},
+            {"note": 'a "b"\n\\'},
+        ),
+    )
+
+
+def small(**changes):
+    return replace(World(np.zeros((2, 3), bool), Pose(0.05, 0.05), Target(0.25, 0.15, 0.05)), **changes)
+
+
+def complaint(data):
+    with pytest.raises(FormatError) as caught:
+        loads(data)
+    return caught.value
+
+
+def world_or_complaint(data):
+    try:
+        loads(data)
+    except FormatError as error:
+        assert error.line is not None and 1 <= error.line <= data.count(b"\n") + 1
+        assert "\n" not in str(error) and len(str(error)) < 400
+        return error
+    return None
+
+
+@given(worlds_with_everything())
+def test_reading_what_was_written_gives_an_equal_world(world):
+    assert loads(dumps(world)) == world
+
+
+@given(worlds_with_everything())
+def test_writing_what_was_read_gives_the_same_bytes(world):
+    assert dumps(loads(dumps(world))) == dumps(world)
+
+
+@given(values())
+def test_values_keep_their_types(value):
+    world = small(provenance=Provenance("maze", 1, 2, {"v": value}))
+    back = loads(dumps(world)).provenance.params["v"]
+    assert json.dumps(back, sort_keys=True) == json.dumps(_no_minus_zero(value), sort_keys=True)
+
+
+def _no_minus_zero(value):
+    if isinstance(value, dict):
+        return {key: _no_minus_zero(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_no_minus_zero(item) for item in value]
+    return value + 0.0 if isinstance(value, float) else value
+
+
+@settings(max_examples=300)
+@given(st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
+def test_any_bytes_give_a_world_or_a_complaint_with_a_line(data):
+    assert world_or_complaint(data) is not None  # the magic is too much for chance
+
+
+_PIECES = [
+    "cell_size = 0.1",
+    "robot_radius = 0.07",
+    "start = [0.1, 0.1, 0]",
+    "target = [0.1, 0.1, 1]",
+    "[provenance]",
+    "[certificate]",
+    'kind = "cut"',
+    "clearance = 1",
+    "[failure]",
+    "seed = 1",
+    "params = { a = [",
+    "%cells",
+    "...",
+    "S.G",
+    "%timeline",
+    "0 1 0 solid",
+    "%witness",
+    "0 0.1 0.1",
+    "%cut",
+    "-1 0",
+    "%end",
+    "",
+    '"""',
+    "é",
+    "\x00",
+]
+
+
+@settings(max_examples=300)
+@given(st.lists(st.sampled_from(_PIECES) | st.text(max_size=6), max_size=14))
+def test_any_text_behind_the_magic_gives_a_world_or_a_complaint_with_a_line(pieces):
+    world_or_complaint("\n".join(["%worldgen-grid 1", *pieces, ""]).encode())
+
+
+@settings(max_examples=400)
+@given(damaged_files())
+def test_a_damaged_file_gives_a_world_or_a_complaint_with_a_line(data):
+    world_or_complaint(data)
+
+
+def test_a_file_cut_off_anywhere_is_refused():
+    data = dumps(everything())
+    assert all(world_or_complaint(data[:end]) is not None for end in range(len(data)))
+
+
+def test_the_golden_world_is_written_as_ever():
+    assert dumps(everything()) == GOLDEN.read_bytes()
+
+
+def test_the_golden_world_is_read_as_ever():
+    assert read_world(GOLDEN) == everything()
+
+
+def test_the_golden_world_has_its_digest():
+    assert world_digest(everything()) == GOLDEN_DIGEST
+
+
+def test_the_digest_knows_neither_provenance_nor_failure():
+    assert world_digest(replace(everything(), provenance=None, failure=None)) == GOLDEN_DIGEST
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"robot_speed": 1.25},
+        {"robot_radius": 0.1},
+        {"certificate": None},
+        {"start": Pose(0.75, 0.75)},
+        {"timeline": Timeline()},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_the_digest_knows_everything_else(change):
+    assert world_digest(replace(everything(), **change)) != GOLDEN_DIGEST
+
+
+def test_one_cell_changes_the_digest():
+    walls = everything().walls.copy()
+    walls[0, 0] = False
+    assert world_digest(replace(everything(), walls=walls)) != GOLDEN_DIGEST
+
+
+def test_the_top_row_is_written_first():
+    world = small(walls=[[True, False, False], [False, False, False]])
+    assert b"%cells\n...\n#..\n%end\n" in dumps(world)
+
+
+@given(worlds_with_everything())
+def test_flipping_rows_twice_changes_nothing(world):
+    assert np.array_equal(flip_rows(flip_rows(world.walls)), world.walls)
+
+
+def test_the_usual_speed_is_not_written():
+    assert b"robot_speed" not in dumps(small(robot_speed=2.0))
+
+
+def test_minus_zero_is_written_as_zero():
+    world = small(start=Pose(-0.0, 0.05, -0.0), certificate=Witness([-0.0], [-0.0], [-0.0], -0.0))
+    assert b"-0" not in dumps(world)
+
+
+def test_minus_zero_is_read_as_zero():
+    data = dumps(small()).replace(b"start = [0.05, 0.05, 0.0]", b"start = [-0.0, 0.05, -0.0]")
+    assert repr(loads(data).start) == "Pose(x=0.0, y=0.05, heading=0.0)"
+
+
+@pytest.mark.parametrize("cell_size", [0.1, 0.05, 0.3, 1.0])
+def test_marks_stand_for_cell_centres(cell_size):
+    text = f"%worldgen-grid 1\ncell_size = {cell_size}\nrobot_radius = 0.01\n%cells\n..G\nS..\n%end\n"
+    world = loads(text.encode())
+    assert world.start == Pose(float(f"{cell_size * 0.5:.12g}"), float(f"{cell_size * 0.5:.12g}"), 0.0)
+    centre = [float(f"{cell_size * k:.12g}") for k in (2.5, 1.5, 0.5)]
+    assert world.target == Target(*centre)
+
+
+def test_marked_cells_are_free_and_never_written():
+    world = loads(b"%worldgen-grid 1\ncell_size = 1\nrobot_radius = 0.1\n%cells\nS#G\n%end\n")
+    assert world.walls.tolist() == [[False, True, False]]
+    assert b"%cells\n.#.\n%end\n" in dumps(world)
+
+
+def test_the_smallest_cells_have_targets():
+    world = loads(b"%worldgen-grid 1\ncell_size = 5e-324\nrobot_radius = 1e-300\n%cells\nSG\n%end\n")
+    assert world.target.radius > 0.0
+
+
+def test_an_empty_certificate_is_kept():
+    world = small(certificate=Cut(np.zeros((0, 2)), 0.1))
+    assert dumps(world).endswith(b"%cut\n%end\n")
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (float("nan"), r"params\.v is nan: a \.grid file holds finite numbers only"),
+        ([1, float("inf")], r"params\.v is inf"),
+        ((1, 2), r"params\.v is a tuple: .* convert it"),
+        (None, r"params\.v is a NoneType"),
+        (np.int64(3), r"params\.v is a int64"),
+        ({3: 4}, r"params\.v has the key 3: keys are text"),
+        (1 << 1024, r"params\.v: an integer has more than 1024 bits"),
+        ("\ud800", r"params\.v: the text has a lone surrogate at 0"),
+        ({"\ud800": 1}, r"params\.v: the text has a lone surrogate"),
+        ("x" * MAX_HEADER_BYTES, r"provenance and failure take \d+ bytes"),
+    ],
+    ids=["nan", "inf", "tuple", "none", "numpy", "key", "integer", "surrogate", "surrogate-key", "long"],
+)
+def test_what_the_format_cannot_hold_is_refused(value, message):
+    with pytest.raises(InvalidWorld, match=message):
+        dumps(small(provenance=Provenance("maze", 1, 2, {"v": value})))
+
+
+def nested(levels):
+    value = 1
+    for _ in range(levels):
+        value = [value]
+    return small(provenance=Provenance("maze", 1, 2, {"v": value}))
+
+
+def test_values_nest_up_to_the_limit():
+    assert loads(dumps(nested(31))) == nested(31)
+
+
+@pytest.mark.parametrize("levels", [32, 5000])
+def test_values_nested_deeper_are_refused(levels):
+    with pytest.raises(InvalidWorld, match="nested deeper than 32 levels"):
+        dumps(nested(levels))
+
+
+def test_a_witness_with_nan_is_refused():
+    with pytest.raises(InvalidWorld, match="witness has a number that is not finite"):
+        dumps(small(certificate=Witness([0.0], [np.nan], [0.0], 0.1)))
+
+
+def test_an_integer_at_the_limit_survives():
+    world = small(provenance=Provenance("maze", 1, 2**1024 - 1, {}))
+    assert loads(dumps(world)) == world
+
+
+def test_reading_imports_no_heavy_library():
+    code = (
+        "import sys; from worldgen.grid_file import read_world; read_world(sys.argv[1]);"
+        "print(*{'numba', 'scipy', 'shapely', 'PIL', 'click'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code, GOLDEN], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""
+
+
+@pytest.mark.parametrize("name", ["w.grid", "w.grid.gz", "w.GZ"])
+def test_a_world_survives_the_disk(tmp_path, name):
+    write_world(everything(), tmp_path / name)
+    assert read_world(tmp_path / name) == everything()
+
+
+def test_compressed_files_hold_the_canonical_text_without_name_or_time(tmp_path):
+    write_world(everything(), tmp_path / "w.grid.gz")
+    packed = (tmp_path / "w.grid.gz").read_bytes()
+    assert packed[:8] == b"\x1f\x8b\x08\0\0\0\0\0"
+    assert gzip.decompress(packed) == dumps(everything())
+
+
+def test_a_file_that_is_there_stays_without_force(tmp_path):
+    path = tmp_path / "w.grid"
+    write_world(small(), path)
+    with pytest.raises(OutputError, match="is there already; give --force"):
+        write_world(everything(), path)
+    assert read_world(path) == small()
+
+
+def test_force_overwrites(tmp_path):
+    write_world(small(), tmp_path / "w.grid")
+    write_world(everything(), tmp_path / "w.grid", force=True)
+    assert read_world(tmp_path / "w.grid") == everything()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("", "is a folder"),
+        ("no/w.grid", "does not exist; make it first"),
+        ("a\0b", "cannot be written"),
+        ("n" * 300, "cannot be written"),
+    ],
+    ids=["folder", "no-folder", "nul", "long-name"],
+)
+def test_an_impossible_place_is_a_sentence(tmp_path, name, message):
+    with pytest.raises(OutputError, match=message):
+        write_world(small(), tmp_path / name)
+
+
+def test_a_full_disk_is_a_sentence():
+    if not Path("/dev/full").exists():
+        pytest.skip("this system has no /dev/full")
+    with pytest.raises(OutputError, match="cannot be written: No space left"):
+        write_world(small(), "/dev/full", force=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("", "this is a folder"),
+        ("no.grid", "there is no such file"),
+        ("a\0b", "cannot be read"),
+        ("n" * 300, "cannot be read"),
+    ],
+    ids=["folder", "missing", "nul", "long-name"],
+)
+def test_a_file_that_cannot_be_read_is_a_sentence(tmp_path, name, message):
+    with pytest.raises(FormatError, match=message):
+        read_world(tmp_path / name)
+
+
+def test_a_device_without_end_is_refused(monkeypatch):
+    monkeypatch.setattr(disk, "MAX_FILE_BYTES", 1 << 22)
+    with pytest.raises(FormatError, match="longer than 4194304 bytes"):
+        read_world("/dev/zero")
+
+
+def test_complaints_name_file_and_line(tmp_path):
+    (tmp_path / "w.grid").write_bytes(dumps(small()).replace(b"...", b"..x", 1))
+    with pytest.raises(FormatError, match=r"w\.grid:7: 'x' at column 3 is no cell"):
+        read_world(tmp_path / "w.grid")
+
+
+def packed_golden():
+    return gzip.compress(GOLDEN.read_bytes(), mtime=0)
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (packed_golden()[:-9], "ends too early"),
+        (packed_golden()[:40], "ends too early"),
+        (packed_golden()[:-6] + b"xxxxxx", "no sound gzip data: CRC check failed"),
+        (packed_golden()[:20] + b"\xff" * 20 + packed_golden()[40:], "no sound gzip data"),
+        (packed_golden() + b"more", "no sound gzip data: Not a gzipped file"),
+        (GOLDEN.read_bytes(), "no sound gzip data: Not a gzipped file"),
+        (b"", "the file is empty"),
+    ],
+    ids=["no-trailer", "cut", "crc", "broken", "trailing", "plain", "empty"],
+)
+def test_unsound_gzip_is_a_sentence(tmp_path, data, message):
+    (tmp_path / "w.grid.gz").write_bytes(data)
+    with pytest.raises(FormatError, match=message):
+        read_world(tmp_path / "w.grid.gz")
+
+
+def test_a_gzip_bomb_is_stopped(tmp_path):
+    bomb = gzip.compress(b"." * (EXPANSION_FLOOR + 1), 9)
+    (tmp_path / "w.grid.gz").write_bytes(bomb)
+    with pytest.raises(FormatError, match=f"expand to more than the limit of {EXPANSION_FLOOR}"):
+        read_world(tmp_path / "w.grid.gz")
+
+
+def test_what_reading_would_refuse_as_a_bomb_is_not_written(tmp_path, monkeypatch):
+    monkeypatch.setattr(disk, "EXPANSION_FLOOR", 1000)
+    monkeypatch.setattr(disk, "EXPANSION_RATIO", 10)
+    with pytest.raises(OutputError, match=r"write it without \.gz"):
+        write_world(small(walls=np.zeros((200, 200), bool)), tmp_path / "w.grid.gz")
+
+
+def test_a_world_of_2000_cells_a_side_survives():
+    walls = np.arange(4_000_000).reshape(2000, 2000) % 7 == 0
+    assert np.array_equal(loads(dumps(small(walls=walls))).walls, walls)
+
+
+def test_many_events_and_points_survive_in_pieces():
+    count = 120_000  # 2.5 MB of lines, more than one piece
+    times = np.arange(count) / 7
+    line = Timeline(times, np.arange(count) % 3, np.arange(count) % 2, np.arange(count) % 3)
+    world = small(timeline=line, certificate=Witness(times, times, -times, 0.1))
+    assert loads(dumps(world)) == world
