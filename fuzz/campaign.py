@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import time
 from collections import Counter
@@ -9,6 +10,7 @@ from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass, field
 from multiprocessing import get_context
+from typing import Any
 
 from fuzz.shrink import shrink
 from fuzz.unit import CampaignConfig, UnitResult, run_unit
@@ -75,7 +77,12 @@ class Campaign:
     """
 
     def __init__(
-        self, config: CampaignConfig, *, units: int | None = None, seconds: float | None = None, workers: int = 1
+        self,
+        config: CampaignConfig,
+        *,
+        units: int | None = None,
+        seconds: float | None = None,
+        workers: int = 1,
     ) -> None:
         self.config, self.units, self.seconds, self.workers = config, units, seconds, workers
         self.state = CampaignState()
@@ -128,7 +135,8 @@ class Campaign:
                 submitted += 1
             if not units and not shrinks:
                 return
-            wait([*units.values(), *shrinks], return_when=FIRST_COMPLETED)
+            under_way: list[Future[Any]] = [*units.values(), *shrinks]
+            wait(under_way, return_when=FIRST_COMPLETED)
             while merged in units and units[merged].done():
                 for kind, failure in self._merge(merged, units.pop(merged).result()):
                     shrinks[pool.submit(shrunk_or_same, failure)] = (kind, failure)
@@ -180,8 +188,6 @@ def _worker_start() -> None:
 
 
 def _stop(process_id: int) -> None:
-    import os
-
     try:
         os.kill(process_id, signal.SIGTERM)
     except OSError:

@@ -14,7 +14,16 @@ from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.reach import REACHABLE, check_certificate, decide
 from worldgen.world import FailureRecord, Value, Witness, World
 
-__all__ = ["Replay", "Scenario", "certified", "failure_of", "judge", "replay", "scenario_of", "seeds_that_fail"]
+__all__ = [
+    "Replay",
+    "Scenario",
+    "certified",
+    "failure_of",
+    "judge",
+    "replay",
+    "scenario_of",
+    "seeds_that_fail",
+]
 
 
 @dataclass(frozen=True)
@@ -36,7 +45,10 @@ class Scenario:
     def options(self, world: World) -> RunOptions:
         """Options with the budget that the world's witness gives."""
         return RunOptions(
-            motion=self.motion, steps=step_budget(world, self.time_step), time_step=self.time_step, seed=self.seed
+            motion=self.motion,
+            steps=step_budget(world, self.time_step),
+            time_step=self.time_step,
+            seed=self.seed,
         )
 
 

@@ -98,5 +98,3 @@ def poses_on(world: World) -> st.SearchStrategy[World]:
 
 def _centre(index: int, cell_size: float) -> float:
     return lattice_to_metres(1024 * int(index) + 512, cell_size)
-
-

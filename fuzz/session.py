@@ -61,7 +61,6 @@ def configure(
 
 def _try_out(controller: str, motion: str, time_step: float) -> None:
     """One short run in an empty arena, so that a name or a compile error shows at once."""
-
     arena = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0.6, 0.05))
     options = RunOptions(motion=motion, steps=2, time_step=time_step)
     prepare(arena, CONTROLLERS.get(controller), options).run(2, find_loop=False, record=False)

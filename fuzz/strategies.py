@@ -7,6 +7,7 @@ They draw structure, never raw cells: a family's parameters and seed, or the byt
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from hypothesis import reject
@@ -30,8 +31,6 @@ def layouts() -> st.SearchStrategy[bytes]:
 @st.composite
 def feature_worlds(draw: st.DrawFn, *, robot_radius: float = 0.07) -> World:
     """Arenas with a few walls, cups, corners, gates, diagonals and combs; reachable, with witness."""
-    from dataclasses import replace
-
     world = decode_world(draw(layouts()), robot_radius=robot_radius)
     decision = decide(world)
     if decision.result != REACHABLE:
@@ -40,7 +39,7 @@ def feature_worlds(draw: st.DrawFn, *, robot_radius: float = 0.07) -> World:
 
 
 @st.composite
-def family_worlds(draw: st.DrawFn, family: str, **fixed: Value) -> World:
+def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
     """Worlds of one family over its shapes and sizes; parameters given by name stay fixed.
 
     Raises:

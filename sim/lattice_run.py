@@ -6,10 +6,11 @@ import functools
 import math
 from typing import Any
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController, Controller, compiled_act
+from sim.controllers.base import CompiledController, Controller, compiled_act, numba_config
 from sim.kernels import layout
 from sim.kernels.geometry import chessboard_clearance, pose_is_clear
 from sim.kernels.lattice_episode import Arena, lattice_episode
@@ -20,6 +21,7 @@ from sim.python_loop import PythonLoop
 from sim.run_options import RunOptions
 from sim.trace import Trace
 from worldgen.errors import InvalidWorld
+from worldgen.jit import kernel
 from worldgen.lattice import (
     TURN,
     UNIT,
@@ -57,17 +59,15 @@ def _headings() -> Ints:
 @functools.cache
 def _episode_kernel() -> Any:
     """The episode kernel, typed for any compiled controller, so that it compiles once for all of them."""
-    from numba import config, float64, int32, int64, types, uint8, void
-
-    from worldgen.jit import kernel
-
     python = getattr(lattice_episode, "py_func", lattice_episode)
-    if config.DISABLE_JIT:
+    if numba_config.DISABLE_JIT:
         return python
-    ints, floats = int64[::1], float64[::1]
-    arena = types.NamedTuple((uint8[:, ::1], int32[:, ::1], int64[:, ::1], ints, uint8[:, ::1]), Arena)
-    act = types.FunctionType(void(floats, floats, floats))
-    return kernel(python, signature=void(arena, ints, floats, act, floats, ints, floats, int64[:, ::1]))
+    types: Any = numba.types
+    ints, floats, bytes_2d = numba.int64[::1], numba.float64[::1], numba.uint8[:, ::1]
+    rows = numba.int64[:, ::1]
+    arena = types.NamedTuple((bytes_2d, numba.int32[:, ::1], rows, ints, bytes_2d), Arena)
+    act = types.FunctionType(numba.void(floats, floats, floats))
+    return kernel(python, signature=numba.void(arena, ints, floats, act, floats, ints, floats, rows))
 
 
 class LatticeRun:

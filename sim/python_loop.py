@@ -101,7 +101,11 @@ class PythonLoop:
 
     def _obey(self, command: Command, state: Ints) -> None:
         try:
-            self._command[:] = (float(command.speed), float(command.turn_rate), float(bool(command.used_random)))
+            self._command[:] = (
+                float(command.speed),
+                float(command.turn_rate),
+                float(bool(command.used_random)),
+            )
         except (TypeError, ValueError):
             self.counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
             return

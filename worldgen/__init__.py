@@ -30,7 +30,14 @@ if TYPE_CHECKING:
     from worldgen.world import Cut, FailureRecord, Pose, Provenance, Target, Witness, World
 
 _HOME = {
-    "errors": ("FormatError", "GenerationFailed", "InvalidParameter", "InvalidWorld", "OutputError", "WorldgenError"),
+    "errors": (
+        "FormatError",
+        "GenerationFailed",
+        "InvalidParameter",
+        "InvalidWorld",
+        "OutputError",
+        "WorldgenError",
+    ),
     "generation": ("generate",),
     "grid_file": ("read_world", "world_digest", "write_world"),
     "reach": ("check_certificate", "decide"),

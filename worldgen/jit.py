@@ -51,8 +51,10 @@ def kernel(function: F, *, signature: Any = None) -> F:
         function: What to compile.
         signature: A numba signature to compile for at once; without one, types come with the first call.
     """
-    from numba import config, njit
+    import numba
 
+    config: Any = numba.config
+    njit = numba.njit
     before = config.CACHE_DIR
     config.CACHE_DIR = _cache_folder(Path(function.__code__.co_filename).parent)
     try:

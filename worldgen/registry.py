@@ -82,7 +82,7 @@ class Registry(Generic[T]):
         place, _, attribute = name.rpartition(":")
         try:
             module = _load_file(Path(place)) if place.endswith(".py") else importlib.import_module(place)
-        except Exception as error:  # noqa: BLE001 - the user's own module may raise anything
+        except Exception as error:
             raise InvalidParameter(
                 f"{self.noun} {name!r}: loading {place} failed: {type(error).__name__}: {error}"
             ) from error

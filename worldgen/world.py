@@ -97,7 +97,9 @@ class FailureRecord:
     details: Mapping[str, Value] = field(default_factory=dict)
 
 
-def _frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike, what: str, shape: tuple[int | None, ...]) -> npt.NDArray[np.generic]:
+def _frozen_array(
+    values: npt.ArrayLike, dtype: npt.DTypeLike, what: str, shape: tuple[int | None, ...]
+) -> npt.NDArray[np.generic]:
     array = np.array(values, dtype=dtype)
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
         raise InvalidWorld(f"{what}: shape {array.shape} does not fit {shape}")
@@ -124,7 +126,11 @@ class Witness:
     def __post_init__(self) -> None:
         object.__setattr__(self, "times", _frozen_array(self.times, np.float64, "witness times", (None,)))
         for name in ("x", "y"):
-            object.__setattr__(self, name, _frozen_array(getattr(self, name), np.float64, f"witness {name}", (len(self.times),)))
+            object.__setattr__(
+                self,
+                name,
+                _frozen_array(getattr(self, name), np.float64, f"witness {name}", (len(self.times),)),
+            )
 
     @property
     def length(self) -> float:
@@ -217,7 +223,10 @@ class World:
             self._check_inside(name, point.x, point.y)
         line = self.timeline
         if len(line) and not (
-            (line.ix >= 0).all() and (line.iy >= 0).all() and (line.ix < self.width).all() and (line.iy < self.height).all()
+            (line.ix >= 0).all()
+            and (line.iy >= 0).all()
+            and (line.ix < self.width).all()
+            and (line.iy < self.height).all()
         ):
             raise InvalidWorld(f"timeline: every cell must lie in the grid of {self.width} x {self.height} cells")
 

@@ -36,12 +36,16 @@ def demo(out: Path, controller: str, motion: str, force: bool) -> None:
     failures = out / "failures"
     _say(f"worldgen fuzz --controller {controller} --motion {motion} --budget {_SECONDS:g}s --seed 1 --out {failures}")
     config = configure(
-        controller=controller, motion=motion, families=(), fixed_map=None, time_step=None, examples=200, seed=1
+        controller=controller,
+        motion=motion,
+        families=(),
+        fixed_map=None,
+        time_step=None,
+        examples=200,
+        seed=1,
     )
     workers = os.cpu_count() or 1
-    session = CampaignSession(
-        config, failures, units=None, seconds=_SECONDS, workers=workers, force=True, quiet=False
-    )
+    session = CampaignSession(config, failures, units=None, seconds=_SECONDS, workers=workers, force=True, quiet=False)
     code = session.run()
     if code not in (0, 1):
         raise SystemExit(code)

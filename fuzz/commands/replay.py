@@ -31,7 +31,10 @@ def replay(paths: tuple[Path, ...], controller: str | None, with_picture: bool, 
         outcome = replay_failure(world, controller)
         results.append({"file": str(path), "verdict": outcome.verdict, "confirmed": outcome.confirmed})
         if not as_json:
-            click.echo(f"{path}: {outcome.verdict} " + ("confirmed" if outcome.confirmed else f"NOT confirmed: {outcome.reason}"))
+            click.echo(
+                f"{path}: {outcome.verdict} "
+                + ("confirmed" if outcome.confirmed else f"NOT confirmed: {outcome.reason}")
+            )
             if with_picture and outcome.confirmed:
                 click.echo(describe(world, path))
     confirmed = sum(bool(result["confirmed"]) for result in results)

@@ -29,4 +29,3 @@ def object_to_reached(world: World, trace: Trace, evidence: Mapping[str, Value],
     last = step_path(trace, trace.steps)
     gap = float(last.distance(shapely.Point(world.target.x, world.target.y))) - world.target.radius
     return "" if gap <= side / 1024 else f"the last step stays {gap:g} m away from the target"
-

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import exact
@@ -41,7 +42,9 @@ def drop_rows(world: World, first: int, count: int) -> World | None:
     line = world.timeline
     keep = (line.iy < first) | (line.iy >= top)
     rows = np.where(line.iy >= top, line.iy - count, line.iy)
-    return _rebuilt(world, walls, start, target, Timeline(line.times[keep], line.ix[keep], rows[keep], line.states[keep]))
+    return _rebuilt(
+        world, walls, start, target, Timeline(line.times[keep], line.ix[keep], rows[keep], line.states[keep])
+    )
 
 
 def drop_columns(world: World, first: int, count: int) -> World | None:
@@ -82,7 +85,9 @@ def _moved(world: World, metres: float, edge: int, count: int) -> float:
     return float(exact(metres) - count * side) if exact(metres) >= edge * side else metres
 
 
-def _rebuilt(world: World, walls: np.ndarray, start: Pose, target: Target, timeline: Timeline) -> World | None:  # type: ignore[type-arg]
+def _rebuilt(
+    world: World, walls: npt.NDArray[np.bool_], start: Pose, target: Target, timeline: Timeline
+) -> World | None:
     try:
         return replace(world, walls=walls, start=start, target=target, timeline=timeline)
     except InvalidWorld:  # the point fell off the grid

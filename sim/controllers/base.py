@@ -8,8 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
+import numba
 import numpy as np
 import numpy.typing as npt
+from numba.core.errors import NumbaError, NumbaWarning
 
 from sim.kernels import layout
 from worldgen.errors import InvalidParameter
@@ -29,6 +31,8 @@ __all__ = [
 
 Act: TypeAlias = Callable[[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]], None]
 Memory: TypeAlias = tuple[float, ...]
+
+numba_config: Any = numba.config
 
 
 class Observation(NamedTuple):
@@ -133,17 +137,13 @@ def compiled_act(act: Act) -> Any:
     Raises:
         InvalidParameter: If numba cannot compile it.
     """
-    from numba import config, njit, void
-    from numba.core.errors import NumbaError, NumbaWarning
-    from numba.types import float64
-
-    if config.DISABLE_JIT:
+    if numba_config.DISABLE_JIT:
         return act
-    array = float64[::1]
+    array = numba.float64[::1]
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaWarning)  # the error, if any, says it better
-            return njit(void(array, array, array), nogil=True)(getattr(act, "py_func", act))
+            return numba.njit(numba.void(array, array, array), nogil=True)(getattr(act, "py_func", act))
     except NumbaError as error:
         name = getattr(act, "__name__", repr(act))
         first = str(error).strip().splitlines()

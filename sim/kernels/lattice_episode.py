@@ -91,15 +91,24 @@ def apply_events(arena: Arena, settings: Ints, step: int, first: int, state: Int
 
 @kernel
 def _judge_segment(
-    arena: Arena, settings: Ints, scales: Floats, step: int, ends: tuple[int, int, int, int], counts: Ints, sums: Floats
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    step: int,
+    ends: tuple[int, int, int, int],
+    counts: Ints,
+    sums: Floats,
 ) -> None:
     """Notes walls that a segment of an unsafe motion model cuts: deepest cut, first overlap, first tunnel."""
     px, py, qx, qy = ends
     reach = settings[layout.SET_REACH]
     radius = math.sqrt(float(settings[layout.SET_CLEAR_SQ]))
-    for iy in range(max((min(py, qy) - reach) // UNIT, -1), min((max(py, qy) + reach) // UNIT, arena.cells.shape[0]) + 1):
+    for iy in range(
+        max((min(py, qy) - reach) // UNIT, -1), min((max(py, qy) + reach) // UNIT, arena.cells.shape[0]) + 1
+    ):
         for ix in range(
-            max((min(px, qx) - reach) // UNIT, -1), min((max(px, qx) + reach) // UNIT, arena.cells.shape[1]) + 1
+            max((min(px, qx) - reach) // UNIT, -1),
+            min((max(px, qx) + reach) // UNIT, arena.cells.shape[1]) + 1,
         ):
             inside = 0 <= ix < arena.cells.shape[1] and 0 <= iy < arena.cells.shape[0]
             if inside and arena.cells[iy, ix] != SOLID:
@@ -116,7 +125,15 @@ def _judge_segment(
 
 @kernel
 def _judge_path(
-    arena: Arena, settings: Ints, scales: Floats, step: int, state: Ints, chain: Ints, points: int, counts: Ints, sums: Floats
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    step: int,
+    state: Ints,
+    chain: Ints,
+    points: int,
+    counts: Ints,
+    sums: Floats,
 ) -> None:
     """What the path of one step meant: fire, walls, target, length."""
     clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
@@ -135,7 +152,11 @@ def _judge_path(
         if not swept and segment_first_not_clear(arena.cells, SOLID, clear_sq, reach, ends)[0]:
             _judge_segment(arena, settings, scales, step, ends, counts, sums)
         if counts[layout.OUT_ENDING] == layout.LIMIT:
-            tx, ty, within = settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y], settings[layout.SET_TARGET_SQ]
+            tx, ty, within = (
+                settings[layout.SET_TARGET_X],
+                settings[layout.SET_TARGET_Y],
+                settings[layout.SET_TARGET_SQ],
+            )
             from_x, from_y = (x, y) if swept else (qx, qy)
             if segment_point_within(from_x, from_y, qx, qy, tx, ty, within):
                 counts[layout.OUT_ENDING] = layout.REACHED
@@ -146,7 +167,14 @@ def _judge_path(
 
 @kernel
 def advance(
-    arena: Arena, settings: Ints, scales: Floats, step: int, state: Ints, chain: Ints, counts: Ints, sums: Floats
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    step: int,
+    state: Ints,
+    chain: Ints,
+    counts: Ints,
+    sums: Floats,
 ) -> tuple[int, float, float]:
     """Moves the robot by its commanded drive and judges the path.
 
@@ -212,7 +240,14 @@ def _write_row(state: Ints, chain: Ints, points: int, bumped: bool, row: Ints) -
 
 @kernel
 def lattice_episode(
-    arena: Arena, settings: Ints, scales: Floats, act: Any, memory: Floats, counts: Ints, sums: Floats, trace: Ints
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    act: Any,
+    memory: Floats,
+    counts: Ints,
+    sums: Floats,
+    trace: Ints,
 ) -> None:
     """Runs one episode.
 

@@ -58,8 +58,13 @@ def first_contact(
     """
     best, normal_x, normal_y = 2.0, 0.0, 0.0
     fx, fy = float(dx), float(dy)
-    for iy in range(max((min(y, y + dy) - reach) // UNIT, -1), min((max(y, y + dy) + reach) // UNIT, cells.shape[0]) + 1):
-        for ix in range(max((min(x, x + dx) - reach) // UNIT, -1), min((max(x, x + dx) + reach) // UNIT, cells.shape[1]) + 1):
+    for iy in range(
+        max((min(y, y + dy) - reach) // UNIT, -1), min((max(y, y + dy) + reach) // UNIT, cells.shape[0]) + 1
+    ):
+        for ix in range(
+            max((min(x, x + dx) - reach) // UNIT, -1),
+            min((max(x, x + dx) + reach) // UNIT, cells.shape[1]) + 1,
+        ):
             if cell_state(cells, ix, iy) != SOLID:
                 continue
             left, low = float(ix * UNIT - x), float(iy * UNIT - y)

@@ -13,7 +13,15 @@ from sim.kernels.fdlibm import atan
 from sim.kernels.geometry import cell_state
 from sim.kernels.layout import FREE, TURN, UNIT
 
-__all__ = ["displacement", "heading_of", "heading_table", "random_draw", "sense", "signal_heading", "turn_towards"]
+__all__ = [
+    "displacement",
+    "heading_of",
+    "heading_table",
+    "random_draw",
+    "sense",
+    "signal_heading",
+    "turn_towards",
+]
 
 Cells = npt.NDArray[np.uint8]
 

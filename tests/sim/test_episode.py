@@ -9,7 +9,6 @@ import pytest
 from sim import Command, CompiledController, RunOptions, simulate
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World
 
-
 TURN_RATE = 512 / 65536 * 2 * math.pi / 0.015  # rad/s: 512 heading units a step, 128 steps a turn
 
 

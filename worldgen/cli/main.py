@@ -14,8 +14,11 @@ from worldgen.errors import WorldgenError
 
 __all__ = ["cli", "main"]
 
-EPILOG = "Every command has --help. Exit codes: 0 fine, 1 a failure was found, 2 bad input, 3 our fault, 130 interrupted."
-SECTIONS = ("generate", "look and check", "simulate", "fuzz")
+EPILOG = (
+    "\b\n  worldgen maze --size 60 --out w.grid\n  worldgen run w.grid --controller turn-right --trail run.png\n"
+    "  worldgen fuzz --controller turn-right --budget 30s --out failures/\n  worldgen replay failures/\n\n"
+    "Every command has --help. Exit codes: 0 fine, 1 a failure was found, 2 bad input, 3 our fault, 130 interrupted."
+)
 
 
 class LazyGroup(click.Group):
@@ -32,7 +35,7 @@ class LazyGroup(click.Group):
         """Imports the one command that is asked for."""
         point = self._points("worldgen.commands").get(cmd_name)
         if point is not None:
-            command = point.load()
+            command: object = point.load()
             if not isinstance(command, click.Command):
                 raise click.ClickException(f"command {cmd_name!r} ({point.value}) is no click command")
             return command
@@ -80,14 +83,7 @@ _SUMMARY = {
 @click.group(cls=LazyGroup, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(version("worldgen"), prog_name="worldgen")
 def cli() -> None:
-    """Make worlds for mobile robots, run controllers in them, and find the worlds where they fail.
-
-    \b
-      worldgen maze --size 60 --out w.grid
-      worldgen run w.grid --controller turn-right --trail run.png
-      worldgen fuzz --controller turn-right --budget 30s --out failures/
-      worldgen replay failures/
-    """
+    """Make worlds for mobile robots, run controllers in them, and find the worlds where they fail."""
 
 
 def main() -> NoReturn:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
@@ -18,7 +19,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 force_option: Callable[[F], F] = click.option("--force", is_flag=True, help="Overwrite what is there.")
 json_option: Callable[[F], F] = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 seed_option: Callable[[F], F] = click.option(
-    "--seed", type=click.IntRange(0, 2**64 - 1), help="Seed of all chance, 64 bits; drawn and printed if left out."
+    "--seed",
+    type=click.IntRange(0, 2**64 - 1),
+    help="Seed of all chance, 64 bits; drawn and printed if left out.",
 )
 
 
@@ -33,7 +36,7 @@ def emit_json(result: Mapping[str, Any]) -> None:
 
 
 def _finite(value: Any) -> Any:
-    if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
+    if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, Mapping):
         return {key: _finite(item) for key, item in value.items()}

@@ -1,0 +1,88 @@
+"""Who is in charge of the thesis's robot, and what it then does: a state machine without any geometry.
+
+A tick asks twice. :func:`select_behaviour` lets somebody take control if nobody has it; the caller then sets
+the new target heading if collide has just come in, and looks whether the robot already points there.
+:func:`run_behaviour` lets the one in charge act, and says what the wheels do.
+
+The arbiter is missing in the thesis's listing and rebuilt from its prose, reading A0: whoever took control
+keeps it until it gives it up, and acts in the very tick in which it took over. The readings A1 to A3 differ
+only in the order of these two calls within a tick, A4 to A6 only in asking again while somebody is in charge.
+"""
+
+from __future__ import annotations
+
+from sim.kernels._jit import kernel
+
+__all__ = [
+    "COAST",
+    "COLLIDE",
+    "DRIVE",
+    "GO",
+    "HALT",
+    "IDLE",
+    "RESUME",
+    "SEEK",
+    "TURN",
+    "run_behaviour",
+    "select_behaviour",
+]
+
+# Behaviours.
+IDLE, COLLIDE, SEEK, DRIVE = -1, 0, 1, 2
+
+# What the wheels do: stand and turn towards the target heading; drive at the robot's speed; drive at the
+# speed before the collision; stand; keep the speed, whatever it is.
+TURN, GO, RESUME, HALT, COAST = 0, 1, 2, 3, 4
+
+
+@kernel
+def select_behaviour(
+    behaviour: int, ticks: int, collision: bool, at_signal: bool, collide_ticks: int, drive_ticks: int
+) -> tuple[int, int, bool]:
+    """Lets a behaviour take control, asked in the order drive, seek, collide, if nobody has it.
+
+    Args:
+        behaviour: Who is in charge.
+        ticks: Its counter.
+        collision: Whether the last move met a wall.
+        at_signal: Whether the target heading already is the signal's direction.
+        collide_ticks: Counter that collide starts with.
+        drive_ticks: Counter that drive starts with.
+
+    Returns:
+        Who is in charge now, its counter, and whether it took control just now. When that is collide, the
+        caller remembers the speed, stops, and sets the target heading by its rule.
+    """
+    if behaviour != IDLE:
+        return behaviour, ticks, False
+    if collision:
+        return COLLIDE, collide_ticks, True
+    if at_signal:
+        return DRIVE, drive_ticks, True
+    return SEEK, 0, True
+
+
+@kernel
+def run_behaviour(behaviour: int, ticks: int, collision: bool, turned: bool) -> tuple[int, int, int]:
+    """Lets the behaviour in charge act.
+
+    Args:
+        behaviour: ``COLLIDE``, ``SEEK`` (the caller has made the signal's direction its target) or ``DRIVE``.
+        ticks: Its counter.
+        collision: Whether the last move met a wall.
+        turned: Whether the robot points along its target heading.
+
+    Returns:
+        What the wheels do, who is in charge afterwards, and the counter.
+    """
+    if behaviour == DRIVE:
+        if ticks >= 0 and not collision:
+            return GO, DRIVE, ticks - 1
+        return COAST, IDLE, 0
+    if not turned:
+        return TURN, behaviour, ticks
+    if behaviour == SEEK:
+        return HALT, IDLE, 0
+    if ticks >= 0:
+        return RESUME, COLLIDE, ticks - 1
+    return COAST, IDLE, 0

@@ -1,0 +1,169 @@
+"""What stands where in the arrays of the thesis's simulator, and the numbers that its robot is made of.
+
+The thesis's own frame: pixels, y down, ten pixels a cell, ``cells[x, y]``; heading 0 is -x, pi/2 is -y
+(up), growing clockwise on the screen; milliseconds.
+
+``cells`` (int32) holds the signal: the squared distance in cells to the target's cell (0 there), changed by
+the noise filter, or ``WALL``, or ``FLAME``, which carries no signal and does not stop the robot. The border
+must be ``WALL``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.kernels.layout import BURNED, LIMIT, LOOP, REACHED, TUNNEL
+
+__all__ = [
+    "BURNED",
+    "CELL",
+    "FLAME",
+    "LIMIT",
+    "LOOP",
+    "NEEDS_DRAWS",
+    "REACHED",
+    "ROBOT_RADIUS",
+    "ROBOT_SPEED",
+    "TUNNEL",
+    "WALL",
+    "Arena",
+    "Progress",
+    "Setup",
+    "new_arena",
+    "new_progress",
+    "sensor_cells",
+]
+
+CELL = 10.0  # px per cell; the listing's `length`
+ROBOT_RADIUS = 7.0  # px
+ROBOT_SPEED = 0.2  # px per ms; at 15 ms a tick moves 2 or 3 px, decided by the last bit of a cosine
+
+WALL = -2  # signal value of a wall, as in the thesis's map files
+FLAME = -3  # ours; the thesis has no fire
+
+# An ending beside those of sim.kernels.layout: no draw was left; append some and call again.
+NEEDS_DRAWS = 6
+
+# state (float64)
+X, Y, HEADING, TARGET_HEADING, SPEED, OLD_SPEED = 0, 1, 2, 3, 4, 5
+STATE_SIZE = 6
+
+# mode (int64). BEHAVIOUR is IDLE when nobody is in charge; TICKS_LEFT is 0 unless collide or drive is.
+COLLISION, BEHAVIOUR, TICKS_LEFT, DRAWS_USED = 0, 1, 2, 3
+MODE_STATE_SIZE = 4  # up to here: with `state` all that decides the future
+ACTIVE = 4  # behaviour that acted in the last tick
+MODE_SIZE = 5
+
+# counts (int64): reports and book-keeping; a step that never came is -1.
+OUT_ENDING, OUT_STEPS, OUT_PERIOD, OUT_COLLISIONS, OUT_LAST_NEW_CELL = 0, 1, 2, 3, 4
+OUT_DIGEST = 5  # rolling FNV-1a hash of seven words a tick, as the bits of a uint64
+OUT_ACTIVATIONS = 6  # times that the collide behaviour took control
+OUT_HIT_STEP, OUT_HIT_IX, OUT_HIT_IY, OUT_HIT_STATE = 7, 8, 9, 10  # of BURNED; SOLID is falling debris
+OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = 11, 12, 13  # first tick that ends deeper than tolerated
+OUT_TUNNEL_STEP, OUT_TUNNEL_IX, OUT_TUNNEL_IY = 14, 15, 16  # first tick whose straight way enters a wall
+OUT_IN_WALL_STEP, OUT_IN_WALL_IX, OUT_IN_WALL_IY = 17, 18, 19  # first tick that ends with the centre in one
+NEXT_EVENT, ANCHOR_AGE, ANCHOR_POWER = 20, 21, 22
+TRACE_START = 23  # step before the first row of the trace, for recordings in pieces
+COUNTS_SIZE = 24
+
+# sums (float64), px: driven length; deepest overlap at the end of a tick
+SUM_PATH, SUM_OVERLAP = 0, 1
+SUM_SIZE = 2
+
+# One row of a trace (float64): state, then mode, after a tick.
+ROW_MODE = STATE_SIZE
+ROW_SIZE = STATE_SIZE + MODE_SIZE
+
+_HASH_START = 1469598103934665603
+
+
+class Setup(NamedTuple):
+    """The robot and what is asked of the run. Give ints as ints and floats as floats: types select code.
+
+    Args:
+        rule: Turn after a collision: 1 heading + pi/2, 2 heading - pi/2, 3 random.
+        time_step: ms per tick.
+        sense: Reach of the signal sensor in cells, :func:`sensor_cells`.
+        collide_ticks: Counter of the collide behaviour; the thesis's is 5 and drives 6 ticks.
+        drive_ticks: Counter of the drive behaviour; the thesis's is 2 and drives 3 ticks.
+        radius: px.
+        speed: px per ms.
+        tolerance: Overlap with a wall that is not reported, px.
+        steps: Ticks at most.
+        find_loop: 1 to end at an exact recurrence of the complete state, after the last event; else 0.
+        stop_at_tunnel: 1 to end as ``TUNNEL`` when the centre's way enters a wall; else 0.
+    """
+
+    rule: int
+    time_step: float
+    sense: int = 1
+    collide_ticks: int = 5
+    drive_ticks: int = 2
+    radius: float = ROBOT_RADIUS
+    speed: float = ROBOT_SPEED
+    tolerance: float = 1.0
+    steps: int = 20_000
+    find_loop: int = 0
+    stop_at_tunnel: int = 0
+
+
+class Arena(NamedTuple):
+    """The surroundings; ``cells`` and ``visited`` change during an episode.
+
+    Args:
+        cells: (width, height) int32, the signal now.
+        light: (width, height) int32, the signal that comes back where a cell becomes free.
+        events: (n, 4) int64, rows (step, x, y, state), sorted by step; applied before that step moves.
+        visited: (width, height) uint8, cells that the centre has been in at the end of a tick.
+    """
+
+    cells: npt.NDArray[np.int32]
+    light: npt.NDArray[np.int32]
+    events: npt.NDArray[np.int64]
+    visited: npt.NDArray[np.uint8]
+
+
+class Progress(NamedTuple):
+    """Where a run stands; an episode that ended for want of ticks or draws goes on from here.
+
+    Args:
+        state: (STATE_SIZE,) float64.
+        mode: (MODE_SIZE,) int64.
+        anchor_state: Like ``state``: the state that a recurrence is looked for of.
+        anchor_mode: Like ``mode``.
+        counts: (COUNTS_SIZE,) int64.
+        sums: (SUM_SIZE,) float64.
+    """
+
+    state: npt.NDArray[np.float64]
+    mode: npt.NDArray[np.int64]
+    anchor_state: npt.NDArray[np.float64]
+    anchor_mode: npt.NDArray[np.int64]
+    counts: npt.NDArray[np.int64]
+    sums: npt.NDArray[np.float64]
+
+
+def sensor_cells(sensor_range: int) -> int:
+    """Reach in cells of a sensor range in px, as the listing divides: 36 gives 1, 50 gives 2."""
+    return int((sensor_range - 36) / 10) + 1
+
+
+def new_arena(
+    cells: npt.NDArray[np.int32], light: npt.NDArray[np.int32], events: npt.NDArray[np.int64] | None = None
+) -> Arena:
+    """Surroundings for one episode, with copies of what it changes and of the types that are compiled."""
+    rows = np.zeros((0, 4), np.int64) if events is None else np.array(events, np.int64).reshape(-1, 4)
+    return Arena(np.array(cells, np.int32), np.array(light, np.int32), rows, np.zeros(cells.shape, np.uint8))
+
+
+def new_progress(x: float, y: float, heading: float, speed: float = ROBOT_SPEED) -> Progress:
+    """A run before its first tick: driving already, aiming at heading 0, nobody in charge, as the thesis's."""
+    state = np.array([x, y, heading, 0.0, speed, speed], np.float64)
+    mode = np.array([0, -1, 0, 0, -1], np.int64)
+    counts = np.zeros(COUNTS_SIZE, np.int64)
+    counts[[OUT_HIT_STEP, OUT_OVERLAP_STEP, OUT_TUNNEL_STEP, OUT_IN_WALL_STEP]] = -1
+    counts[OUT_DIGEST] = _HASH_START
+    return Progress(state, mode, state.copy(), mode.copy(), counts, np.zeros(SUM_SIZE))
