@@ -7,6 +7,7 @@ shapely's polygons, and there every rounding goes against the certificate.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from fractions import Fraction
@@ -15,6 +16,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from worldgen.timeline import CellState
 from worldgen.world import Certificate, Cut, Witness, World
@@ -48,7 +50,7 @@ class CheckReport:
     clearance: float
 
 
-class _Refused(Exception):  # noqa: N818 - the outcome of a check, not an error
+class _Refused(Exception):
     """The certificate does not hold; the message says why."""
 
 
@@ -83,12 +85,9 @@ def _require(holds: bool, otherwise: str) -> None:
         raise _Refused(otherwise)
 
 
-# ---------------------------------------------------------------------------------------------- cells over time
-
-
 @dataclass(frozen=True)
 class _Spans:
-    """When the cells that change are solid or burning: from ``begin`` (inclusive) to ``end`` (exclusive), s."""
+    """When the cells that change are blocked (solid or burning): from ``begin`` to before ``end``, s."""
 
     ix: Cells
     iy: Cells
@@ -137,9 +136,6 @@ def _always_blocked(world: World, spans: _Spans) -> npt.NDArray[np.bool_]:
     return blocked
 
 
-# ------------------------------------------------------------------------------------------------------ witness
-
-
 def _check_witness(world: World, witness: Witness, radius: float, measured: list[float]) -> None:
     times, x, y = witness.times, witness.x, witness.y
     finite = all(np.isfinite(values).all() for values in (times, x, y))
@@ -171,7 +167,7 @@ def _check_witness(world: World, witness: Witness, radius: float, measured: list
     )
     _require(
         clearance >= witness.clearance - TOLERANCE,
-        f"the witness claims a clearance of {witness.clearance} m and comes within {clearance:.9g} m of {where}",
+        f"the witness claims {witness.clearance} m of clearance and has {clearance:.9g} m, at {where}",
     )
 
 
@@ -256,9 +252,6 @@ def _clipped(witness: Witness, piece: Cells, low: Floats, high: Floats) -> npt.N
     return shapes
 
 
-# ---------------------------------------------------------------------------------------------------------- cut
-
-
 def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> str:
     cells = [(int(ix), int(iy)) for ix, iy in cut.cells]
     _require(len(cells) > 0, "the cut has no cells")
@@ -297,7 +290,7 @@ def _gap_sq(a: tuple[int, int], b: tuple[int, int]) -> int:
 
 
 def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fraction, spans: _Spans) -> bool:
-    """Whether a cell of the chain that is solid or burning at time 0 is nearer to the start than the radius."""
+    """Whether a cell of the chain, solid or burning at time 0, is nearer to the start than the radius."""
     now = world.walls.copy()
     now[world.timeline.iy, world.timeline.ix] = False
     at_once = spans.begin == 0.0
@@ -305,7 +298,8 @@ def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fracti
     x, y = (_decimal(value) / _decimal(world.cell_size) for value in (world.start.x, world.start.y))
     for ix, iy in cells:
         solid = not (0 <= ix < world.width and 0 <= iy < world.height) or bool(now[iy, ix])
-        dx, dy = max(ix - x, 0, x - ix - 1), max(iy - y, 0, y - iy - 1)
+        dx = max(ix - x, Fraction(0), x - ix - 1)
+        dy = max(iy - y, Fraction(0), y - iy - 1)
         if solid and dx * dx + dy * dy < radius * radius:
             return True
     return False
@@ -326,7 +320,7 @@ def _check_sides(
     if parted and ring is not None and centre.distance(ring) > reach + TOLERANCE:
         return "the chain parts the start from the whole target"
     disc = centre.buffer(reach / math.cos(math.pi / (4 * _ARC)), quad_segs=_ARC)
-    near = disc
+    near: BaseGeometry = disc
     if ring is not None:
         inner = _odd_faces(ring, line)
         near = disc.intersection(inner) if _winds_round(line, start) else disc.difference(inner)
@@ -336,7 +330,7 @@ def _check_sides(
 
 
 def _closed_line(cells: list[tuple[int, int]]) -> list[tuple[Fraction, Fraction]]:
-    """Centre of each cell, closest points of it and the next, and so on, back to the first centre; in cells."""
+    """Centre of each cell, closest points of it and the next, and so on, back to the first; in cells."""
     half, line = Fraction(1, 2), []
     for a, b in zip(cells, [*cells[1:], cells[0]], strict=True):
         toward = [(b[k] > a[k]) - (b[k] < a[k]) for k in (0, 1)]
@@ -350,13 +344,13 @@ def _winds_round(line: list[tuple[Fraction, Fraction]], point: tuple[Fraction, F
     """Whether a closed line winds round a point an odd number of times: even-odd rule, exact."""
     x, y = point
     odd = False
-    for (ax, ay), (bx, by) in zip(line[:-1], line[1:], strict=True):
+    for (ax, ay), (bx, by) in itertools.pairwise(line):
         if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
             odd = not odd
     return odd
 
 
-def _odd_faces(ring: shapely.LineString, line: list[tuple[Fraction, Fraction]]) -> shapely.Geometry:
+def _odd_faces(ring: shapely.LineString, line: list[tuple[Fraction, Fraction]]) -> BaseGeometry:
     """The area round which the line winds an odd number of times."""
     faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.node(ring))))
     inner = []
@@ -367,9 +361,7 @@ def _odd_faces(ring: shapely.LineString, line: list[tuple[Fraction, Fraction]]) 
     return shapely.union_all(inner)
 
 
-def _covered(
-    world: World, disc: shapely.Geometry, radius: float, blocked: npt.NDArray[np.bool_]
-) -> shapely.Geometry:
+def _covered(world: World, disc: BaseGeometry, radius: float, blocked: npt.NDArray[np.bool_]) -> BaseGeometry:
     """What part of the neighbourhood of a disc no robot of ``radius`` cells can stand in; never too much."""
     x0, y0, x1, y1 = disc.bounds
     pad = math.ceil(radius) + 1
@@ -377,7 +369,7 @@ def _covered(
     iy, ix = np.nonzero(blocked[low_y : math.ceil(y1) + pad, low_x : math.ceil(x1) + pad])
     boxes = shapely.box(ix + low_x, iy + low_y, ix + low_x + 1, iy + low_y + 1)
     grown = shapely.union_all(shapely.buffer(boxes, radius, quad_segs=_ARC // 4))
-    frame = shapely.box(x0 - 1, y0 - 1, x1 + 1, y1 + 1)
+    frame: BaseGeometry = shapely.box(x0 - 1, y0 - 1, x1 + 1, y1 + 1)
     if 2 * radius < min(world.width, world.height):
         free = shapely.box(radius, radius, world.width - radius, world.height - radius)
         frame = frame.difference(free)

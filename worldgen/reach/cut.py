@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -24,7 +23,7 @@ from worldgen.jit import lazy_kernel
 from worldgen.lattice import UNIT
 from worldgen.reach.walls import Cell, Point
 
-__all__ = ["find_chain", "linked_offsets"]
+__all__ = ["find_chain", "linked_offsets", "rim_cells"]
 
 _SMALL = 400_000  # links that plain Python unites in less time than loading numba takes
 _STARTS = 24  # cells from which a short cycle is sought
@@ -50,13 +49,14 @@ def find_chain(
     links = _Links(solid, linked_offsets(radius), start, target)
     cells = len(links.cells)
     parent, bit, odd_one = np.arange(cells), np.zeros(cells, np.uint8), np.zeros(cells, np.uint8)
-    graph = links.arrays()
+    graph: Any = links.arrays()
     if links.plain:
-        parent_list = parent.tolist()
-        _unite(*graph, parent_list, bytearray(cells), flags := bytearray(cells))
-        parent, odd_one = np.array(parent_list), np.frombuffer(flags, np.uint8)
+        lists: Any = (parent.tolist(), bit.tolist(), odd_one.tolist())
+        _unite(*graph, *lists)
+        parent, odd_one = np.array(lists[0]), np.array(lists[2])
     else:
-        _unite_compiled(*graph, parent, bit, odd_one)
+        tree: Any = (parent, bit, odd_one)
+        _unite_compiled(*graph, *tree)
     if not odd_one.any():
         return None
     return _short_cycle(links, odd_one[_roots(parent)] > 0)
@@ -97,7 +97,7 @@ class _Links:
         self.points = (*start, *target)
         self.offsets = np.array(offsets, np.int64)
         reach = int(self.offsets.max())
-        rim = np.pad(_rim(solid), reach)
+        rim = np.pad(rim_cells(solid), reach)
         stride = rim.shape[1]
         rows, columns = np.nonzero(rim)
         self.cells: Ints = np.stack([columns, rows], axis=1) - (reach + 1)
@@ -129,7 +129,7 @@ class _Links:
         return link_bits(cells[:, 0], cells[:, 1], delta[:, 0], delta[:, 1], self.points) > 0
 
 
-def _rim(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+def rim_cells(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     """(height + 2, width + 2) bool: solid cells with a free one among their eight neighbours."""
     wide = np.pad(solid, 2, constant_values=True)
     free = ~wide
@@ -212,7 +212,8 @@ def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell]:
     nearness = np.minimum((x - sx) ** 2 + (y - sy) ** 2, (x - tx) ** 2 + (y - ty) ** 2)
     sources = sources[np.argsort(nearness, kind="stable")]
     chosen = sources[np.unique(np.linspace(0, len(sources) - 1, _STARTS).astype(np.int64))]
-    size, graph = 2 * len(links.cells), links.arrays()
+    size = 2 * len(links.cells)
+    graph: Any = links.arrays()
     work = _WORK if links.plain else 200 * _WORK
     search: Any = _odd_cycle if links.plain else _odd_cycle_compiled
     best: list[int] = []
@@ -220,7 +221,7 @@ def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell]:
         before: Any = [-1] * size if links.plain else np.full(size, -1, np.int64)
         order: Any = [0] * size if links.plain else np.zeros(size, np.int64)
         looked = int(search(*graph, source, len(best) or size, before, order))
-        state, chain = 2 * source + 1, []
+        state, chain = 2 * source + 1, list[int]()
         while before[state] >= 0 and (state != 2 * source or not chain):
             chain.append(state >> 1)
             state = int(before[state])

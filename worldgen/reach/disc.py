@@ -30,6 +30,12 @@ class Disc(NamedTuple):
         """Whether a point lies in the closed disc."""
         return (p[0] - self.x) ** 2 + (p[1] - self.y) ** 2 <= self.radius**2
 
+    def meets(self, x: int, y: int, side: int) -> bool:
+        """Whether the closed disc touches the closed square [x, x + side] x [y, y + side]."""
+        dx = max(x - self.x, Fraction(0), self.x - x - side)
+        dy = max(y - self.y, Fraction(0), self.y - y - side)
+        return dx * dx + dy * dy <= self.radius**2
+
 
 class Search(NamedTuple):
     """What was found: ``shut`` is a proof that there is no such pose, ``pose`` is one; neither if unknown.
@@ -84,13 +90,16 @@ def look_for_open_pose(walls: Walls, disc: Disc, chain: Sequence[Cell], start: P
     lines = chain_lines(chain) if chain else []
     home = _inside(lines, start)
     whole = 1 << (2 * int(disc.radius) + 4).bit_length()
-    x0, y0 = int(disc.x - disc.radius) - 1, int(disc.y - disc.radius) - 1
-    close = [line for line in lines if segment_meets_box(*line, x0, y0, whole)]
-    todo, shut, covered, work = [(x0, y0, whole)], True, False, _WORK
+    # Squares on multiples of their side: then corners and middles fall on halves of cells, where a passage
+    # exactly as wide as the robot has its only clear poses.
+    x0, y0 = int(disc.x - disc.radius) // whole * whole, int(disc.y - disc.radius) // whole * whole
+    close = [line for line in lines if segment_meets_box(*line, x0, y0, 2 * whole)]
+    todo = [(x0 + i * whole, y0 + j * whole, whole) for i in (0, 1) for j in (0, 1)]
+    shut, covered, work = True, False, _WORK
     while todo and work:
         x, y, side = todo.pop()
         work -= 1
-        if not disc.holds((min(max(disc.x, x), x + side), min(max(disc.y, y), y + side))):
+        if not disc.meets(x, y, side):
             continue
         beyond = chain and _inside(lines, (x, y)) != home
         if beyond and not any(segment_meets_box(*line, x, y, side) for line in close):
@@ -98,9 +107,9 @@ def look_for_open_pose(walls: Walls, disc: Disc, chain: Sequence[Cell], start: P
         if _covered(walls, x, y, side):
             covered = True
             continue
-        middle = (x + side // 2, y + side // 2)
-        if disc.holds(middle) and _inside(lines, middle) == home and walls.is_clear(middle, middle):
-            return Search(False, middle)
+        for pose in ((x, y), (x + side // 2, y + side // 2)):
+            if disc.holds(pose) and _inside(lines, pose) == home and walls.is_clear(pose, pose):
+                return Search(False, pose)
         if side <= max(1, whole // _FINEST):
             shut = False
             continue

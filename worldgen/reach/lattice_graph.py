@@ -74,7 +74,7 @@ def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph
 
 
 class _Windows:
-    """Whether any of n cells in a row, from one on rightwards, is solid; by doubling, for every cell at once."""
+    """Whether any of n cells in a row, counted from a cell rightwards, is solid; by doubling."""
 
     def __init__(self, solid: npt.NDArray[np.bool_], pad: int) -> None:
         self.pad = pad
@@ -138,14 +138,20 @@ def nodes_within(disc: Disc, graph: Graph) -> list[int]:
         max(0, math.ceil((disc.x - disc.radius) / unit)),
         min(columns - 1, math.floor((disc.x + disc.radius) / unit)),
     )
-    found = np.argwhere(graph.clear[low_y : high_y + 1, low_x : high_x + 1]) + (low_y, low_x)
-    return [j * graph.stride + i for j, i in found.tolist() if disc.holds((i * unit, j * unit))]
+    found = np.argwhere(graph.clear[low_y : high_y + 1, low_x : high_x + 1])
+    nodes = [(low_x + i, low_y + j) for j, i in found.tolist()]
+    return [j * graph.stride + i for i, j in nodes if disc.holds((i * unit, j * unit))]
 
 
 def find_path(
-    graph: Graph, sources: Sequence[int], ends: Sequence[int], spare: Sequence[int], toward: tuple[int, int]
+    graph: Graph,
+    sources: Sequence[int],
+    ends: Sequence[int],
+    spare: Sequence[int],
+    toward: tuple[int, int],
+    bridges: Sequence[tuple[int, int]] = (),
 ) -> list[int]:
-    """A shortest path over the graph from a source to an end, or else to a spare end.
+    """A path over the graph from a source to an end, or else to a spare end; a shortest one without bridges.
 
     Args:
         graph: The graph.
@@ -153,53 +159,67 @@ def find_path(
         ends: Where the search stops.
         spare: Ends to be content with where no end is connected to a source.
         toward: Node (x, y) that the search leans to.
+        bridges: Pairs of nodes that are joined too; used once there is no other way on.
 
     Returns:
         Flat indices from source to end; empty where none is connected.
     """
     size = graph.clear.size
-    clear: Any = graph.clear.tobytes()
-    middle: Any = graph.middle.tobytes()
-    cost: Any
-    if size <= _SMALL:
-        goal, came, cost = bytearray(size), bytearray(size), [_FAR] * size
-        search: Any = _search
-    else:
-        clear, middle = graph.clear.view(np.uint8).ravel(), graph.middle.view(np.uint8).ravel()
-        goal, came = np.zeros(size, np.uint8), np.zeros(size, np.uint8)  # type: ignore[assignment]
-        cost, search = np.full(size, _FAR, np.int64), _search_compiled
-    for node in spare:
-        goal[node] = 2
-    for node in ends:
-        goal[node] = 1
-    found = search(
-        clear, middle, graph.stride, np.array(sources, np.int64), goal, toward[0], toward[1], cost, came
-    )
-    return _trace(int(found), came, graph.stride)
+    plain = size <= _SMALL
+    goal, came, cost = np.zeros(size, np.uint8), np.zeros(size, np.uint8), np.full(size, _FAR, np.int64)
+    goal[list(spare)] = 2
+    goal[list(ends)] = 1
+    shifts, corners = neighbour_shifts(graph.stride)
+    arrays: Any = (graph.clear.view(np.uint8).ravel(), graph.middle.view(np.uint8).ravel(), goal)
+    moves: Any = (np.array(shifts), np.array(corners))
+    work: Any = (cost, came)
+    if plain:
+        arrays, moves, work = (
+            [array.tobytes() for array in arrays],
+            (shifts, corners),
+            (cost.tolist(), bytearray(size)),
+        )
+    search: Any = _search if plain else _search_compiled
+    found = search(*arrays, graph.stride, *moves, np.array(sources, np.int64), toward, *work)
+    by_bridge: dict[int, int] = {}
+    both_ways = [*bridges, *((b, a) for a, b in bridges)]
+    while found < 0:
+        onward = {b: a for a, b in both_ways if work[0][a] < 0 <= work[0][b]}
+        if not onward:
+            return []
+        by_bridge.update(onward)
+        found = search(*arrays, graph.stride, *moves, np.array(list(onward), np.int64), toward, *work)
+    return _trace(int(found), work[1], shifts, by_bridge)
 
 
-def _trace(node: int, came: Any, stride: int) -> list[int]:
-    steps = (0, 1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, -stride + 1)
-    path = []
-    while node >= 0:
+def neighbour_shifts(stride: int) -> tuple[list[int], list[int]]:
+    """What eight steps add to a flat index, four along the axes first; and where their middles are."""
+    shifts = [1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, 1 - stride]
+    return shifts, [0, 0, 0, 0, 0, -stride - 1, -1, -stride]
+
+
+def _trace(node: int, came: Any, shifts: list[int], by_bridge: dict[int, int]) -> list[int]:
+    path = [node]
+    while came[node] or node in by_bridge:
+        node = node - shifts[came[node] - 1] if came[node] else by_bridge[node]
         path.append(node)
-        direction = int(came[node])
-        if direction == 0:
-            break
-        node -= steps[direction]
     return path[::-1]
 
 
 def _search(
-    clear: Any, middle: Any, stride: Any, sources: Any, goal: Any, gx: Any, gy: Any, cost: Any, came: Any
-) -> int:
-    """A* over the eight neighbours; the same text runs in plain Python and compiled.
+    clear: Any, middle: Any, goal: Any, stride: Any, shifts: Any, corners: Any, sources: Any, toward: Any,
+    cost: Any, came: Any,
+) -> int:  # fmt: skip
+    """A* over the eight neighbours; the same text runs plain and compiled.
 
     ``goal`` is 1 where the search stops, 2 where it would be content; ``came`` gets the direction (1 to 8)
-    by which a node is reached, 0 at a source. Returns the end, the cheapest spare end, or -1.
+    by which a node is reached, 0 at a source; ``cost`` is negative once a node is done with. Returns the
+    end, the cheapest spare end, or -1.
 
-    Source: Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost Paths", 1968.
+    Source: Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost
+    Paths", 1968.
     """
+    gx, gy = toward
     spare = -1
     queue = [0]
     heapq.heappop(queue)
@@ -218,30 +238,15 @@ def _search(
         if goal[node] == 2 and spare < 0:
             spare = node
         cost[node] = -1 - here
-        for direction in range(1, 9):
-            if direction == 1:
-                other, corner = node + 1, -1
-            elif direction == 2:
-                other, corner = node - 1, -1
-            elif direction == 3:
-                other, corner = node + stride, -1
-            elif direction == 4:
-                other, corner = node - stride, -1
-            elif direction == 5:
-                other, corner = node + stride + 1, node
-            elif direction == 6:
-                other, corner = node - stride - 1, node - stride - 1
-            elif direction == 7:
-                other, corner = node + stride - 1, node - 1
-            else:
-                other, corner = node - stride + 1, node - stride
+        for direction in range(8):
+            other = node + shifts[direction]
             # Nodes on the rim of the grid are never clear, so a clear node has all eight neighbours.
-            if clear[other] == 0 or (corner >= 0 and middle[corner] == 0):
+            if clear[other] == 0 or (direction > 3 and middle[node + corners[direction]] == 0):
                 continue
-            onward = here + (70 if direction < 5 else 99)
+            onward = here + (70 if direction < 4 else 99)
             if onward < cost[other]:
                 cost[other] = onward
-                came[other] = direction
+                came[other] = direction + 1
                 dx, dy = abs(other % stride - gx), abs(other // stride - gy)
                 guess = 70 * dx + 29 * dy if dx > dy else 70 * dy + 29 * dx
                 heapq.heappush(queue, (onward + guess) * 2147483648 + other)

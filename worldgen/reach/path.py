@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from fractions import Fraction
@@ -60,7 +61,7 @@ def shorten(walls: Walls, points: list[Point]) -> list[Point]:
 
 def clearance_sq(walls: Walls, points: Sequence[ExactPoint]) -> Fraction:
     """Squared distance from a path to the nearest solid cell, lu squared, exactly."""
-    pieces = list(zip(points, points[1:], strict=False)) or [(points[0], points[0])]
+    pieces = list(itertools.pairwise(points)) or [(points[0], points[0])]
     reach = 2 * math.ceil(walls.radius * UNIT)
     while True:
         best = Fraction(reach * reach)
@@ -117,6 +118,6 @@ def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, s
 
 
 def metres(points: Sequence[ExactPoint], cell_size: float) -> tuple[list[float], list[float]]:
-    """x and y of points in m, correctly rounded, so that their shortest decimals are the ones to write."""
+    """The x and y of points in m, correctly rounded: their shortest decimals are the ones to write."""
     scale = exact(cell_size) / UNIT
     return [float(p[0] * scale) for p in points], [float(p[1] * scale) for p in points]

@@ -16,6 +16,7 @@ from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.reach.disc import COVER_MARGIN, Disc, look_for_open_pose, target_disc
 from worldgen.reach.lattice_graph import Graph, build_graph, find_path, nodes_within
 from worldgen.reach.path import make_witness, root_up, shorten
+from worldgen.reach.pinch import bridges
 from worldgen.reach.spans import ChangingWalls, Spans
 from worldgen.reach.timed import find_timed_path, make_timed_witness, shorten_timed
 from worldgen.reach.walls import Cell, ExactPoint, Point, Walls
@@ -64,9 +65,10 @@ def _decide_changing(world: World, radius: float) -> Decision:
             witness = make_timed_witness(world, walls, shorten_timed(walls, path))
             reason = f"a timed path of {witness.length:.4g} m arrives after {witness.duration:.4g} s"
             return Decision(REACHABLE, witness, reason)
-    for_ever = _Question(replace(still, walls=spans.always), radius).answer()
-    if for_ever.result == BLOCKED:
-        return for_ever
+        if k == 2:
+            for_ever = _Question(replace(still, walls=spans.always), radius).answer()
+            if for_ever.result == BLOCKED:
+                return for_ever
     reason = "no timed path was found, and the cells that never open leave no cut"
     return Decision(UNDECIDED, None, reason)
 
@@ -106,27 +108,21 @@ class _Question:
         if bad_start is not None:
             return bad_start
         self.goal = self._find_goal()
-        found = self._path(build_graph(self.world.walls, self.walls.radius, 2))
+        found = self._path(2)
         if not found:
             cut = self._cut()
             if cut is not None:
                 return cut
-            found = self._finer_path()
+            found = self._path_through_pinches()
         if not found:
-            return Decision(
-                UNDECIDED,
-                None,
-                "neither a path nor a cut was found: some passage is barely as wide as the disc",
-            )
+            reason = "neither a path nor a cut was found; a passage or the target is only just wide enough"
+            return Decision(UNDECIDED, None, reason)
         points: list[ExactPoint] = [*shorten(self.walls, found)]
         if self.exact_start != points[0]:
             points.insert(0, self.exact_start)
         witness = make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed)
-        return Decision(
-            REACHABLE,
-            witness,
-            f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through",
-        )
+        reason = f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through"
+        return Decision(REACHABLE, witness, reason)
 
     def judge_start(self) -> Decision | None:
         """The decision, if the start settles it."""
@@ -147,16 +143,18 @@ class _Question:
             return centre
         return look_for_open_pose(self.walls, self.disc, [], self.start).pose
 
-    def _path(self, graph: Graph) -> list[Point]:
+    def _path(self, k: int, *, pinched: bool = False) -> list[Point]:
         """Points from the start to the target over one graph; empty if it has no such path."""
-        unit = UNIT // graph.k
+        graph = build_graph(self.world.walls, self.walls.radius, k)
+        unit = UNIT // k
         sources = _links(self.walls, graph, self.start)
         ends = _links(self.walls, graph, self.goal) if self.goal is not None else []
         spare = nodes_within(self.disc, graph)
         if not sources or not (ends or spare):
             return []
         toward = (round(self.disc.x / unit), round(self.disc.y / unit))
-        nodes = find_path(graph, sources, ends, spare, toward)
+        extra = bridges(self.walls, graph) if pinched else []
+        nodes = find_path(graph, sources, ends, spare, toward, extra)
         if not nodes:
             return []
         points = [self.start, *((node % graph.stride * unit, node // graph.stride * unit) for node in nodes)]
@@ -164,11 +162,11 @@ class _Question:
             points.append(self.goal)
         return points
 
-    def _finer_path(self) -> list[Point]:
-        for k in _FINER:
-            if k * k * self.world.walls.size > _MOST_NODES:
+    def _path_through_pinches(self) -> list[Point]:
+        for k in (2, *_FINER):
+            if k > 2 and k * k * self.world.walls.size > _MOST_NODES:
                 break
-            found = self._path(build_graph(self.world.walls, self.walls.radius, k))
+            found = self._path(k, pinched=True)
             if found:
                 return found
         return []
@@ -179,30 +177,27 @@ class _Question:
             if not look_for_open_pose(self.walls, self.disc, [], self.start).shut:
                 return None
             cell, _ = self.walls.nearest((self.disc.x, self.disc.y))
-            return Decision(
-                BLOCKED, self._make_cut([cell], self._covering_sq()), "no pose in the target's disc is clear"
-            )
-        goal: Point | None = self.goal
+            reason = "no pose in the target's disc is clear"
+            return Decision(BLOCKED, self._make_cut([cell], self._covering_sq()), reason)
+        pose = self.goal
         for _ in range(_POSES):
-            chain = (
-                find_chain(self.world.walls, self.walls.radius, self.start, goal)
-                if goal is not None
-                else None
-            )
+            chain = find_chain(self.world.walls, self.walls.radius, self.start, pose)
             if chain is None:
+                self.goal = pose  # nothing parts it from the start, so there is a way to it
                 return None
             search = look_for_open_pose(self.walls, self.disc, chain, self.start)
             if search.shut:
-                wide = Fraction(
-                    max(_gap_sq(a, b) for a, b in zip(chain, [*chain[1:], chain[0]], strict=True)), 4
+                links = zip(chain, [*chain[1:], chain[0]], strict=True)
+                stopped = Fraction(max(_gap_sq(a, b) for a, b in links), 4)
+                if search.covered:
+                    stopped = max(stopped, self._covering_sq())
+                reason = (
+                    f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start and target"
                 )
-                reason = f"a chain of {len(chain)} solid cells, every gap narrower than the disc, parts start from target"
-                return Decision(
-                    BLOCKED,
-                    self._make_cut(chain, max(wide, self._covering_sq()) if search.covered else wide),
-                    reason,
-                )
-            goal = search.pose
+                return Decision(BLOCKED, self._make_cut(chain, stopped), reason)
+            if search.pose is None:
+                return None
+            pose = search.pose
         return None
 
     def _covering_sq(self) -> Fraction:

@@ -1,4 +1,4 @@
-"""When cells are solid or burning, as the prover sees it: whole ticks, each span a little longer than it is."""
+"""When cells are solid or burning, as the prover sees it: whole ticks, each span a little too long."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.lattice import UNIT, exact
+from worldgen.lattice import UNIT
 from worldgen.reach.path import ticks_per_second
 from worldgen.reach.walls import Cell, ExactPoint, Number, Walls, segment_box_sq
 from worldgen.timeline import CellState

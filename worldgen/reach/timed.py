@@ -21,8 +21,8 @@ import numpy.typing as npt
 
 from worldgen.jit import lazy_kernel
 from worldgen.lattice import UNIT, exact
-from worldgen.reach.lattice_graph import build_graph, nodes_within, touching_cells
 from worldgen.reach.disc import Disc
+from worldgen.reach.lattice_graph import build_graph, neighbour_shifts, nodes_within, touching_cells
 from worldgen.reach.path import metres, root_down
 from worldgen.reach.spans import FOREVER, MARGIN, ChangingWalls, Spans
 from worldgen.reach.walls import ExactPoint, Point
@@ -47,7 +47,7 @@ class TimedPath:
 
 @dataclass(frozen=True)
 class _Intervals:
-    """Safe intervals of the points of a raster: point p has first[p] to first[p + 1] - 1, in order of time."""
+    """Safe intervals of the points of a raster: point p has first[p] to first[p + 1] - 1, by time."""
 
     first: Any
     begin: Any
@@ -62,7 +62,7 @@ def piece_ticks(length: float, speed: float, ticks: int) -> int:
 def find_timed_path(
     world: World, walls: ChangingWalls, k: int, start: ExactPoint, disc: Disc
 ) -> TimedPath | None:
-    """The earliest way, over nodes at multiples of 1/k cell, from the start at time 0 to a node of the target.
+    """The earliest way over nodes at multiples of 1/k cell, from the start at time 0 into the target.
 
     Args:
         world: The world, for speed and size.
@@ -215,8 +215,8 @@ def _intervals(
 
 
 def _safe_intervals(
-    clear: Any, place: Any, kind: Any, class_first: Any, steps: Any, span_first: Any, span_begin: Any, span_end: Any,
-    first: Any, begin: Any, end: Any, low: Any, high: Any, fill: Any,
+    clear: Any, place: Any, kind: Any, class_first: Any, steps: Any,
+    span_first: Any, span_begin: Any, span_end: Any, first: Any, begin: Any, end: Any, low: Any, high: Any, fill: Any,
 ) -> None:  # fmt: skip
     """Counts the safe intervals of point p in first[p + 1], or writes them from first[p] on.
 
@@ -250,8 +250,8 @@ def _safe_intervals(
 
 
 def _search_states(
-    nodes: _Intervals, middles: _Intervals, stride: int, sources: Sequence[tuple[int, int]], ends: Sequence[int],
-    ticks: tuple[int, int], toward: tuple[int, int], plain: bool,
+    nodes: _Intervals, middles: _Intervals, stride: int, sources: Sequence[tuple[int, int]],
+    ends: Sequence[int], ticks: tuple[int, int], toward: tuple[int, int], plain: bool,
 ) -> list[tuple[int, int, int]]:  # fmt: skip
     """(node, departure from the one before, arrival) along the earliest way; empty if there is none."""
     size, count = len(nodes.first) - 1, len(nodes.begin)
@@ -275,12 +275,15 @@ def _search_states(
         return []
     begun: Any = np.array(first_states, np.int64)
     search: Any = _safe_search_compiled
+    moves: Any = tuple(np.array(values, np.int64) for values in neighbour_shifts(stride))
     if plain:
+        moves = neighbour_shifts(stride)
         node_of, goal, cost, came, depart = (array.tolist() for array in (node_of, goal, cost, came, depart))
         search = _safe_search
     lean = (x, y, spread * ticks[1])  # an end is at most that much nearer than ``toward``
     final = int(search(
-        nodes.first, nodes.begin, nodes.end, middles.first, middles.begin, middles.end, node_of, stride, begun, goal,
+        nodes.first, nodes.begin, nodes.end, middles.first, middles.begin, middles.end,
+        node_of, stride, *moves, begun, goal,
         lean, ticks, cost, came, depart,
     ))  # fmt: skip
     path = []
@@ -292,7 +295,8 @@ def _search_states(
 
 def _safe_search(
     first: Any, begin: Any, end: Any, mid_first: Any, mid_begin: Any, mid_end: Any, node_of: Any, stride: Any,
-    begun: Any, goal: Any, lean: Any, ticks: Any, cost: Any, came: Any, depart: Any,
+    shifts: Any, corners: Any, begun: Any, goal: Any, lean: Any, ticks: Any,
+    cost: Any, came: Any, depart: Any,
 ) -> Any:  # fmt: skip
     """A* over (node, safe interval); cost is the tick of arrival. Returns the final state or -1.
 
@@ -314,32 +318,13 @@ def _safe_search(
         if goal[node] == 1:
             return state
         for direction in range(8):
-            if direction < 4:
-                other, corner, takes = node, -1, axis
-            else:
-                other, corner, takes = node, node, diagonal
-            if direction == 0:
-                other = node + 1
-            elif direction == 1:
-                other = node - 1
-            elif direction == 2:
-                other = node + stride
-            elif direction == 3:
-                other = node - stride
-            elif direction == 4:
-                other = node + stride + 1
-            elif direction == 5:
-                other, corner = node - stride - 1, node - stride - 1
-            elif direction == 6:
-                other, corner = node + stride - 1, node - 1
-            else:
-                other, corner = node - stride + 1, node - stride
+            other, takes = node + shifts[direction], axis if direction < 4 else diagonal
             for onto in range(first[other], first[other + 1]):
                 leave, close = max(now, begin[onto]), min(end[state], end[onto])
                 if leave + takes > close or leave + takes >= cost[onto]:
                     continue
-                if corner >= 0:
-                    found = -1
+                if direction > 3:
+                    found, corner = -1, node + corners[direction]
                     for middle in range(mid_first[corner], mid_first[corner + 1]):
                         if found < 0 and max(leave, mid_begin[middle]) + takes <= min(close, mid_end[middle]):
                             found = max(leave, mid_begin[middle])

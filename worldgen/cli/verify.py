@@ -1,0 +1,113 @@
+"""``worldgen verify``: is the proof in the file true; and if there is none, what is true."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from worldgen.cli.output import emit_json, json_option
+
+if TYPE_CHECKING:
+    from worldgen.world import World
+
+__all__ = ["verify", "verify_world"]
+
+
+@click.command()
+@click.argument(
+    "paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path)
+)
+@click.option(
+    "--radius", type=float, metavar="R", help="Ask for a disc of this radius, m, instead of the robot's."
+)
+@json_option
+def verify(paths: tuple[Path, ...], radius: float | None, as_json: bool) -> None:
+    r"""Check a world's proof, or decide a map afresh.
+
+    A file's certificate is checked by code that shares nothing with the code that made it. A map without a
+    certificate is decided afresh, and so is a certificate that says nothing about the radius asked for; what
+    was decided is then checked in the same way. A folder stands for the .grid files in it.
+
+    \b
+    Exit code 0  every certificate holds, or the map was decided: reachable or blocked
+              1  a certificate does not hold, or a map stays undecided
+              2  a file cannot be read
+    """
+    from worldgen.grid_file import read_world
+
+    results = [{"path": str(path), **verify_world(read_world(path), radius)} for path in _files(paths)]
+    for result in results if not as_json else []:
+        click.echo(_line(result))
+    if as_json:
+        emit_json(results[0] if len(results) == 1 else {"files": results})
+    if not all(result["certificate_valid"] for result in results):
+        raise click.exceptions.Exit(1)
+
+
+def verify_world(world: World, radius: float | None = None) -> dict[str, Any]:
+    """Checks a world's certificate, or decides the world and checks that.
+
+    Args:
+        world: The world.
+        radius: Radius of the disc, m; the robot's where left out.
+
+    Returns:
+        ``result``, ``certificate`` (witness, cut or None), ``certificate_valid``, ``decided`` (afresh,
+        or read from the file), ``clearance``, ``radius`` and ``reason``.
+
+    Raises:
+        InvalidParameter: If the radius is not a finite number above 0.
+    """
+    from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, check_certificate, decide
+    from worldgen.world import Witness
+
+    asked = world.robot_radius if radius is None else radius
+    certificate, afresh, reason = world.certificate, False, ""
+    fits = asked == world.robot_radius or check_certificate(world, radius=asked).valid
+    if certificate is None or not fits:
+        decision = decide(world, radius=asked)
+        certificate, afresh, reason = decision.certificate, True, decision.reason
+    answer: dict[str, Any] = {"certificate": None, "decided": afresh, "radius": asked}
+    if certificate is None:
+        return {
+            "result": UNDECIDED,
+            "certificate_valid": False,
+            "clearance": None,
+            "reason": reason,
+            **answer,
+        }
+    report = check_certificate(world, certificate, radius=asked)
+    is_witness = isinstance(certificate, Witness)
+    claimed = REACHABLE if is_witness else BLOCKED
+    answer["certificate"] = "witness" if is_witness else "cut"
+    return {
+        "result": claimed if report.valid else UNDECIDED,
+        "certificate_valid": report.valid,
+        "clearance": report.clearance,
+        "reason": report.reason,
+        **answer,
+    }
+
+
+def _files(paths: tuple[Path, ...]) -> list[Path]:
+    found: list[Path] = []
+    for path in paths:
+        inside = sorted(path.rglob("*.grid")) + sorted(path.rglob("*.grid.gz")) if path.is_dir() else [path]
+        if not inside:
+            raise click.UsageError(f"{path} holds no .grid file; name a file, or a folder with some")
+        found += inside
+    return found
+
+
+def _line(result: dict[str, Any]) -> str:
+    if result["certificate"] is None:
+        verdict = f"undecided: {result['reason']}"
+    elif not result["certificate_valid"]:
+        verdict = f"{result['certificate']} does not hold: {result['reason']}"
+    else:
+        how = "decided afresh and checked" if result["decided"] else "checked"
+        disc = f"a disc of {result['radius']:g} m"
+        verdict = f"{result['result']} for {disc}, {result['certificate']} {how}: {result['reason']}"
+    return f"{result['path']}: {verdict}"
