@@ -1,0 +1,122 @@
+"""Oracles object to false evidence and accept true evidence."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fuzz.oracles import objection
+from sim import MOTIONS, Command, simulate
+from sim.episode import prepare
+from sim.run_options import RunOptions
+from worldgen import Pose, Target, World
+
+SWEPT, ENDPOINT = MOTIONS.get("swept"), MOTIONS.get("endpoint")
+
+
+def wall_world(thickness=1):
+    walls = np.zeros((12, 24), bool)
+    walls[:, 12 : 12 + thickness] = True
+    return World(walls, Pose(0.5, 0.55, 0.0), Target(2.05, 0.55, 0.05))
+
+
+class Ahead:
+    """Drives ahead."""
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        return Command(observation.top_speed, 0.0), memory
+
+
+def run(world, motion="endpoint", controller=None, **settings):
+    return simulate(world, controller or Ahead(), record=True, motion=motion, **settings)
+
+
+def loop_and_longer():
+    world = World(np.zeros((9, 9), bool), Pose(0.45, 0.25, 0.0), Target(0.85, 0.85, 0.05))
+    options = RunOptions(steps=5000)
+    episode = simulate(world, Ahead(), options)
+    entry, period = episode.evidence["entry"], episode.evidence["period"]
+    longer = prepare(world, Ahead(), options).run(entry + 2 * period, find_loop=False, record=True).trace
+    return world, episode, longer
+
+
+def test_a_true_loop_has_no_objection():
+    world, episode, trace = loop_and_longer()
+    assert objection("loop", world, trace, episode.evidence, SWEPT) == ""
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"entry": 0}, "second period differs"),
+        ({"period": 0}, "no entry and period"),
+        ({"state_digest": "0" * 16}, "not the one of the evidence"),
+        ({"period": 10**6}, "before the second period"),
+    ],
+)
+def test_false_evidence_of_a_loop_is_refused(change, message):
+    world, episode, trace = loop_and_longer()
+    assert message in objection("loop", world, trace, {**episode.evidence, **change}, SWEPT)
+
+
+def test_hidden_memory_is_no_loop():
+    world, episode, trace = loop_and_longer()
+    assert "does not declare" in objection("loop", world, replace(trace, complete=False), episode.evidence, SWEPT)
+
+
+def test_a_true_tunnel_has_no_objection():
+    episode = run(wall_world(), time_step=0.15)
+    assert episode.verdict == "tunnel"
+    assert objection("tunnel", wall_world(), episode.trace, episode.evidence, ENDPOINT) == ""
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [({"step": 1}, "does not meet"), ({"cell": [3, 3]}, "is not solid"), ({"step": 99}, "names no step")],
+)
+def test_false_evidence_of_a_tunnel_is_refused(change, message):
+    episode = run(wall_world(), time_step=0.15)
+    evidence = {**episode.evidence, **change}
+    assert message in objection("tunnel", wall_world(), episode.trace, evidence, ENDPOINT)
+
+
+def test_an_overlap_is_measured_by_shapely():
+    walls = np.zeros((12, 24), bool)
+    walls[6, 9] = True  # its lower corners come within 0.6 cell of a robot that passes below
+    world = World(walls, Pose(0.5, 0.54, 0.0), Target(2.05, 0.54, 0.05))
+    episode = run(world, time_step=0.15)
+    assert episode.verdict == "overlap"
+    assert objection("overlap", world, episode.trace, episode.evidence, ENDPOINT) == ""
+    assert "is not solid" in objection("overlap", world, episode.trace, {**episode.evidence, "cell": [1, 1]}, ENDPOINT)
+
+
+def test_arriving_is_measured_at_the_last_step():
+    world = World(np.zeros((9, 30), bool), Pose(0.45, 0.45, 0.0), Target(2.05, 0.45, 0.05))
+    episode = run(world, "swept")
+    assert episode.verdict == "reached"
+    assert objection("reached", world, episode.trace, episode.evidence, SWEPT) == ""
+    elsewhere = replace(world, target=Target(2.05, 0.65, 0.05))
+    assert "away from the target" in objection("reached", elsewhere, episode.trace, episode.evidence, SWEPT)
+
+
+@pytest.mark.parametrize(("steps", "verdict"), [(60, "timeout"), (2000, "stalled")])
+def test_stalled_and_timeout_differ_by_new_cells_in_the_second_half(steps, verdict):
+    class Wander(Ahead):
+        """Spirals: never repeats within the budget."""
+
+        def reset(self):
+            return (0.0,)
+
+        def act(self, observation, memory):
+            return Command(0.5, 20.0 / (1.0 + memory[0])), (memory[0] + 0.37,)
+
+    world = World(np.zeros((9, 9), bool), Pose(0.45, 0.45, math.pi / 4), Target(0.85, 0.15, 0.001))
+    episode = run(world, "swept", Wander(), steps=steps)
+    other = {"timeout": "stalled", "stalled": "timeout"}[verdict]
+    assert episode.verdict == verdict
+    assert objection(verdict, world, episode.trace, episode.evidence, SWEPT) == ""
+    assert objection(other, world, episode.trace, episode.evidence, SWEPT)
