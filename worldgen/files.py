@@ -30,9 +30,7 @@ def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
         else:
             _replace(Path(os.path.realpath(path)), data)  # through a link, as any editor writes
     except OSError as error:
-        raise OutputError(
-            f"{path}: cannot be written: {error.strerror or error}; choose another place"
-        ) from error
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}; choose another place") from error
     except ValueError as error:  # a name with a NUL
         raise OutputError(f"{str(path)!r}: cannot be written: {error}; choose another name") from error
 

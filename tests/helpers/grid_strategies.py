@@ -69,9 +69,7 @@ def worlds_with_everything(draw):
     across, up = st.floats(0.0, width * size), st.floats(0.0, height * size)
     names = st.text(max_size=6)
     provenances = st.builds(Provenance, names, _integers, _integers, _tables())
-    failures = st.builds(
-        FailureRecord, names, names, _integers, names, names, _tables(), _tables(), _tables()
-    )
+    failures = st.builds(FailureRecord, names, names, _integers, names, names, _tables(), _tables(), _tables())
     return World(
         np.array(cells).reshape(height, width),
         draw(st.builds(Pose, across, up, _finite)),

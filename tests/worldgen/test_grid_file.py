@@ -74,11 +74,12 @@ def complaint(data):
 
 def world_or_complaint(data):
     try:
-        loads(data)
+        world = loads(data)
     except FormatError as error:
         assert error.line is not None and 1 <= error.line <= data.count(b"\n") + 1
         assert "\n" not in str(error) and len(str(error)) < 400
         return error
+    assert loads(dumps(world)) == world
     return None
 
 
@@ -413,6 +414,12 @@ def test_what_reading_would_refuse_as_a_bomb_is_not_written(tmp_path, monkeypatc
     monkeypatch.setattr(disk, "EXPANSION_RATIO", 10)
     with pytest.raises(OutputError, match=r"write it without \.gz"):
         write_world(small(walls=np.zeros((200, 200), bool)), tmp_path / "w.grid.gz")
+
+
+def test_a_file_beyond_the_limit_is_not_written(tmp_path, monkeypatch):
+    monkeypatch.setattr(disk, "MAX_FILE_BYTES", 100)
+    with pytest.raises(OutputError, match=r"a \.grid file has at most 100; split the world"):
+        write_world(everything(), tmp_path / "w.grid")
 
 
 def test_a_world_of_2000_cells_a_side_survives():

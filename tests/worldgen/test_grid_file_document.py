@@ -44,9 +44,7 @@ def test_an_example_is_a_world_that_survives_writing(text):
 
 def test_the_complete_example_shows_every_key_and_all_but_one_section():
     missing = [word for word in (*schema.HEADER_KEYS, *schema.TABLE_KEYS) if word not in EXAMPLES[0]]
-    missing += [
-        key for keys in schema.TABLE_KEYS.values() for key in keys if f"\n{key} = " not in EXAMPLES[0]
-    ]
+    missing += [key for keys in schema.TABLE_KEYS.values() for key in keys if f"\n{key} = " not in EXAMPLES[0]]
     missing += [name for name in schema.SECTIONS if f"\n%{name}\n" not in EXAMPLES[0]]
     assert missing == ["cut"]
 

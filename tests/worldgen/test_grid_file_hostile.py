@@ -37,9 +37,7 @@ trace_digest = "00"
 1.0 0.25 0.15
 %end
 """
-CUT = GOOD.replace('"witness"', '"cut"').replace(
-    "%witness\n0.0 0.05 0.15\n1.0 0.25 0.15\n", "%cut\n1 1\n1 -1\n"
-)
+CUT = GOOD.replace('"witness"', '"cut"').replace("%witness\n0.0 0.05 0.15\n1.0 0.25 0.15\n", "%cut\n1 1\n1 -1\n")
 DRAWN = "%worldgen-grid 1\ncell_size = 0.1\nrobot_radius = 0.04\n%cells\nS..\n..G\n%end\n"
 
 # name: (old, new, line, what the message says)

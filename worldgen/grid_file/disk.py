@@ -67,15 +67,12 @@ def write_world(world: World, path: str | PathLike[str], *, force: bool = False)
     """
     data = dumps(world)
     if len(data) > MAX_FILE_BYTES:
-        raise OutputError(
-            f"{path}: {len(data)} bytes; a .grid file has at most {MAX_FILE_BYTES}; split the world"
-        )
+        raise OutputError(f"{path}: {len(data)} bytes; a .grid file has at most {MAX_FILE_BYTES}; split the world")
     if _is_compressed(str(path)):
         packed = _compress(data)
         if len(data) > expansion_limit(len(packed)):
             raise OutputError(
-                f"{path}: {len(data)} bytes would be compressed beyond what reading allows; "
-                "write it without .gz"
+                f"{path}: {len(data)} bytes would be compressed beyond what reading allows; write it without .gz"
             )
         data = packed
     write_bytes(Path(path), data, force=force)

@@ -46,7 +46,7 @@ class Header:
     """The parsed header.
 
     Args:
-        text: The TOML, without the first line of the file.
+        text: The TOML, whole lines, without the first line of the file.
         line: Line of the file in which ``text`` begins.
         source: The file's name for messages.
 
@@ -113,9 +113,7 @@ class Header:
                 self._refuse(token.start(), f"nesting deeper than {MAX_DEPTH} levels; flatten it")
             if kind == "word" and len(token[0]) > MAX_WORD:
                 length = len(token[0])
-                self._refuse(
-                    token.start(), f"a word of {length} characters; the limit is {MAX_WORD}; shorten it"
-                )
+                self._refuse(token.start(), f"a word of {length} characters; the limit is {MAX_WORD}; shorten it")
 
     def _refuse(self, offset: int, message: str) -> NoReturn:
         raise FormatError(f"the header has {message}", line=self._line_at(offset), source=self.source)
@@ -147,8 +145,6 @@ def _statements(text: str) -> Iterator[tuple[int, str]]:
             if not key_done:
                 yield begin, text[begin : token.start()]
             begin = -1
-    if begin >= 0 and not key_done:
-        yield begin, text[begin:]
 
 
 def _key_path(text: str) -> tuple[str, ...]:

@@ -155,9 +155,7 @@ def _split(file: _File, at: int) -> dict[str, Block]:
             return blocks
         end = data.find(b"\n%", stop) + 1
         if end == 0:
-            raise file.fault(
-                "the file ends before %end; it was cut off, or the line %end is missing", len(data) - 1
-            )
+            raise file.fault("the file ends before %end; it was cut off, or the line %end is missing", len(data) - 1)
         blocks[name] = Block(data, stop + 1, end, line + 1, source)
         line += 1 + data.count(b"\n", stop + 1, end)
         at = end
@@ -188,9 +186,7 @@ def _ends(header: Header, cells: Cells, cell_size: float) -> tuple[Pose, Target]
     """Start and target, each from the header or from its mark, never both."""
     for key, letter, mark in (("start", START, cells.start), ("target", TARGET, cells.target)):
         if mark is None and key not in header.data:
-            raise header.missing(
-                f"the header has no {key} and no cell is marked {letter}; add one of the two"
-            )
+            raise header.missing(f"the header has no {key} and no cell is marked {letter}; add one of the two")
         if mark is not None and key in header.data:
             message = f"a cell is marked {letter}, and the header has {key}; remove one of the two"
             raise FormatError(message, line=mark.line, source=header.source)
@@ -212,9 +208,7 @@ def _centre(header: Header, mark: Mark, cell_size: float) -> tuple[float, float]
             lattice_to_metres(mark.iy * UNIT + UNIT // 2, cell_size),
         )
     except OverflowError:
-        message = (
-            f"cell_size is {cell_size}; the marked cell lies beyond the range of a float64; make it smaller"
-        )
+        message = f"cell_size is {cell_size}; the marked cell lies beyond the range of a float64; make it smaller"
         raise header.fault(message, "cell_size") from None
 
 
@@ -227,9 +221,7 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
         outside = index >= side
         if outside.any():
             row = int(np.argmax(outside))
-            raise block.fault(
-                f"%timeline: {name} is {index[row]}; the grid has {name} from 0 to {side - 1}", row
-            )
+            raise block.fault(f"%timeline: {name} is {index[row]}; the grid has {name} from 0 to {side - 1}", row)
     falling = times[1:] < times[:-1]
     if falling.any():
         row = int(np.argmax(falling)) + 1
@@ -244,9 +236,7 @@ def _certificate(header: Header, blocks: dict[str, Block]) -> Certificate | None
     for kind in CERTIFICATE_KINDS:
         if kind in blocks and (record is None or record[0] != kind):
             said = "no [certificate]" if record is None else f'kind = "{record[0]}"'
-            raise blocks[kind].fault(
-                f"%{kind}, but the header has {said}; remove one or correct the other", -1
-            )
+            raise blocks[kind].fault(f"%{kind}, but the header has {said}; remove one or correct the other", -1)
     if record is None:
         return None
     kind, clearance = record

@@ -39,9 +39,7 @@ def check_keys(header: Header) -> None:
         if key not in HEADER_KEYS and key not in TABLE_KEYS:
             raise header.fault(_unknown("key", key, (*HEADER_KEYS, *TABLE_KEYS)), key)
         if key in TABLE_KEYS and not isinstance(value, dict):
-            raise header.fault(
-                f"{key} is {_kind(value)}; it is a table: write [{key}] on a line of its own", key
-            )
+            raise header.fault(f"{key} is {_kind(value)}; it is a table: write [{key}] on a line of its own", key)
     for table, known in TABLE_KEYS.items():
         for key in header.data.get(table, ()):
             if key not in known:
@@ -161,18 +159,14 @@ def _integer(header: Header, table: Mapping[str, object], name: str, key: str) -
     value = table[key]
     if isinstance(value, bool) or not isinstance(value, int) or value.bit_length() > MAX_INTEGER_BITS:
         came = "an integer out of range" if type(value) is int else _kind(value)
-        raise header.fault(
-            f"{name}.{key} is {came}; write an integer of at most {MAX_INTEGER_BITS} bits", name, key
-        )
+        raise header.fault(f"{name}.{key} is {came}; write an integer of at most {MAX_INTEGER_BITS} bits", name, key)
     return value
 
 
 def _values(header: Header, table: Mapping[str, object], name: str, key: str) -> dict[str, Value]:
     value = table.get(key, {})
     if not isinstance(value, dict):
-        raise header.fault(
-            f"{name}.{key} is {_kind(value)}; write a table: {key} = {{ name = 1 }}", name, key
-        )
+        raise header.fault(f"{name}.{key} is {_kind(value)}; write a table: {key} = {{ name = 1 }}", name, key)
     return {part: _value(header, item, (name, key, part), 2) for part, item in value.items()}
 
 
@@ -182,9 +176,7 @@ def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> 
         return value
     if isinstance(value, int):
         if value.bit_length() > MAX_INTEGER_BITS:
-            raise header.fault(
-                f"{what}: an integer has at most {MAX_INTEGER_BITS} bits; write it as text", *path
-            )
+            raise header.fault(f"{what}: an integer has at most {MAX_INTEGER_BITS} bits; write it as text", *path)
         return value
     if isinstance(value, float):
         return _finite(header, value, what, path)

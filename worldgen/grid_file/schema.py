@@ -139,9 +139,7 @@ TIMELINE: Final = LineSection(
         _decimal("time", signed=False),
         _index("ix", signed=False),
         _index("iy", signed=False),
-        Field(
-            "state", b"(?:%s)" % "|".join(STATES).encode(), f"one of {', '.join(STATES)}", _state, np.uint8
-        ),
+        Field("state", b"(?:%s)" % "|".join(STATES).encode(), f"one of {', '.join(STATES)}", _state, np.uint8),
     ),
     "12.5 8 3 burning",
 )

@@ -103,22 +103,16 @@ def _check_rows(block: Block, width: int) -> None:
         stop = block.data.index(b"\n", at)
         length = stop - at
         if row == MAX_SIDE:
-            raise block.fault(
-                f"more than {MAX_SIDE} rows; a side has at most {MAX_SIDE} cells; split the world", row
-            )
+            raise block.fault(f"more than {MAX_SIDE} rows; a side has at most {MAX_SIDE} cells; split the world", row)
         if length == 0:
             raise block.fault("an empty line in %cells; a row has at least one cell; delete the line", row)
         strange = block.data[at : min(stop, at + MAX_SIDE)].translate(None, _CELL_BYTES)
         if strange:
             raise _strange_cell(block, at, stop, row)
         if length > MAX_SIDE:
-            raise block.fault(
-                f"a row of {length} cells; a side has at most {MAX_SIDE} cells; split the world", row
-            )
+            raise block.fault(f"a row of {length} cells; a side has at most {MAX_SIDE} cells; split the world", row)
         if length != width:
-            raise block.fault(
-                f"a row of {length} cells under a first row of {width}; make them equally long", row
-            )
+            raise block.fault(f"a row of {length} cells under a first row of {width}; make them equally long", row)
         at, row = stop + 1, row + 1
 
 
@@ -168,9 +162,7 @@ def _line_pattern(section: LineSection) -> re.Pattern[bytes]:
     return re.compile(b"(?:" + b" ".join(field.pattern for field in section.fields) + b"\n)*+")
 
 
-def _column(
-    block: Block, section: LineSection, field: Field, words: list[bytes], row: int
-) -> npt.NDArray[Any]:
+def _column(block: Block, section: LineSection, field: Field, words: list[bytes], row: int) -> npt.NDArray[Any]:
     values = list(map(field.read, words))
     try:
         column = np.array(values, field.dtype)

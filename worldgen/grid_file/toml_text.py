@@ -25,9 +25,7 @@ def number_text(value: float, what: str) -> str:
     """
     number = float(value) + 0.0  # -0.0 + 0.0 is 0.0
     if not math.isfinite(number):
-        raise InvalidWorld(
-            f"{what} is {number}: a .grid file holds finite numbers only; leave it out or clamp it"
-        )
+        raise InvalidWorld(f"{what} is {number}: a .grid file holds finite numbers only; leave it out or clamp it")
     return repr(number)
 
 
@@ -52,8 +50,7 @@ def value_text(value: object, what: str, depth: int = 1) -> str:
         return _string_text(value, what)
     if not isinstance(value, list | Mapping):
         raise InvalidWorld(
-            f"{what} is a {type(value).__name__}: "
-            "a .grid file holds bool, int, float, str, list and dict; convert it"
+            f"{what} is a {type(value).__name__}: a .grid file holds bool, int, float, str, list and dict; convert it"
         )
     if depth > MAX_DEPTH:
         raise InvalidWorld(f"{what}: values are nested deeper than {MAX_DEPTH} levels; flatten them")

@@ -35,9 +35,7 @@ def dumps(world: World) -> bytes:
             "keep long evidence in a file of its own"
         )
     sections = "".join(f"{line}\n" for line in _section_lines(world))
-    return b"".join(
-        (header, b"\n%cells\n", _cells(world), sections.encode("ascii"), f"%{END}\n".encode("ascii"))
-    )
+    return b"".join((header, b"\n%cells\n", _cells(world), sections.encode("ascii"), f"%{END}\n".encode("ascii")))
 
 
 def world_digest(world: World) -> str:
