@@ -6,7 +6,6 @@ They draw structure, never raw cells: a family's parameters and seed, or the byt
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -51,7 +50,7 @@ def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
         raise InvalidParameter(f"{family} has no parameter {min(unknown)!r}; it has {', '.join(made_by.defaults())}")
     params: dict[str, Any] = {"size": draw(st.integers(14, 30))}
     for name, choices in _VARIED.get(family, {}).items():
-        params[name] = draw(choices())
+        params[name] = draw(choices)
     params |= fixed
     try:
         return generate(made_by, draw(st.integers(0, 2**32 - 1)), **params)
@@ -73,10 +72,24 @@ def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World
     return st.one_of(feature_worlds(), *(family_worlds(name) for name in sorted(_VARIED)))
 
 
-# What is drawn beside size and seed; each from the simplest up. Filled for the built-in families.
-_VARIED: dict[str, dict[str, Callable[[], st.SearchStrategy[Any]]]] = {
-    "corridor": {},
-    "fire": {},
-    "maze": {},
-    "trap": {},
+# What is drawn beside size and seed, the simplest first.
+_VARIED: dict[str, dict[str, st.SearchStrategy[Any]]] = {
+    "corridor": {
+        "shape": st.sampled_from(["bends", "dead-ends", "junctions"]),
+        "width": st.sampled_from([2, 3, 4, 5]),
+    },
+    "fire": {
+        "over": st.sampled_from(["trap", "corridor", "maze"]),
+        "spread": st.sampled_from([0.15, 0.3, 0.6]),
+    },
+    "maze": {
+        "algorithm": st.sampled_from(["backtracker", "wilson"]),
+        "braid": st.sampled_from([0.0, 0.5, 1.0]),
+        "passage": st.sampled_from([2, 3, 4]),
+    },
+    "trap": {
+        "shape": st.sampled_from(["U", "L", "spiral"]),
+        "turn": st.sampled_from([0, 1, 2, 3]),
+        "thickness": st.sampled_from([1, 2]),
+    },
 }

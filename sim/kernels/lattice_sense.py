@@ -84,22 +84,27 @@ def turn_towards(heading: int, target: int) -> int:
 
 
 @kernel
-def signal_heading(cells: Cells, x: int, y: int, target_ix: int, target_iy: int, heading: int) -> int:
-    """Heading to the centre of the strongest of the nine cells round the robot.
+def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, heading: int) -> int:
+    """Heading to the strongest of the nine cells round the robot: to its centre, or to the target in it.
 
-    The thesis's sensor: a cell's strength falls with its squared distance to the target's cell, walls and
-    flames carry none, and the first of equals wins, rows from the top, columns from the left.
+    The thesis's sensor: a cell's strength falls with the squared distance of its centre from the target (the
+    target's own cell is the strongest), walls and flames carry none, and the first of equals wins, rows from
+    the top, columns from the left. In the thesis the target is a cell's centre; here it may be anywhere.
     """
-    ix, iy = x // UNIT, y // UNIT
-    best_x, best_y = ix, iy
-    best = (ix - target_ix) * (ix - target_ix) + (iy - target_iy) * (iy - target_iy)
-    for row in range(1, -2, -1):
-        for column in range(-1, 2):
-            jx, jy = ix + column, iy + row
-            distance = (jx - target_ix) * (jx - target_ix) + (jy - target_iy) * (jy - target_iy)
-            if distance < best and cell_state(cells, jx, jy) == FREE:
-                best, best_x, best_y = distance, jx, jy
-    return heading_of(best_x * UNIT + UNIT // 2 - x, best_y * UNIT + UNIT // 2 - y, heading)
+    ix, iy, middle = x // UNIT, y // UNIT, UNIT // 2
+    best_x, best_y, best = ix, iy, -1
+    for place in range(-1, 9):  # the robot's own cell first: another must be strictly stronger
+        jx = ix if place < 0 else ix + place % 3 - 1
+        jy = iy if place < 0 else iy + 1 - place // 3
+        dx, dy = jx * UNIT + middle - target_x, jy * UNIT + middle - target_y
+        distance = dx * dx + dy * dy
+        if jx == target_x // UNIT and jy == target_y // UNIT:
+            distance = 0  # as in the thesis: nothing is stronger than the target's own cell
+        if best < 0 or (distance < best and cell_state(cells, jx, jy) == FREE):
+            best, best_x, best_y = distance, jx, jy
+    if best_x == target_x // UNIT and best_y == target_y // UNIT:
+        return heading_of(target_x - x, target_y - y, heading)
+    return heading_of(best_x * UNIT + middle - x, best_y * UNIT + middle - y, heading)
 
 
 @kernel
@@ -132,15 +137,15 @@ def sense(
         wall = heading_of(int(-contact[0] * 1024.0), int(-contact[1] * 1024.0), heading)
         observation[layout.OBS_BUMP_BEARING] = turn_towards(heading, wall) * radians
     target_x, target_y = settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y]
-    jx, jy = target_x // UNIT, target_y // UNIT
-    away_x, away_y = x // UNIT - jx, y // UNIT - jy
-    observation[layout.OBS_SIGNAL] = 1.0 / (1.0 + float(away_x * away_x + away_y * away_y))
-    observation[layout.OBS_SIGNAL_HEADING] = turn_towards(0, signal_heading(cells, x, y, jx, jy, heading)) * radians
+    dx, dy = target_x - x, target_y - y
+    away = math.sqrt(float(dx * dx + dy * dy))
+    observation[layout.OBS_SIGNAL] = 1.0 / (1.0 + away * away / float(UNIT * UNIT))
+    strongest = signal_heading(cells, x, y, target_x, target_y, heading)
+    observation[layout.OBS_SIGNAL_HEADING] = turn_towards(0, strongest) * radians
     observation[layout.OBS_HEADING] = turn_towards(0, heading) * radians
     observation[layout.OBS_X], observation[layout.OBS_Y] = x * metres, y * metres
-    dx, dy = target_x - x, target_y - y
     observation[layout.OBS_TARGET_HEADING] = turn_towards(0, heading_of(dx, dy, heading)) * radians
-    observation[layout.OBS_TARGET_DISTANCE] = math.sqrt(float(dx * dx + dy * dy)) * metres
+    observation[layout.OBS_TARGET_DISTANCE] = away * metres
     observation[layout.OBS_RANDOM] = random_draw(settings[layout.SET_SEED], draws)
     observation[layout.OBS_TIME_STEP] = scales[layout.SCALE_TIME_STEP]
     observation[layout.OBS_TOP_SPEED] = scales[layout.SCALE_TOP_SPEED]
