@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import inspect
+import math
+import re
+import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -12,9 +15,57 @@ from worldgen.random_streams import RandomStream
 from worldgen.registry import Registry
 from worldgen.world import Value, World
 
-__all__ = ["FAMILIES", "Family", "check_at_least", "check_between", "check_choice", "family"]
+__all__ = [
+    "FAMILIES",
+    "Family",
+    "Parameter",
+    "check_at_least",
+    "check_between",
+    "check_choice",
+    "check_positive",
+    "family",
+    "stream_for",
+]
 
 Build = Callable[..., World]
+
+_TAKEN = ("name", "seed")  # generate() has parameters of these names
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a family, as its function declares it.
+
+    Args:
+        name: Name in Python; on the command line with dashes.
+        default: Its type is the parameter's type: bool, int, float or str.
+        choices: The words allowed, from a ``Literal`` annotation; empty if there is none.
+        help: Its entry in the docstring's ``Args``, on one line.
+    """
+
+    name: str
+    default: bool | int | float | str
+    choices: tuple[str, ...] = ()
+    help: str = ""
+
+    def accept(self, value: Value, family_name: str) -> Value:
+        """The value, as a float where the default is one.
+
+        Raises:
+            InvalidParameter: If it has another type than the default, or is none of the choices.
+        """
+        kind = type(self.default)
+        if kind is float and type(value) is int:
+            value = float(value)
+        if type(value) is not kind:
+            raise InvalidParameter(
+                f"{family_name}: {self.name}={value!r} is a {type(value).__name__}; give a {kind.__name__}"
+            )
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InvalidParameter(f"{family_name}: {self.name}={value} is not finite; give a finite number")
+        if self.choices:
+            check_choice(self.name, str(value), self.choices)
+        return value
 
 
 @dataclass(frozen=True)
@@ -31,10 +82,23 @@ class Family:
     version: int
     build: Build
 
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What can be set, in order of declaration."""
+        hints, notes = typing.get_type_hints(self.build), _argument_notes(self.build.__doc__ or "")
+        return tuple(
+            Parameter(name, parameter.default, _choices(hints.get(name)), notes.get(name, ""))
+            for name, parameter in list(inspect.signature(self.build).parameters.items())[1:]
+        )
+
+    @property
+    def summary(self) -> str:
+        """First paragraph of the docstring."""
+        return inspect.cleandoc(self.build.__doc__ or "").split("\n\n", maxsplit=1)[0]
+
     def defaults(self) -> dict[str, Value]:
         """Every parameter with its default, in order of declaration."""
-        parameters = list(inspect.signature(self.build).parameters.values())[1:]
-        return {parameter.name: parameter.default for parameter in parameters}
+        return {parameter.name: parameter.default for parameter in self.parameters}
 
     def complete(self, params: Mapping[str, Value]) -> dict[str, Value]:
         """The parameters with defaults filled in.
@@ -42,22 +106,50 @@ class Family:
         Raises:
             InvalidParameter: If a name is unknown, or a value has another type than the default.
         """
-        defaults = self.defaults()
-        for name, value in params.items():
-            if name not in defaults:
-                raise InvalidParameter(f"{self.name} has no parameter {name!r}; it has {', '.join(defaults)}")
-            default = defaults[name]
-            fits = type(value) is type(default) or (isinstance(default, float) and type(value) is int)
-            if not fits:
-                raise InvalidParameter(f"{self.name}: {name}={value!r} must be a {type(default).__name__}")
-        merged = {**defaults, **params}
-        return {name: float(value) if isinstance(defaults[name], float) else value for name, value in merged.items()}  # type: ignore[arg-type]
+        known = {parameter.name: parameter for parameter in self.parameters}
+        for name in params:
+            if name not in known:
+                raise InvalidParameter(f"{self.name} has no parameter {name!r}; it has {', '.join(known)}")
+        return {
+            name: parameter.accept(params.get(name, parameter.default), self.name) for name, parameter in known.items()
+        }
+
+
+def _choices(hint: Any) -> tuple[str, ...]:
+    return typing.get_args(hint) if typing.get_origin(hint) is typing.Literal else ()
+
+
+def _argument_notes(docstring: str) -> dict[str, str]:
+    """The entries of a Google-style ``Args`` section, each on one line."""
+    section = re.search(r"^Args:\n((?:[ ]+.*\n?|\n)+)", inspect.cleandoc(docstring), re.MULTILINE)
+    if section is None:
+        return {}
+    entries = re.split(r"^ {4}(\w+): ", section.group(1), flags=re.MULTILINE)[1:]
+    return {name: " ".join(note.split()) for name, note in zip(entries[::2], entries[1::2], strict=True)}
+
+
+def _check_signature(name: str, build: Build) -> None:
+    for parameter in list(inspect.signature(build).parameters.values())[1:]:
+        if parameter.kind is not inspect.Parameter.KEYWORD_ONLY or parameter.name in _TAKEN:
+            raise InvalidParameter(
+                f"family {name!r}: parameter {parameter.name!r} must stand after *, "
+                f"and be called neither {' nor '.join(_TAKEN)}"
+            )
+        if type(parameter.default) not in (bool, int, float, str):
+            raise InvalidParameter(
+                f"family {name!r}: parameter {parameter.name!r} needs a default that is a bool, int, float or str"
+            )
 
 
 def family(name: str, *, version: int) -> Callable[[Build], Family]:
-    """Makes a family of a function ``(rng, *, size=..., ...) -> World``; register it as an entry point."""
+    """Makes a family of a function ``(rng, *, size=..., ...) -> World``; register it as an entry point.
+
+    Raises:
+        InvalidParameter: If a parameter is positional, has no plain default, or is called name or seed.
+    """
 
     def decorate(build: Build) -> Family:
+        _check_signature(name, build)
         made = Family(name, version, build)
         object.__setattr__(made, "__doc__", build.__doc__)
         return made
@@ -93,7 +185,18 @@ def check_between(name: str, value: float, low: float, high: float, unit: str = 
     """
     if not low <= value <= high:
         unit = f" {unit}" if unit else ""
-        raise InvalidParameter(f"{name}={value:g}{unit} is outside {low:g} to {high:g}{unit}")
+        raise InvalidParameter(f"{name}={value:g}{unit} is outside {low:g} to {high:g}{unit}; give one between")
+
+
+def check_positive(name: str, value: float, unit: str = "") -> None:
+    """Refuses zero, less than zero, and what is no finite number.
+
+    Raises:
+        InvalidParameter: Naming value and rule.
+    """
+    if not (math.isfinite(value) and value > 0.0):
+        unit = f" {unit}" if unit else ""
+        raise InvalidParameter(f"{name}={value:g}{unit} is not a finite number above 0; give one")
 
 
 def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
@@ -103,7 +206,7 @@ def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
         InvalidParameter: Naming value and choices.
     """
     if value not in choices:
-        raise InvalidParameter(f"{name}={value!r} is not one of {', '.join(choices)}")
+        raise InvalidParameter(f"{name}={value!r} is not one of {', '.join(choices)}; give one of these")
 
 
 def stream_for(seed: int, family_name: str, attempt: int) -> RandomStream:

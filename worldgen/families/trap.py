@@ -1,0 +1,296 @@
+"""Traps: an open arena with one concave obstacle between start and target."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+from worldgen.families._layout import CHOSEN, Arena, without_effect
+from worldgen.family import check_at_least, check_between, family
+from worldgen.random_streams import RandomStream
+from worldgen.world import World
+
+__all__ = ["trap"]
+
+Shape: TypeAlias = Literal["U", "L", "spiral"]
+Faces: TypeAlias = Literal["start", "target", "side"]
+Box: TypeAlias = tuple[int, int, int, int]
+Ranges: TypeAlias = tuple[tuple[int, int], tuple[int, int]]
+
+MOST_TURNS = 8  # quarter turns drawn for a spiral; more can be given
+
+
+@family("trap", version=1)
+def trap(
+    rng: RandomStream,
+    *,
+    size: int = 30,
+    shape: Shape = "U",
+    depth: int = CHOSEN,
+    mouth: int = CHOSEN,
+    thickness: int = 1,
+    turn: int = CHOSEN,
+    turns: int = CHOSEN,
+    faces: Faces = "start",
+    inside: bool = False,
+    cell_size: float = 0.1,
+    robot_radius: float = 0.07,
+    robot_speed: float = 2.0,
+) -> World:
+    """An open arena with a concave obstacle on the straight line from start to target.
+
+    A robot that is drawn to the target runs into the hollow and must first go away from the target to get
+    round. There is a way round on both sides where the square has room for it, else on one.
+
+    Args:
+        rng: The only source of chance; equal state, equal world.
+        size: Cells a side, the solid border included; 10 to 2000.
+        shape: U: a back wall and two arms; L: a back wall and one arm; spiral: a U whose one arm winds on
+            round it.
+        depth: Inner length of the arms, cells; of a spiral, the length of its innermost chamber; -1: drawn.
+        mouth: Clear width of the opening, between the arms or along the back wall, cells; of a spiral, of its
+            whole winding corridor; -1: drawn.
+        thickness: Thickness of the obstacle's walls, cells.
+        turn: Where the mouth opens: quarter turns counter-clockwise from +x, 0 to 3; -1: drawn.
+        turns: Quarter turns by which a spiral winds on beyond the U, 1 or more; -1: drawn.
+        faces: What lies before the mouth: the start, the target, or neither.
+        inside: Start in the hollow instead of before it.
+        cell_size: Side of a cell, m.
+        robot_radius: Radius of the robot, m.
+        robot_speed: Top speed of the robot, m/s.
+
+    Raises:
+        InvalidParameter: If a number is out of range, or the square has no room for obstacle and ways round.
+
+    Source: local minima of potential fields; Koren and Borenstein, "Potential field methods and their
+    inherent limitations for mobile robot navigation", ICRA 1991.
+    """
+    arena = Arena(size, cell_size, robot_radius, robot_speed)
+    check_at_least("thickness", thickness, 1, "cells")
+    check_between("turn", turn, CHOSEN, 3, "quarter turns")
+    least_depth = arena.narrowest if inside else 1
+    if depth != CHOSEN:
+        check_at_least("depth", depth, least_depth, "cells")
+    if mouth != CHOSEN:
+        mouth = arena.passage("mouth", mouth)
+    if shape != "spiral":
+        turns = without_effect("turns", turns, f"shape={shape}")
+    elif turns != CHOSEN:
+        check_at_least("turns", turns, 1, "quarter turns")
+    request = _Request(shape, depth, mouth, thickness, turns)
+
+    obstacle = _obstacle(*_draw_to_fit(rng.child("obstacle"), arena, request, faces))
+    corner = _place(rng.child("place"), arena, obstacle)
+    scene = _scene(rng.child("poses"), arena, obstacle, corner, faces, inside=inside)
+    if rng.below(2):
+        scene = scene.mirrored()
+    scene = scene.turned(rng.below(4) if turn == CHOSEN else turn)
+
+    return arena.world(scene.walls, scene.start, scene.target, scene.quarter)
+
+
+@dataclass(frozen=True)
+class _Request:
+    """The obstacle asked for; -1 is to be drawn."""
+
+    shape: Shape
+    depth: int
+    mouth: int
+    thickness: int
+    turns: int
+
+
+@dataclass(frozen=True)
+class _Obstacle:
+    """Solid boxes (x0, y0, x1, y1) in cells, first corner (0, 0), with the mouth opening to +x.
+
+    Args:
+        boxes: The walls.
+        width: Cells in x.
+        height: Cells in y.
+        opening: Rows [low, high) of the mouth.
+        hollow: The innermost box, where a robot is caught.
+    """
+
+    boxes: tuple[Box, ...]
+    width: int
+    height: int
+    opening: tuple[int, int]
+    hollow: Box
+
+
+def _obstacle(shape: Shape, depth: int, mouth: int, thickness: int, turns: int) -> _Obstacle:
+    """Builds the U or L with its mouth to +x, winds the upper arm on, and turns the mouth to +x again."""
+    x1, y1 = thickness + depth, mouth + 2 * thickness
+    back, lower = (0, 0, thickness, y1), (0, 0, x1, thickness)
+    hollow, opening = (thickness, thickness, x1, y1 - thickness), (thickness, y1 - thickness)
+    if shape == "L":
+        y1 -= thickness
+        return _Obstacle(((0, 0, thickness, y1), lower), x1, y1, opening, hollow)
+    boxes = [back, lower, (0, y1 - thickness, x1, y1)]
+    for _ in range(turns):
+        boxes, hollow, (width, height) = _wind_on(boxes, hollow, mouth, thickness)
+        opening = (height - thickness - mouth, height - thickness)
+    width, height = _extent(boxes)
+    return _Obstacle(tuple(boxes), width, height, opening, hollow)
+
+
+def _wind_on(boxes: list[Box], hollow: Box, mouth: int, thickness: int) -> tuple[list[Box], Box, tuple[int, int]]:
+    """Leads the wall that ends at the upper right on, across the right side; then turns the new mouth to +x.
+
+    The wall's end goes on to +x, then to -y along the whole right side, ``mouth`` away from what is there.
+    The new mouth, at the lower right, opens to -y; a quarter turn makes that +x, and the lower right corner
+    the upper right one, ready for the next winding.
+    """
+    width, height = _extent(boxes)
+    reach = width + mouth + thickness
+    longer = [*boxes, (width, height - thickness, reach, height), (reach - thickness, 0, reach, height)]
+    turned = [_quarter_turn(box, height) for box in longer]
+    return turned, _quarter_turn(hollow, height), (height, reach)
+
+
+def _extent(boxes: Iterable[Box]) -> tuple[int, int]:
+    return max(box[2] for box in boxes), max(box[3] for box in boxes)
+
+
+def _quarter_turn(box: Box, height: int) -> Box:
+    """Counter-clockwise: (x, y) goes to (height - y, x)."""
+    return height - box[3], box[0], height - box[1], box[2]
+
+
+def _draw_to_fit(rng: RandomStream, arena: Arena, request: _Request, faces: Faces) -> tuple[Shape, int, int, int, int]:
+    """Fixes what is to be drawn, one number after the other, each such that the least of the rest still fits.
+
+    Raises:
+        InvalidParameter: If nothing fits, or what was given does not.
+    """
+    shape, thickness, low = request.shape, request.thickness, arena.narrowest
+
+    def fits(turns: int, mouth: int, depth: int) -> bool:
+        return _room(arena, _obstacle(shape, depth, mouth, thickness, turns), faces) is None
+
+    least_turns = 1 if request.turns == CHOSEN else request.turns
+    least_mouth = low if request.mouth == CHOSEN else request.mouth
+    least_depth = low if request.depth == CHOSEN else request.depth
+    problem = _room(arena, _obstacle(shape, least_depth, least_mouth, thickness, least_turns), faces)
+    if problem is not None:
+        raise InvalidParameter(
+            f"size={arena.size} has no room for shape={shape} with mouth={least_mouth}, depth={least_depth}, "
+            f"thickness={thickness}" + (f", turns={least_turns}" if shape == "spiral" else "") + f": {problem}; "
+            "give a larger size, or a smaller obstacle or robot_radius"
+        )
+    turns, mouth, depth = request.turns, request.mouth, request.depth
+    if turns == CHOSEN:
+        turns = _one_of(rng, range(1, MOST_TURNS + 1), lambda value: fits(value, least_mouth, least_depth))
+    if mouth == CHOSEN:
+        mouth = _one_of(rng, range(low, arena.inside), lambda value: fits(turns, value, least_depth))
+    if depth == CHOSEN:
+        depth = _one_of(rng, range(low, arena.inside), lambda value: fits(turns, mouth, value))
+    return shape, depth, mouth, thickness, turns
+
+
+def _one_of(rng: RandomStream, values: range, fits: Callable[[int], bool]) -> int:
+    """One of the values up to the largest that fits; the first is known to."""
+    low, high = values[0], values[-1]
+    while low < high:  # what is larger takes more room, so halving finds the limit
+        middle = (low + high + 1) // 2
+        low, high = (middle, high) if fits(middle) else (low, middle - 1)
+    return rng.between(values[0], low)
+
+
+def _room(arena: Arena, obstacle: _Obstacle, faces: Faces) -> str | None:
+    """Why the obstacle finds no room, or ``None``.
+
+    Robot and target need a passage each, before and behind on the way from start to target; across it, one
+    passage is enough to get round.
+    """
+    along, across = obstacle.width, obstacle.height
+    if faces == "side":
+        along, across = across, along
+    if along + 2 * arena.narrowest > arena.inside:
+        return f"{along} cells and a passage of {arena.narrowest} on both sides are more than the {arena.inside} inside"
+    if across + arena.narrowest > arena.inside:
+        return f"{across} cells and a passage of {arena.narrowest} beside them are more than the {arena.inside} inside"
+    return None
+
+
+def _place(rng: RandomStream, arena: Arena, obstacle: _Obstacle) -> tuple[int, int]:
+    """First cell of the obstacle, such that every gap to the border is a passage or closed."""
+    spare = (arena.inside - obstacle.width, arena.inside - obstacle.height)
+    corner = []
+    for axis in range(2):
+        slack = spare[axis] - 2 * arena.narrowest
+        if slack >= 0:
+            corner.append(1 + arena.narrowest + rng.between(0, slack))
+        elif axis == 0:
+            corner.append(1)  # the back against the border, never the mouth
+        else:
+            corner.append(1 + rng.below(2) * spare[axis])
+    return corner[0], corner[1]
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """Walls and, in half cells, start and target; the heading in quarter turns."""
+
+    walls: npt.NDArray[np.bool_]
+    start: tuple[int, int]
+    target: tuple[int, int]
+    quarter: int
+
+    def turned(self, quarters: int) -> _Scene:
+        """The scene turned counter-clockwise by quarter turns."""
+        side = 2 * len(self.walls)
+        scene = self
+        for _ in range(quarters):
+            (sx, sy), (tx, ty) = scene.start, scene.target
+            walls = scene.walls.T[:, ::-1]  # (x, y) goes to (side - y, x)
+            scene = _Scene(walls, (side - sy, sx), (side - ty, tx), (scene.quarter + 1) % 4)
+        return scene
+
+    def mirrored(self) -> _Scene:
+        """The scene with y upside down; a mouth to +x stays one."""
+        side = 2 * len(self.walls)
+        (sx, sy), (tx, ty) = self.start, self.target
+        return _Scene(self.walls[::-1], (sx, side - sy), (tx, side - ty), -self.quarter % 4)
+
+
+def _scene(
+    rng: RandomStream,
+    arena: Arena,
+    obstacle: _Obstacle,
+    corner: tuple[int, int],
+    faces: Faces,
+    *,
+    inside: bool,
+) -> _Scene:
+    """Obstacle, start and target in the arena, the mouth to +x."""
+    x, y = corner
+    walls = arena.solid()
+    walls[1:-1, 1:-1] = False
+    for x0, y0, x1, y1 in obstacle.boxes:
+        walls[y + y0 : y + y1, x + x0 : x + x1] = True
+
+    end = arena.size - 1
+    front, behind = (x + obstacle.width, end), (1, x)
+    rows = (y + obstacle.opening[0], y + obstacle.opening[1])
+    columns = (x, x + max(obstacle.width, arena.narrowest))
+    above, below = (y + obstacle.height, end), (1, y)
+    start, target, quarter = {
+        "start": ((front, rows), (behind, rows), 2),
+        "target": ((behind, rows), (front, rows), 0),
+        "side": ((columns, above), (columns, below), 3),
+    }[faces]
+    if inside:
+        x0, y0, x1, y1 = obstacle.hollow
+        start = ((x + x0, x + x1), (y + y0, y + y1))
+    return _Scene(walls, _spot(rng, arena, start), _spot(rng, arena, target), quarter)
+
+
+def _spot(rng: RandomStream, arena: Arena, box: Ranges) -> tuple[int, int]:
+    return arena.spot(rng, *box[0]), arena.spot(rng, *box[1])
