@@ -31,7 +31,7 @@ def shrink(path: Path, out: Path | None, seconds: float | None, as_json: bool, f
     target = out or path.with_name(f"{path.name.removesuffix('.gz').removesuffix('.grid')}.shrunk.grid")
     if target.exists() and not force:
         raise OutputError(f"{target} is there already; give --force to overwrite it, or --out another name")
-    result = shrink_failure(read_world(path), seconds=seconds)
+    result = shrink_failure(read_world(path), seconds=seconds, keep_on_interrupt=True)
     write_world(result.world, target, force=force)
     if as_json:
         emit_json(

@@ -45,6 +45,7 @@ def shrink(
     *,
     seconds: float | None = None,
     progress: Callable[[World], None] | None = None,
+    keep_on_interrupt: bool = False,
 ) -> Shrunk:
     """Makes a failure's world as small as it can be, keeping verdict and certificate.
 
@@ -52,9 +53,10 @@ def shrink(
         failure: A world with a failure record.
         seconds: Stop after this time with the best so far; a fixed amount of work without it.
         progress: Called with each simpler world.
+        keep_on_interrupt: Let Ctrl-C end shrinking with the best so far, instead of raising.
 
     Returns:
-        The shrunk failure. Ctrl-C returns the best so far, too.
+        The shrunk failure.
 
     Raises:
         InvalidParameter: If the world holds no failure, or it does not fail (any more).
@@ -69,7 +71,12 @@ def shrink(
             "target is not reachable; replay the file first: worldgen replay"
         )
     reducer = _Reducer(best, still_fails, None if seconds is None else time.monotonic() + seconds, progress)
-    complete = reducer.run()
+    try:
+        complete = reducer.run()
+    except KeyboardInterrupt:
+        if not keep_on_interrupt:
+            raise
+        complete = False
     left = tuple(removable(reducer.best, still_fails)) if complete else ("not checked: stopped early",)
     details = dict(record.details) | {
         "shrunk_from": failure.solid_cells,
@@ -96,14 +103,14 @@ class _Reducer:
         self.best, self._still_fails, self._deadline, self._progress = best, still_fails, deadline, progress
 
     def run(self) -> bool:
-        """Passes until a whole round changes nothing; False if stopped before."""
+        """Passes until a whole round changes nothing; False if the time is up before."""
         try:
             before = None
             while before is not self.best:
                 before = self.best
                 for simplify in PASSES:
                     self._exhaust(simplify)
-        except (TimeoutError, KeyboardInterrupt):
+        except TimeoutError:
             return False
         return True
 

@@ -1,0 +1,73 @@
+"""Campaigns: pure units, the same corpus for any number of workers, nothing lost on the way."""
+
+from dataclasses import replace
+
+import pytest
+
+from fuzz.campaign import Campaign, Found
+from fuzz.failure import replay
+from fuzz.unit import CampaignConfig, run_unit
+from worldgen import check_certificate
+from worldgen.grid_file import dumps
+
+CONFIG = CampaignConfig("turn-right", "swept", seed=5, examples=40)
+
+
+class Arrives:
+    """A controller for which no world fails: it is never run."""
+
+
+def corpus(campaign):
+    for _ in campaign.run():
+        pass
+    return {kind: dumps(world) for kind, world in campaign.state.best.items()}
+
+
+@pytest.fixture(scope="module")
+def found():
+    campaign = Campaign(CONFIG, units=3)
+    return campaign, corpus(campaign)
+
+
+def test_a_unit_is_a_pure_function_of_its_number():
+    one, two = run_unit(CONFIG, 2), run_unit(CONFIG, 2)
+    assert (one.worlds, one.steps, one.verdicts, one.met) == (two.worlds, two.steps, two.verdicts, two.met)
+    assert {k: dumps(w) for k, w in one.failures.items()} == {k: dumps(w) for k, w in two.failures.items()}
+
+
+def test_other_units_and_other_seeds_draw_other_worlds():
+    steps = {run_unit(replace(CONFIG, seed=seed), unit).steps for seed in (5, 6) for unit in (0, 1)}
+    assert len(steps) == 4
+
+
+def test_the_thesis_robot_is_found_to_loop(found):
+    campaign, files = found
+    assert files and all(kind.startswith(("loop", "stalled", "timeout")) for kind in files)
+    assert campaign.state.worlds >= 60 and campaign.state.verdicts["loop"] > 0
+
+
+def test_every_failure_replays_and_carries_a_valid_witness(found):
+    for world in found[0].state.best.values():
+        assert replay(world).confirmed and check_certificate(world).valid
+
+
+def test_every_failure_says_that_it_is_one_minimal(found):
+    assert all(world.failure.details["one_minimal"] for world in found[0].state.best.values())
+
+
+def test_two_processes_find_the_same_corpus_as_one(found):
+    assert corpus(Campaign(CONFIG, units=3, workers=2)) == found[1]
+
+
+def test_what_is_not_shrunk_yet_is_kept_when_a_campaign_stops():
+    campaign = Campaign(CONFIG, units=3)
+    for event in campaign.run():
+        if isinstance(event, Found):
+            break
+        assert campaign.pending() or not campaign.state.met
+    assert campaign.state.best or campaign.pending()
+
+
+def test_a_budget_of_no_time_does_no_work():
+    campaign = Campaign(CONFIG, seconds=0.0)
+    assert corpus(campaign) == {} and campaign.state.units == 0

@@ -1,0 +1,179 @@
+"""fuzz, replay, shrink and run as typed: output, exit codes, one-line errors."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tests.helpers.command_line import worldgen
+from worldgen import read_world, write_world
+
+FUZZ = ("fuzz", "--controller", "turn-right", "--units", 2, "--examples", 40, "--seed", 5, "--workers", 1)
+
+COMPLETE = '''
+from sim import Command
+
+class Sits:
+    """Starts in the target and has arrived."""
+    def reset(self): return ()
+    def act(self, observation, memory): return Command(), memory
+'''
+
+
+@pytest.fixture(scope="module")
+def failures(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("campaign") / "failures"
+    result = worldgen(*FUZZ, "--out", folder)
+    assert result.code == 1
+    return folder, result
+
+
+def test_fuzz_writes_a_file_a_failure_and_says_how_to_replay_it(failures):
+    folder, result = failures
+    files = sorted(folder.glob("*.grid"))
+    assert files and all(f"worldgen replay {file}" in result.out for file in files)
+
+
+def test_fuzz_draws_each_failure_and_prints_its_seed(failures):
+    assert "S start  G target" in failures[1].out and "seed 5: 2 units" in failures[1].out
+
+
+def test_fuzz_prints_one_json_object(tmp_path):
+    result = worldgen(*FUZZ, "--out", tmp_path / "f", "--json")
+    summary = json.loads(result.out)
+    assert {"seed", "worlds", "steps", "seconds", "failures"} <= set(summary) and result.code == 1
+    assert set(summary["failures"][0]) == {"file", "verdict", "class", "solid_cells", "replay"}
+
+
+def test_equal_seeds_and_units_give_equal_files(failures, tmp_path):
+    worldgen(*FUZZ, "--out", tmp_path / "again")
+    one = {file.name: file.read_bytes() for file in failures[0].glob("*.grid")}
+    assert one == {file.name: file.read_bytes() for file in (tmp_path / "again").glob("*.grid")}
+
+
+def test_replay_confirms_every_file(failures):
+    result = worldgen("replay", failures[0], "--json")
+    summary = json.loads(result.out)
+    assert result.code == 0 and summary["replayed"] == summary["confirmed"] == len(list(failures[0].glob("*.grid")))
+
+
+def test_replay_notices_a_digest_that_was_changed(failures, tmp_path):
+    file = next(iter(failures[0].glob("*.grid")))
+    text = file.read_text()
+    digest = read_world(file).failure.trace_digest
+    (tmp_path / "changed.grid").write_text(text.replace(digest, "0" * 16))
+    result = worldgen("replay", tmp_path / "changed.grid")
+    assert result.code == 1 and "NOT confirmed: the trace digest is" in result.out
+
+
+def test_replay_notices_a_wall_that_was_added(failures, tmp_path):
+    file = max(failures[0].glob("*.grid"), key=lambda f: read_world(f).solid_cells)
+    lines = file.read_text().splitlines(keepends=True)
+    row = lines.index("%cells\n") + 1
+    lines[row] = "#" * (len(lines[row]) - 1) + "\n"
+    (tmp_path / "changed.grid").write_text("".join(lines))
+    assert worldgen("replay", tmp_path / "changed.grid").code in (1, 2)
+
+
+def test_a_controller_that_arrives_leaves_nothing_to_report(tmp_path):
+    (tmp_path / "mine.py").write_text(COMPLETE)
+    world = read_world_with_start_in_target(tmp_path)
+    result = worldgen("run", world, "--controller", f"{tmp_path}/mine.py:Sits")
+    assert result.code == 0 and result.out.startswith("reached")
+
+
+def read_world_with_start_in_target(folder):
+    path = folder / "easy.grid"
+    path.write_text(
+        "%worldgen-grid 1\ncell_size = 0.1\nrobot_radius = 0.07\nstart = [0.25, 0.25, 0.0]\n"
+        "target = [0.25, 0.25, 0.05]\n\n%cells\n.....\n.....\n.....\n.....\n.....\n%end\n"
+    )
+    return path
+
+
+def test_shrink_works_alone_on_a_failure_file(failures, tmp_path):
+    source = next(iter(failures[0].glob("*.grid")))
+    result = worldgen("shrink", source, "--out", tmp_path / "small.grid", "--json")
+    summary = json.loads(result.out)
+    assert result.code == 0 and summary["one_minimal"] and (tmp_path / "small.grid").exists()
+
+
+def test_an_existing_file_is_not_overwritten(failures, tmp_path):
+    source = next(iter(failures[0].glob("*.grid")))
+    (tmp_path / "there.grid").write_text("mine")
+    result = worldgen("shrink", source, "--out", tmp_path / "there.grid")
+    assert result.code == 2 and (tmp_path / "there.grid").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (("fuzz", "--controller", "turn-rihgt"), "did you mean 'turn-right'?"),
+        (("fuzz", "--controller", "turn-right", "--motion", "flying"), "no motion model is called 'flying'"),
+        (("fuzz", "--controller", "turn-right", "--family", "mace"), "did you mean 'maze'?"),
+        (("fuzz", "--controller", "turn-right", "--budget", "soon"), "is no duration; write 30s, 5m or 1h"),
+        (("fuzz", "--controller", "turn-right", "--units", "1", "--budget", "1s"), "give --budget or --units"),
+        (("fuzz", "--controller", "./absent.py:Robot"), "no such file"),
+        (("fuzz", "--controller", "turn-right", "--world", "absent.grid"), "absent.grid"),
+    ],
+)
+def test_bad_options_of_fuzz_are_one_line_and_code_2(args, message, tmp_path):
+    result = worldgen(*args, "--out", tmp_path / "out")
+    assert result.code == 2 and message in result.err and "Traceback" not in result.err
+
+
+@pytest.mark.parametrize("command", ["replay", "shrink", "show", "verify"])
+def test_a_missing_file_is_one_line_and_code_2(command, tmp_path):
+    result = worldgen(command, tmp_path / "absent.grid")
+    assert result.code == 2 and "absent.grid" in result.err and "Traceback" not in result.err
+
+
+def test_a_folder_with_failures_is_not_written_into_without_force(failures):
+    result = worldgen(*FUZZ, "--out", failures[0])
+    assert result.code == 2 and "--force" in result.err
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_the_search(tmp_path):
+    (tmp_path / "file").write_text("")
+    result = worldgen(*FUZZ, "--out", tmp_path / "file" / "sub")
+    assert result.code == 2 and "cannot be written" in result.err
+
+
+def test_ctrl_c_keeps_what_was_found(tmp_path):
+    folder = tmp_path / "failures"
+    command = [sys.executable, "-c", "from worldgen.cli.main import main; main()", "fuzz", "--controller", "turn-left"]
+    process = subprocess.Popen(
+        [*command, "--budget", "10m", "--seed", "3", "--workers", "1", "--out", str(folder)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 120
+    while not list(folder.glob("*.grid")) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    try:
+        out, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 130 and "Traceback" not in err and "are kept in" in err
+    assert worldgen("replay", folder).code == 0 and "worldgen replay" in out
+
+
+def test_a_fuzz_campaign_on_a_fixed_map_varies_the_poses(tmp_path):
+    text = "\n".join(["#" * 14, *["#" + "." * 12 + "#"] * 5, "#" + "." * 6 + "#" * 6 + "#", *["#" + "." * 12 + "#"] * 5])
+    path = tmp_path / "map.grid"
+    path.write_text(
+        "%worldgen-grid 1\ncell_size = 0.1\nrobot_radius = 0.07\nstart = [0.25, 0.25, 0.0]\n"
+        f"target = [1.15, 1.05, 0.05]\n\n%cells\n{text}\n{'#' * 14}\n%end\n"
+    )
+    result = worldgen(*FUZZ, "--world", path, "--out", tmp_path / "out")
+    starts = {read_world(file).start for file in (tmp_path / "out").glob("*.grid")}
+    assert result.code == 1 and starts - {read_world(path).start}
+
+
+def test_write_world_round_trips_a_failure(failures, tmp_path):
+    file = next(iter(failures[0].glob("*.grid")))
+    write_world(read_world(file), tmp_path / "copy.grid")
+    assert (tmp_path / "copy.grid").read_bytes() == file.read_bytes()
