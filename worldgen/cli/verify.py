@@ -16,12 +16,8 @@ __all__ = ["verify", "verify_world"]
 
 
 @click.command()
-@click.argument(
-    "paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path)
-)
-@click.option(
-    "--radius", type=float, metavar="R", help="Ask for a disc of this radius, m, instead of the robot's."
-)
+@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
+@click.option("--radius", type=float, metavar="R", help="Ask for a disc of this radius, m, instead of the robot's.")
 @json_option
 def verify(paths: tuple[Path, ...], radius: float | None, as_json: bool) -> None:
     r"""Check a world's proof, or decide a map afresh.

@@ -1,8 +1,8 @@
 """Checks a certificate without any of the code that made it: shapely, numpy, plain Python.
 
-A witness is checked in metres with a tolerance of 1e-9 m. A cut's gaps and its winding are whole numbers of
-cells and halves, so they are checked exactly; only a target's disc that reaches over the chain needs
-shapely's polygons, and there every rounding goes against the certificate.
+A witness is checked in cells with a tolerance of 1e-8, which is 1e-9 m at the usual 0.1 m a cell. A cut's gaps
+and its winding are whole numbers of cells and halves, so they are checked exactly; only a target's disc that
+reaches over the chain needs shapely's polygons, and there every rounding goes against the certificate.
 """
 
 from __future__ import annotations
@@ -23,12 +23,10 @@ from worldgen.world import Certificate, Cut, Witness, World
 
 __all__ = ["TOLERANCE", "CheckReport", "check_certificate"]
 
-TOLERANCE = 1e-9  # m; a path may come this much nearer to a wall than the radius
+TOLERANCE = 1e-8  # cells; a path may come this much nearer to a wall than the radius
 SPEED_TOLERANCE = 1e-9  # share of the speed by which a piece may be too fast
 _ARC = 512  # segments of a quarter circle in polygons that stand for discs
-_SHRINK = (
-    1 - 2.0**-11
-)  # a pose that the disc leaves clear shows as an area once the disc is this much smaller
+_SHRINK = 1 - 2.0**-11  # a pose that the disc leaves clear shows as an area once the disc is this much smaller
 
 Cells: TypeAlias = npt.NDArray[np.int64]
 Floats: TypeAlias = npt.NDArray[np.float64]
@@ -70,11 +68,12 @@ def check_certificate(
         return CheckReport(False, "the world carries no certificate", 0.0)
     measured = [0.0]
     try:
-        if isinstance(certificate, Witness):
-            _check_witness(world, certificate, radius, measured)
-            reason = f"the path is clear for discs of up to {measured[0]:.6g} m"
-        else:
-            reason = _check_cut(world, certificate, radius, measured)
+        with np.errstate(all="ignore"):  # a hostile file may hold times whose difference overflows
+            if isinstance(certificate, Witness):
+                _check_witness(world, certificate, radius, measured)
+                reason = f"the path is clear for discs of up to {measured[0]:.6g} m"
+            else:
+                reason = _check_cut(world, certificate, radius, measured)
     except _Refused as refusal:
         return CheckReport(False, str(refusal), measured[0])
     return CheckReport(True, reason, measured[0])
@@ -108,9 +107,7 @@ def _blocked_spans(world: World) -> _Spans:
     end[:-1][~changes] = begin[1:][~changes]
     ix, iy = np.concatenate([ix, ix[first]]), np.concatenate([iy, iy[first]])
     begin, end = np.concatenate([begin, np.zeros(int(first.sum()))]), np.concatenate([end, begin[first]])
-    wall = np.where(
-        world.walls[iy[len(state) :], ix[len(state) :]], int(CellState.SOLID), int(CellState.FREE)
-    )
+    wall = np.where(world.walls[iy[len(state) :], ix[len(state) :]], int(CellState.SOLID), int(CellState.FREE))
     state = np.concatenate([state, wall])
     kept = (state != int(CellState.FREE)) & (begin < end)
     return _Spans(ix[kept], iy[kept], begin[kept], end[kept])
@@ -136,57 +133,84 @@ def _always_blocked(world: World, spans: _Spans) -> npt.NDArray[np.bool_]:
     return blocked
 
 
-def _check_witness(world: World, witness: Witness, radius: float, measured: list[float]) -> None:
-    times, x, y = witness.times, witness.x, witness.y
-    finite = all(np.isfinite(values).all() for values in (times, x, y))
-    _require(len(times) > 0 and finite, "the witness has no points, or a number that is not finite")
-    _require(times[0] == 0.0, f"the witness starts at {times[0]} s, not at 0 s")
-    at_start = math.dist((x[0], y[0]), (world.start.x, world.start.y)) <= TOLERANCE
-    _require(
-        at_start,
-        f"the witness starts at ({x[0]}, {y[0]}) m, not at the start ({world.start.x}, {world.start.y}) m",
-    )
-    missed = math.dist((x[-1], y[-1]), (world.target.x, world.target.y)) - world.target.radius
-    _require(missed <= TOLERANCE, f"the witness ends {missed:.3g} m outside the target's disc")
-    waits = np.diff(times)
-    falls = np.nonzero(waits < 0)[0]
-    _require(not len(falls), f"the witness goes back in time after point {falls[0] if len(falls) else 0}")
-    steps = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2)
-    fast = np.nonzero(steps > world.robot_speed * waits * (1 + SPEED_TOLERANCE) + 1e-12)[0]
-    _require(
-        not len(fast),
-        f"the witness is faster than {world.robot_speed} m/s after point {fast[0] if len(fast) else 0}",
-    )
-    clearance, where = _static_clearance(world, x, y)
-    if world.is_dynamic:
-        clearance, where = _timed_clearance(world, witness, clearance, where, max(radius, witness.clearance))
-    measured[0] = max(clearance, 0.0)
-    _require(
-        clearance >= radius - TOLERANCE,
-        f"the witness comes within {clearance:.9g} m of {where}; the radius is {radius} m",
-    )
-    _require(
-        clearance >= witness.clearance - TOLERANCE,
-        f"the witness claims {witness.clearance} m of clearance and has {clearance:.9g} m, at {where}",
-    )
+@dataclass(frozen=True)
+class _Path:
+    """A witness in cells and seconds; of two points at least."""
+
+    times: Floats
+    x: Floats
+    y: Floats
+
+    def shapes(self) -> npt.NDArray[np.object_]:
+        """One shape per piece: a line, or a point where the robot stands still."""
+        points = np.stack([self.x, self.y], axis=1)
+        return _lines(points[:-1], points[1:])
+
+    def parts(self, piece: Cells, low: Floats, high: Floats) -> npt.NDArray[np.object_]:
+        """What the robot drives of each piece between the times ``low`` and ``high``."""
+        begin, length = self.times[piece], np.diff(self.times)[piece]
+        length = np.where(length > 0, length, 1.0)
+        ends = []
+        for share in ((low - begin) / length, (high - begin) / length):
+            ends.append(np.stack([v[piece] + share * np.diff(v)[piece] for v in (self.x, self.y)], axis=1))
+        return _lines(ends[0], ends[1])
 
 
-def _pieces(x: Floats, y: Floats) -> npt.NDArray[np.object_]:
-    """One shape per piece of a path: a line, or a point where it stands still."""
-    points = np.stack([x, y], axis=1)
-    if len(points) == 1:
-        return np.asarray(shapely.points(points))
-    still = (np.diff(x) == 0) & (np.diff(y) == 0)
-    shapes = np.asarray(shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1)))
-    shapes[still] = shapely.points(points[:-1][still])
+def _lines(a: Floats, b: Floats) -> npt.NDArray[np.object_]:
+    shapes = np.asarray(shapely.linestrings(np.stack([a, b], axis=1)))
+    still = np.abs(a - b).max(axis=1) < 1e-12  # lines of almost no length trip GEOS
+    shapes[still] = shapely.points(a[still])
     return shapes
 
 
-def _static_clearance(world: World, x: Floats, y: Floats) -> tuple[float, str]:
-    """Distance, m, from a path to the nearest cell that is solid and never changes, or to the outside."""
+def _check_witness(world: World, witness: Witness, radius: float, measured: list[float]) -> None:
     size = world.cell_size
+    path = _path_of(world, witness)
+    clearance, where = _static_clearance(world, path)
+    if world.is_dynamic:
+        clearance, where = _timed_clearance(world, path, clearance, where, max(radius, witness.clearance) / size)
+    measured[0] = max(clearance * size, 0.0)
+    _require(
+        clearance >= radius / size - TOLERANCE,
+        f"the witness comes within {clearance * size:.9g} m of {where}; the radius is {radius} m",
+    )
+    _require(
+        clearance >= witness.clearance / size - TOLERANCE,
+        f"the witness claims {witness.clearance} m of clearance and has {clearance * size:.9g} m, at {where}",
+    )
+
+
+def _path_of(world: World, witness: Witness) -> _Path:
+    """The witness, once it starts and ends where it must, stays in the grid and keeps to the speed."""
+    times, x, y, size = witness.times, witness.x, witness.y, world.cell_size
+    finite = all(np.isfinite(values).all() for values in (times, x, y))
+    _require(len(times) > 0 and finite, "the witness has no points, or a number that is not finite")
+    _require(bool(times[0] == 0.0), f"the witness starts at {times[0]} s, not at 0 s")
+    falls = np.nonzero(times[1:] < times[:-1])[0]
+    _require(not len(falls), f"the witness goes back in time after point {_first(falls)}")
+    x, y = x / size, y / size
+    inside = (x >= 0) & (y >= 0) & (x <= world.width + TOLERANCE) & (y <= world.height + TOLERANCE)
+    _require(bool(inside.all()), f"the witness leaves the grid at point {_first(np.nonzero(~inside)[0])}")
+    off = math.dist((x[0], y[0]), (world.start.x / size, world.start.y / size))
+    _require(off <= TOLERANCE, f"the witness starts {off * size:.3g} m from the start")
+    missed = math.dist((x[-1], y[-1]), (world.target.x / size, world.target.y / size)) - world.target.radius / size
+    _require(missed <= TOLERANCE, f"the witness ends {missed * size:.3g} m outside the target's disc")
+    steps, waits = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2), np.diff(times)
+    fast = np.nonzero(steps > world.robot_speed / size * waits * (1 + SPEED_TOLERANCE) + 1e-11)[0]
+    _require(not len(fast), f"the witness is faster than {world.robot_speed} m/s after point {_first(fast)}")
+    if len(times) == 1:
+        return _Path(np.repeat(times, 2), np.repeat(x, 2), np.repeat(y, 2))
+    return _Path(times, x, y)
+
+
+def _first(found: npt.NDArray[np.intp]) -> int:
+    return int(found[0]) if len(found) else 0
+
+
+def _static_clearance(world: World, path: _Path) -> tuple[float, str]:
+    """Distance, cells, from a path to the nearest cell that is solid and never changes, or to the outside."""
     # The outside is the complement of a convex box: the path is nearest to it at one of its points.
-    rim = min(x.min(), y.min(), world.width * size - x.max(), world.height * size - y.max())
+    rim = min(path.x.min(), path.y.min(), world.width - path.x.max(), world.height - path.y.max())
     clearance, where = float(rim), "the outside of the grid"
     fixed = world.walls.copy()
     fixed[world.timeline.iy, world.timeline.ix] = False
@@ -194,62 +218,34 @@ def _static_clearance(world: World, x: Floats, y: Floats) -> tuple[float, str]:
     iy, begin = np.nonzero(runs == 1)
     end = np.nonzero(runs == -1)[1]  # runs of solid cells in a row: far fewer boxes than cells
     if len(iy):
-        tree = shapely.STRtree(shapely.box(begin * size, iy * size, end * size, (iy + 1) * size))
-        (_, boxes), distances = tree.query_nearest(_pieces(x, y), all_matches=False, return_distance=True)
+        tree = shapely.STRtree(shapely.box(begin, iy, end, iy + 1))
+        (_, boxes), distances = tree.query_nearest(path.shapes(), all_matches=False, return_distance=True)
         nearest = int(np.argmin(distances))
         if distances[nearest] < clearance:
-            clearance = float(distances[nearest])
             box = boxes[nearest]
-            where = f"the solid cells {begin[box]} to {end[box] - 1} of row {iy[box]}"
+            clearance, where = float(distances[nearest]), f"cells {begin[box]} to {end[box] - 1} of row {iy[box]}"
     return clearance, where
 
 
-def _timed_clearance(
-    world: World, witness: Witness, clearance: float, where: str, claim: float
-) -> tuple[float, str]:
-    """The same with the cells that change, each while it is solid or burning."""
-    spans, size = _blocked_spans(world), world.cell_size
-    times = witness.times if len(witness.times) > 1 else np.zeros(2)
-    begin, end = times[:-1], times[1:]
-    early = spans.begin <= times[-1]
+def _timed_clearance(world: World, path: _Path, clearance: float, where: str, claim: float) -> tuple[float, str]:
+    """The same with the cells that change, each while it is solid or burning; at most the claim and a cell."""
+    spans, begin, end = _blocked_spans(world), path.times[:-1], path.times[1:]
+    early = spans.begin <= end[-1]
     ix, iy, since, until = spans.ix[early], spans.iy[early], spans.begin[early], spans.end[early]
-    reach = min(clearance, claim + size)
-    tree = shapely.STRtree(_pieces(witness.x, witness.y))
-    boxes = shapely.box(ix * size, iy * size, (ix + 1) * size, (iy + 1) * size)
-    cell, piece = tree.query(boxes, predicate="dwithin", distance=max(reach, 0.0))
+    reach = max(0.0, min(clearance, claim + 1.0))
+    boxes = shapely.box(ix, iy, ix + 1, iy + 1)
+    cell, piece = shapely.STRtree(path.shapes()).query(boxes, predicate="dwithin", distance=reach)
     meet = (since[cell] <= end[piece]) & (until[cell] > begin[piece])
     cell, piece = cell[meet], piece[meet]
     if not len(cell):
         return reach, where
     low, high = np.maximum(since[cell], begin[piece]), np.minimum(until[cell], end[piece])
-    parts = _clipped(witness, piece, low, high)
-    distances = shapely.distance(parts, boxes[cell])
-    nearest = int(np.argmin(distances))
-    if distances[nearest] >= reach:
+    distances = shapely.distance(path.parts(piece, low, high), boxes[cell])
+    at = int(np.argmin(distances))
+    if distances[at] >= reach:
         return reach, where
-    named = (
-        f"cell ({ix[cell[nearest]]}, {iy[cell[nearest]]}) at {low[nearest]:.6g} s to {high[nearest]:.6g} s"
-    )
-    return float(distances[nearest]), named
-
-
-def _clipped(witness: Witness, piece: Cells, low: Floats, high: Floats) -> npt.NDArray[np.object_]:
-    """The parts of the pieces between times ``low`` and ``high``."""
-    if len(witness.times) == 1:
-        return np.asarray(
-            shapely.points(np.full(len(piece), witness.x[0]), np.full(len(piece), witness.y[0]))
-        )
-    begin, length = witness.times[piece], np.diff(witness.times)[piece]
-    safe = np.where(length > 0, length, 1.0)
-    a, b = (low - begin) / safe, (high - begin) / safe
-    ends = []
-    for share in (a, b):
-        columns = [values[piece] + share * np.diff(values)[piece] for values in (witness.x, witness.y)]
-        ends.append(np.stack(columns, axis=1))
-    shapes = np.asarray(shapely.linestrings(np.stack(ends, axis=1)))
-    still = (ends[0] == ends[1]).all(axis=1)
-    shapes[still] = shapely.points(ends[0][still])
-    return shapes
+    named = f"cell ({ix[cell[at]]}, {iy[cell[at]]}), blocked meanwhile, between {low[at]:.6g} s and {high[at]:.6g} s"
+    return float(distances[at]), named
 
 
 def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> str:
@@ -264,6 +260,9 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
         claim_holds,
         f"the cut claims to stop discs above {cut.clearance} m and has a gap of twice {measured[0]:.9g} m",
     )
+    for ix, iy in cells:
+        near = -1 <= ix <= world.width and -1 <= iy <= world.height
+        _require(near, f"cell ({ix}, {iy}) of the cut lies beyond the ring of cells round the grid")
     in_cells = _decimal(radius) / _decimal(world.cell_size)
     at = gaps.index(wide)
     _require(
@@ -273,6 +272,8 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
     spans = _blocked_spans(world)
     if _start_is_covered(world, cells, in_cells, spans):
         return "the start is nearer to a solid cell than the radius"
+    if 2 * in_cells > min(world.width, world.height):
+        return "the disc is wider than the grid"
     blocked = _always_blocked(world, spans)
     for ix, iy in cells:
         outside = not (0 <= ix < world.width and 0 <= iy < world.height)
@@ -305,16 +306,14 @@ def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fracti
     return False
 
 
-def _check_sides(
-    world: World, cells: list[tuple[int, int]], radius: float, blocked: npt.NDArray[np.bool_]
-) -> str:
+def _check_sides(world: World, cells: list[tuple[int, int]], radius: float, blocked: npt.NDArray[np.bool_]) -> str:
     """Every clear pose in the target's disc must lie on the other side of the chain than the start."""
     size = _decimal(world.cell_size)
     start = (_decimal(world.start.x) / size, _decimal(world.start.y) / size)
     target = (_decimal(world.target.x) / size, _decimal(world.target.y) / size)
     line = _closed_line(cells)
     parted = _winds_round(line, start) != _winds_round(line, target)
-    reach = world.target.radius / world.cell_size
+    reach = max(world.target.radius / world.cell_size, TOLERANCE)  # a polygon of no size trips GEOS
     ring = shapely.LineString([(float(px), float(py)) for px, py in line]) if len(cells) > 1 else None
     centre = shapely.Point(float(target[0]), float(target[1]))
     if parted and ring is not None and centre.distance(ring) > reach + TOLERANCE:
@@ -368,7 +367,7 @@ def _covered(world: World, disc: BaseGeometry, radius: float, blocked: npt.NDArr
     low_x, low_y = max(0, math.floor(x0) - pad), max(0, math.floor(y0) - pad)
     iy, ix = np.nonzero(blocked[low_y : math.ceil(y1) + pad, low_x : math.ceil(x1) + pad])
     boxes = shapely.box(ix + low_x, iy + low_y, ix + low_x + 1, iy + low_y + 1)
-    grown = shapely.union_all(shapely.buffer(boxes, radius, quad_segs=_ARC // 4))
+    grown = shapely.union_all(shapely.buffer(boxes, radius, quad_segs=_ARC // 4) if radius > TOLERANCE else boxes)
     frame: BaseGeometry = shapely.box(x0 - 1, y0 - 1, x1 + 1, y1 + 1)
     if 2 * radius < min(world.width, world.height):
         free = shapely.box(radius, radius, world.width - radius, world.height - radius)

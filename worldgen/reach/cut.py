@@ -32,9 +32,7 @@ _WORK = 2_000_000  # links that those searches may follow in plain Python; 200 t
 Ints = npt.NDArray[np.int64]
 
 
-def find_chain(
-    solid: npt.NDArray[np.bool_], radius: Fraction, start: Point, target: Point
-) -> list[Cell] | None:
+def find_chain(solid: npt.NDArray[np.bool_], radius: Fraction, start: Point, target: Point) -> list[Cell] | None:
     """A chain of cells that parts two clear poses for a disc of ``radius`` cells, or None if there is none.
 
     Args:
@@ -91,9 +89,7 @@ class _Links:
         odd: (k, m) uint8, bit of each link of these cells; all other links have 0.
     """
 
-    def __init__(
-        self, solid: npt.NDArray[np.bool_], offsets: list[Cell], start: Point, target: Point
-    ) -> None:
+    def __init__(self, solid: npt.NDArray[np.bool_], offsets: list[Cell], start: Point, target: Point) -> None:
         self.points = (*start, *target)
         self.offsets = np.array(offsets, np.int64)
         reach = int(self.offsets.max())
@@ -109,9 +105,7 @@ class _Links:
         for x in (start[0], target[0]):
             near |= np.abs(self.cells[:, 0] - x // UNIT) <= reach + 1
         chosen = self.cells[near]
-        self.odd = link_bits(
-            chosen[:, :1], chosen[:, 1:], self.offsets[:, 0], self.offsets[:, 1], self.points
-        )
+        self.odd = link_bits(chosen[:, :1], chosen[:, 1:], self.offsets[:, 0], self.offsets[:, 1], self.points)
         some = self.odd.any(axis=1)
         self.odd = self.odd[some]
         self.slot: Ints = np.full(len(rows), -1, np.int64)
@@ -138,9 +132,7 @@ def rim_cells(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     return rim
 
 
-def link_bits(
-    x: Ints, y: Ints, dx: Ints, dy: Ints, points: tuple[int, int, int, int]
-) -> npt.NDArray[np.uint8]:
+def link_bits(x: Ints, y: Ints, dx: Ints, dy: Ints, points: tuple[int, int, int, int]) -> npt.NDArray[np.uint8]:
     """The bits of links from cells (x, y) to cells (x + dx, y + dy); the arrays are broadcast."""
     ax, ay = UNIT * x + UNIT // 2, UNIT * y + UNIT // 2
     dx_, dy_ = ax + UNIT * dx, ay + UNIT * dy
@@ -161,9 +153,7 @@ def _crosses(px: Ints, py: Ints, qx: Ints, qy: Ints, sx: int, sy: int) -> npt.ND
     return crossing
 
 
-def _unite(
-    number: Any, place: Any, steps: Any, slot: Any, odd: Any, parent: Any, bit: Any, odd_one: Any
-) -> None:
+def _unite(number: Any, place: Any, steps: Any, slot: Any, odd: Any, parent: Any, bit: Any, odd_one: Any) -> None:
     """Unites linked cells; ``odd_one`` is 1 at the root of each set that has a cycle of odd sum.
 
     ``bit[u]`` is the sum along the tree from u to ``parent[u]``. The same text runs plain and compiled.

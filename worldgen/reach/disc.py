@@ -12,9 +12,7 @@ from worldgen.world import World
 
 __all__ = ["COVER_MARGIN", "Disc", "Search", "chain_lines", "look_for_open_pose", "target_disc"]
 
-COVER_MARGIN = Fraction(
-    1, 512
-)  # "covered" means by this share of the radius; leaves the checker's float test room
+COVER_MARGIN = Fraction(1, 512)  # "covered" means by this share of the radius; leaves the checker's float test room
 _FINEST = 256  # a square is not divided below 1/256 of the disc's width
 _WORK = 20_000  # squares looked at before the answer is "unknown"
 
@@ -89,17 +87,18 @@ def look_for_open_pose(walls: Walls, disc: Disc, chain: Sequence[Cell], start: P
     """
     lines = chain_lines(chain) if chain else []
     home = _inside(lines, start)
-    whole = 1 << (2 * int(disc.radius) + 4).bit_length()
+    width, height = walls.width * UNIT, walls.height * UNIT
+    whole = 1 << min(2 * int(disc.radius) + 4, max(width, height)).bit_length()
     # Squares on multiples of their side: then corners and middles fall on halves of cells, where a passage
     # exactly as wide as the robot has its only clear poses.
-    x0, y0 = int(disc.x - disc.radius) // whole * whole, int(disc.y - disc.radius) // whole * whole
+    x0, y0 = (max(0, int(value - disc.radius)) // whole * whole for value in (disc.x, disc.y))
     close = [line for line in lines if segment_meets_box(*line, x0, y0, 2 * whole)]
     todo = [(x0 + i * whole, y0 + j * whole, whole) for i in (0, 1) for j in (0, 1)]
     shut, covered, work = True, False, _WORK
     while todo and work:
         x, y, side = todo.pop()
         work -= 1
-        if not disc.meets(x, y, side):
+        if not disc.meets(x, y, side) or x > width or y > height:
             continue
         beyond = chain and _inside(lines, (x, y)) != home
         if beyond and not any(segment_meets_box(*line, x, y, side) for line in close):

@@ -126,28 +126,32 @@ def touching_cells(a: int, b: int, m: int, radius: Fraction) -> list[tuple[int, 
     ]
 
 
-def nodes_within(disc: Disc, graph: Graph) -> list[int]:
-    """Clear nodes in the target's disc."""
+def nodes_within(disc: Disc, graph: Graph) -> npt.NDArray[np.int64]:
+    """Flat indices of the clear nodes in the target's disc."""
     unit = UNIT // graph.k
     rows, columns = graph.clear.shape
-    low_y, high_y = (
-        max(0, math.ceil((disc.y - disc.radius) / unit)),
-        min(rows - 1, math.floor((disc.y + disc.radius) / unit)),
-    )
-    low_x, high_x = (
-        max(0, math.ceil((disc.x - disc.radius) / unit)),
-        min(columns - 1, math.floor((disc.x + disc.radius) / unit)),
-    )
-    found = np.argwhere(graph.clear[low_y : high_y + 1, low_x : high_x + 1])
-    nodes = [(low_x + i, low_y + j) for j, i in found.tolist()]
-    return [j * graph.stride + i for i, j in nodes if disc.holds((i * unit, j * unit))]
+    low = max(0, math.ceil((disc.y - disc.radius) / unit))
+    high = min(rows - 1, math.floor((disc.y + disc.radius) / unit))
+    found = [np.zeros(0, np.int64)]
+    for j in range(low, high + 1):
+        half_sq = (disc.radius**2 - (j * unit - disc.y) ** 2) / unit**2  # of the chord at this height
+        half = Fraction(math.isqrt(half_sq.numerator * half_sq.denominator), half_sq.denominator)
+        first, last = math.floor(disc.x / unit - half) - 1, math.ceil(disc.x / unit + half) + 1
+        while first <= last and not disc.holds((first * unit, j * unit)):
+            first += 1
+        while first <= last and not disc.holds((last * unit, j * unit)):
+            last -= 1
+        first, last = max(first, 0), min(last, columns - 1)
+        if first <= last:
+            found.append(np.nonzero(graph.clear[j, first : last + 1])[0] + (j * graph.stride + first))
+    return np.concatenate(found)
 
 
 def find_path(
     graph: Graph,
     sources: Sequence[int],
     ends: Sequence[int],
-    spare: Sequence[int],
+    spare: npt.NDArray[np.int64],
     toward: tuple[int, int],
     bridges: Sequence[tuple[int, int]] = (),
 ) -> list[int]:
@@ -167,8 +171,8 @@ def find_path(
     size = graph.clear.size
     plain = size <= _SMALL
     goal, came, cost = np.zeros(size, np.uint8), np.zeros(size, np.uint8), np.full(size, _FAR, np.int64)
-    goal[list(spare)] = 2
-    goal[list(ends)] = 1
+    goal[np.asarray(spare, np.int64)] = 2
+    goal[np.asarray(ends, np.int64)] = 1
     shifts, corners = neighbour_shifts(graph.stride)
     arrays: Any = (graph.clear.view(np.uint8).ravel(), graph.middle.view(np.uint8).ravel(), goal)
     moves: Any = (np.array(shifts), np.array(corners))

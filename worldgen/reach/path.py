@@ -24,8 +24,8 @@ __all__ = [
     "ticks_per_second",
 ]
 
-_LOOK_AHEAD = 32  # corners that one straight line may replace
-_TESTS = 40_000  # straight lines tried on one path; long paths look ahead less
+_PATIENCE = 6  # corners in a row that may be out of sight before a straight line ends at the last one seen
+_TESTS = 6_000  # straight lines that may fail on one path; on long paths there is less patience
 
 
 def merge_straight(points: list[Point]) -> list[Point]:
@@ -48,14 +48,16 @@ def _goes_on(a: Point, b: Point, c: Point) -> bool:
 def shorten(walls: Walls, points: list[Point]) -> list[Point]:
     """Replaces corners by straight lines that the disc may sweep."""
     points = merge_straight(points)
-    ahead = min(_LOOK_AHEAD, max(2, _TESTS // max(1, len(points))))
+    patience = max(1, min(_PATIENCE, _TESTS // len(points)))
     kept, at = [points[0]], 0
     while at < len(points) - 1:
-        far = min(at + ahead, len(points) - 1)
-        while far > at + 1 and not walls.is_clear(points[at], points[far]):
-            far -= 1
-        kept.append(points[far])
-        at = far
+        seen, far = at + 1, at + 2
+        while far < len(points) and far <= seen + patience:
+            if walls.is_clear(points[at], points[far]):
+                seen = far
+            far += 1
+        kept.append(points[seen])
+        at = seen
     return merge_straight(kept)
 
 
@@ -77,7 +79,9 @@ def clearance_sq(walls: Walls, points: Sequence[ExactPoint]) -> Fraction:
 
 def root_down(square: Fraction) -> float:
     """The largest float whose shortest decimal, squared, is at most ``square``."""
-    root = math.sqrt(square)
+    shift = max(0, 128 - square.numerator.bit_length() + square.denominator.bit_length())
+    shift += shift % 2  # 64 bits of the root, however small or large it is
+    root = float(Fraction(math.isqrt((square.numerator << shift) // square.denominator), 1 << (shift // 2)))
     while exact(root) ** 2 > square:
         root = math.nextafter(root, 0.0)
     while exact(math.nextafter(root, math.inf)) ** 2 <= square:

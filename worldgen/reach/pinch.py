@@ -46,9 +46,7 @@ def _slanting_gaps(walls: Walls, graph: Graph) -> list[tuple[int, int, int, int]
     half, found = graph.k // 2, []
     gaps = [(gx, gy) for gx in range(1, reach) for gy in range(1, reach) if gx != gy]
     near = [
-        gap
-        for gap in gaps
-        if (2 * walls.radius) ** 2 <= gap[0] ** 2 + gap[1] ** 2 <= (2 * walls.radius + _WIDE) ** 2
+        gap for gap in gaps if (2 * walls.radius) ** 2 <= gap[0] ** 2 + gap[1] ** 2 <= (2 * walls.radius + _WIDE) ** 2
     ]
     for gx, gy in sorted(near, key=lambda gap: gap[0] ** 2 + gap[1] ** 2):
         dx, dy, common = gx + 1, gy + 1, math.gcd(gx, gy)
@@ -56,9 +54,7 @@ def _slanting_gaps(walls: Walls, graph: Graph) -> list[tuple[int, int, int, int]
             continue
         for sign in (1, -1):
             low, high = rim[: rows - dy], rim[dy:]
-            both = (
-                low[:, : columns - dx] & high[:, dx:] if sign > 0 else low[:, dx:] & high[:, : columns - dx]
-            )
+            both = low[:, : columns - dx] & high[:, dx:] if sign > 0 else low[:, dx:] & high[:, : columns - dx]
             for iy, ix in np.argwhere(both).tolist():
                 left = ix + (0 if sign > 0 else dx) - 1
                 x, y = half * (2 * left + 1 + sign * dx), half * (2 * (iy - 1) + 1 + dy)

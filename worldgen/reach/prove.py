@@ -44,9 +44,11 @@ def decide(world: World, *, radius: float | None = None) -> Decision:
     radius = world.robot_radius if radius is None else radius
     if not (math.isfinite(radius) and radius > 0):
         raise InvalidParameter(f"radius={radius} m: must be a finite number above 0")
-    if world.is_dynamic:
-        return _decide_changing(world, radius)
-    return _Question(world, radius).answer()
+    try:
+        with np.errstate(all="ignore"):  # event times near the largest float
+            return _decide_changing(world, radius) if world.is_dynamic else _Question(world, radius).answer()
+    except OverflowError:
+        return Decision(UNDECIDED, None, "lengths, speed and times are too far apart for numbers to hold them")
 
 
 def _decide_changing(world: World, radius: float) -> Decision:
@@ -150,7 +152,7 @@ class _Question:
         sources = _links(self.walls, graph, self.start)
         ends = _links(self.walls, graph, self.goal) if self.goal is not None else []
         spare = nodes_within(self.disc, graph)
-        if not sources or not (ends or spare):
+        if not sources or not (ends or len(spare)):
             return []
         toward = (round(self.disc.x / unit), round(self.disc.y / unit))
         extra = bridges(self.walls, graph) if pinched else []
@@ -191,9 +193,7 @@ class _Question:
                 stopped = Fraction(max(_gap_sq(a, b) for a, b in links), 4)
                 if search.covered:
                     stopped = max(stopped, self._covering_sq())
-                reason = (
-                    f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start and target"
-                )
+                reason = f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start and target"
                 return Decision(BLOCKED, self._make_cut(chain, stopped), reason)
             if search.pose is None:
                 return None

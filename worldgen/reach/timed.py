@@ -59,9 +59,7 @@ def piece_ticks(length: float, speed: float, ticks: int) -> int:
     return max(1, math.ceil(length * (1 + 1e-12) / speed * ticks))
 
 
-def find_timed_path(
-    world: World, walls: ChangingWalls, k: int, start: ExactPoint, disc: Disc
-) -> TimedPath | None:
+def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoint, disc: Disc) -> TimedPath | None:
     """The earliest way over nodes at multiples of 1/k cell, from the start at time 0 into the target.
 
     Args:
@@ -84,7 +82,7 @@ def find_timed_path(
         arrival = piece_ticks(length, world.robot_speed, spans.ticks) if length else 0
         if walls.is_clear(start, point, 0, arrival):
             sources.append((node, arrival))
-    if not sources or not ends:
+    if not sources or not len(ends):
         return None
     plain = graph.clear.size <= _SMALL
     nodes = _intervals(graph.clear, spans, walls.radius, k, 0, plain)
@@ -117,14 +115,10 @@ def shorten_timed(walls: ChangingWalls, path: TimedPath) -> TimedPath:
     while at < len(points) - 1:
         far = at + 1
         while (
-            far < min(at + ahead, len(points) - 1)
-            and points[far] != points[far - 1]
-            and points[far + 1] != points[far]
+            far < min(at + ahead, len(points) - 1) and points[far] != points[far - 1] and points[far + 1] != points[far]
         ):
             far += 1
-        while far > at + 1 and not walls.is_clear(
-            points[at], points[far], times[at] - MARGIN, times[far] + MARGIN
-        ):
+        while far > at + 1 and not walls.is_clear(points[at], points[far], times[at] - MARGIN, times[far] + MARGIN):
             far -= 1
         kept.append(far)
         at = far
@@ -152,9 +146,7 @@ def make_timed_witness(world: World, walls: ChangingWalls, path: TimedPath) -> W
     """The path in metres and seconds, with its clearance."""
     x, y = metres(path.points, world.cell_size)
     clearance = root_down(walls.clearance_sq(path.points, path.times) * (exact(world.cell_size) / UNIT) ** 2)
-    return Witness(
-        np.array([time / walls.spans.ticks for time in path.times]), np.array(x), np.array(y), clearance
-    )
+    return Witness(np.array([time / walls.spans.ticks for time in path.times]), np.array(x), np.array(y), clearance)
 
 
 def _nodes_round(start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int) -> list[tuple[int, Point]]:
@@ -183,8 +175,9 @@ def _intervals(
     steps = np.array([dy * cells.shape[1] + dx for found in classes for dx, dy in found], np.int64)
     class_first = np.concatenate([[0], np.cumsum([len(found) for found in classes])]).astype(np.int64)
     rows, columns = clear.shape
-    place = (np.arange(rows)[:, None] // k + pad) * cells.shape[1] + np.arange(columns)[None, :] // k + pad
-    kind = np.arange(rows)[:, None] % k * k + np.arange(columns)[None, :] % k
+    y, x = np.arange(rows, dtype=np.int32)[:, None], np.arange(columns, dtype=np.int32)[None, :]
+    place = (y // k + pad) * cells.shape[1] + x // k + pad  # 32 bits: there are tens of millions of points
+    kind = y % k * k + x % k
     work = np.zeros(2 + int(number.max(initial=0)) * max(len(found) for found in classes), np.int64)
     inputs = [
         clear.view(np.uint8).ravel(),
@@ -251,19 +244,19 @@ def _safe_intervals(
 
 def _search_states(
     nodes: _Intervals, middles: _Intervals, stride: int, sources: Sequence[tuple[int, int]],
-    ends: Sequence[int], ticks: tuple[int, int], toward: tuple[int, int], plain: bool,
+    ends: Ints, ticks: tuple[int, int], toward: tuple[int, int], plain: bool,
 ) -> list[tuple[int, int, int]]:  # fmt: skip
     """(node, departure from the one before, arrival) along the earliest way; empty if there is none."""
     size, count = len(nodes.first) - 1, len(nodes.begin)
     if not count:
         return []
-    node_of: Any = np.repeat(np.arange(size), np.diff(nodes.first))
+    node_of: Any = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))
     goal: Any = np.zeros(size, np.uint8)
-    goal[list(ends)] = 1
+    goal[ends] = 1
     x, y = toward
-    spread = max(max(abs(node % stride - x), abs(node // stride - y)) for node in ends)
+    spread = int(np.maximum(np.abs(ends % stride - x), np.abs(ends // stride - y)).max())
     cost: Any = np.full(count, FOREVER, np.int64)
-    came: Any = np.full(count, -1, np.int64)
+    came: Any = np.full(count, -1, np.int32)
     depart: Any = np.zeros(count, np.int64)
     first_states = [
         (state, arrival)
