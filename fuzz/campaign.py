@@ -106,7 +106,7 @@ class Campaign:
             todo = self._merge(unit, run_unit(self.config, unit))
             yield UnitDone(unit, self.state)
             for kind, failure in todo:
-                yield from self._keep(kind, failure, shrunk_or_same(failure))
+                yield from self._keep(kind, failure, shrunk_or_same(failure, self.config.shrink))
             unit += 1
 
     def _enough(self, unit: int, started: float) -> bool:
@@ -139,7 +139,7 @@ class Campaign:
             wait(under_way, return_when=FIRST_COMPLETED)
             while merged in units and units[merged].done():
                 for kind, failure in self._merge(merged, units.pop(merged).result()):
-                    shrinks[pool.submit(shrunk_or_same, failure)] = (kind, failure)
+                    shrinks[pool.submit(shrunk_or_same, failure, self.config.shrink)] = (kind, failure)
                 yield UnitDone(merged, self.state)
                 merged += 1
             for future in [future for future in shrinks if future.done()]:
@@ -171,8 +171,10 @@ class Campaign:
             yield Found(final, shrunk, before is not None)
 
 
-def shrunk_or_same(failure: World) -> World:
-    """The failure shrunk; as it was, should shrinking find that it does not hold by its own terms."""
+def shrunk_or_same(failure: World, wanted: bool) -> World:
+    """The failure shrunk; as it was if that is not wanted, or it does not hold by shrinking's own terms."""
+    if not wanted:
+        return failure
     try:
         return shrink(failure).world
     except WorldgenError:

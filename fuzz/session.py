@@ -6,6 +6,7 @@ import shlex
 import sys
 import time
 from collections import Counter
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import click
@@ -42,6 +43,7 @@ def configure(
     time_step: float | None,
     examples: int,
     seed: int,
+    shrink: bool | None = None,
 ) -> CampaignConfig:
     """Checks a campaign's parts before any work begins.
 
@@ -56,7 +58,8 @@ def configure(
     else:
         time_steps = TIME_STEPS if MOTIONS.get(motion).name == "endpoint" else (RunOptions.time_step,)
     _try_out(controller, motion, time_steps[0])
-    return CampaignConfig(controller, motion, seed, families, time_steps, fixed_map, examples)
+    wanted = fixed_map is None if shrink is None else shrink
+    return CampaignConfig(controller, motion, seed, families, time_steps, fixed_map, examples, wanted)
 
 
 def _try_out(controller: str, motion: str, time_step: float) -> None:
@@ -103,10 +106,14 @@ class CampaignSession:
         except KeyboardInterrupt:
             stopped = True
             self._save_pending()
-        finally:
-            seconds = time.monotonic() - started
+        except BrokenProcessPool as error:
+            self._save_pending()
+            raise OutputError(
+                f"a worker process died, perhaps killed by the controller or for want of memory ({error}); "
+                f"what was found until then is in {self._out}"
+            ) from error
         best = self._campaign.state.best
-        self._report(seconds)
+        self._report(time.monotonic() - started)
         if stopped:
             note(f"interrupted; {len(best)} failures are kept in {self._out}")
             return 130

@@ -34,6 +34,7 @@ class CampaignConfig:
         time_steps: Durations of a step to draw from, s.
         fixed_map: A foreign map on which only start, heading, target and radius vary.
         examples: Hypothesis examples in one unit.
+        shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
     """
 
     controller: str
@@ -43,6 +44,7 @@ class CampaignConfig:
     time_steps: tuple[float, ...] = (RunOptions.time_step,)
     fixed_map: World | None = None
     examples: int = 400
+    shrink: bool = True
 
     def lane(self, unit: int) -> str:
         """The lane of a unit."""

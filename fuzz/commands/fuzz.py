@@ -39,6 +39,7 @@ class _Duration(click.ParamType[float]):
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: the motion model's].")
 @click.option("--examples", type=click.IntRange(1, 100_000), default=400, show_default=True, help="Draws a unit.")
+@click.option("--shrink/--no-shrink", default=None, help="Shrink failures [default: yes, but not with --world].")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the failures.")
 @seed_option
 @json_option
@@ -53,6 +54,7 @@ def fuzz(
     workers: int | None,
     time_step: float | None,
     examples: int,
+    shrink: bool | None,
     out: Path,
     seed: int | None,
     as_json: bool,
@@ -77,6 +79,7 @@ def fuzz(
         fixed_map=None if world is None else read_world(world),
         time_step=time_step,
         examples=examples,
+        shrink=shrink,
         seed=draw_seed(seed),
     )
     session = CampaignSession(
