@@ -22,10 +22,11 @@ __all__ = ["corridor"]
 Node: TypeAlias = tuple[int, int]  # column and row of a coarse lattice whose lines can hold a corridor each
 Edge: TypeAlias = tuple[Node, Node]
 
-# Lattices tried until one holds the bends and side ways asked for. Measured with the most of both that are
-# allowed, over 12,000 worlds of 2 to 63 lines: 1.0 to 1.8 on average, 10 at worst.
-MAX_DRAFTS = 200
-LONGEST_BRANCH = 3  # lattice steps
+# Lattices tried until one holds the bends and side ways asked for. Measured with the most that are allowed of
+# one or of both, over 16,000 drafts on 2 to 200 lines: 1.0 to 1.5 on average, 4 at worst.
+MAX_DRAFTS = 100
+TRIES_PER_ORIGIN = 4  # random side ways tried, per node from which one can start
+BRANCH_STEPS = (2, 4)  # lattice steps of a side way where there is room: with two or more, others can branch off
 MOST_BENDS, MOST_BRANCHES = 1000, 500  # beyond, drafts take long and often fail
 
 
@@ -54,7 +55,7 @@ def corridor(
         shape: bends: one winding corridor; dead-ends: with blind side ways; junctions: with side ways that
             lead back, so that there is more than one way.
         bends: Right angles of the corridor from start to target, without side ways; -1: drawn.
-        branches: Side ways of dead-ends and junctions; -1: drawn.
+        branches: Side ways of dead-ends and junctions, off the corridor or off each other; -1: drawn.
         width: Width of the corridor, cells; -1: the narrowest that lets the robot through.
         wall: Least thickness of the rock between two stretches, cells.
         cell_size: Side of a cell, m.
@@ -115,7 +116,7 @@ def _draft(
     """A way with exactly ``bends`` bends and the edges of its side ways, on a lattice that grows as needed."""
     lattice = min(lines, 2 + math.isqrt(3 * (bends + branches)))
     for draft in range(MAX_DRAFTS):
-        way = _stretch(rng, _longest_way(rng, lattice), bends)
+        way = _stretch(rng, _longest_way(rng, lattice), bends, least_steps=2 if branches else 1)
         if way is not None:
             side_edges = _side_ways(rng, way, branches, lattice, leads_back=leads_back)
             if side_edges is not None:
@@ -153,42 +154,43 @@ def _longest_way(rng: RandomStream, lattice: int) -> list[Node]:
     return way
 
 
-def _stretch(rng: RandomStream, way: list[Node], bends: int) -> list[Node] | None:
+def _stretch(rng: RandomStream, way: list[Node], bends: int, least_steps: int) -> list[Node] | None:
     """A stretch of the way with exactly so many bends and whole runs at its ends, if it has as many."""
     corners = [0]
     corners += [k for k in range(1, len(way) - 1) if _direction(way[k - 1], way[k]) != _direction(way[k], way[k + 1])]
     corners.append(len(way) - 1)
     runs = bends + 1
-    if runs > len(corners) - 1:
+    bounds = [(low, high) for low, high in zip(corners, corners[runs:], strict=False) if high - low >= least_steps]
+    if not bounds:
         return None
-    first = rng.below(len(corners) - runs)
-    stretch = way[corners[first] : corners[first + runs] + 1]
+    low, high = rng.choice(bounds)
+    stretch = way[low : high + 1]
     return stretch[::-1] if rng.below(2) else stretch
 
 
 def _side_ways(
     rng: RandomStream, way: list[Node], branches: int, lattice: int, *, leads_back: bool
 ) -> list[Edge] | None:
-    """Edges of ``branches`` side ways off the way's inner nodes, if there is room for them.
+    """Edges of ``branches`` side ways off the way and off each other, if there is room for them.
 
     Blind ones end at a node of their own; those that lead back close one loop each.
     """
     used, joined = set(way), {frozenset(edge) for edge in pairwise(way)}
-    inner = way[1:-1]
+    origins = list(way) if leads_back else way[1:-1]  # only a side way that leads back may leave from an end
     edges: list[Edge] = []
     for _ in range(branches):
-        for _ in range(4 * len(inner)):
-            branch = _wander(rng, rng.choice(inner), used, lattice)
+        for _ in range(TRIES_PER_ORIGIN * len(origins)):
+            branch = _wander(rng, rng.choice(origins), used, lattice)
             if leads_back:
-                branch = _lead_back(rng, branch, used, joined, lattice, ends=(way[0], way[-1]))
+                branch = _lead_back(rng, branch, used, joined, lattice)
             if len(branch) > 1:
                 break
         else:
             return None
         used.update(branch)
-        new = list(pairwise(branch))
-        joined.update(frozenset(edge) for edge in new)
-        edges += new
+        origins += branch[1:-1]  # a blind end stays one
+        joined.update(frozenset(edge) for edge in pairwise(branch))
+        edges += pairwise(branch)
     return edges
 
 
@@ -200,7 +202,7 @@ def _neighbours(node: Node, lattice: int) -> list[Node]:
 def _wander(rng: RandomStream, node: Node, used: set[Node], lattice: int) -> list[Node]:
     """A few random steps from a node over unused ones."""
     branch = [node]
-    for _ in range(rng.between(1, LONGEST_BRANCH)):
+    for _ in range(rng.between(*BRANCH_STEPS)):
         free = [other for other in _neighbours(branch[-1], lattice) if other not in used and other not in branch]
         if not free:
             break
@@ -209,19 +211,14 @@ def _wander(rng: RandomStream, node: Node, used: set[Node], lattice: int) -> lis
 
 
 def _lead_back(
-    rng: RandomStream,
-    branch: list[Node],
-    used: set[Node],
-    joined: set[frozenset[Node]],
-    lattice: int,
-    ends: tuple[Node, Node],
+    rng: RandomStream, branch: list[Node], used: set[Node], joined: set[frozenset[Node]], lattice: int
 ) -> list[Node]:
     """The branch with a last step onto a used node; nothing if it touches none that it is not joined to."""
     tip = branch[-1]
     back = [
         other
         for other in _neighbours(tip, lattice)
-        if other in used and other not in branch and other not in ends and frozenset((tip, other)) not in joined
+        if other in used and other not in branch and frozenset((tip, other)) not in joined
     ]
     return [*branch, rng.choice(back)] if back else []
 

@@ -297,7 +297,9 @@ def _burn_walls(rng: RandomStream, plan: _Plan, floor: Times, slots: set[int], m
 
 def _debris(rng: RandomStream, plan: _Plan, floor: Times, walls: Times, share: float) -> set[int]:
     """Cells that fall shut: a share of the burnt floor off a shortest way over what is open in the end."""
-    kept = {cell for first in plan.way(walls) for cell in plan.window(first)}
+    goal = plan.goal
+    round_target = (goal + 1, goal + plan.stride, goal + plan.stride + 1)  # it may lie between two windows
+    kept = {cell for first in (*plan.way(walls), *round_target) for cell in plan.window(first)}
     return {cell for cell in floor if cell not in kept and rng.random() < share}
 
 
