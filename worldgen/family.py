@@ -29,7 +29,8 @@ __all__ = [
 
 Build = Callable[..., World]
 
-_TAKEN = ("name", "seed")  # generate() has parameters of these names
+_TAKEN = ("name", "seed", "count", "out", "force", "json")  # of generate() and of every family's command
+_INT64 = 2**63  # a file holds no larger whole number
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,8 @@ class Parameter:
             raise InvalidParameter(
                 f"{family_name}: {self.name}={value!r} is a {type(value).__name__}; give a {kind.__name__}"
             )
+        if isinstance(value, int) and not -_INT64 <= value < _INT64:
+            raise InvalidParameter(f"{family_name}: {self.name} is a number of more than 64 bits; give a smaller one")
         if isinstance(value, float) and not math.isfinite(value):
             raise InvalidParameter(f"{family_name}: {self.name}={value} is not finite; give a finite number")
         if self.choices:
@@ -92,9 +95,10 @@ class Family:
         )
 
     @property
-    def summary(self) -> str:
-        """First paragraph of the docstring."""
-        return inspect.cleandoc(self.build.__doc__ or "").split("\n\n", maxsplit=1)[0]
+    def description(self) -> str:
+        """The docstring up to its first section."""
+        text = inspect.cleandoc(self.build.__doc__ or "")
+        return re.split(r"^(?:Args|Returns|Raises|Source):", text, maxsplit=1, flags=re.MULTILINE)[0].strip()
 
     def defaults(self) -> dict[str, Value]:
         """Every parameter with its default, in order of declaration."""
@@ -133,7 +137,7 @@ def _check_signature(name: str, build: Build) -> None:
         if parameter.kind is not inspect.Parameter.KEYWORD_ONLY or parameter.name in _TAKEN:
             raise InvalidParameter(
                 f"family {name!r}: parameter {parameter.name!r} must stand after *, "
-                f"and be called neither {' nor '.join(_TAKEN)}"
+                f"and be called none of {', '.join(_TAKEN)}"
             )
         if type(parameter.default) not in (bool, int, float, str):
             raise InvalidParameter(
@@ -173,8 +177,9 @@ def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> N
         InvalidParameter: Naming value, rule and way out.
     """
     if not value >= minimum:
-        unit = f" {unit}" if unit else ""
-        raise InvalidParameter(f"{name}={value:g}{unit} is below {minimum:g}{unit}; give at least {minimum:g}")
+        raise InvalidParameter(
+            f"{name}={_shown(value, unit)} is below {_shown(minimum, unit)}; give at least {_shown(minimum)}"
+        )
 
 
 def check_between(name: str, value: float, low: float, high: float, unit: str = "") -> None:
@@ -184,8 +189,9 @@ def check_between(name: str, value: float, low: float, high: float, unit: str = 
         InvalidParameter: Naming value, rule and way out.
     """
     if not low <= value <= high:
-        unit = f" {unit}" if unit else ""
-        raise InvalidParameter(f"{name}={value:g}{unit} is outside {low:g} to {high:g}{unit}; give one between")
+        raise InvalidParameter(
+            f"{name}={_shown(value, unit)} is outside {_shown(low)} to {_shown(high, unit)}; give one between"
+        )
 
 
 def check_positive(name: str, value: float, unit: str = "") -> None:
@@ -195,8 +201,12 @@ def check_positive(name: str, value: float, unit: str = "") -> None:
         InvalidParameter: Naming value and rule.
     """
     if not (math.isfinite(value) and value > 0.0):
-        unit = f" {unit}" if unit else ""
-        raise InvalidParameter(f"{name}={value:g}{unit} is not a finite number above 0; give one")
+        raise InvalidParameter(f"{name}={_shown(value, unit)} is not a finite number above 0; give one")
+
+
+def _shown(value: float, unit: str = "") -> str:
+    number = str(value) if isinstance(value, int) else f"{value:g}"
+    return f"{number} {unit}" if unit else number
 
 
 def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
