@@ -57,9 +57,11 @@ def verify_world(world: World, radius: float | None = None) -> dict[str, Any]:
         InvalidParameter: If the radius is not a finite number above 0.
     """
     from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, check_certificate, decide
+    from worldgen.reach.decision import check_radius
     from worldgen.world import Witness
 
     asked = world.robot_radius if radius is None else radius
+    check_radius(asked)
     certificate, afresh, reason = world.certificate, False, ""
     fits = asked == world.robot_radius or check_certificate(world, radius=asked).valid
     if certificate is None or not fits:

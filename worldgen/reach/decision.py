@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+from worldgen.errors import InvalidParameter
 from worldgen.world import Certificate
 
-__all__ = ["BLOCKED", "REACHABLE", "UNDECIDED", "Decision"]
+__all__ = ["BLOCKED", "REACHABLE", "UNDECIDED", "Decision", "check_radius"]
 
 REACHABLE = "reachable"
 BLOCKED = "blocked"
@@ -26,3 +28,13 @@ class Decision:
     result: str
     certificate: Certificate | None
     reason: str
+
+
+def check_radius(radius: float) -> None:
+    """Refuses a radius that no disc has.
+
+    Raises:
+        InvalidParameter: If it is not a finite number above 0.
+    """
+    if not (math.isfinite(radius) and radius > 0):
+        raise InvalidParameter(f"radius={radius} m: must be a finite number above 0")

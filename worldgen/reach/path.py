@@ -103,6 +103,14 @@ def ticks_per_second(cell_size: float, speed: float) -> int:
     return ticks
 
 
+def travel_ticks(p: ExactPoint, q: ExactPoint, cell_size: float, speed: float, ticks: int) -> int:
+    """The least whole number of ticks in which the robot gets from p to q; exact."""
+    per_unit = exact(cell_size) * ticks / (UNIT * exact(speed))
+    square = ((q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2) * per_unit**2
+    least = math.isqrt(math.floor(square))
+    return least if least * least >= square else least + 1
+
+
 def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, speed: float) -> Witness:
     """The path at the robot's speed, each time rounded up to a tick so that no piece is too fast.
 
@@ -114,9 +122,8 @@ def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, s
     """
     x, y = metres(points, cell_size)
     ticks, times = ticks_per_second(cell_size, speed), [0]
-    for i in range(1, len(points)):
-        length = math.hypot(x[i] - x[i - 1], y[i] - y[i - 1]) * (1 + 1e-12)
-        times.append(times[-1] + math.ceil(length / speed * ticks))
+    for p, q in itertools.pairwise(points):
+        times.append(times[-1] + travel_ticks(p, q, cell_size, speed, ticks))
     clearance = root_down(clearance_sq(walls, points) * (exact(cell_size) / UNIT) ** 2)
     return Witness(np.array([time / ticks for time in times]), np.array(x), np.array(y), clearance)
 

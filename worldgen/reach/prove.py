@@ -9,10 +9,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT, exact, in_cells, metres_to_lattice
 from worldgen.reach.cut import find_chain
-from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
+from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_radius
 from worldgen.reach.disc import COVER_MARGIN, Disc, look_for_open_pose, target_disc
 from worldgen.reach.lattice_graph import Graph, build_graph, find_path, nodes_within
 from worldgen.reach.path import make_witness, root_up, shorten
@@ -42,8 +41,7 @@ def decide(world: World, *, radius: float | None = None) -> Decision:
         InvalidParameter: If the radius is not a finite number above 0.
     """
     radius = world.robot_radius if radius is None else radius
-    if not (math.isfinite(radius) and radius > 0):
-        raise InvalidParameter(f"radius={radius} m: must be a finite number above 0")
+    check_radius(radius)
     try:
         with np.errstate(all="ignore"):  # event times near the largest float
             return _decide_changing(world, radius) if world.is_dynamic else _Question(world, radius).answer()

@@ -23,7 +23,7 @@ from worldgen.jit import lazy_kernel
 from worldgen.lattice import UNIT, exact
 from worldgen.reach.disc import Disc
 from worldgen.reach.lattice_graph import build_graph, neighbour_shifts, nodes_within, touching_cells
-from worldgen.reach.path import metres, root_down
+from worldgen.reach.path import metres, root_down, travel_ticks
 from worldgen.reach.spans import FOREVER, MARGIN, ChangingWalls, Spans
 from worldgen.reach.walls import ExactPoint, Point
 from worldgen.world import Witness, World
@@ -54,11 +54,6 @@ class _Intervals:
     end: Any
 
 
-def piece_ticks(length: float, speed: float, ticks: int) -> int:
-    """Ticks that a piece of ``length`` m takes, rounded up."""
-    return max(1, math.ceil(length * (1 + 1e-12) / speed * ticks))
-
-
 def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoint, disc: Disc) -> TimedPath | None:
     """The earliest way over nodes at multiples of 1/k cell, from the start at time 0 into the target.
 
@@ -73,13 +68,11 @@ def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoin
     graph = build_graph(spans.fixed, walls.radius, k)
     ends = nodes_within(disc, graph)
     unit = UNIT // k
-    side = float(exact(world.cell_size) / k)
-    axis = piece_ticks(side, world.robot_speed, spans.ticks)
-    diagonal = piece_ticks(side * math.sqrt(2.0), world.robot_speed, spans.ticks)
+    pace = (world.cell_size, world.robot_speed, spans.ticks)
+    axis, diagonal = travel_ticks((0, 0), (unit, 0), *pace), travel_ticks((0, 0), (unit, unit), *pace)
     sources = []
     for node, point in _nodes_round(start, graph.clear, unit):
-        length = math.hypot(start[0] - point[0], start[1] - point[1]) / UNIT * world.cell_size
-        arrival = piece_ticks(length, world.robot_speed, spans.ticks) if length else 0
+        arrival = travel_ticks(start, point, *pace)
         if walls.is_clear(start, point, 0, arrival):
             sources.append((node, arrival))
     if not sources or not len(ends):

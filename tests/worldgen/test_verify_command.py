@@ -1,0 +1,110 @@
+"""``worldgen verify`` from outside."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tests.helpers.drawn_worlds import drawn
+from worldgen.cli.verify import verify
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.grid_file import write_world
+from worldgen.reach import decide
+
+ROOM = "#######\n#S...G#\n#######"
+WALLED = ROOM.replace("..G", "#.G")
+KEYS = {"path", "result", "certificate", "certificate_valid", "decided", "clearance", "radius", "reason"}
+
+
+def run(*words):
+    return CliRunner().invoke(verify, [str(word) for word in words])
+
+
+@pytest.fixture
+def save(tmp_path):
+    def write(name, text, *, proof=True, radius=0.05):
+        world = drawn(text, radius=radius)
+        if proof:
+            world = dataclasses.replace(world, certificate=decide(world).certificate)
+        write_world(world, tmp_path / name)
+        return tmp_path / name
+
+    return write
+
+
+def test_a_true_witness_is_confirmed(save):
+    result = run(save("w.grid", ROOM), "--json")
+    answer = json.loads(result.stdout)
+    assert set(answer) == KEYS
+    assert (answer["result"], answer["certificate_valid"], answer["decided"]) == ("reachable", True, False)
+    assert (answer["clearance"], answer["radius"], result.exit_code) == (pytest.approx(0.05), 0.05, 0)
+
+
+def test_a_true_cut_is_confirmed(save):
+    result = run(save("w.grid", WALLED), "--json")
+    answer = json.loads(result.stdout)
+    assert (answer["result"], answer["certificate"], answer["clearance"]) == ("blocked", "cut", 0.0)
+    assert result.exit_code == 0
+
+
+@pytest.mark.parametrize(("text", "word"), [(ROOM, "reachable"), (WALLED, "blocked")])
+def test_a_map_without_a_certificate_is_decided_afresh(save, text, word):
+    result = run(save("w.grid", text, proof=False))
+    assert f"{word} for a disc of 0.05 m" in result.stdout
+    assert "decided afresh and checked" in result.stdout
+    assert result.exit_code == 0
+
+
+def test_another_radius_is_decided_afresh_where_the_certificate_is_silent(save):
+    answer = json.loads(run(save("w.grid", ROOM), "--radius", "0.0501", "--json").stdout)
+    assert (answer["result"], answer["decided"], answer["radius"]) == ("blocked", True, 0.0501)
+
+
+def test_a_smaller_radius_is_proved_by_the_same_witness(save):
+    answer = json.loads(run(save("w.grid", ROOM), "--radius", "0.03", "--json").stdout)
+    assert (answer["result"], answer["decided"]) == ("reachable", False)
+
+
+def test_a_false_certificate_is_a_failure(save, tmp_path):
+    path = save("w.grid", ROOM)
+    path.write_text(path.read_text().replace("#S...G#", "#S.#.G#").replace("#.....#", "#..#..#"))
+    result = run(path)
+    assert "witness does not hold: the witness comes within 0 m" in result.stdout
+    assert result.exit_code == 1
+
+
+def test_several_files_and_folders_make_a_list(save, tmp_path):
+    save("a.grid", ROOM), save("b.grid.gz", WALLED)
+    answer = json.loads(run(tmp_path, "--json").stdout)
+    assert [item["result"] for item in answer["files"]] == ["reachable", "blocked"]
+    assert len(run(tmp_path).stdout.splitlines()) == 2
+
+
+def test_one_false_certificate_of_several_is_a_failure(save, tmp_path):
+    bad, good = drawn(ROOM), save("a.grid", ROOM)
+    false = dataclasses.replace(decide(drawn(ROOM, radius=0.05)).certificate, x=np.array([0.15, 0.45]))
+    write_world(dataclasses.replace(bad, certificate=false), tmp_path / "bad.grid")
+    assert run(good, tmp_path / "bad.grid").exit_code == 1
+
+
+def test_a_folder_without_worlds_is_refused(tmp_path):
+    result = run(tmp_path)
+    assert result.exit_code == 2
+    assert "holds no .grid file" in result.stderr
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    result = run(tmp_path / "none.grid")
+    assert result.exit_code == 2
+    assert "does not exist" in result.stderr
+
+
+def test_a_broken_file_is_an_error_of_the_format(tmp_path):
+    (tmp_path / "w.grid").write_text("nonsense")
+    assert isinstance(run(tmp_path / "w.grid").exception, FormatError)
+
+
+def test_a_negative_radius_is_refused(save):
+    assert isinstance(run(save("w.grid", ROOM), "--radius", "-1").exception, InvalidParameter)
