@@ -1,6 +1,202 @@
-"""placeholder until the thesis kernels land"""
+"""Packs a world for the thesis's simulator, runs it, and reads the result back into the world's frame.
+
+The thesis's frame has pixels, y down, and headings that grow clockwise from -x; a cell is ten pixels. Its
+maps have a border of walls. A world whose border is open gets its solid outside added as one, and a robot
+then never enters the cells next to that border less than the disc fits.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.kernels import thesis_layout as at
+from sim.kernels.geometry import pose_is_clear
+from sim.kernels.layout import SOLID
+from sim.kernels.thesis_episode import thesis_episode
+from sim.kernels.thesis_signal import add_noise, signal_map
+from sim.motion import MOTIONS
+from sim.outcome import Outcome
+from sim.run_options import RunOptions
+from sim.trace import Trace
+from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.lattice import clear_distance_sq, exact, in_cells, metres_to_lattice, radius_in_cells
+from worldgen.random_streams import RandomStream
+from worldgen.rows import flip_rows
+from worldgen.timeline import CellState
+from worldgen.world import World
+
+__all__ = ["ThesisRun"]
+
+Floats = npt.NDArray[np.float64]
+Cells = npt.NDArray[np.int32]
+
+_ENDINGS = {
+    at.LIMIT: "limit",
+    at.REACHED: "reached",
+    at.LOOP: "loop",
+    at.TUNNEL: "tunnel",
+    at.BURNED: "burned",
+}
+_FIRST_DRAWS = 256
 
 
-class ThesisRun:  # noqa
-    def __init__(self, *a):
-        raise NotImplementedError
+class ThesisRun:
+    """One world, rule and set of options, ready to run any number of times.
+
+    Raises:
+        InvalidParameter: If the robot is wider than two cells, or the step longer than a cell allows.
+        InvalidWorld: If start or target are in a wall.
+    """
+
+    def __init__(self, world: World, rule: int, options: RunOptions) -> None:
+        self.world, self.options = world, options
+        closed = bool(world.walls[[0, -1]].all() and world.walls[:, [0, -1]].all())
+        self._pad = 0 if closed else 1
+        self._height = world.height + 2 * self._pad
+        tolerance = MOTIONS.get(options.motion).overlap_tolerance
+        self._setup = at.Setup(
+            rule=rule,
+            time_step=float(exact(options.time_step) * 1000),
+            sense=at.sensor_cells(options.sensor_range),
+            radius=self._radius(),
+            speed=float(exact(world.robot_speed) / exact(world.cell_size) / 100),
+            tolerance=tolerance * at.CELL,
+        )
+        self._cells, self._light = self._signal()
+        self._events = self._event_rows()
+        self._start = self._start_pose()
+
+    def _radius(self) -> float:
+        radius = radius_in_cells(self.world)
+        if radius > 1:
+            raise InvalidParameter(
+                f"robot_radius={self.world.robot_radius:g} m is {float(radius):g} cells; stepped looks one cell "
+                "around the robot, so its radius is at most 1 cell: take swept"
+            )
+        return float(radius * 10)
+
+    def _signal(self) -> tuple[Cells, Cells]:
+        """Signal map with walls, and without."""
+        world = self.world
+        walls = np.pad(world.walls, self._pad, constant_values=True)
+        solid = np.ascontiguousarray(flip_rows(walls).T)
+        target_x = math.floor(in_cells(world.target.x, world.cell_size)) + self._pad
+        target_y = self._height - 1 - self._pad - math.floor(in_cells(world.target.y, world.cell_size))
+        if not (0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1) or solid[target_x, target_y]:
+            raise InvalidWorld(
+                f"target ({world.target.x:g}, {world.target.y:g}) m lies in a wall cell, which has no signal; move it"
+            )
+        light = signal_map(solid.shape[0], self._height, target_x, target_y)
+        cells = np.where(solid, np.int32(at.WALL), light)
+        if self.options.noise:
+            add_noise(cells, light)
+        return cells, light
+
+    def _event_rows(self) -> npt.NDArray[np.int64]:
+        step = exact(self.options.time_step)
+        rows = [
+            (
+                max(1, math.ceil(exact(event.time) / step)),
+                event.ix + self._pad,
+                self._height - 1 - self._pad - event.iy,
+                int(event.state),
+            )
+            for event in self.world.timeline
+        ]
+        return np.array(rows, np.int64).reshape(-1, 4)
+
+    def _start_pose(self) -> tuple[float, float, float]:
+        world, side = self.world, self.world.cell_size
+        clear_sq = clear_distance_sq(radius_in_cells(world))
+        x, y = metres_to_lattice(world.start.x, side), metres_to_lattice(world.start.y, side)
+        solid = world.walls.astype(np.uint8)
+        if not pose_is_clear(solid, SOLID, clear_sq, math.isqrt(clear_sq - 1) + 1, x, y):
+            raise InvalidWorld(
+                f"start ({world.start.x:g}, {world.start.y:g}) m: the robot of radius {world.robot_radius:g} m "
+                "overlaps a wall there; move the start or make the robot smaller"
+            )
+        x_px = float(in_cells(world.start.x, side) * 10 + 10 * self._pad)
+        y_px = float((self._height - self._pad - in_cells(world.start.y, side)) * 10)
+        return x_px, y_px, (math.pi - world.start.heading) % (2.0 * math.pi)
+
+    @property
+    def last_event_step(self) -> int:
+        """Step at whose beginning the world changes for the last time; 0 if it never does."""
+        return int(self._events[-1, 0]) if len(self._events) else 0
+
+    def run(self, steps: int, *, find_loop: bool, record: bool) -> Outcome:
+        """Runs up to ``steps`` ticks from the start; with ``find_loop`` a recurrence ends the run."""
+        setup = self._setup._replace(steps=steps, find_loop=int(find_loop), stop_at_tunnel=1)
+        progress = at.new_progress(*self._start, self._setup.speed)
+        arena = at.new_arena(self._cells, self._light, self._events)
+        rows = np.zeros((steps + 1 if record else 0, at.ROW_SIZE))
+        count, stream = (_FIRST_DRAWS if setup.rule == 3 else 0), RandomStream(self.options.seed)
+        draws = stream.floats(count)
+        while True:
+            thesis_episode(arena, setup, progress, draws, rows)
+            if progress.counts[at.OUT_ENDING] != at.NEEDS_DRAWS:
+                break
+            count, stream = 4 * count, RandomStream(self.options.seed)
+            draws = stream.floats(count)
+            progress = at.new_progress(*self._start, self._setup.speed)
+            arena = at.new_arena(self._cells, self._light, self._events)
+        return self._outcome(progress, rows[: progress.counts[at.OUT_STEPS] + 1] if record else None)
+
+    def _outcome(self, progress: at.Progress, rows: Floats | None) -> Outcome:
+        counts, metres = progress.counts, self.world.cell_size / at.CELL
+        ending = _ENDINGS[int(counts[at.OUT_ENDING])]
+        tunnelled = ending == "tunnel"
+        return Outcome(
+            ending=ending,
+            steps=int(counts[at.OUT_STEPS]),
+            period=int(counts[at.OUT_PERIOD]),
+            path_length=float(progress.sums[at.SUM_PATH]) * metres,
+            collisions=int(counts[at.OUT_COLLISIONS]),
+            digest=f"{int(counts[at.OUT_DIGEST]) & (2**64 - 1):016x}",
+            last_new_cell=int(counts[at.OUT_LAST_NEW_CELL]),
+            hit_step=int(counts[at.OUT_TUNNEL_STEP if tunnelled else at.OUT_HIT_STEP]),
+            hit_cell=self._cell(counts, at.OUT_TUNNEL_IX if tunnelled else at.OUT_HIT_IX),
+            hit_state=CellState(int(counts[at.OUT_HIT_STATE])).word,
+            overlap_step=int(counts[at.OUT_OVERLAP_STEP]),
+            overlap_cell=self._cell(counts, at.OUT_OVERLAP_IX),
+            random_draws=int(progress.mode[at.DRAWS_USED]),
+            trace=None if rows is None else self._trace(rows),
+        )
+
+    def _cell(self, counts: npt.NDArray[np.int64], first: int) -> tuple[int, int]:
+        """A cell of the thesis's frame in the world's; one of the added border lies just outside."""
+        return int(counts[first]) - self._pad, self._height - 1 - self._pad - int(counts[first + 1])
+
+    def _trace(self, rows: Floats) -> Trace:
+        """The recorded rows in metres and radians."""
+        metres = float(exact(self.world.cell_size) / 10)
+        x = (rows[:, at.X] - 10.0 * self._pad) * metres
+        y = ((self._height - self._pad) * 10.0 - rows[:, at.Y]) * metres
+        heading = (2.0 * math.pi - rows[:, at.HEADING]) % (2.0 * math.pi) - math.pi
+        return Trace(
+            time_step=self.options.time_step,
+            x=x,
+            y=y,
+            heading=heading,
+            bump=rows[:, at.ROW_MODE + at.COLLISION] != 0,
+            path_x=x,
+            path_y=y,
+            path_step=np.arange(len(rows)),
+            words=_digest_words(rows[1:]),
+            states=np.ascontiguousarray(rows[:, : at.ROW_MODE + at.MODE_STATE_SIZE]).view(np.uint64),
+            complete=True,
+        )
+
+
+def _digest_words(rows: Floats) -> npt.NDArray[np.uint64]:
+    """The seven words a tick that the digest of the recorded vectors runs over."""
+    words = np.zeros((len(rows), 7), np.uint64)
+    words[:, :5] = np.ascontiguousarray(rows[:, : at.SPEED + 1]).view(np.uint64)
+    behaviour = rows[:, at.ROW_MODE + at.BEHAVIOUR].astype(np.int64)
+    busy = np.where(behaviour < 0, 0, 2 + 4 * (behaviour + 1))
+    words[:, 5] = (rows[:, at.ROW_MODE + at.COLLISION].astype(np.int64) + busy).astype(np.uint64)
+    words[:, 6] = np.ascontiguousarray(rows[:, at.ROW_MODE + at.TICKS_LEFT]).view(np.uint64)
+    return words
