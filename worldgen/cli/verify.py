@@ -20,16 +20,14 @@ __all__ = ["verify", "verify_world"]
 @click.option("--radius", type=float, metavar="R", help="Ask for a disc of this radius, m, instead of the robot's.")
 @json_option
 def verify(paths: tuple[Path, ...], radius: float | None, as_json: bool) -> None:
-    r"""Check a world's proof, or decide a map afresh.
+    """Check a world's proof, or decide a map afresh.
 
     A file's certificate is checked by code that shares nothing with the code that made it. A map without a
     certificate is decided afresh, and so is a certificate that says nothing about the radius asked for; what
     was decided is then checked in the same way. A folder stands for the .grid files in it.
 
-    \b
-    Exit code 0  every certificate holds, or the map was decided: reachable or blocked
-              1  a certificate does not hold, or a map stays undecided
-              2  a file cannot be read
+    Exits with 0 if every certificate holds or every map could be decided (blocked is an answer too), with 1
+    if a certificate does not hold or a map stays undecided, with 2 if a file cannot be read.
     """
     from worldgen.grid_file import read_world
 
