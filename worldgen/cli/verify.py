@@ -65,26 +65,14 @@ def verify_world(world: World, radius: float | None = None) -> dict[str, Any]:
     if certificate is None or not fits:
         decision = decide(world, radius=asked)
         certificate, afresh, reason = decision.certificate, True, decision.reason
-    answer: dict[str, Any] = {"certificate": None, "decided": afresh, "radius": asked}
-    if certificate is None:
-        return {
-            "result": UNDECIDED,
-            "certificate_valid": False,
-            "clearance": None,
-            "reason": reason,
-            **answer,
-        }
-    report = check_certificate(world, certificate, radius=asked)
-    is_witness = isinstance(certificate, Witness)
-    claimed = REACHABLE if is_witness else BLOCKED
-    answer["certificate"] = "witness" if is_witness else "cut"
-    return {
-        "result": claimed if report.valid else UNDECIDED,
-        "certificate_valid": report.valid,
-        "clearance": report.clearance,
-        "reason": report.reason,
-        **answer,
-    }
+    answer: dict[str, Any] = {"result": UNDECIDED, "certificate": None, "certificate_valid": False, "decided": afresh}
+    answer |= {"clearance": None, "radius": asked, "reason": reason}
+    if certificate is not None:
+        report = check_certificate(world, certificate, radius=asked)
+        kind, claim = ("witness", REACHABLE) if isinstance(certificate, Witness) else ("cut", BLOCKED)
+        answer |= {"result": claim if report.valid else UNDECIDED, "certificate": kind}
+        answer |= {"certificate_valid": report.valid, "clearance": report.clearance, "reason": report.reason}
+    return answer
 
 
 def _files(paths: tuple[Path, ...]) -> list[Path]:

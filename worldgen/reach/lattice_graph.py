@@ -168,32 +168,30 @@ def find_path(
     Returns:
         Flat indices from source to end; empty where none is connected.
     """
-    size = graph.clear.size
-    plain = size <= _SMALL
-    goal, came, cost = np.zeros(size, np.uint8), np.zeros(size, np.uint8), np.full(size, _FAR, np.int64)
-    goal[np.asarray(spare, np.int64)] = 2
-    goal[np.asarray(ends, np.int64)] = 1
-    shifts, corners = neighbour_shifts(graph.stride)
-    arrays: Any = (graph.clear.view(np.uint8).ravel(), graph.middle.view(np.uint8).ravel(), goal)
-    moves: Any = (np.array(shifts), np.array(corners))
-    work: Any = (cost, came)
-    if plain:
-        arrays, moves, work = (
-            [array.tobytes() for array in arrays],
-            (shifts, corners),
-            (cost.tolist(), bytearray(size)),
-        )
-    search: Any = _search if plain else _search_compiled
-    found = search(*arrays, graph.stride, *moves, np.array(sources, np.int64), toward, *work)
+    inputs, cost, came, search = _prepared(graph, ends, spare)
+    found = search(*inputs, np.array(sources, np.int64), toward, cost, came)
     by_bridge: dict[int, int] = {}
     both_ways = [*bridges, *((b, a) for a, b in bridges)]
     while found < 0:
-        onward = {b: a for a, b in both_ways if work[0][a] < 0 <= work[0][b]}
+        onward = {b: a for a, b in both_ways if cost[a] < 0 <= cost[b]}
         if not onward:
             return []
         by_bridge.update(onward)
-        found = search(*arrays, graph.stride, *moves, np.array(list(onward), np.int64), toward, *work)
-    return _trace(int(found), work[1], shifts, by_bridge)
+        found = search(*inputs, np.array(list(onward), np.int64), toward, cost, came)
+    return _trace(int(found), came, neighbour_shifts(graph.stride)[0], by_bridge)
+
+
+def _prepared(graph: Graph, ends: Sequence[int], spare: npt.NDArray[np.int64]) -> tuple[Any, Any, Any, Any]:
+    """The first arguments of ``_search``, its two work arrays, and the search itself, plain or compiled."""
+    size, moves = graph.clear.size, neighbour_shifts(graph.stride)
+    goal, came, cost = np.zeros(size, np.uint8), np.zeros(size, np.uint8), np.full(size, _FAR, np.int64)
+    goal[spare] = 2
+    goal[np.asarray(ends, np.int64)] = 1
+    rasters = (graph.clear.view(np.uint8).ravel(), graph.middle.view(np.uint8).ravel(), goal)
+    if size <= _SMALL:
+        plain = (array.tobytes() for array in rasters)
+        return (*plain, graph.stride, *moves), cost.tolist(), bytearray(size), _search
+    return (*rasters, graph.stride, *map(np.array, moves)), cost, came, _search_compiled
 
 
 def neighbour_shifts(stride: int) -> tuple[list[int], list[int]]:

@@ -70,11 +70,8 @@ def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoin
     unit = UNIT // k
     pace = (world.cell_size, world.robot_speed, spans.ticks)
     axis, diagonal = travel_ticks((0, 0), (unit, 0), *pace), travel_ticks((0, 0), (unit, unit), *pace)
-    sources = []
-    for node, point in _nodes_round(start, graph.clear, unit):
-        arrival = travel_ticks(start, point, *pace)
-        if walls.is_clear(start, point, 0, arrival):
-            sources.append((node, arrival))
+    near = [(node, p, travel_ticks(start, p, *pace)) for node, p in _nodes_round(start, graph.clear, unit)]
+    sources = [(node, arrival) for node, p, arrival in near if walls.is_clear(start, p, 0, arrival)]
     if not sources or not len(ends):
         return None
     plain = graph.clear.size <= _SMALL
@@ -82,12 +79,15 @@ def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoin
     middles = _intervals(graph.middle, spans, walls.radius, k, 1, plain)
     toward = (round(disc.x / unit), round(disc.y / unit))
     states = _search_states(nodes, middles, graph.stride, sources, ends, (axis, diagonal), toward, plain)
-    if not states:
-        return None
+    return _with_waits(start, states, graph.stride, unit) if states else None
+
+
+def _with_waits(start: ExactPoint, states: list[tuple[int, int, int]], stride: int, unit: int) -> TimedPath:
+    """Points and times of a way given as (node, departure from the one before, arrival)."""
     points: list[ExactPoint] = [start]
     times = [0]
     for node, depart, arrival in states:
-        point = (node % graph.stride * unit, node // graph.stride * unit)
+        point = (node % stride * unit, node // stride * unit)
         if depart > times[-1]:
             points.append(points[-1])
             times.append(depart)
@@ -159,11 +159,34 @@ def _intervals(
     clear: npt.NDArray[np.bool_], spans: Spans, radius: Fraction, k: int, half: int, plain: bool
 ) -> _Intervals:
     """Safe intervals at the nodes (``half`` 0) or at the middles of their squares (``half`` 1)."""
+    inputs, most = _points_and_spans(clear, spans, radius, k, half)
+    first, work, nothing = np.zeros(clear.size + 1, np.int64), np.zeros(most + 2, np.int64), np.zeros(0, np.int64)
+    if plain:
+        lists = [array.tolist() for array in inputs]
+        counts, low, high = first.tolist(), work.tolist(), work.tolist()
+        _safe_intervals(*lists, counts, [], [], low, high, False)
+        total = np.cumsum(counts).tolist()
+        begin, end = [0] * total[-1], [0] * total[-1]
+        _safe_intervals(*lists, total, begin, end, low, high, True)
+        return _Intervals(total, begin, end)
+    arrays: Any = (*inputs, first, nothing, nothing, work, work.copy())
+    _safe_intervals_compiled(*arrays, False)
+    first = np.cumsum(first)
+    begins, ends = np.zeros(int(first[-1]), np.int64), np.zeros(int(first[-1]), np.int64)
+    arrays = (*inputs, first, begins, ends, work, work.copy())
+    _safe_intervals_compiled(*arrays, True)
+    return _Intervals(first, begins, ends)
+
+
+def _points_and_spans(
+    clear: npt.NDArray[np.bool_], spans: Spans, radius: Fraction, k: int, half: int
+) -> tuple[Any, int]:
+    """The first eight arguments of ``_safe_intervals``, and how many spans one point may have round it."""
     pad = math.ceil(radius) + 2
     cells = np.pad(spans.changing, pad)
-    number = np.zeros(cells.size + 1, np.int64)
-    number[:-1][cells.ravel()] = (spans.first[1:] - spans.first[:-1])[spans.changing.ravel()]
-    span_first = np.concatenate([[0], np.cumsum(number[:-1])])
+    number = np.zeros(cells.size, np.int64)
+    number[cells.ravel()] = np.diff(spans.first)[spans.changing.ravel()]
+    span_first = np.concatenate([[0], np.cumsum(number)])
     classes = [touching_cells(2 * a + half, 2 * b + half, 2 * k, radius) for b in range(k) for a in range(k)]
     steps = np.array([dy * cells.shape[1] + dx for found in classes for dx, dy in found], np.int64)
     class_first = np.concatenate([[0], np.cumsum([len(found) for found in classes])]).astype(np.int64)
@@ -171,33 +194,9 @@ def _intervals(
     y, x = np.arange(rows, dtype=np.int32)[:, None], np.arange(columns, dtype=np.int32)[None, :]
     place = (y // k + pad) * cells.shape[1] + x // k + pad  # 32 bits: there are tens of millions of points
     kind = y % k * k + x % k
-    work = np.zeros(2 + int(number.max(initial=0)) * max(len(found) for found in classes), np.int64)
-    inputs = [
-        clear.view(np.uint8).ravel(),
-        place.ravel(),
-        kind.ravel(),
-        class_first,
-        steps,
-        span_first,
-        spans.begin,
-        spans.end,
-    ]
-    first = np.zeros(clear.size + 1, np.int64)
-    nothing = np.zeros(0, np.int64)
-    make: Any = _safe_intervals if plain else _safe_intervals_compiled
-    if plain:
-        lists = [array.tolist() for array in inputs]
-        counts, low, high = first.tolist(), work.tolist(), work.tolist()
-        make(*lists, counts, [], [], low, high, False)
-        total = np.cumsum(counts).tolist()
-        begin, end = [0] * total[-1], [0] * total[-1]
-        make(*lists, total, begin, end, low, high, True)
-        return _Intervals(total, begin, end)
-    make(*inputs, first, nothing, nothing, work, work.copy(), False)
-    first = np.cumsum(first)
-    begins, ends = np.zeros(int(first[-1]), np.int64), np.zeros(int(first[-1]), np.int64)
-    make(*inputs, first, begins, ends, work, work.copy(), True)
-    return _Intervals(first, begins, ends)
+    points = [clear.view(np.uint8).ravel(), place.ravel(), kind.ravel()]
+    most = int(number.max(initial=0)) * max(len(found) for found in classes)
+    return [*points, class_first, steps, span_first, spans.begin, spans.end], most
 
 
 def _safe_intervals(
@@ -241,8 +240,6 @@ def _search_states(
 ) -> list[tuple[int, int, int]]:  # fmt: skip
     """(node, departure from the one before, arrival) along the earliest way; empty if there is none."""
     size, count = len(nodes.first) - 1, len(nodes.begin)
-    if not count:
-        return []
     node_of: Any = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))
     goal: Any = np.zeros(size, np.uint8)
     goal[ends] = 1
@@ -251,15 +248,7 @@ def _search_states(
     cost: Any = np.full(count, FOREVER, np.int64)
     came: Any = np.full(count, -1, np.int32)
     depart: Any = np.zeros(count, np.int64)
-    first_states = [
-        (state, arrival)
-        for node, arrival in sources
-        for state in range(nodes.first[node], nodes.first[node + 1])
-        if nodes.begin[state] <= arrival < nodes.end[state]
-    ]
-    if not first_states:
-        return []
-    begun: Any = np.array(first_states, np.int64)
+    begun: Any = _first_states(nodes, sources)
     search: Any = _safe_search_compiled
     moves: Any = tuple(np.array(values, np.int64) for values in neighbour_shifts(stride))
     if plain:
@@ -277,6 +266,17 @@ def _search_states(
         path.append((int(node_of[final]), int(depart[final]), int(cost[final])))
         final = int(came[final])
     return path[::-1]
+
+
+def _first_states(nodes: _Intervals, sources: Sequence[tuple[int, int]]) -> Ints:
+    """(n, 2) states in which the robot gets to a node, with the tick of arrival."""
+    found = [
+        (state, arrival)
+        for node, arrival in sources
+        for state in range(nodes.first[node], nodes.first[node + 1])
+        if nodes.begin[state] <= arrival < nodes.end[state]
+    ]
+    return np.array(found, np.int64).reshape(-1, 2)
 
 
 def _safe_search(
