@@ -16,7 +16,18 @@ from sim.kernels._jit import kernel
 from sim.kernels.fdlibm import cos, float_bits, sin
 from sim.kernels.layout import BURNING, SOLID
 from sim.kernels.stepped_motion import advance
-from sim.kernels.thesis_arbiter import COLLIDE, DRIVE, GO, HALT, IDLE, RESUME, SEEK, TURN, run_behaviour, select_behaviour
+from sim.kernels.thesis_arbiter import (
+    COLLIDE,
+    DRIVE,
+    GO,
+    HALT,
+    IDLE,
+    RESUME,
+    SEEK,
+    TURN,
+    run_behaviour,
+    select_behaviour,
+)
 from sim.kernels.thesis_layout import CELL, FLAME, WALL, Arena, Progress, Setup
 from sim.kernels.thesis_signal import signal_direction, turn_towards
 
@@ -100,7 +111,11 @@ def _judge(arena: Arena, setup: Setup, step: int, old_x: float, old_y: float, pr
         for cell_x in range(int(min(x, old_x) / CELL), int(max(x, old_x) / CELL) + 1):
             for cell_y in range(int(min(y, old_y) / CELL), int(max(y, old_y) / CELL) + 1):
                 if cells[cell_x, cell_y] == WALL and _crosses(old_x, old_y, x, y, cell_x, cell_y):
-                    counts[at.OUT_TUNNEL_STEP], counts[at.OUT_TUNNEL_IX], counts[at.OUT_TUNNEL_IY] = step, cell_x, cell_y
+                    counts[at.OUT_TUNNEL_STEP], counts[at.OUT_TUNNEL_IX], counts[at.OUT_TUNNEL_IY] = (
+                        step,
+                        cell_x,
+                        cell_y,
+                    )
     if arena.visited[ix, iy] == 0:
         arena.visited[ix, iy] = 1
         counts[at.OUT_LAST_NEW_CELL] = step

@@ -162,7 +162,9 @@ def test_ctrl_c_keeps_what_was_found(tmp_path):
 
 
 def test_a_fuzz_campaign_on_a_fixed_map_varies_the_poses(tmp_path):
-    text = "\n".join(["#" * 14, *["#" + "." * 12 + "#"] * 5, "#" + "." * 6 + "#" * 6 + "#", *["#" + "." * 12 + "#"] * 5])
+    text = "\n".join(
+        ["#" * 14, *["#" + "." * 12 + "#"] * 5, "#" + "." * 6 + "#" * 6 + "#", *["#" + "." * 12 + "#"] * 5]
+    )
     path = tmp_path / "map.grid"
     path.write_text(
         "%worldgen-grid 1\ncell_size = 0.1\nrobot_radius = 0.07\nstart = [0.25, 0.25, 0.0]\n"
