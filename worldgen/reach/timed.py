@@ -164,17 +164,19 @@ def _intervals(
     if plain:
         lists = [array.tolist() for array in inputs]
         counts, low, high = first.tolist(), work.tolist(), work.tolist()
-        _safe_intervals(*lists, counts, [], [], low, high, False)
+        arguments: Any = (*lists, counts, [], [], low, high, False)
+        _safe_intervals(*arguments)
         total = np.cumsum(counts).tolist()
         begin, end = [0] * total[-1], [0] * total[-1]
-        _safe_intervals(*lists, total, begin, end, low, high, True)
+        arguments = (*lists, total, begin, end, low, high, True)
+        _safe_intervals(*arguments)
         return _Intervals(total, begin, end)
-    arrays: Any = (*inputs, first, nothing, nothing, work, work.copy())
-    _safe_intervals_compiled(*arrays, False)
+    arguments = (*inputs, first, nothing, nothing, work, work.copy(), False)
+    _safe_intervals_compiled(*arguments)
     first = np.cumsum(first)
     begins, ends = np.zeros(int(first[-1]), np.int64), np.zeros(int(first[-1]), np.int64)
-    arrays = (*inputs, first, begins, ends, work, work.copy())
-    _safe_intervals_compiled(*arrays, True)
+    arguments = (*inputs, first, begins, ends, work, work.copy(), True)
+    _safe_intervals_compiled(*arguments)
     return _Intervals(first, begins, ends)
 
 
