@@ -21,7 +21,7 @@ from worldgen.world import World
 __all__ = ["Campaign", "CampaignState", "Found", "Progress", "UnitDone"]
 
 _RESTARTS = 3  # failures of one class that are shrunk; the smallest result stays
-_IN_HAND = 2  # units per worker that are under way or waiting
+_WAITING = 1  # units that wait for a worker, so that none is idle
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class Campaign:
         units: dict[int, Future[UnitResult]] = {}
         shrinks: dict[Future[World], tuple[str, World]] = {}
         while True:
-            while len(units) < _IN_HAND * self.workers and not self._enough(submitted, started):
+            while len(units) < self.workers + _WAITING and not self._enough(submitted, started):
                 units[submitted] = pool.submit(run_unit, self.config, submitted)
                 submitted += 1
             if not units and not shrinks:

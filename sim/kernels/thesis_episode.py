@@ -20,7 +20,6 @@ from sim.kernels.thesis_arbiter import (
     COLLIDE,
     DRIVE,
     GO,
-    HALT,
     IDLE,
     RESUME,
     SEEK,

@@ -93,8 +93,8 @@ def turn_towards(heading: float, target: float) -> float:
         return target
     if target < heading:
         if target + math.pi > heading:
-            return np.fmod(heading - _TURN_STEP, _TWO_PI)
-        return np.fmod(heading + _TURN_STEP, _TWO_PI)
+            return float(np.fmod(heading - _TURN_STEP, _TWO_PI))
+        return float(np.fmod(heading + _TURN_STEP, _TWO_PI))
     if heading + math.pi > target:
-        return np.fmod(heading + _TURN_STEP, _TWO_PI)
-    return np.fmod(_TWO_PI + heading - _TURN_STEP, _TWO_PI)
+        return float(np.fmod(heading + _TURN_STEP, _TWO_PI))
+    return float(np.fmod(_TWO_PI + heading - _TURN_STEP, _TWO_PI))
