@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import math
 import re
@@ -85,10 +86,20 @@ class Family:
     version: int
     build: Build
 
-    @property
+    @functools.cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """What can be set, in order of declaration."""
-        hints, notes = typing.get_type_hints(self.build), _argument_notes(self.build.__doc__ or "")
+        """What can be set, in order of declaration.
+
+        Raises:
+            InvalidParameter: If an annotation names what cannot be found at run time.
+        """
+        try:
+            hints = typing.get_type_hints(self.build)
+        except NameError as error:
+            raise InvalidParameter(
+                f"family {self.name!r}: {error}; import what its annotations name outside TYPE_CHECKING"
+            ) from error
+        notes = _argument_notes(self.build.__doc__ or "")
         return tuple(
             Parameter(name, parameter.default, _choices(hints.get(name)), notes.get(name, ""))
             for name, parameter in list(inspect.signature(self.build).parameters.items())[1:]

@@ -77,7 +77,7 @@ def _make_one(
     if out is not None:
         write_world(world, out, force=force)
     elif not as_json:
-        click.echo(dumps(world), nl=False)
+        click.echo(dumps(world).decode(), nl=False)
     result = _result(world, out)
     note(
         (f"{out}: " if out is not None else "") + f"{made_by.name} {world.width} x {world.height} cells, "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -57,7 +57,7 @@ def trap(
             whole winding corridor; -1: drawn.
         thickness: Thickness of the obstacle's walls, cells.
         turn: Where the mouth opens: quarter turns counter-clockwise from +x, 0 to 3; -1: drawn.
-        turns: Quarter turns by which a spiral winds on beyond the U, 1 or more; -1: drawn.
+        turns: Quarter turns by which a spiral winds on beyond the U, at least 1; -1: drawn.
         faces: What lies before the mouth: the start, the target, or neither.
         inside: Start in the hollow instead of before it.
         cell_size: Side of a cell, m.
@@ -73,7 +73,11 @@ def trap(
     arena = Arena(size, cell_size, robot_radius, robot_speed)
     check_at_least("thickness", thickness, 1, "cells")
     check_between("turn", turn, CHOSEN, 3, "quarter turns")
+    if inside and faces == "target":
+        raise InvalidParameter("inside with faces=target leaves nothing in the way; give faces=start or faces=side")
     least_depth = arena.narrowest if inside else 1
+    if faces == "side":  # an arm shorter than the robot would not be in its way
+        least_depth = max(least_depth, arena.narrowest - thickness)
     if depth != CHOSEN:
         check_at_least("depth", depth, least_depth, "cells")
     if mouth != CHOSEN:
@@ -81,7 +85,7 @@ def trap(
     if shape != "spiral":
         turns = without_effect("turns", turns, f"shape={shape}")
     elif turns != CHOSEN:
-        check_at_least("turns", turns, 1, "quarter turns")
+        check_between("turns", turns, 1, arena.inside, "quarter turns")
     request = _Request(shape, depth, mouth, thickness, turns)
 
     obstacle = _obstacle(*_draw_to_fit(rng.child("obstacle"), arena, request, faces))
@@ -124,38 +128,40 @@ class _Obstacle:
     hollow: Box
 
 
+def _extents(shape: Shape, depth: int, mouth: int, thickness: int, turns: int) -> tuple[int, int]:
+    """Width and height of an obstacle in cells, the mouth opening to +x."""
+    width, height = thickness + depth, mouth + (1 if shape == "L" else 2) * thickness
+    for _ in range(turns):
+        width, height = height, width + mouth + thickness
+    return width, height
+
+
 def _obstacle(shape: Shape, depth: int, mouth: int, thickness: int, turns: int) -> _Obstacle:
     """Builds the U or L with its mouth to +x, winds the upper arm on, and turns the mouth to +x again."""
-    x1, y1 = thickness + depth, mouth + 2 * thickness
-    back, lower = (0, 0, thickness, y1), (0, 0, x1, thickness)
-    hollow, opening = (thickness, thickness, x1, y1 - thickness), (thickness, y1 - thickness)
-    if shape == "L":
-        y1 -= thickness
-        return _Obstacle(((0, 0, thickness, y1), lower), x1, y1, opening, hollow)
-    boxes = [back, lower, (0, y1 - thickness, x1, y1)]
-    for _ in range(turns):
-        boxes, hollow, (width, height) = _wind_on(boxes, hollow, mouth, thickness)
-        opening = (height - thickness - mouth, height - thickness)
-    width, height = _extent(boxes)
-    return _Obstacle(tuple(boxes), width, height, opening, hollow)
+    width, height = _extents(shape, depth, mouth, thickness, 0)
+    boxes = [(0, 0, thickness, height), (0, 0, width, thickness)]  # back, lower arm
+    if shape != "L":
+        boxes.append((0, height - thickness, width, height))
+    hollow = (thickness, thickness, width, thickness + mouth)
+    for wound in range(1, turns + 1):
+        boxes, hollow = _wind_on(boxes, hollow, width, height, mouth, thickness)
+        width, height = _extents(shape, depth, mouth, thickness, wound)
+    top = height if shape == "L" else height - thickness
+    return _Obstacle(tuple(boxes), width, height, (top - mouth, top), hollow)
 
 
-def _wind_on(boxes: list[Box], hollow: Box, mouth: int, thickness: int) -> tuple[list[Box], Box, tuple[int, int]]:
+def _wind_on(
+    boxes: list[Box], hollow: Box, width: int, height: int, mouth: int, thickness: int
+) -> tuple[list[Box], Box]:
     """Leads the wall that ends at the upper right on, across the right side; then turns the new mouth to +x.
 
-    The wall's end goes on to +x, then to -y along the whole right side, ``mouth`` away from what is there.
-    The new mouth, at the lower right, opens to -y; a quarter turn makes that +x, and the lower right corner
-    the upper right one, ready for the next winding.
+    The wall goes on to +x, then to -y along the whole right side, ``mouth`` away from what is there. The new
+    mouth, at the lower right, opens to -y; a quarter turn makes that +x, and puts the wall's end at the upper
+    right again.
     """
-    width, height = _extent(boxes)
     reach = width + mouth + thickness
     longer = [*boxes, (width, height - thickness, reach, height), (reach - thickness, 0, reach, height)]
-    turned = [_quarter_turn(box, height) for box in longer]
-    return turned, _quarter_turn(hollow, height), (height, reach)
-
-
-def _extent(boxes: Iterable[Box]) -> tuple[int, int]:
-    return max(box[2] for box in boxes), max(box[3] for box in boxes)
+    return [_quarter_turn(box, height) for box in longer], _quarter_turn(hollow, height)
 
 
 def _quarter_turn(box: Box, height: int) -> Box:
@@ -172,12 +178,12 @@ def _draw_to_fit(rng: RandomStream, arena: Arena, request: _Request, faces: Face
     shape, thickness, low = request.shape, request.thickness, arena.narrowest
 
     def fits(turns: int, mouth: int, depth: int) -> bool:
-        return _room(arena, _obstacle(shape, depth, mouth, thickness, turns), faces) is None
+        return _room(arena, _extents(shape, depth, mouth, thickness, turns), faces) is None
 
     least_turns = 1 if request.turns == CHOSEN else request.turns
     least_mouth = low if request.mouth == CHOSEN else request.mouth
     least_depth = low if request.depth == CHOSEN else request.depth
-    problem = _room(arena, _obstacle(shape, least_depth, least_mouth, thickness, least_turns), faces)
+    problem = _room(arena, _extents(shape, least_depth, least_mouth, thickness, least_turns), faces)
     if problem is not None:
         raise InvalidParameter(
             f"size={arena.size} has no room for shape={shape} with mouth={least_mouth}, depth={least_depth}, "
@@ -203,13 +209,13 @@ def _one_of(rng: RandomStream, values: range, fits: Callable[[int], bool]) -> in
     return rng.between(values[0], low)
 
 
-def _room(arena: Arena, obstacle: _Obstacle, faces: Faces) -> str | None:
-    """Why the obstacle finds no room, or ``None``.
+def _room(arena: Arena, extents: tuple[int, int], faces: Faces) -> str | None:
+    """Why an obstacle of these extents finds no room, or ``None``.
 
     Robot and target need a passage each, before and behind on the way from start to target; across it, one
     passage is enough to get round.
     """
-    along, across = obstacle.width, obstacle.height
+    along, across = extents
     if faces == "side":
         along, across = across, along
     if along + 2 * arena.narrowest > arena.inside:
@@ -279,7 +285,7 @@ def _scene(
     end = arena.size - 1
     front, behind = (x + obstacle.width, end), (1, x)
     rows = (y + obstacle.opening[0], y + obstacle.opening[1])
-    columns = (x, x + max(obstacle.width, arena.narrowest))
+    columns = (x, x + obstacle.width)
     above, below = (y + obstacle.height, end), (1, y)
     start, target, quarter = {
         "start": ((front, rows), (behind, rows), 2),

@@ -1,0 +1,256 @@
+"""What every registered family promises, for each of its shapes."""
+
+import dataclasses
+import itertools
+import re
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from worldgen.errors import GenerationFailed, InvalidParameter
+from worldgen.family import FAMILIES, family, stream_for
+from worldgen.generation import MAX_ATTEMPTS, generate
+from worldgen.grid_file import dumps, world_digest
+from worldgen.reach import check_certificate
+from worldgen.timeline import CellState
+from worldgen.world import Pose, Target, Witness, World
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "families.md"
+
+# Of seed 7: the world's id without and with its witness, 16 digits each. A change of the first changes what
+# users' seeds yield: raise the family's version with it. A change of the second alone is the prover's.
+GOLDEN: dict[str, tuple[str, str]] = {
+    "corridor-bends": ("3bd80277f1f51c05", "e6bd0baa5ee889ce"),
+    "corridor-dead-ends": ("a4d80f26bca01fd0", "d819f6439eac2661"),
+    "corridor-junctions": ("ce111378dabb882b", "d08300ac58758481"),
+    "fire-maze": ("85e03006e606b231", "566baf5b204b7a2a"),
+    "fire-corridor": ("4cf5a8823775096e", "5b89ade9729bfcca"),
+    "fire-trap": ("129820e1065071e8", "6457001266bd1e04"),
+    "maze-wilson": ("502bb80046a9f524", "42e68eb0644acdd0"),
+    "maze-backtracker": ("ec3f05760ade6dc3", "f647469fb0177a34"),
+    "trap-U": ("c3ffafa58ff3c38d", "0ecc0d2db4154a1d"),
+    "trap-L": ("027e5f248f623688", "63e399d9d9349506"),
+    "trap-spiral": ("462108bdc4369fb9", "5e8373e8687314c8"),
+}
+
+
+def _shapes():
+    """Every family with every word of its first parameter that has words: algorithm, shape, over."""
+    for name in FAMILIES:
+        choices = [known for known in FAMILIES.get(name).parameters if known.choices]
+        for word in choices[0].choices if choices else ():
+            yield pytest.param(name, {choices[0].name: word}, id=f"{name}-{word}")
+
+
+every_shape = pytest.mark.parametrize(("name", "shape"), list(_shapes()))
+every_family = pytest.mark.parametrize("name", FAMILIES.names())
+
+
+@every_shape
+def test_equal_seed_gives_equal_bytes(name, shape):
+    assert dumps(generate(name, 3, **shape)) == dumps(generate(name, 3, **shape))
+
+
+@every_shape
+def test_different_seeds_give_different_worlds(name, shape):
+    assert len({world_digest(generate(name, seed, **shape)) for seed in range(6)}) == 6
+
+
+@every_shape
+@pytest.mark.parametrize("size", [10, 11, 37, 60])
+def test_size_is_the_number_of_cells_a_side(name, shape, size):
+    assert generate(name, 5, size=size, **shape).walls.shape == (size, size)
+
+
+@every_shape
+@pytest.mark.parametrize("size", [10, 37])
+def test_the_border_is_solid_for_ever(name, shape, size):
+    world = generate(name, 6, size=size, **shape)
+    rim = [world.walls[0], world.walls[-1], world.walls[:, 0], world.walls[:, -1]]
+    line = world.timeline
+    assert all(side.all() for side in rim)
+    assert ((line.ix > 0) & (line.ix < size - 1) & (line.iy > 0) & (line.iy < size - 1)).all()
+
+
+@every_shape
+@pytest.mark.parametrize(("cell_size", "robot_radius"), [(0.1, 0.07), (0.1, 0.1), (0.25, 0.1), (0.05, 0.074)])
+def test_the_independent_checker_accepts_the_witness(name, shape, cell_size, robot_radius):
+    for seed in range(3):
+        world = generate(name, seed, size=25, cell_size=cell_size, robot_radius=robot_radius, **shape)
+        report = check_certificate(world)
+        assert isinstance(world.certificate, Witness) and report.valid, report.reason
+
+
+@every_shape
+def test_layouts_are_solvable_by_construction(name, shape):
+    for seed in range(20):
+        family_of = FAMILIES.get(name)
+        first = family_of.build(stream_for(seed, name, 0), **family_of.complete(shape))
+        assert np.array_equal(generate(name, seed, **shape).walls, first.walls)
+
+
+@every_shape
+def test_provenance_is_enough_to_make_the_world_again(name, shape):
+    world = generate(name, 8, size=20, **shape)
+    made = world.provenance
+    assert (made.family, made.version, made.seed) == (name, FAMILIES.get(name).version, 8)
+    assert dumps(generate(made.family, made.seed, **made.params)) == dumps(world)
+
+
+@every_shape
+def test_interleaved_generation_equals_separate_generation(name, shape):
+    alone = [dumps(generate(name, seed, **shape)) for seed in (1, 2)]
+    mixed = []
+    for seed in (1, 2):
+        generate("maze", 99 - seed)
+        mixed.append(dumps(generate(name, seed, **shape)))
+    assert alone == mixed
+
+
+@every_shape
+def test_a_seed_yields_the_layout_it_always_yielded(name, shape):
+    layout = dataclasses.replace(generate(name, 7, **shape), certificate=None)
+    assert world_digest(layout)[:16] == GOLDEN[f"{name}-{next(iter(shape.values()))}"][0]
+
+
+@every_shape
+def test_a_seed_yields_the_witness_it_always_yielded(name, shape):
+    assert world_digest(generate(name, 7, **shape))[:16] == GOLDEN[f"{name}-{next(iter(shape.values()))}"][1]
+
+
+@every_shape
+def test_coordinates_are_short_decimals(name, shape):
+    world = generate(name, 9, **shape)
+    for value in (world.start.x, world.start.y, world.target.x, world.target.y, world.target.radius):
+        assert len(repr(value)) <= 5, value
+
+
+@every_family
+def test_a_seed_counts_by_its_low_64_bits(name):
+    assert dumps(generate(name, -1)) == dumps(generate(name, 2**64 - 1))
+
+
+@every_family
+def test_every_parameter_is_explained(name):
+    assert all(known.help for known in FAMILIES.get(name).parameters)
+
+
+@every_family
+def test_an_unknown_parameter_is_refused(name):
+    with pytest.raises(InvalidParameter, match=f"{name} has no parameter 'sise'; it has size, "):
+        generate(name, sise=30)
+
+
+@every_family
+def test_a_value_of_another_type_is_refused(name):
+    for known in FAMILIES.get(name).parameters:
+        wrong = 1 if isinstance(known.default, str | bool) else "1"
+        with pytest.raises(InvalidParameter, match=f"{name}: {known.name}={wrong!r} is a .*; give a "):
+            generate(name, **{known.name: wrong})
+
+
+@every_family
+@pytest.mark.parametrize(
+    ("params", "message"),
+    [
+        ({"size": 9}, "size=9 cells is outside 10 to 2000 cells"),
+        ({"size": 2001}, "size=2001 cells is outside 10 to 2000 cells"),
+        ({"size": -(2**63)}, "size=-9223372036854775808 cells is outside"),
+        ({"size": 2**63}, "size is a number of more than 64 bits"),
+        ({"cell_size": 0.0}, "cell_size=0 m is outside 0.001 to 1000 m"),
+        ({"cell_size": float("nan")}, "cell_size=nan is not finite"),
+        ({"robot_radius": 0.0}, "robot_radius=0 m is not a finite number above 0"),
+        ({"robot_radius": float("inf")}, "robot_radius=inf is not finite"),
+        ({"robot_radius": 1.5}, "robot_radius=1.5 m does not fit between the walls of size=30"),
+        ({"robot_speed": -1.0}, "robot_speed=-1 m/s is outside 0.001 to 1000 m/s"),
+    ],
+    ids=lambda value: str(value)[:30],
+)
+def test_numbers_out_of_range_are_refused(name, params, message):
+    with pytest.raises(InvalidParameter, match=message):
+        generate(name, **params)
+
+
+def test_a_family_that_never_solves_gives_up_and_names_its_parameters():
+    @family("walled-in", version=1)
+    def walled_in(rng, *, size: int = 12) -> World:
+        walls = np.ones((size, size), bool)
+        walls[2:4, 2:4] = walls[7:9, 7:9] = False
+        return World(walls, Pose(0.3, 0.3), Target(0.8, 0.8, 0.05))
+
+    with pytest.raises(GenerationFailed, match=rf"walled-in: none of {MAX_ATTEMPTS} layouts .* \(seed 4; size=12\)"):
+        generate(walled_in, 4)
+
+
+def test_a_family_is_tried_again_until_a_layout_is_solvable():
+    @family("lucky", version=3)
+    def lucky(rng, *, size: int = 12) -> World:
+        walls = np.zeros((size, size), bool)
+        walls[5] = rng.below(4) > 0
+        return World(walls, Pose(0.3, 0.3), Target(0.8, 0.8, 0.05))
+
+    assert not any(generate(lucky, seed).walls[5].any() for seed in range(10))
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda rng, size=1: None, "'size' must stand after \\*"),
+        (lambda rng, *, seed=1: None, "'seed' must stand after \\*, and be called none of name, seed"),
+        (lambda rng, *, size: None, "'size' needs a default"),
+        (lambda rng, *, size=None: None, "'size' needs a default"),
+    ],
+    ids=["positional", "taken", "no-default", "no-type"],
+)
+def test_a_family_of_ones_own_is_told_what_is_wrong_with_it(build, message):
+    with pytest.raises(InvalidParameter, match=message):
+        family("own", version=1)(build)
+
+
+def test_states_of_a_cell_alternate():
+    """A family's timeline never says what already is."""
+    for name, seed in itertools.product(FAMILIES, range(3)):
+        world = generate(name, seed)
+        now = world.walls.astype(int)
+        for event in world.timeline:
+            assert now[event.iy, event.ix] != event.state
+            now[event.iy, event.ix] = int(event.state)
+        assert not (now == CellState.BURNING).any()
+
+
+def _tables(text):
+    """Rows of the document's tables by heading: parameter and default."""
+    for section in re.split(r"^## ", text, flags=re.MULTILINE)[1:]:
+        yield (
+            section.splitlines()[0].strip("`"),
+            dict(re.findall(r"^\| `(\w+)` \| `([^`]*)` \|", section, re.MULTILINE)),
+        )
+
+
+@every_family
+def test_the_document_lists_every_parameter_with_its_default(name):
+    tables = dict(_tables(DOCUMENT.read_text()))
+    documented = {**tables["What all families share"], **tables[name]}
+    assert documented == {key: str(value) for key, value in FAMILIES.get(name).defaults().items()}
+
+
+def test_the_family_in_the_document_works(monkeypatch):
+    code = next(
+        block for block in re.findall(r"```python\n(.*?)```", DOCUMENT.read_text(), re.DOTALL) if "@family" in block
+    )
+    module = types.ModuleType("documented")
+    monkeypatch.setitem(sys.modules, "documented", module)  # annotations are looked up where a function lives
+    exec(code, vars(module))
+    worlds = [generate(module.pillars, seed, pillars=40) for seed in range(5)]
+    assert all(check_certificate(world).valid for world in worlds)
+
+
+def test_an_annotation_that_cannot_be_found_is_told():
+    def build(rng, *, size: int = 12) -> "Wurld":  # noqa: F821 - the mistake
+        raise NotImplementedError
+
+    with pytest.raises(InvalidParameter, match="family 'own': name 'Wurld' is not defined; import what"):
+        generate(family("own", version=1)(build))

@@ -1,0 +1,190 @@
+"""``worldgen FAMILY``: options from the family, worlds to files or stdout, nothing made is lost."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import worldgen.generation
+from tests.helpers.command_line import worldgen as run
+from worldgen.cli.family_command import family_command
+from worldgen.errors import GenerationFailed
+from worldgen.family import FAMILIES
+from worldgen.generation import generate
+from worldgen.grid_file import dumps, read_world, world_digest
+
+every_family = pytest.mark.parametrize("name", FAMILIES.names())
+
+
+@every_family
+def test_every_parameter_is_an_option_with_its_help(name):
+    options = {option.name: option for option in family_command(name).params}
+    for known in FAMILIES.get(name).parameters:
+        assert options[known.name].help == known.help and options[known.name].default == known.default
+
+
+@every_family
+def test_options_left_out_are_the_defaults_of_the_library(name, tmp_path):
+    result = run(name, "--seed", 4, "--out", tmp_path / "w.grid")
+    assert result.code == 0, result.err
+    assert read_world(tmp_path / "w.grid") == generate(name, 4)
+
+
+def test_options_reach_the_family(tmp_path):
+    options = ["--size", 61, "--algorithm", "backtracker", "--braid", 0.5, "--passage", 4, "--wall", 2]
+    run("maze", *options, "--robot-radius", 0.15, "--seed", 1, "--out", tmp_path / "w.grid")
+    expected = generate("maze", 1, size=61, algorithm="backtracker", braid=0.5, passage=4, wall=2, robot_radius=0.15)
+    assert read_world(tmp_path / "w.grid") == expected
+
+
+def test_a_flag_reaches_the_family(tmp_path):
+    run("trap", "--inside", "--turn", -1, "--seed", 1, "--out", tmp_path / "w.grid")
+    assert read_world(tmp_path / "w.grid") == generate("trap", 1, inside=True)
+
+
+def test_without_out_the_world_goes_to_stdout():
+    result = run("corridor", "--seed", 3)
+    assert result.out.encode() == dumps(generate("corridor", 3))
+
+
+def test_one_line_tells_what_was_made(tmp_path):
+    path = tmp_path / "w.grid"
+    result = run("corridor", "--size", 12, "--seed", 3, "--out", path)
+    made = generate("corridor", 3, size=12).certificate
+    assert result.out == ""
+    assert result.err == (
+        f"{path}: corridor 12 x 12 cells, witness {made.length:.4g} m in {made.duration:.4g} s, seed 3\n"
+    )
+
+
+def test_a_drawn_seed_is_printed_and_makes_the_same_world(tmp_path):
+    first = run("maze", "--out", tmp_path / "a.grid")
+    seed = first.err.split()[1]
+    run("maze", "--seed", seed, "--out", tmp_path / "b.grid")
+    assert first.err.startswith("seed ") and (tmp_path / "a.grid").read_bytes() == (tmp_path / "b.grid").read_bytes()
+
+
+def test_two_drawn_seeds_differ():
+    assert run("maze").err.split()[1] != run("maze").err.split()[1]
+
+
+def test_json_is_one_object_about_the_file(tmp_path):
+    path = tmp_path / "w.grid"
+    result = json.loads(run("trap", "--seed", 5, "--size", 20, "--out", path, "--json").out)
+    world = generate("trap", 5, size=20)
+    assert result == {
+        "family": "trap",
+        "version": world.provenance.version,
+        "seed": 5,
+        "params": dict(world.provenance.params),
+        "file": str(path),
+        "digest": world_digest(world),
+        "witness_length": world.certificate.length,
+        "witness_time": world.certificate.duration,
+    }
+
+
+def test_json_without_out_says_what_would_be_made():
+    result = json.loads(run("trap", "--seed", 5, "--json").out)
+    assert result["file"] is None and result["digest"] == world_digest(generate("trap", 5))
+
+
+def test_count_writes_a_folder_of_rising_seeds(tmp_path):
+    result = run("maze", "--count", 3, "--seed", 8, "--size", 12, "--out", tmp_path / "a" / "b", "--json")
+    listed = json.loads(result.out)["files"]
+    assert [entry["seed"] for entry in listed] == [8, 9, 10]
+    for entry in listed:
+        assert entry["file"] == str(tmp_path / "a" / "b" / f"maze-{entry['seed']}.grid")
+        assert read_world(entry["file"]) == generate("maze", entry["seed"], size=12)
+
+
+def test_seeds_of_a_count_wrap_at_64_bits(tmp_path):
+    run("maze", "--count", 2, "--seed", 2**64 - 1, "--size", 12, "--out", tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["maze-0.grid", f"maze-{2**64 - 1}.grid"]
+
+
+def test_a_file_that_is_there_stays(tmp_path):
+    path = tmp_path / "w.grid"
+    path.write_text("mine")
+    result = run("maze", "--out", path)
+    assert result.code == 2 and "is there already; give --force" in result.err and path.read_text() == "mine"
+
+
+def test_force_overwrites_it(tmp_path):
+    path = tmp_path / "w.grid"
+    path.write_text("mine")
+    assert run("maze", "--seed", 1, "--out", path, "--force").code == 0
+    assert read_world(path) == generate("maze", 1)
+
+
+def test_one_file_in_the_way_stops_a_count_before_it_begins(tmp_path):
+    (tmp_path / "maze-9.grid").write_text("mine")
+    result = run("maze", "--count", 3, "--seed", 8, "--out", tmp_path)
+    assert result.code == 2 and "maze-9.grid is there already" in result.err
+    assert [path.name for path in tmp_path.iterdir()] == ["maze-9.grid"]
+
+
+def _stop_at(monkeypatch, seed, error):
+    real = worldgen.generation.generate
+
+    def stopping(name, number, **params):
+        if number == seed:
+            raise error
+        return real(name, number, **params)
+
+    monkeypatch.setattr(worldgen.generation, "generate", stopping)
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [(KeyboardInterrupt(), 130), (GenerationFailed("maze: none of 64 layouts"), 2)],
+    ids=["ctrl-c", "failed"],
+)
+def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, error, code):
+    _stop_at(monkeypatch, 10, error)
+    result = run("maze", "--count", 5, "--seed", 8, "--size", 12, "--out", tmp_path)
+    assert result.code == code and f"{tmp_path}: 2 of 5 worlds are written" in result.err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["maze-8.grid", "maze-9.grid"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--size", 5], "worldgen: size=5 cells is outside 10 to 2000 cells"),
+        (["--size", "big"], "Invalid value for '--size': 'big' is not a valid integer"),
+        (["--algorithm", "prim"], "'prim' is not one of 'wilson', 'backtracker'"),
+        (["--braid", "nan"], "worldgen: maze: braid=nan is not finite"),
+        (["--sise", 5], "No such option '--sise'"),
+        (["--seed", -1], "Invalid value for '--seed'"),
+        (["--count", 0], "Invalid value for '--count'"),
+        (["--count", 2], "--count 2 writes 2 files; name a folder for them with --out"),
+        (["--out", "/no/such/folder/w.grid"], "the folder /no/such/folder does not exist"),
+        (["--count", 2, "--out", __file__], "is a file; name a folder for more than one world"),
+    ],
+    ids=lambda value: " ".join(map(str, value))[:30] if isinstance(value, list) else "",
+)
+def test_bad_options_are_one_clear_line_and_exit_2(options, message):
+    result = run("maze", *options)
+    assert result.code == 2 and message in result.err and result.out == ""
+    assert "Traceback" not in result.err
+
+
+def test_bad_parameters_leave_no_folder_behind(tmp_path):
+    assert run("maze", "--count", 2, "--size", 5, "--out", tmp_path / "new").code == 2
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_full_disk_is_told():
+    result = run("maze", "--out", "/dev/full", "--force")
+    assert result.code == 2 and "No space left on device" in result.err
+
+
+def test_the_command_loads_nothing_heavy():
+    code = (
+        "import sys; from tests.helpers.command_line import worldgen; "
+        "print(worldgen('maze', '--size', 60, '--seed', 1).code, "
+        "[name for name in ('numba', 'scipy', 'shapely', 'PIL', 'hypothesis', 'rich') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "0 []\n"
