@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import ndimage
 
 from worldgen.errors import InvalidParameter
 from worldgen.families.fire import FIREBREAK, fire
@@ -155,6 +156,24 @@ def test_floor_round_the_start_never_burns(seed, over, robot_radius):
 def test_what_is_left_in_the_end_lets_the_robot_through(seed, over, robot_radius, debris, burn_through):
     world = layout(seed, over=over, robot_radius=robot_radius, debris=debris, burn_through=burn_through)
     assert decide(in_the_end(world)).result == REACHABLE
+
+
+@pytest.mark.parametrize("robot_radius", [0.05, 0.15, 0.2])
+def test_debris_never_shuts_the_target_in(robot_radius):
+    """A robot as wide as whole cells has nothing to spare; its target may lie between two cells."""
+    for seed in range(40):
+        world = layout(seed, over="trap", size=25, robot_radius=robot_radius, debris=1.0, spread_cells=1000)
+        assert decide(in_the_end(world)).result == REACHABLE
+
+
+@given(SEEDS, OVER)
+def test_every_hole_joins_floor_to_floor(seed, over):
+    world = layout(seed, over=over, burn_through=6)
+    hole = world.walls & ~in_the_end(world).walls
+    for rows, columns in ndimage.find_objects(ndimage.label(hole)[0]):
+        assert hole[rows, columns].all()
+        across = world.walls[rows, [columns.start - 1, columns.stop]], world.walls[[rows.start - 1, rows.stop], columns]
+        assert not across[0].any() or not across[1].any()
 
 
 @every_ground
