@@ -1,14 +1,18 @@
 """Fire: it spreads from cell to cell, closes and opens ways, and leaves the robot a chance."""
 
 import dataclasses
+from unittest import mock
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import ndimage
+from scipy import ndimage, sparse
+from scipy.sparse import csgraph
 
 from worldgen.errors import InvalidParameter
+from worldgen.families import _routes
+from worldgen.families._routes import free_windows, shortest_way
 from worldgen.families.fire import FIREBREAK, fire
 from worldgen.family import stream_for
 from worldgen.generation import generate
@@ -45,6 +49,28 @@ def in_the_end(world):
     for event in world.timeline:
         walls[event.iy, event.ix] = event.state == CellState.SOLID
     return dataclasses.replace(world, walls=walls, timeline=Timeline())
+
+
+@given(SEEDS, OVER)
+@settings(max_examples=20)
+def test_a_compiled_search_finds_the_same_way(seed, over):
+    world = layout(seed, over=over)
+    windows = free_windows(world.walls, 2, 2)
+    start, goal = (int(cells) for cells in np.flatnonzero(windows)[[0, -1]])
+    plain = shortest_way(windows, start, goal)
+    with mock.patch.object(_routes, "COMPILE_FROM", 0):
+        assert shortest_way(windows, start, goal) == plain
+
+
+@given(SEEDS, OVER)
+@settings(max_examples=20)
+def test_a_way_is_shortest_by_a_foreign_graph_search(seed, over):
+    windows = free_windows(layout(seed, over=over).walls, 2, 2)
+    cells = np.flatnonzero(windows).tolist()
+    links = [(a, a + step) for step in (1, windows.shape[1]) for a in cells if windows.flat[a + step]]
+    graph = sparse.coo_array((np.ones(len(links)), np.transpose(links)), shape=(windows.size, windows.size))
+    steps = csgraph.shortest_path(graph, directed=False, unweighted=True, indices=cells[0])[cells[-1]]
+    assert len(shortest_way(windows, cells[0], cells[-1])) - 1 == steps
 
 
 @given(SEEDS, OVER)

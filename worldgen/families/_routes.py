@@ -11,7 +11,9 @@ from worldgen.jit import lazy_kernel
 
 __all__ = ["free_windows", "shortest_way", "window_at"]
 
-COMPILE_FROM = 100_000  # cells from which compiling pays; plain Python searches so many in 0.2 s
+# Cells from which compiling pays: loading numba took 0.17 to 0.38 s, plain Python 0.16 s for an open square of
+# 490,000 cells, compiled code 0.004 s.
+COMPILE_FROM = 500_000
 
 
 def free_windows(walls: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArray[np.bool_]:

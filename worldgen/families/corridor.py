@@ -23,7 +23,7 @@ Node: TypeAlias = tuple[int, int]  # column and row of a coarse lattice whose li
 Edge: TypeAlias = tuple[Node, Node]
 
 # Lattices tried until one holds the bends and side ways asked for. Measured with the most that are allowed of
-# one or of both, over 16,000 drafts on 2 to 200 lines: 1.0 to 1.5 on average, 4 at worst.
+# one or of both, over 20,000 drafts on 2 to 200 lines: 1.0 to 1.5 on average, 4 at worst.
 MAX_DRAFTS = 100
 TRIES_PER_ORIGIN = 4  # random side ways tried, per node from which one can start
 BRANCH_STEPS = (2, 4)  # lattice steps of a side way where there is room: with two or more, others can branch off
