@@ -85,7 +85,9 @@ def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, 
     return episode, objection(episode.verdict, world, trace, episode.evidence, MOTIONS.get(options.motion))
 
 
-def failure_of(world: World, scenario: Scenario, *, fewest_steps: int = 0, **details: Value) -> World | None:
+def failure_of(
+    world: World, scenario: Scenario, *, fewest_steps: int = 0, steps: int | None = None, **details: Value
+) -> World | None:
     """The failure file of a scenario, or ``None`` if the robot arrives or the verdict is not confirmed.
 
     Args:
@@ -93,10 +95,11 @@ def failure_of(world: World, scenario: Scenario, *, fewest_steps: int = 0, **det
         scenario: What runs in it.
         fewest_steps: Budget to give at least, for verdicts that the run itself proves; ``stalled`` and
             ``timeout`` always speak of the witness's budget.
+        steps: The budget itself, for verdicts that the run itself proves.
         **details: What else to note.
     """
     options = scenario.options(world)
-    longer = replace(options, steps=max(options.steps, fewest_steps))
+    longer = replace(options, steps=steps or max(options.steps, fewest_steps))
     episode, wrong = judge(world, scenario.controller, longer)
     if episode.verdict in ("stalled", "timeout"):
         episode, wrong = judge(world, scenario.controller, options)

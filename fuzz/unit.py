@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from fuzz.failure import Scenario, certified, failure_of
 from fuzz.lanes import COMBINED, Draw, explore, lane_strategy
-from sim.controllers import CONTROLLERS
+from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare
 from sim.outcome import Outcome
 from sim.run_options import RunOptions, step_budget
@@ -19,6 +19,7 @@ __all__ = ["CampaignConfig", "UnitResult", "run_unit"]
 
 _SEARCH_STEPS = 6_000  # budget of a first look, before the witness is known
 _PROOF_STEPS = 60_000  # budget in which a failing run may close its loop
+_SLOWER = 8  # a Python controller takes microseconds where a compiled one takes nanoseconds: that much less of each
 _PROVE_AT_MOST = 24  # failing runs of one verdict that a unit proves and classifies; the rest it counts
 
 
@@ -77,7 +78,8 @@ def run_unit(config: CampaignConfig, unit: int) -> UnitResult:
     lane = config.lane(unit)
     strategy = lane_strategy(lane, time_steps=config.time_steps, fixed_map=config.fixed_map)
     unit_seed = RandomStream(config.seed).child("unit", unit).next64()
-    examples = config.examples if lane in ("features", "map") else max(config.examples // 4, 1)
+    share = (1 if lane in ("features", "map") else 4) * (1 if search.compiled else _SLOWER)
+    examples = max(config.examples // share, 1)
     explore(strategy, unit_seed, examples, search.visit)
     return search.result
 
@@ -88,6 +90,8 @@ class _Search:
     def __init__(self, config: CampaignConfig, result: UnitResult) -> None:
         self._config, self.result = config, result
         self._controller = CONTROLLERS.get(config.controller)
+        self.compiled = isinstance(self._controller, CompiledController)
+        self._proof_steps = _PROOF_STEPS if self.compiled else _PROOF_STEPS // _SLOWER
 
     def visit(self, draw: Draw) -> None:
         """Runs one scenario; a failure is proved, classified and kept if it is the smallest of its class."""
@@ -107,7 +111,7 @@ class _Search:
 
     def _prove(self, world: World, scenario: Scenario) -> None:
         proved = world if world.certificate else certified(world)
-        failure = None if proved is None else failure_of(proved, scenario, fewest_steps=_PROOF_STEPS)
+        failure = None if proved is None else failure_of(proved, scenario, fewest_steps=self._proof_steps)
         if failure is None or failure.failure is None:
             return
         kind = str(failure.failure.details["class"])

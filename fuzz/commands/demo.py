@@ -20,7 +20,7 @@ _SECONDS = 8.0
 @click.option("--motion", default="stepped", show_default=True, help="Motion model of the search.")
 @force_option
 def demo(out: Path, controller: str, motion: str, force: bool) -> None:
-    """Make a world, run a robot in it, search for worlds in which it fails, and draw the smallest ones.
+    """Make a world, run a robot in it, find and draw the smallest worlds in which it fails.
 
     Everything lands in one folder; each step says which command does it. Exit code 0.
     """

@@ -32,9 +32,9 @@ class StillFails:
     _controller: Controller | None = field(default=None, repr=False)
 
     @property
-    def fewest_steps(self) -> int:
-        """Budget that the final failure must have at least: 0 where the witness alone decides."""
-        return self.budget if self.verdict in _PROVED_BY_THE_RUN else 0
+    def proof_budget(self) -> int | None:
+        """Budget that the final failure must have; ``None`` where its witness decides."""
+        return self.budget if self.verdict in _PROVED_BY_THE_RUN else None
 
     def __call__(self, candidate: World) -> World | None:
         """The candidate with a fresh witness if it still fails the same way, else ``None``."""

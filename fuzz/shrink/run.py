@@ -5,18 +5,22 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from fuzz.failure import Scenario, failure_of, scenario_of
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removable
 from fuzz.shrink.order import PASSES, Pass
 from fuzz.shrink.predicate import StillFails
+from sim.episode import simulate
+from sim.run_options import MAX_STEPS, RunOptions
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
 __all__ = ["Shrunk", "shrink"]
 
-_FEWEST_STEPS = 20_000  # a simpler world may need longer until its loop closes than the one it came from
+# A simpler world may need longer until it fails than the one that it came from.
+_MORE_STEPS, _FEWEST_STEPS = 4, 2_000
 
 
 @dataclass(frozen=True)
@@ -63,7 +67,8 @@ def shrink(
     """
     record, options = scenario_of(failure)
     scenario = Scenario(record.controller, record.motion, options.time_step, record.seed)
-    still_fails = StillFails(scenario, record.verdict, max(options.steps, _FEWEST_STEPS))
+    budget = _MORE_STEPS * _steps_to_fail(failure, scenario, options) + _FEWEST_STEPS
+    still_fails = StillFails(scenario, record.verdict, min(budget, MAX_STEPS))
     best = still_fails(bare(failure))
     if best is None:
         raise InvalidParameter(
@@ -78,16 +83,21 @@ def shrink(
             raise
         complete = False
     left = tuple(removable(reducer.best, still_fails)) if complete else ("not checked: stopped early",)
-    details = dict(record.details) | {
+    details: dict[str, Any] = dict(record.details) | {
         "shrunk_from": failure.solid_cells,
         "one_minimal": not left,
         "simulations": still_fails.simulations,
     }
     details.pop("class", None)
-    world = failure_of(reducer.best, scenario, fewest_steps=still_fails.fewest_steps, **details)
+    world = failure_of(reducer.best, scenario, steps=still_fails.proof_budget, **details)
     if world is None:
         raise InvalidParameter(f"the shrunk world of {record.verdict!r} was not confirmed by its oracle")
     return Shrunk(world, failure.solid_cells, world.solid_cells, still_fails.simulations, left, complete)
+
+
+def _steps_to_fail(failure: World, scenario: Scenario, options: RunOptions) -> int:
+    """Steps after which the failure is decided."""
+    return simulate(failure, scenario.controller, options).steps
 
 
 class _Reducer:

@@ -69,13 +69,13 @@ class LazyGroup(click.Group):
 
 # One line per command of our own, so that --help need not import them; tests hold it against the commands.
 _SUMMARY = {
-    "demo": "A world, a run, a picture and a shrunk failure, in one go.",
-    "fuzz": "Search for worlds in which a controller fails.",
+    "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
+    "fuzz": "Search for worlds in which a controller fails; prove, shrink and save what is found.",
     "import": "Read a foreign map and place start and target.",
-    "replay": "Run saved failures again and compare verdict and digest.",
-    "run": "Run a controller in a world.",
+    "replay": "Run saved failures again and compare verdict, evidence, trace digest and certificate.",
+    "run": "Run a controller in a world and say how it ends.",
     "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
-    "shrink": "Make a failure's world as small as it can be.",
+    "shrink": "Make a failure's world as small as it can be, keeping verdict and certificate.",
     "verify": "Check a world's proof, or decide a map afresh.",
 }
 

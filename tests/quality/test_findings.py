@@ -1,0 +1,51 @@
+"""What short campaigns find for each of the thesis's robots, and how small it gets."""
+
+import functools
+
+import pytest
+
+from fuzz.campaign import Campaign
+from fuzz.failure import Scenario, scenario_of
+from fuzz.shrink import removable
+from fuzz.shrink.predicate import StillFails
+from fuzz.unit import CampaignConfig
+
+
+@functools.cache
+def campaign(controller, motion, time_steps=(0.015,)):
+    config = CampaignConfig(controller, motion, seed=1, examples=120, time_steps=time_steps)
+    made = Campaign(config, units=4)
+    for _ in made.run():
+        pass
+    return made.state
+
+
+@pytest.mark.parametrize("controller", ["turn-left", "turn-right"])
+@pytest.mark.parametrize("motion", ["swept", "stepped"])
+def test_a_deterministic_robot_is_caught_in_a_proved_loop_of_few_cells(controller, motion):
+    loops = [w for w in campaign(controller, motion).best.values() if w.failure.verdict == "loop"]
+    assert loops and min(world.solid_cells for world in loops) <= 4
+
+
+@pytest.mark.parametrize("controller", ["turn-left", "turn-right", "turn-random"])
+def test_the_thesis_model_is_caught_going_through_walls(controller):
+    verdicts = {world.failure.verdict for world in campaign(controller, "stepped").best.values()}
+    assert verdicts & {"tunnel", "overlap"}
+
+
+def test_fast_robots_tunnel_under_endpoint():
+    verdicts = {world.failure.verdict for world in campaign("turn-right", "endpoint", (0.15,)).best.values()}
+    assert "tunnel" in verdicts
+
+
+@pytest.mark.parametrize("controller", ["turn-left", "turn-right", "turn-random"])
+def test_nothing_tunnels_or_overlaps_under_swept(controller):
+    state = campaign(controller, "swept")
+    assert state.verdicts["tunnel"] == state.verdicts["overlap"] == 0 and state.worlds > 300
+
+
+def test_every_finding_is_one_minimal_by_its_file_alone():
+    for world in campaign("turn-right", "stepped").best.values():
+        record, options = scenario_of(world)
+        scenario = Scenario(record.controller, record.motion, options.time_step, record.seed)
+        assert removable(world, StillFails(scenario, record.verdict, options.steps)) == []
