@@ -58,9 +58,7 @@ SHIPPED = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("args", "result"), [case[1:] for case in SHIPPED], ids=[case[0] for case in SHIPPED]
-)
+@pytest.mark.parametrize(("args", "result"), [case[1:] for case in SHIPPED], ids=[case[0] for case in SHIPPED])
 def test_shipped_maps_are_decided_with_a_proof_that_the_checker_accepts(run, args, result):
     answer, world, _ = run(*args)
     assert answer["result"] == result
@@ -188,9 +186,7 @@ def test_a_world_of_ours_keeps_its_places_its_robot_and_its_timeline(tmp_path, r
 
 
 def test_a_world_of_ours_gets_new_places_with_a_seed_and_new_numbers_where_given(tmp_path, run):
-    write_world(
-        World(np.zeros((9, 9), bool), Pose(0.45, 0.45), Target(0.5, 0.5, 0.02)), tmp_path / "old.grid.gz"
-    )
+    write_world(World(np.zeros((9, 9), bool), Pose(0.45, 0.45), Target(0.5, 0.5, 0.02)), tmp_path / "old.grid.gz")
     _, world, _ = run(tmp_path / "old.grid.gz", "--seed", 1, "--radius", "0.1", "--speed", 3)
     assert {(world.start.x, world.start.y), (world.target.x, world.target.y)} in (
         {(0.1, 0.1), (0.8, 0.8)}, {(0.1, 0.8), (0.8, 0.1)},
@@ -245,9 +241,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("args", "kind", "message"), REFUSED, ids=range(len(REFUSED)))
-def test_what_cannot_be_imported_is_refused_and_nothing_is_written(
-    tmp_path, monkeypatch, run, args, kind, message
-):
+def test_what_cannot_be_imported_is_refused_and_nothing_is_written(tmp_path, monkeypatch, run, args, kind, message):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "junk").write_bytes(b"\x00\x01junk")
     (tmp_path / "m.pgm").write_bytes(b"P5\n1 1\n255\n\0")
@@ -284,9 +278,7 @@ def test_the_program_ends_with_2_and_one_line(tmp_path):
     ]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")
-    assert (
-        done.stderr.startswith("worldgen: a.map:3: the end of the file came") and done.stderr.count("\n") == 1
-    )
+    assert done.stderr.startswith("worldgen: a.map:3: the end of the file came") and done.stderr.count("\n") == 1
 
 
 def test_every_shipped_map_is_credited():

@@ -62,9 +62,7 @@ def test_the_last_line_needs_no_line_end_and_blank_lines_may_follow(write):
 
 
 @given(
-    st.integers(1, 12).flatmap(
-        lambda n: st.lists(st.text(".GS@OTW", min_size=n, max_size=n), min_size=1, max_size=9)
-    )
+    st.integers(1, 12).flatmap(lambda n: st.lists(st.text(".GS@OTW", min_size=n, max_size=n), min_size=1, max_size=9))
 )
 def test_any_rows_come_back_as_they_were_drawn(tmp_path_factory, rows):
     path = tmp_path_factory.mktemp("maps") / "a.map"

@@ -40,9 +40,7 @@ def test_outlines_filled_by_the_even_odd_rule_are_the_cells(mask):
 def test_a_rectangle_has_one_outline_of_four_corners():
     mask = np.zeros((5, 5), bool)
     mask[1:4, 2:4] = True
-    assert [sorted(map(tuple, line.tolist())) for line in outlines(mask)] == [
-        [(2, 1), (2, 4), (4, 1), (4, 4)]
-    ]
+    assert [sorted(map(tuple, line.tolist())) for line in outlines(mask)] == [[(2, 1), (2, 4), (4, 1), (4, 4)]]
 
 
 @given(masks(), st.integers(1, 4))

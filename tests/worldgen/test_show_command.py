@@ -16,9 +16,7 @@ from worldgen.world import FailureRecord, Pose, Target, World
 @pytest.fixture
 def grid(tmp_path):
     path = tmp_path / "w.grid"
-    write_world(
-        World(np.eye(6, dtype=bool), Pose(0.25, 0.05), Target(0.35, 0.05, 0.05), robot_radius=0.04), path
-    )
+    write_world(World(np.eye(6, dtype=bool), Pose(0.25, 0.05), Target(0.35, 0.05, 0.05), robot_radius=0.04), path)
     return path
 
 
@@ -34,9 +32,7 @@ def test_a_world_is_drawn_on_stdout_as_plain_text_when_it_is_no_terminal(grid):
     assert result.stderr == ""
 
 
-@pytest.mark.parametrize(
-    ("kind", "begin"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("html", b"<!DOCTYPE html>")]
-)
+@pytest.mark.parametrize(("kind", "begin"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("html", b"<!DOCTYPE html>")])
 def test_a_picture_file_is_written_and_named_on_stderr(grid, tmp_path, kind, begin):
     out = tmp_path / f"picture.{kind}"
     result = run(grid, f"--{kind}", out)

@@ -17,19 +17,13 @@ __all__ = ["import_map"]
 @click.option("--from", "name", metavar="FORMAT", help="movingai, ros or grid; recognised if left out.")
 @click.option("--radius", type=float, help="Robot's radius, m.  [default: 0.7 cells; 0.4 with --scen]")
 @click.option("--speed", type=float, help="Robot's top speed, m/s.  [default: 2.0]")
-@click.option(
-    "--start", metavar="X,Y[,HEADING]", help="m and rad, from the lower-left corner; placed if left out."
-)
+@click.option("--start", metavar="X,Y[,HEADING]", help="m and rad, from the lower-left corner; placed if left out.")
 @click.option("--target", metavar="X,Y[,RADIUS]", help="m; placed if left out, with the robot's radius.")
 @click.option("--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target.")
 @click.option("--row", type=click.IntRange(1), default=1, show_default=True, help="Which problem of --scen.")
 @click.option("--cell-size", type=float, help="Side of a MovingAI cell, m.  [default: 0.1]")
-@click.option(
-    "--unknown", type=click.Choice(["solid", "free"]), help="What unknown ROS cells are.  [default: solid]"
-)
-@click.option(
-    "--seed", type=click.IntRange(0, 2**64 - 1), help="Where the search for far places begins.  [default: 0]"
-)
+@click.option("--unknown", type=click.Choice(["solid", "free"]), help="What unknown ROS cells are.  [default: solid]")
+@click.option("--seed", type=click.IntRange(0, 2**64 - 1), help="Where the search for far places begins.  [default: 0]")
 @force_option
 @json_option
 def import_map(

@@ -39,7 +39,7 @@ class LazyGroup(click.Group):
             if not isinstance(command, click.Command):
                 raise click.ClickException(f"command {cmd_name!r} ({point.value}) is no click command")
             return command
-        if cmd_name in self._points("worldgen.families"):
+        if cmd_name in self._points("worldgen.families") or ":" in cmd_name:  # ./mine.py:my_family
             from worldgen.cli.family_command import family_command
 
             return family_command(cmd_name)

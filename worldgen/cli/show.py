@@ -28,13 +28,9 @@ OUT = click.Path(path_type=Path)
 @click.option("--png", type=OUT, metavar="OUT", help="Write a PNG picture.")
 @click.option("--svg", type=OUT, metavar="OUT", help="Write an SVG picture.")
 @click.option("--html", type=OUT, metavar="OUT", help="Write an HTML page with the picture and the facts.")
-@click.option(
-    "--pixels", type=int, default=900, show_default=True, help="Longer side of the map in a picture."
-)
+@click.option("--pixels", type=int, default=900, show_default=True, help="Longer side of the map in a picture.")
 @click.option("--signal/--no-signal", default=True, help="Tint the floor by the target's signal.")
-@click.option(
-    "--witness/--no-witness", default=True, help="Draw the path, or the cut, that proves the world."
-)
+@click.option("--witness/--no-witness", default=True, help="Draw the path, or the cut, that proves the world.")
 @force_option
 def show(
     path: Path,
@@ -77,7 +73,5 @@ def show(
 
 def _failure_lines(failure: FailureRecord, path: Path) -> str:
     evidence = ", ".join(f"{key} {value}" for key, value in failure.evidence.items())
-    what = f"{failure.controller} under {failure.motion}: {failure.verdict}" + (
-        f" ({evidence})" if evidence else ""
-    )
+    what = f"{failure.controller} under {failure.motion}: {failure.verdict}" + (f" ({evidence})" if evidence else "")
     return f"failure: {what}\nreplay:  worldgen replay {shlex.quote(str(path))}"

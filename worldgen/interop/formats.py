@@ -115,9 +115,7 @@ def find_format(path: Path, name: str | None = None) -> MapFormat:
     if suffix in (".pgm", ".png", ".bmp") or _PICTURE.match(head):
         raise FormatError("a picture alone has no scale; give the YAML file that names it", source=str(path))
     if suffix == ".scen" or re.match(rb"version\s+1", head):
-        raise FormatError(
-            "a scenario file has no map; give the .map file, and this one with --scen", source=str(path)
-        )
+        raise FormatError("a scenario file has no map; give the .map file, and this one with --scen", source=str(path))
     for known in FORMATS.values():
         if suffix in known.suffixes:
             return known
@@ -155,8 +153,7 @@ def read_map(path: Path, name: str | None = None, options: ReadOptions | None = 
         if getattr(options, option) is not None and option not in known.options:
             takers = ", ".join(other.name for other in FORMATS.values() if option in other.options)
             raise InvalidParameter(
-                f"{option} means nothing to a {known.name} map, whose file says it; it is for {takers}; "
-                "leave it out"
+                f"{option} means nothing to a {known.name} map, whose file says it; it is for {takers}; leave it out"
             )
     if options.cell_size is not None:
         check_between("cell_size", options.cell_size, *CELL_SIZES, "m")

@@ -116,9 +116,7 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
     edges = np.flatnonzero(np.diff(is_digit.astype(np.int8), prepend=np.int8(0), append=np.int8(0)))
     begin, end = edges[::2], edges[1::2]
     if len(begin) != count:
-        raise FormatError(
-            f"{len(begin)} pixels; the header's sizes need {count}; the file is damaged", source=source
-        )
+        raise FormatError(f"{len(begin)} pixels; the header's sizes need {count}; the file is damaged", source=source)
     lengths = end - begin
     if int(lengths.max()) > _MAX_DIGITS:
         _wrong_word(data, text, int(begin[int(np.argmax(lengths > _MAX_DIGITS))]), source)

@@ -147,9 +147,7 @@ def _place(robot: RobotOptions, found: ForeignMap) -> tuple[World, tuple[str, ..
     """The map with start and target, as given or placed."""
     radius, speed = robot.radius or 0.0, robot.speed or 0.0  # _complete has set them
     given = [None if point is None else (point[0], point[1]) for point in (robot.start, robot.target)]
-    at, to, warnings = place(
-        found.walls, found.cell_size, radius, robot.seed or 0, start=given[0], target=given[1]
-    )
+    at, to, warnings = place(found.walls, found.cell_size, radius, robot.seed or 0, start=given[0], target=given[1])
     headed, sized = robot.start or (), robot.target or ()
     start = Pose(*at, headed[2] if len(headed) > 2 else heading_towards(at, to))
     target = Target(*to, sized[2] if len(sized) > 2 else radius)

@@ -60,9 +60,7 @@ def _parse(data: bytes, source: str) -> npt.NDArray[np.bool_]:
     kind = _words(lines, 1, "type", source)
     if kind != b"octile":
         known = "its corner heights are no cells; " if kind == b"octile-corner" else ""
-        raise FormatError(
-            f"type {shown(kind)} is not read; {known}give a map of `type octile`", line=1, source=source
-        )
+        raise FormatError(f"type {shown(kind)} is not read; {known}give a map of `type octile`", line=1, source=source)
     height = _size(_words(lines, 2, "height", source), "height", 2, source)
     width = _size(_words(lines, 3, "width", source), "width", 3, source)
     check_sides(width, height, line=3, source=source)

@@ -214,18 +214,14 @@ def _check_start(walls: npt.NDArray[np.bool_], cell_size: float, radius: float, 
     height, width = walls.shape
     inside = 0 <= cell[0] < width and 0 <= cell[1] < height
     what = f"the solid cell {cell}" if inside else "the map's edge"
-    where = (
-        f"in {what}" if distance_sq == 0 else f"{math.sqrt(distance_sq) / UNIT * cell_size:.3g} m from {what}"
-    )
+    where = f"in {what}" if distance_sq == 0 else f"{math.sqrt(distance_sq) / UNIT * cell_size:.3g} m from {what}"
     clear = _Places(walls, cell_size, radius).nearest_to(start)
     hint = (
         "no place in the map is clear for it"
         if clear is None
         else f"the nearest clear place is {clear[0]!r},{clear[1]!r}"
     )
-    raise InvalidWorld(
-        f"start ({start[0]:g}, {start[1]:g}) m is {where}; the robot's radius is {radius:g} m; {hint}"
-    )
+    raise InvalidWorld(f"start ({start[0]:g}, {start[1]:g}) m is {where}; the robot's radius is {radius:g} m; {hint}")
 
 
 def _nearest_wall(solid: Walls, point: tuple[int, int]) -> tuple[Fraction, tuple[int, int]]:

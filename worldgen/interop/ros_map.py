@@ -331,16 +331,12 @@ def _image_path(entries: Mapping[str, _Entry], path: Path) -> Path:
     folder = Path(os.path.realpath(path.parent))
     image = Path(os.path.realpath(folder / name))
     if not image.is_relative_to(folder):
-        message = (
-            f"image {shown(name, 80)} lies outside the map's folder; copy it there and name it without a path"
-        )
+        message = f"image {shown(name, 80)} lies outside the map's folder; copy it there and name it without a path"
         raise _fault(entries, "image", message, source)
     try:
         there = image.is_file()
     except OSError:  # a name too long for the disk
         there = False
     if not there:
-        raise _fault(
-            entries, "image", f"image {shown(name, 80)} is not there; put it beside the YAML file", source
-        )
+        raise _fault(entries, "image", f"image {shown(name, 80)} is not there; put it beside the YAML file", source)
     return path.parent / image.relative_to(folder)

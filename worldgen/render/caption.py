@@ -43,9 +43,7 @@ Sample = Callable[[float, float, float], list[Primitive]]
 def facts(world: World) -> str:
     """The scale, where the world came from, and what failed in it, in one line."""
     width, height = world.width * world.cell_size, world.height * world.cell_size
-    parts = [
-        f"{width:.6g} x {height:.6g} m, cell {world.cell_size:.6g} m, robot radius {world.robot_radius:.6g} m"
-    ]
+    parts = [f"{width:.6g} x {height:.6g} m, cell {world.cell_size:.6g} m, robot radius {world.robot_radius:.6g} m"]
     if world.provenance is not None:
         parts.append(f"{world.provenance.family}, seed {world.provenance.seed}")
     if world.failure is not None:
@@ -165,11 +163,7 @@ def _line(colour: str, width: float, *, dash: tuple[float, ...] = (), arrow: boo
     def sample(x: float, y: float, unit: float) -> list[Primitive]:
         ends = np.array(((x, y), (x + ICON * unit, y)))
         paint = Paint(stroke=colour, width=width * unit, dash=tuple(length * unit for length in dash))
-        head = (
-            [arrow_head(x + 0.5 * ICON * unit, y, 0.0, (2.2 * width + 4.0) * unit, LOOP_HEAD)]
-            if arrow
-            else []
-        )
+        head = [arrow_head(x + 0.5 * ICON * unit, y, 0.0, (2.2 * width + 4.0) * unit, LOOP_HEAD)] if arrow else []
         return [Path(ends, paint), *head]
 
     return sample

@@ -42,9 +42,7 @@ class Changes:
             return mask
 
         solid = line.states == CellState.SOLID
-        return cls(
-            ever(line.states == CellState.BURNING), ever(solid) & ~world.walls, ever(~solid) & world.walls
-        )
+        return cls(ever(line.states == CellState.BURNING), ever(solid) & ~world.walls, ever(~solid) & world.walls)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

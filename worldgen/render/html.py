@@ -83,9 +83,7 @@ def _known(world: World) -> list[tuple[str, str]]:
     if isinstance(proof, Witness):
         rows.append(("proof", f"a path of {proof.length:.6g} m that lets {proof.clearance:.6g} m through"))
     elif proof is not None:
-        rows.append(
-            ("proof", f"a cut of {len(proof.cells)} cells that stops all above {proof.clearance:.6g} m")
-        )
+        rows.append(("proof", f"a cut of {len(proof.cells)} cells that stops all above {proof.clearance:.6g} m"))
     made = world.provenance
     if made is not None:
         rows.append(("made by", f"{made.family}, version {made.version}, seed {made.seed}"))

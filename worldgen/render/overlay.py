@@ -94,6 +94,4 @@ class Trail:
 
     def places(self, kind: MarkKind) -> npt.NDArray[np.float64]:
         """(k, 2) float64, m: where marks of one kind lie."""
-        return np.array([(mark.x, mark.y) for mark in self.marks if mark.kind == kind], np.float64).reshape(
-            -1, 2
-        )
+        return np.array([(mark.x, mark.y) for mark in self.marks if mark.kind == kind], np.float64).reshape(-1, 2)

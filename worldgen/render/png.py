@@ -85,9 +85,7 @@ class _Canvas:
         frame = self.frame
         return frame.left, frame.top, frame.left + frame.width, frame.bottom
 
-    def _box(
-        self, low: npt.ArrayLike, high: npt.ArrayLike, grow: float, *, clipped: bool
-    ) -> tuple[int, int, int, int]:
+    def _box(self, low: npt.ArrayLike, high: npt.ArrayLike, grow: float, *, clipped: bool) -> tuple[int, int, int, int]:
         """The pixels that a shape can touch: left, top, right, bottom."""
         (x0, y0), (x1, y1) = np.asarray(low, np.float64) - grow, np.asarray(high, np.float64) + grow
         left, top, right, bottom = self._map_box() if clipped else (0, 0, *self.image.size)
@@ -145,9 +143,7 @@ class _Canvas:
                 self._stroke(pen, self._fine(piece, box), paint)
             self._lay(mask.reduce(self.times), box, paint.stroke, paint.opacity)
 
-    def _fine(
-        self, points: npt.NDArray[np.float64], box: tuple[int, int, int, int]
-    ) -> list[tuple[float, float]]:
+    def _fine(self, points: npt.NDArray[np.float64], box: tuple[int, int, int, int]) -> list[tuple[float, float]]:
         fine = (points - np.array(box[:2])) * self.times
         return [(float(x), float(y)) for x, y in fine]
 
@@ -180,6 +176,4 @@ class _Canvas:
 
     def _text(self, part: Text) -> None:
         font = ImageFont.load_default(part.size)
-        ImageDraw.Draw(self.image).text(
-            (part.x, part.y), part.text, fill=rgb(part.fill), font=font, anchor="ls"
-        )
+        ImageDraw.Draw(self.image).text((part.x, part.y), part.text, fill=rgb(part.fill), font=font, anchor="ls")

@@ -42,9 +42,7 @@ class Scene:
     primitives: tuple[Primitive, ...]
 
 
-def compose(
-    world: World, trail: Trail | None, *, signal: bool, witness: bool, title: str, pixels: int
-) -> Scene:
+def compose(world: World, trail: Trail | None, *, signal: bool, witness: bool, title: str, pixels: int) -> Scene:
     """The whole picture of a world, lowest layer first.
 
     Args:
@@ -86,9 +84,7 @@ def _box(left: float, top: float, right: float, bottom: float, fill: str) -> Pat
 def _band(frame: Frame) -> Path:
     """Everything outside the grid is solid, so the map has a wall around it."""
     band = frame.band
-    return _box(
-        frame.left - band, frame.top - band, frame.left + frame.width + band, frame.bottom + band, WALL
-    )
+    return _box(frame.left - band, frame.top - band, frame.left + frame.width + band, frame.bottom + band, WALL)
 
 
 def _floor(world: World, frame: Frame, *, signal: bool) -> list[Primitive]:

@@ -159,14 +159,11 @@ class _Writer:
         image = Image.fromarray(levels)
         image.putpalette([channel for _ in range(256) for channel in rgb(part.fill)])
         stream = io.BytesIO()
-        image.save(
-            stream, "PNG", optimize=True, bits=4, transparency=bytes(17 * level for level in range(16))
-        )
+        image.save(stream, "PNG", optimize=True, bits=4, transparency=bytes(17 * level for level in range(16)))
         data = base64.b64encode(stream.getvalue()).decode()
         opacity = f' opacity="{_number(part.opacity)}"' if part.opacity < 1.0 else ""
         return (
-            f'<image {self._map_rectangle()} preserveAspectRatio="none"{opacity} '
-            f'href="data:image/png;base64,{data}"/>'
+            f'<image {self._map_rectangle()} preserveAspectRatio="none"{opacity} href="data:image/png;base64,{data}"/>'
         )
 
     def _glow(self, part: Glow) -> str:
@@ -178,8 +175,7 @@ class _Writer:
             stops.append(f'<stop offset="{radius / part.far:.5g}" stop-color="{tint}"/>')
         place = f'cx="{_number(part.x)}" cy="{_number(part.y)}" r="{_number(part.far)}"'
         fill = self._define(
-            f'<radialGradient id="{{id}}" gradientUnits="userSpaceOnUse" {place}>'
-            f"{''.join(stops)}</radialGradient>"
+            f'<radialGradient id="{{id}}" gradientUnits="userSpaceOnUse" {place}>{"".join(stops)}</radialGradient>'
         )
         return f'<rect {self._map_rectangle()} fill="{fill}"/>'
 

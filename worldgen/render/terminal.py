@@ -120,9 +120,7 @@ def draw_terminal(
     else:
         lines = ["".join(SIGNS[int(dot)].letter for dot in row) for row in flip_rows(dots)]
     key = _key(dots, color=color, deep=deep)
-    scale = (
-        f"; 1 character is {grid.cells} x {grid.cells * (2 if color else 1)} cells" if grid.cells > 1 else ""
-    )
+    scale = f"; 1 character is {grid.cells} x {grid.cells * (2 if color else 1)} cells" if grid.cells > 1 else ""
     return "\n".join([*lines, key, facts(world) + scale, ""])
 
 
@@ -232,9 +230,7 @@ def _half_blocks(colours: npt.NDArray[np.uint8], *, deep: bool) -> list[str]:
         for pair in zip(upper, lower, strict=True):
             if pair != last:
                 over, under = pair
-                words.append(
-                    _ansi(over, 38, deep=deep) + (_ansi(under, 48, deep=deep) if under else "\x1b[49m")
-                )
+                words.append(_ansi(over, 38, deep=deep) + (_ansi(under, 48, deep=deep) if under else "\x1b[49m"))
                 last = pair
             words.append("\u2580")
         lines.append("".join(words) + "\x1b[0m")
@@ -265,8 +261,6 @@ def _key(dots: Dots, *, color: bool, deep: bool) -> str:
     for sign in (START_DOT, TARGET_DOT, WITNESS, WAY, LOOPS, TUNNELS, PARTLY, CLOSES, OPENS, BURNS):
         if (dots == sign).any():
             shown = SIGNS[sign]
-            swatch = (
-                f"{_ansi(list(rgb(shown.colour)), 38, deep=deep)}\u2588\x1b[0m" if color else shown.letter
-            )
+            swatch = f"{_ansi(list(rgb(shown.colour)), 38, deep=deep)}\u2588\x1b[0m" if color else shown.letter
             words.append(f"{swatch} {shown.word}")
     return "  ".join(words)
