@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from scipy.special import betaincinv
+
 from fuzz.oracles import objection
 from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, CompiledController
@@ -159,14 +161,23 @@ def replay(world: World, controller: str | None = None) -> Replay:
     return Replay(episode.verdict, True, "", episode)
 
 
-def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> tuple[int, int] | None:
-    """For a controller with randomness: of ``count`` seeds, how many do not arrive; else ``None``."""
+def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[str, Value]:
+    """For a controller with randomness: how many of ``count`` seeds do not arrive, and what that shows.
+
+    Returns:
+        ``failing_seeds`` as [k, n] and ``failing_share_at_least``, the lower end of the two-sided 95 %
+        interval; empty for a controller without randomness.
+
+    Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated in the
+    case of the binomial", Biometrika 1934.
+    """
     controller = CONTROLLERS.get(scenario.controller)
     if not (isinstance(controller, CompiledController) and controller.randomised):
-        return None
+        return {}
     options = scenario.options(world)
     failing = 0
     for seed in range(count):
         run = prepare(world, controller, replace(options, seed=seed))
         failing += run.run(options.steps, find_loop=False, record=False).ending != "reached"
-    return failing, count
+    least = float(betaincinv(failing, count - failing + 1, 0.025)) if failing else 0.0
+    return {"failing_seeds": [failing, count], "failing_share_at_least": round(least, 4)}

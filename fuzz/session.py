@@ -199,11 +199,13 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     episode = simulate(world, record.controller, options, record=True)
     kind = str(record.details.get("class", record.verdict))
     often = f", met {met[kind]} times" if met and met[kind] else ""
+    seeds = record.details.get("failing_seeds")
+    chance = f", {seeds[0]} of {seeds[1]} seeds fail" if isinstance(seeds, list) else ""
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     color = wants_color(sys.stdout)
     return (
         f"{record.controller} under {record.motion}: {record.verdict}{evidence_in_words(episode)}\n"
-        f"  class {kind}{often}; {world.width} x {world.height} cells, {world.solid_cells} solid{minimal}\n"
+        f"  class {kind}{often}; {world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{draw_terminal(world, trail=trail_of(episode), color=color)}"
         f"  {replay_line(path)}\n"
     )

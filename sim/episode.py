@@ -12,7 +12,7 @@ from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.outcome import Outcome, Runnable
-from sim.run_options import RunOptions, step_budget
+from sim.run_options import MAX_RECORDED, RunOptions, step_budget
 from sim.thesis_run import ThesisRun
 from sim.trace import Trace, state_digest
 from worldgen.errors import InvalidParameter
@@ -82,6 +82,7 @@ def simulate(
     if outcome.ending == "loop":
         return _loop(run, outcome, options, record)
     if record:
+        _check_recordable(outcome.steps)
         outcome = run.run(outcome.steps, find_loop=False, record=True)
     return _episode(_verdict(outcome, options), outcome, options, _evidence(world, outcome, options))
 
@@ -103,6 +104,7 @@ def prepare(world: World, controller: str | Controller, options: RunOptions) -> 
 def _loop(run: Runnable, found: Outcome, options: RunOptions, record: bool) -> Episode:
     """Finds where the recurrence begins, and shows it over two periods."""
     period = found.period
+    _check_recordable(found.steps + period)
     whole = run.run(found.steps + period, find_loop=False, record=True)
     if whole.trace is None or not whole.complete:
         return _episode(_verdict(whole, options), whole, options, {})
@@ -120,6 +122,14 @@ def _loop(run: Runnable, found: Outcome, options: RunOptions, record: bool) -> E
         "state_digest": state_digest(states[entry]),
     }
     return _episode("loop", outcome, options, evidence)
+
+
+def _check_recordable(steps: int) -> None:
+    if steps > MAX_RECORDED:
+        raise InvalidParameter(
+            f"this run takes {steps} steps, and at most {MAX_RECORDED} can be recorded to show or prove them; "
+            "give a smaller --steps"
+        )
 
 
 def _verdict(outcome: Outcome, options: RunOptions) -> str:

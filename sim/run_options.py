@@ -10,10 +10,11 @@ from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
 from worldgen.world import Value, Witness, World
 
-__all__ = ["BUDGET_FACTOR", "DEFAULT_TIME_STEP", "MAX_STEPS", "RunOptions", "step_budget"]
+__all__ = ["BUDGET_FACTOR", "DEFAULT_TIME_STEP", "MAX_RECORDED", "MAX_STEPS", "RunOptions", "step_budget"]
 
 DEFAULT_TIME_STEP = 0.015  # s: the thesis's
 MAX_STEPS = 100_000_000
+MAX_RECORDED = 4_000_000  # steps; a recorded one takes about 300 bytes
 BUDGET_FACTOR = 50  # a run may take this many times the witness's time before it counts as stalled or timed out
 _FEWEST_STEPS = 4_000
 _STEPS_WITHOUT_WITNESS = 20_000

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from fuzz.failure import Scenario, failure_of, scenario_of
+from fuzz.failure import Scenario, failure_of, scenario_of, seeds_that_fail
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removable
 from fuzz.shrink.order import PASSES, Pass
@@ -89,6 +89,7 @@ def shrink(
         "simulations": still_fails.simulations,
     }
     details.pop("class", None)
+    details |= seeds_that_fail(reducer.best, scenario)
     world = failure_of(reducer.best, scenario, steps=still_fails.proof_budget, **details)
     if world is None:
         raise InvalidParameter(f"the shrunk world of {record.verdict!r} was not confirmed by its oracle")

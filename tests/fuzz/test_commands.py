@@ -22,6 +22,18 @@ class Sits:
     def act(self, observation, memory): return Command(), memory
 '''
 
+STRAIGHT = '''
+import math
+from sim import Command
+
+class Straight:
+    """Turns to the target and drives; in an empty room that always arrives."""
+    def reset(self): return ()
+    def act(self, observation, memory):
+        turn = (observation.target_heading - observation.heading + math.pi) % math.tau - math.pi
+        return Command(observation.top_speed, turn / observation.time_step), memory
+'''
+
 
 @pytest.fixture(scope="module")
 def failures(tmp_path_factory):
@@ -83,6 +95,17 @@ def test_a_controller_that_arrives_leaves_nothing_to_report(tmp_path):
     world = read_world_with_start_in_target(tmp_path)
     result = worldgen("run", world, "--controller", f"{tmp_path}/mine.py:Sits")
     assert result.code == 0 and result.out.startswith("reached")
+
+
+def test_fuzz_of_a_controller_that_always_arrives_finds_nothing_and_ends_with_0(tmp_path):
+    (tmp_path / "mine.py").write_text(STRAIGHT)
+    world = read_world_with_start_in_target(tmp_path)
+    controller = f"{tmp_path}/mine.py:Straight"
+    result = worldgen(
+        "fuzz", "--controller", controller, "--world", world, "--units", 1, "--examples", 40, "--seed", 1,
+        "--workers", 1, "--out", tmp_path / "none",
+    )  # fmt: skip
+    assert result.code == 0 and "no failure of" in result.out and not list((tmp_path / "none").iterdir())
 
 
 def read_world_with_start_in_target(folder):

@@ -94,3 +94,9 @@ def test_events_move_and_go_with_their_rows():
     world = drop_rows(replace(cup_world(), timeline=timeline), 4, 1)
     assert [(event.ix, event.iy) for event in world.timeline] == [(3, 8)]
     assert len(drop_events(world, 0, 1).timeline) == 0
+
+
+def test_a_random_controllers_failure_says_for_how_many_seeds_it_fails():
+    details = shrink(failure("turn-random", seed=3)).world.failure.details
+    failing, count = details["failing_seeds"]
+    assert count == 40 and 0 <= details["failing_share_at_least"] <= failing / count
