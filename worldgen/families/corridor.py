@@ -90,11 +90,13 @@ def corridor(
         _place_lines(rng.child("lines", axis), edges, axis, arena.inside, width, wall) for axis in range(2)
     )
 
+    centres = [_centre(node, columns, rows, width) for node in way]
+    first = next(k for k, centre in enumerate(centres) if centre != centres[0])  # a line may have been dropped
     return arena.world(
         _cut(arena.solid(), edges, columns, rows, width),
-        start=_centre(way[0], columns, rows, width),
-        target=_centre(way[-1], columns, rows, width),
-        quarter=_direction(way[0], way[1]),
+        start=centres[0],
+        target=centres[-1],
+        quarter=_direction(way[first - 1], way[first]),
     )
 
 
