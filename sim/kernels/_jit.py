@@ -1,5 +1,15 @@
-"""The decorator of every kernel of the simulator."""
+"""The decorators of the simulator's kernels."""
 
-from worldgen.jit import kernel
+from __future__ import annotations
 
-__all__ = ["kernel"]
+import functools
+
+from worldgen.jit import kernel as _kernel
+
+__all__ = ["allocating_kernel", "kernel"]
+
+kernel = functools.partial(_kernel, allocates=False)
+"""For all that makes no array and no slice: it pays for no reference counts."""
+
+allocating_kernel = functools.partial(_kernel, allocates=True)
+"""For the few that do; call them once an episode, not once a step."""

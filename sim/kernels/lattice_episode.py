@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.kernels import layout
-from sim.kernels._jit import kernel
+from sim.kernels._jit import allocating_kernel, kernel
 from sim.kernels.geometry import (
     pose_is_clear,
     segment_box_depth,
@@ -53,7 +53,7 @@ class Arena(NamedTuple):
     visited: npt.NDArray[np.uint8]
 
 
-@kernel
+@allocating_kernel
 def begin(settings: Ints, scales: Floats, state: Ints, counts: Ints, sums: Floats) -> None:
     """Sets state and reports to the start of an episode."""
     counts[:] = 0
@@ -235,10 +235,11 @@ def _write_row(state: Ints, chain: Ints, points: int, bumped: bool, row: Ints) -
         used = k < corners
         row[layout.ROW_CORNER_1 + 2 * k] = chain[k, 0] if used else 0
         row[layout.ROW_CORNER_1 + 2 * k + 1] = chain[k, 1] if used else 0
-    row[layout.ROW_STATE :] = state
+    for k in range(state.size):
+        row[layout.ROW_STATE + k] = state[k]
 
 
-@kernel
+@allocating_kernel
 def lattice_episode(
     arena: Arena,
     settings: Ints,

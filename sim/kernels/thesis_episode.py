@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.kernels import thesis_layout as at
-from sim.kernels._jit import kernel
+from sim.kernels._jit import allocating_kernel, kernel
 from sim.kernels.fdlibm import cos, float_bits, sin
 from sim.kernels.layout import BURNING, SOLID
 from sim.kernels.stepped_motion import advance
@@ -61,7 +61,8 @@ def _apply_events(arena: Arena, radius: float, step: int, state: Floats, counts:
     """Applies the events due at ``step``; one that catches the robot ends the run as BURNED."""
     changed = False
     while counts[at.NEXT_EVENT] < arena.events.shape[0] and arena.events[counts[at.NEXT_EVENT], 0] <= step:
-        _, x, y, new = arena.events[counts[at.NEXT_EVENT]]
+        event = counts[at.NEXT_EVENT]
+        x, y, new = arena.events[event, 1], arena.events[event, 2], arena.events[event, 3]
         arena.cells[x, y] = WALL if new == SOLID else (FLAME if new == BURNING else arena.light[x, y])
         counts[at.NEXT_EVENT] += 1
         changed = changed or new == SOLID
@@ -202,12 +203,15 @@ def _recurs(progress: Progress) -> bool:
     if same:
         return True
     if counts[at.ANCHOR_AGE] >= counts[at.ANCHOR_POWER]:
-        progress.anchor_state[:], progress.anchor_mode[:] = progress.state, progress.mode
+        for k in range(at.STATE_SIZE):
+            progress.anchor_state[k] = progress.state[k]
+        for k in range(at.MODE_STATE_SIZE):
+            progress.anchor_mode[k] = progress.mode[k]
         counts[at.ANCHOR_POWER], counts[at.ANCHOR_AGE] = max(2 * counts[at.ANCHOR_POWER], 1), 0
     return False
 
 
-@kernel
+@allocating_kernel
 def thesis_episode(arena: Arena, setup: Setup, progress: Progress, draws: Floats, trace: Floats) -> None:
     """Runs until the target is reached, the run ends otherwise, or ticks or draws are used up.
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels._jit import kernel
+from sim.kernels._jit import allocating_kernel, kernel
 from sim.kernels.fdlibm import atan
 from sim.kernels.thesis_layout import CELL, WALL
 
@@ -25,7 +25,7 @@ _TURN_SNAP = 0.2  # rad; nearer than this the robot takes the heading at once
 _NOISE_REACH = 2  # cells round a wall whose signal the filter changes
 
 
-@kernel
+@allocating_kernel
 def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
     """(width, height) int32: squared distance in cells to the target's cell; the border is ``WALL``."""
     light = np.full((width, height), WALL, np.int32)
