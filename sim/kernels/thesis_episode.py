@@ -1,7 +1,9 @@
-"""Whole runs of the thesis's robot, tick by tick, in its own frame: pixels, y down, float64.
+"""Whole runs of the thesis's robot: a tick, an episode, and where its endless loop begins.
 
-One tick: the events that are due, then the motion at the present speed and heading, then the arbiter and the
-behaviour in charge. See :mod:`sim.kernels.thesis_layout` for what stands where.
+A tick: events that are due, then the move at the present speed, then the arbiter, whose turn takes effect at
+once and whose speed drives the next tick.
+
+Source: the thesis's listing, ``simGuiExp.actionPerformed``, ``robot.update`` and the three behaviours.
 """
 
 from __future__ import annotations
@@ -15,11 +17,11 @@ from sim.kernels import thesis_layout as at
 from sim.kernels._jit import allocating_kernel, kernel
 from sim.kernels.fdlibm import cos, float_bits, sin
 from sim.kernels.layout import BURNING, SOLID
-from sim.kernels.stepped_motion import advance
+from sim.kernels.stepped_motion import advance, clamp_inside
 from sim.kernels.thesis_arbiter import (
     COLLIDE,
-    DRIVE,
     GO,
+    HALT,
     IDLE,
     RESUME,
     SEEK,
@@ -30,223 +32,311 @@ from sim.kernels.thesis_arbiter import (
 from sim.kernels.thesis_layout import CELL, FLAME, WALL, Arena, Progress, Setup
 from sim.kernels.thesis_signal import signal_direction, turn_towards
 
-__all__ = ["thesis_episode"]
+__all__ = ["loop_entry", "thesis_episode", "thesis_tick"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Cells = npt.NDArray[np.int32]
 
-_HASH_PRIME = np.uint64(1099511628211)
 _TWO_PI = 2.0 * math.pi
+_HALF_PI = math.pi / 2.0
+_WORD = 0xFFFFFFFF
+_LEAST_CROSSING = 1e-6  # px; a shorter way through a wall is rounding, and no checker could confirm it
 
 
 @kernel
-def _gap(cells: Cells, kind: int, x: float, y: float) -> tuple[float, int, int]:
-    """Distance, px, from a point to the nearest cell of a kind within two cells, and that cell; inf if none."""
-    own_x, own_y = int(math.floor(x / CELL)), int(math.floor(y / CELL))
-    best, best_x, best_y = math.inf, -1, -1
-    for cell_y in range(max(own_y - 2, 0), min(own_y + 3, cells.shape[1])):
-        for cell_x in range(max(own_x - 2, 0), min(own_x + 3, cells.shape[0])):
-            if cells[cell_x, cell_y] == kind:
-                dx = max(cell_x * CELL - x, 0.0, x - (cell_x + 1) * CELL)
-                dy = max(cell_y * CELL - y, 0.0, y - (cell_y + 1) * CELL)
-                gap = math.sqrt(dx * dx + dy * dy)
-                if gap < best:
-                    best, best_x, best_y = gap, cell_x, cell_y
-    return best, best_x, best_y
+def thesis_tick(cells: Cells, setup: Setup, draws: Floats, state: Floats, mode: Ints) -> bool:
+    """Moves the robot and lets the behaviours act.
 
+    Args:
+        cells: The signal, see :mod:`sim.kernels.thesis_layout`.
+        setup: The robot.
+        draws: Random numbers in [0, 1) for rule 3, in order.
+        state: Changed in place.
+        mode: Likewise.
 
-@kernel
-def _apply_events(arena: Arena, radius: float, step: int, state: Floats, counts: Ints) -> None:
-    """Applies the events due at ``step``; one that catches the robot ends the run as BURNED."""
-    changed = False
-    while counts[at.NEXT_EVENT] < arena.events.shape[0] and arena.events[counts[at.NEXT_EVENT], 0] <= step:
-        event = counts[at.NEXT_EVENT]
-        x, y, new = arena.events[event, 1], arena.events[event, 2], arena.events[event, 3]
-        arena.cells[x, y] = WALL if new == SOLID else (FLAME if new == BURNING else arena.light[x, y])
-        counts[at.NEXT_EVENT] += 1
-        changed = changed or new == SOLID
-    if changed:
-        gap, ix, iy = _gap(arena.cells, WALL, state[at.X], state[at.Y])
-        if gap < radius - 1.0:  # what it overlaps by less it may have been touching before
-            _burn(step, SOLID, ix, iy, counts)
-
-
-@kernel
-def _burn(step: int, kind: int, ix: int, iy: int, counts: Ints) -> None:
-    counts[at.OUT_ENDING], counts[at.OUT_HIT_STATE] = at.BURNED, kind
-    counts[at.OUT_HIT_STEP], counts[at.OUT_HIT_IX], counts[at.OUT_HIT_IY] = step, ix, iy
-
-
-@kernel
-def _crosses(x: float, y: float, end_x: float, end_y: float, cell_x: int, cell_y: int) -> bool:
-    """Whether a segment meets the open inside of a cell (Liang and Barsky, 1984)."""
-    first, last = 0.0, 1.0
-    for axis in range(2):
-        start, way = (x, end_x - x) if axis == 0 else (y, end_y - y)
-        low = (cell_x if axis == 0 else cell_y) * CELL
-        if way == 0.0:
-            if start <= low or start >= low + CELL:
-                return False
-            continue
-        one, two = (low - start) / way, (low + CELL - start) / way
-        first, last = max(first, min(one, two)), min(last, max(one, two))
-    return first < last or (first == last and first > 0.0 and last < 1.0 and end_x == x and end_y == y)
-
-
-@kernel
-def _judge(arena: Arena, setup: Setup, step: int, old_x: float, old_y: float, progress: Progress) -> None:
-    """What a tick's motion meant: walls cut and crossed, flames, target, new cells, length."""
-    cells, counts, sums = arena.cells, progress.counts, progress.sums
-    x, y = progress.state[at.X], progress.state[at.Y]
-    ix, iy = int(x / CELL), int(y / CELL)
-    gap, wall_x, wall_y = _gap(cells, WALL, x, y)
-    depth = max(setup.radius - gap, 0.0)
-    sums[at.SUM_OVERLAP] = max(sums[at.SUM_OVERLAP], depth)
-    if depth > setup.tolerance and counts[at.OUT_OVERLAP_STEP] < 0:
-        counts[at.OUT_OVERLAP_STEP], counts[at.OUT_OVERLAP_IX], counts[at.OUT_OVERLAP_IY] = step, wall_x, wall_y
-    if cells[ix, iy] == WALL and counts[at.OUT_IN_WALL_STEP] < 0:
-        counts[at.OUT_IN_WALL_STEP], counts[at.OUT_IN_WALL_IX], counts[at.OUT_IN_WALL_IY] = step, ix, iy
-    if counts[at.OUT_TUNNEL_STEP] < 0 and (depth > 0.0 or setup.speed * setup.time_step > CELL):
-        for cell_x in range(int(min(x, old_x) / CELL), int(max(x, old_x) / CELL) + 1):
-            for cell_y in range(int(min(y, old_y) / CELL), int(max(y, old_y) / CELL) + 1):
-                if cells[cell_x, cell_y] == WALL and _crosses(old_x, old_y, x, y, cell_x, cell_y):
-                    counts[at.OUT_TUNNEL_STEP], counts[at.OUT_TUNNEL_IX], counts[at.OUT_TUNNEL_IY] = (
-                        step,
-                        cell_x,
-                        cell_y,
-                    )
-    if arena.visited[ix, iy] == 0:
-        arena.visited[ix, iy] = 1
-        counts[at.OUT_LAST_NEW_CELL] = step
-    sums[at.SUM_PATH] += math.sqrt((x - old_x) * (x - old_x) + (y - old_y) * (y - old_y))
-    flame, flame_x, flame_y = _gap(cells, FLAME, x, y) if arena.events.shape[0] > 0 else (math.inf, -1, -1)
-    if flame < setup.radius:
-        _burn(step, BURNING, flame_x, flame_y, counts)
-    elif setup.stop_at_tunnel != 0 and counts[at.OUT_TUNNEL_STEP] >= 0:
-        counts[at.OUT_ENDING] = at.TUNNEL
-    elif cells[ix, iy] == 0:
-        counts[at.OUT_ENDING] = at.REACHED
-
-
-@kernel
-def _take_control(setup: Setup, draws: Floats, progress: Progress) -> None:
-    """What collide does when it takes control: remembers the speed, stops, sets the new target heading."""
-    state, mode = progress.state, progress.mode
-    state[at.OLD_SPEED], state[at.SPEED] = state[at.SPEED], 0.0
-    progress.counts[at.OUT_ACTIVATIONS] += 1
-    if setup.rule == 3:
-        state[at.TARGET_HEADING] = draws[mode[at.DRAWS_USED]] * _TWO_PI
-        mode[at.DRAWS_USED] += 1
+    Returns:
+        False if the tick needs a draw and none is left; then nothing has changed.
+    """
+    x, y, heading, speed = state[at.X], state[at.Y], state[at.HEADING], state[at.SPEED]
+    collision = False
+    if speed == 0.0:  # most ticks only turn: 12.9 M ticks/s become 15.5 M
+        x, y = clamp_inside(cells, x, y, setup.radius)
     else:
-        turn = math.pi / 2.0 if setup.rule == 1 else -math.pi / 2.0
-        state[at.TARGET_HEADING] = np.fmod(state[at.HEADING] + turn, _TWO_PI)
-
-
-@kernel
-def _arbitrate(arena: Arena, setup: Setup, draws: Floats, progress: Progress) -> bool:
-    """One tick of arbiter and behaviour; False if a random number was needed and none was left."""
-    state, mode = progress.state, progress.mode
-    collision = mode[at.COLLISION] != 0
-    signal = signal_direction(arena.cells, state[at.X], state[at.Y], setup.sense)
-    if mode[at.BEHAVIOUR] == IDLE and collision and setup.rule == 3 and mode[at.DRAWS_USED] >= draws.size:
-        return False
-    behaviour, ticks, taken = select_behaviour(
-        mode[at.BEHAVIOUR],
-        mode[at.TICKS_LEFT],
-        collision,
-        state[at.TARGET_HEADING] == signal,
-        setup.collide_ticks,
-        setup.drive_ticks,
+        goal_x = x - cos(heading) * speed * setup.time_step
+        goal_y = y - sin(heading) * speed * setup.time_step
+        x, y, collision = advance(cells, x, y, goal_x, goal_y, setup.radius)
+    before, target, old_speed = mode[at.BEHAVIOUR], state[at.TARGET_HEADING], state[at.OLD_SPEED]
+    signal = 0.0
+    if before == SEEK or (before == IDLE and not collision):
+        signal = signal_direction(cells, x, y, setup.sense)
+    active, ticks, taken = select_behaviour(
+        before, mode[at.TICKS_LEFT], collision, target == signal, setup.collide_ticks, setup.drive_ticks
     )
-    if taken and behaviour == COLLIDE:
-        _take_control(setup, draws, progress)
-    if behaviour == SEEK:
-        state[at.SPEED], state[at.TARGET_HEADING] = 0.0, signal
-    mode[at.ACTIVE] = behaviour
-    turned = state[at.HEADING] == state[at.TARGET_HEADING]
-    wheels, behaviour, ticks = run_behaviour(behaviour, ticks, collision, turned)
+    if taken and active == COLLIDE:
+        if setup.rule == 3 and mode[at.DRAWS_USED] >= draws.shape[0]:
+            return False
+        old_speed, speed = speed, 0.0
+        if setup.rule == 1:
+            target = np.fmod(heading + _HALF_PI, _TWO_PI)
+        elif setup.rule == 2:
+            target = np.fmod(heading - _HALF_PI, _TWO_PI)
+        else:
+            target = draws[mode[at.DRAWS_USED]] * _TWO_PI
+            mode[at.DRAWS_USED] += 1
+    elif active == SEEK:
+        target = signal
+    wheels, behaviour, ticks = run_behaviour(active, ticks, collision, heading == target)
     if wheels == TURN:
-        state[at.HEADING] = turn_towards(state[at.HEADING], state[at.TARGET_HEADING])
+        heading = turn_towards(heading, target)
+    if wheels in (TURN, HALT):
+        speed = 0.0
     elif wheels == GO:
-        state[at.SPEED] = setup.speed
+        speed = setup.speed
     elif wheels == RESUME:
-        state[at.SPEED] = state[at.OLD_SPEED]
-    mode[at.BEHAVIOUR] = behaviour
-    mode[at.TICKS_LEFT] = ticks if behaviour in (COLLIDE, DRIVE) else 0
+        speed = old_speed
+    state[at.X], state[at.Y], state[at.HEADING] = x, y, heading
+    state[at.TARGET_HEADING], state[at.SPEED], state[at.OLD_SPEED] = target, speed, old_speed
+    mode[at.COLLISION], mode[at.BEHAVIOUR] = int(collision), behaviour
+    mode[at.TICKS_LEFT], mode[at.ACTIVE] = ticks, active
     return True
 
 
 @kernel
-def _hash(progress: Progress) -> None:
-    """Adds the seven state words of a tick to the digest, as the recorded vectors do."""
-    state, mode = progress.state, progress.mode
-    digest = np.uint64(progress.counts[at.OUT_DIGEST])
-    for k in range(5):
-        digest = (digest ^ np.uint64(float_bits(state[k]))) * _HASH_PRIME
-    busy = 0 if mode[at.BEHAVIOUR] == IDLE else 2 + 4 * (mode[at.BEHAVIOUR] + 1)
-    digest = (digest ^ np.uint64(mode[at.COLLISION] + busy)) * _HASH_PRIME
-    digest = (digest ^ np.uint64(float_bits(float(mode[at.TICKS_LEFT])))) * _HASH_PRIME
-    progress.counts[at.OUT_DIGEST] = np.int64(digest)
+def _gap(x: float, y: float, cell_x: int, cell_y: int) -> float:
+    """Distance from a point to a cell, px; 0 inside."""
+    dx = max(cell_x * CELL - x, 0.0, x - (cell_x + 1) * CELL)
+    dy = max(cell_y * CELL - y, 0.0, y - (cell_y + 1) * CELL)
+    return math.sqrt(dx * dx + dy * dy)
 
 
 @kernel
-def _recurs(progress: Progress) -> bool:
-    """Compares the complete state with Brent's anchor, and moves the anchor when its time has come."""
-    counts = progress.counts
-    counts[at.ANCHOR_AGE] += 1
-    same = counts[at.ANCHOR_POWER] > 0
-    for k in range(at.STATE_SIZE):
-        same = same and float_bits(progress.state[k]) == float_bits(progress.anchor_state[k])
+def _apply_events(arena: Arena, setup: Setup, step: int, state: Floats, counts: Ints) -> None:
+    """Applies the events due at ``step``; one that falls on the robot ends the run as ``BURNED``."""
+    while counts[at.NEXT_EVENT] < arena.events.shape[0] and arena.events[counts[at.NEXT_EVENT], 0] <= step:
+        event = counts[at.NEXT_EVENT]
+        x, y, new = arena.events[event, 1], arena.events[event, 2], arena.events[event, 3]
+        counts[at.NEXT_EVENT] += 1
+        value = WALL if new == SOLID else (FLAME if new == BURNING else arena.light[x, y])
+        falls = value < 0 and value != arena.cells[x, y] and counts[at.OUT_ENDING] == at.LIMIT
+        arena.cells[x, y] = value
+        if falls and _gap(state[at.X], state[at.Y], x, y) < setup.radius:
+            counts[at.OUT_ENDING], counts[at.OUT_HIT_STATE] = at.BURNED, new
+            counts[at.OUT_HIT_STEP], counts[at.OUT_HIT_IX], counts[at.OUT_HIT_IY] = step, x, y
+
+
+@kernel
+def _judge_place(arena: Arena, setup: Setup, step: int, state: Floats, counts: Ints, sums: Floats) -> None:
+    """Notes what the robot touches where the tick ends: walls, flames, cells that it had not been in."""
+    x, y = state[at.X], state[at.Y]
+    own_x, own_y = int(x / CELL), int(y / CELL)
+    reach = int(math.ceil(setup.radius / CELL))
+    deepest, deepest_x, deepest_y = 0.0, -1, -1
+    for cell_y in range(max(own_y - reach, 0), min(own_y + reach, arena.cells.shape[1] - 1) + 1):
+        for cell_x in range(max(own_x - reach, 0), min(own_x + reach, arena.cells.shape[0] - 1) + 1):
+            if arena.cells[cell_x, cell_y] >= 0:
+                continue
+            depth = setup.radius - _gap(x, y, cell_x, cell_y)
+            if arena.cells[cell_x, cell_y] == WALL:
+                if depth > deepest:
+                    deepest, deepest_x, deepest_y = depth, cell_x, cell_y
+            elif depth > 0.0 and counts[at.OUT_ENDING] == at.LIMIT:
+                counts[at.OUT_ENDING], counts[at.OUT_HIT_STATE] = at.BURNED, BURNING
+                counts[at.OUT_HIT_STEP], counts[at.OUT_HIT_IX], counts[at.OUT_HIT_IY] = step, cell_x, cell_y
+    sums[at.SUM_OVERLAP] = max(sums[at.SUM_OVERLAP], deepest)
+    if deepest > setup.tolerance and counts[at.OUT_OVERLAP_STEP] < 0:
+        counts[at.OUT_OVERLAP_STEP] = step
+        counts[at.OUT_OVERLAP_IX], counts[at.OUT_OVERLAP_IY] = deepest_x, deepest_y
+    if arena.cells[own_x, own_y] == WALL and counts[at.OUT_IN_WALL_STEP] < 0:
+        counts[at.OUT_IN_WALL_STEP] = step
+        counts[at.OUT_IN_WALL_IX], counts[at.OUT_IN_WALL_IY] = own_x, own_y
+    if arena.visited[own_x, own_y] == 0:
+        arena.visited[own_x, own_y] = 1
+        counts[at.OUT_LAST_NEW_CELL] = step
+
+
+@kernel
+def _way_inside(x: float, y: float, dx: float, dy: float, cell_x: int, cell_y: int) -> float:
+    """Share, 0 to 1, of the straight way (x, y) + t (dx, dy) that lies inside the cell.
+
+    Source: slab test, Ericson, Real-Time Collision Detection (2005), 5.3.3.
+    """
+    enter, leave = 0.0, 1.0
+    for axis in range(2):
+        low = cell_x * CELL - x if axis == 0 else cell_y * CELL - y
+        way = dx if axis == 0 else dy
+        if way == 0.0:
+            if not low < 0.0 < low + CELL:
+                return 0.0
+            continue
+        first, last = low / way, (low + CELL) / way
+        enter, leave = max(enter, min(first, last)), min(leave, max(first, last))
+    return max(leave - enter, 0.0)
+
+
+@kernel
+def _judge_way(
+    arena: Arena, setup: Setup, step: int, x: float, y: float, state: Floats, counts: Ints, sums: Floats
+) -> None:
+    """Adds the way from (x, y) to the path, and notes the first wall that its straight line enters."""
+    dx, dy = state[at.X] - x, state[at.Y] - y
+    length = math.sqrt(dx * dx + dy * dy)
+    sums[at.SUM_PATH] += length
+    if counts[at.OUT_TUNNEL_STEP] >= 0:
+        return
+    end_x, end_y = int(state[at.X] / CELL), int(state[at.Y] / CELL)
+    own_x, own_y = int(x / CELL), int(y / CELL)
+    for cell_y in range(min(own_y, end_y), max(own_y, end_y) + 1):
+        for cell_x in range(min(own_x, end_x), max(own_x, end_x) + 1):
+            if arena.cells[cell_x, cell_y] != WALL or counts[at.OUT_TUNNEL_STEP] >= 0:
+                continue
+            if _way_inside(x, y, dx, dy, cell_x, cell_y) * length > _LEAST_CROSSING:
+                counts[at.OUT_TUNNEL_STEP] = step
+                counts[at.OUT_TUNNEL_IX], counts[at.OUT_TUNNEL_IY] = cell_x, cell_y
+    if setup.stop_at_tunnel == 1 and counts[at.OUT_TUNNEL_STEP] >= 0 and counts[at.OUT_ENDING] == at.LIMIT:
+        counts[at.OUT_ENDING] = at.TUNNEL
+
+
+@kernel
+def _hash_word(digest: int, word: int) -> int:
+    """FNV-1a of one 64-bit word, by halves, so that no product overflows in Python either."""
+    low = (digest & _WORD) ^ (word & _WORD)
+    high = ((digest >> 32) & _WORD) ^ ((word >> 32) & _WORD)
+    product = low * 0x1B3  # the prime is 2**40 + 0x1b3
+    high = (high * 0x1B3 + (product >> 32) + (low << 8)) & _WORD
+    return (high << 32) | (product & _WORD)
+
+
+@kernel
+def _hash_state(digest: int, state: Floats, mode: Ints) -> int:
+    """Adds the seven words of a tick's state to the digest, as the recorded vectors do."""
+    for word in range(at.SPEED + 1):
+        digest = _hash_word(digest, float_bits(state[word]))
+    busy = 0 if mode[at.BEHAVIOUR] == IDLE else 2 + 4 * (mode[at.BEHAVIOUR] + 1)
+    digest = _hash_word(digest, mode[at.COLLISION] + busy)
+    return _hash_word(digest, float_bits(float(mode[at.TICKS_LEFT])))
+
+
+@kernel
+def _same_state(state: Floats, mode: Ints, other_state: Floats, other_mode: Ints) -> bool:
+    """Whether two complete states are equal in every bit; -0.0 is not 0.0."""
+    same = True
     for k in range(at.MODE_STATE_SIZE):
-        same = same and progress.mode[k] == progress.anchor_mode[k]
-    if same:
-        return True
-    if counts[at.ANCHOR_AGE] >= counts[at.ANCHOR_POWER]:
+        same = same and mode[k] == other_mode[k]
+    for k in range(at.STATE_SIZE):
+        same = same and float_bits(state[k]) == float_bits(other_state[k])
+    return same
+
+
+@kernel
+def _copy_state(state: Floats, mode: Ints, to_state: Floats, to_mode: Ints) -> None:
+    """Copies by loops: slices need reference counts, and made the cold compile 2 s longer."""
+    for k in range(at.STATE_SIZE):
+        to_state[k] = state[k]
+    for k in range(at.MODE_SIZE):
+        to_mode[k] = mode[k]
+
+
+@kernel
+def _record(state: Floats, mode: Ints, row: int, trace: Floats) -> None:
+    """Writes the state to a row of the trace, if it has that row."""
+    if 0 <= row < trace.shape[0]:
         for k in range(at.STATE_SIZE):
-            progress.anchor_state[k] = progress.state[k]
-        for k in range(at.MODE_STATE_SIZE):
-            progress.anchor_mode[k] = progress.mode[k]
-        counts[at.ANCHOR_POWER], counts[at.ANCHOR_AGE] = max(2 * counts[at.ANCHOR_POWER], 1), 0
-    return False
+            trace[row, k] = state[k]
+        for k in range(at.MODE_SIZE):
+            trace[row, at.ROW_MODE + k] = float(mode[k])
+
+
+@kernel
+def _drop_anchor(run: Progress) -> None:
+    """Makes the present state the one that is looked for, for twice as long as the last."""
+    _copy_state(run.state, run.mode, run.anchor_state, run.anchor_mode)
+    run.counts[at.ANCHOR_AGE] = 0
+    run.counts[at.ANCHOR_POWER] = max(2 * run.counts[at.ANCHOR_POWER], 1)
 
 
 @allocating_kernel
-def thesis_episode(arena: Arena, setup: Setup, progress: Progress, draws: Floats, trace: Floats) -> None:
-    """Runs until the target is reached, the run ends otherwise, or ticks or draws are used up.
+def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, trace: Floats) -> None:
+    """Runs until something is decided, or ``setup.steps`` ticks are done.
+
+    A run that ended as ``LIMIT`` or ``NEEDS_DRAWS`` goes on where it stopped, if called again with the same
+    arena and more steps or draws (the earlier draws stay in front).
 
     Args:
-        arena: Surroundings.
-        setup: The robot and what is asked.
-        progress: Start, and everything that is reported; see :mod:`sim.kernels.thesis_layout`.
-        draws: Random numbers in [0, 1) for rule 3; without enough of them the run ends as ``NEEDS_DRAWS``.
-        trace: (steps + 1, ROW_SIZE) for a recording, or with 0 rows.
+        arena: Surroundings, changed in place.
+        setup: The robot, and what is asked.
+        run: A fresh or a stopped run; see :mod:`sim.kernels.thesis_layout`, ``OUT_`` and ``SUM_``.
+        draws: Random numbers in [0, 1) for rule 3, in order.
+        trace: (n, ROW_SIZE), n may be 0; row k gets the state after step ``TRACE_START`` + k.
 
-    Recurrence: R. P. Brent, "An improved Monte Carlo factorization algorithm", BIT 1980.
+    Of several endings in one tick the first counts: ``BURNED``, ``TUNNEL``, ``REACHED``, ``LOOP``. Recurrence of
+    the complete state is looked for once the last event is over, with R. P. Brent, "An improved Monte Carlo
+    factorization algorithm", BIT 20 (1980): an anchor that moves on at powers of two.
     """
-    state, mode, counts = progress.state, progress.mode, progress.counts
+    cells, state, mode, counts = arena.cells, run.state, run.mode, run.counts
     counts[at.OUT_ENDING] = at.LIMIT
-    quiet = arena.events[arena.events.shape[0] - 1, 0] if arena.events.shape[0] > 0 else 0
-    if trace.shape[0] > 0:
-        trace[0, : at.ROW_MODE], trace[0, at.ROW_MODE :] = state, mode
+    _record(state, mode, counts[at.OUT_STEPS] - counts[at.TRACE_START], trace)
     for step in range(counts[at.OUT_STEPS] + 1, setup.steps + 1):
-        old_x, old_y, was_touching = state[at.X], state[at.Y], mode[at.COLLISION]
-        counts[at.OUT_STEPS] = step
-        _apply_events(arena, setup.radius, step, state, counts)
+        changed = step == 1
+        if counts[at.NEXT_EVENT] < arena.events.shape[0] and arena.events[counts[at.NEXT_EVENT], 0] <= step:
+            _apply_events(arena, setup, step, state, counts)
+            changed = True
+        if setup.find_loop == 1 and counts[at.ANCHOR_POWER] == 0 and counts[at.NEXT_EVENT] == arena.events.shape[0]:
+            _drop_anchor(run)
+        x, y, before, touched = state[at.X], state[at.Y], mode[at.BEHAVIOUR], mode[at.COLLISION]
         if counts[at.OUT_ENDING] == at.LIMIT:
-            goal_x = old_x - cos(state[at.HEADING]) * state[at.SPEED] * setup.time_step
-            goal_y = old_y - sin(state[at.HEADING]) * state[at.SPEED] * setup.time_step
-            x, y, collision = advance(arena.cells, old_x, old_y, goal_x, goal_y, setup.radius)
-            state[at.X], state[at.Y], mode[at.COLLISION] = x, y, 1 if collision else 0
-            counts[at.OUT_COLLISIONS] += 1 if collision and was_touching == 0 else 0
-            _judge(arena, setup, step, old_x, old_y, progress)
-        if not _arbitrate(arena, setup, draws, progress):
-            counts[at.OUT_ENDING] = at.NEEDS_DRAWS
-        _hash(progress)
-        if step < trace.shape[0]:
-            trace[step, : at.ROW_MODE], trace[step, at.ROW_MODE :] = state, mode
+            if not thesis_tick(cells, setup, draws, state, mode):
+                counts[at.OUT_ENDING] = at.NEEDS_DRAWS
+                return
+            counts[at.OUT_COLLISIONS] += 1 if mode[at.COLLISION] == 1 and touched == 0 else 0
+            counts[at.OUT_ACTIVATIONS] += 1 if mode[at.ACTIVE] == COLLIDE and before == IDLE else 0
+            if changed or state[at.X] != x or state[at.Y] != y:
+                _judge_place(arena, setup, step, state, counts, run.sums)
+                _judge_way(arena, setup, step, x, y, state, counts, run.sums)
+            if counts[at.OUT_ENDING] == at.LIMIT and cells[int(state[at.X] / CELL), int(state[at.Y] / CELL)] == 0:
+                counts[at.OUT_ENDING] = at.REACHED
+        counts[at.OUT_STEPS] = step
+        counts[at.OUT_DIGEST] = _hash_state(counts[at.OUT_DIGEST], state, mode)
+        if step - counts[at.TRACE_START] < trace.shape[0]:
+            _record(state, mode, step - counts[at.TRACE_START], trace)
+        if counts[at.OUT_ENDING] == at.LIMIT and counts[at.ANCHOR_POWER] > 0:
+            counts[at.ANCHOR_AGE] += 1
+            if state[at.X] == run.anchor_state[at.X] and _same_state(state, mode, run.anchor_state, run.anchor_mode):
+                counts[at.OUT_ENDING], counts[at.OUT_PERIOD] = at.LOOP, counts[at.ANCHOR_AGE]
+            elif counts[at.ANCHOR_AGE] == counts[at.ANCHOR_POWER]:
+                _drop_anchor(run)
         if counts[at.OUT_ENDING] != at.LIMIT:
             break
-        if setup.find_loop != 0 and step > quiet and _recurs(progress):
-            counts[at.OUT_ENDING], counts[at.OUT_PERIOD] = at.LOOP, counts[at.ANCHOR_AGE]
-            break
+
+
+@allocating_kernel
+def loop_entry(arena: Arena, setup: Setup, draws: Floats, tail: Progress, lead: Progress, period: int) -> int:
+    """First step mu from which on every state comes back after ``period`` steps, by two runs that far apart.
+
+    Args:
+        setup: As in the episode that found the loop.
+        arena: Fresh, as before that episode.
+        draws: As there.
+        tail: A fresh run.
+        lead: Another.
+        period: What the episode reported.
+
+    Returns:
+        mu, 0 for the initial state; not before the last event. -1 if there is none within ``setup.steps``.
+    """
+    events = arena.events.shape[0]
+    entry = max(arena.events[events - 1, 0] - 1, 0) if events > 0 else 0
+    for step in range(1, entry + 1):
+        _apply_events(arena, setup, step, tail.state, tail.counts)
+        thesis_tick(arena.cells, setup, draws, tail.state, tail.mode)
+    _apply_events(arena, setup, entry + 1, tail.state, tail.counts)
+    _copy_state(tail.state, tail.mode, lead.state, lead.mode)
+    for _ in range(period):
+        thesis_tick(arena.cells, setup, draws, lead.state, lead.mode)
+    while not _same_state(tail.state, tail.mode, lead.state, lead.mode):
+        if entry >= setup.steps:
+            return -1
+        thesis_tick(arena.cells, setup, draws, tail.state, tail.mode)
+        thesis_tick(arena.cells, setup, draws, lead.state, lead.mode)
+        entry += 1
+    return entry
