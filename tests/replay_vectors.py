@@ -1,12 +1,11 @@
 """Replays recorded runs of the thesis's program: ``python -m tests.replay_vectors FILE.jsonl``.
 
-Ends with ``matched N of M``; exit code 0 if all match, 1 if not, 2 if the file cannot be read.
+Prints a line for everything that differs and ends with ``matched N of M``; exit code 0 if all match, 1 if one
+does not, 2 if a file or a line can't be read, or there is none.
 """
 
 from __future__ import annotations
 
-import gzip
-import json
 import sys
 import zlib
 from collections import deque
@@ -21,35 +20,56 @@ from sim.kernels.fdlibm import float_bits
 from sim.kernels.thesis_episode import thesis_episode
 from sim.kernels.thesis_signal import add_noise, signal_map
 from tests.helpers.java_random import java_doubles
+from tests.helpers.recordings import NotARecordingError, parse, read_lines
 
 Vector = dict[str, Any]
 
 
 def mismatches(vector: Vector) -> list[str]:
-    """Everything in which a replay differs from its recording, in words; empty if it matches."""
+    """Everything recorded in which a replay differs, in words; empty if it matches."""
     cells, light = signal_cells(vector)
     found = []
     crc = zlib.crc32(np.ascontiguousarray(cells.T).astype(">i4").tobytes())
-    if f"{crc:08x}" != vector["cellCrc32"]:
+    if f"{crc:08x}" != vector.get("cellCrc32", f"{crc:08x}"):
         found.append(f"cellCrc32 {crc:08x}, recorded {vector['cellCrc32']}")
-    draws = np.array(vector.get("draws", []), np.float64)
-    if vector["rule"] == 3 and java_doubles(vector["seed"], len(draws)) != draws.tolist():
-        found.append("the seed does not give the recorded draws")
+    draws = random_numbers(vector)
     rows = simulate(vector, cells, light, draws, vector["maxTicks"])[1]
     outcome = judge(vector, rows)
     progress, rows = simulate(vector, cells, light, draws, outcome["ticks"])
+    outcome["simTime"] = float(outcome["ticks"] * vector["timeSize"])
     outcome["hash"] = f"{int(progress.counts[at.OUT_DIGEST]) & (2**64 - 1):016x}"
     outcome["collideActivations"] = int(progress.counts[at.OUT_ACTIVATIONS])
     outcome["firstCentreInWall"] = int(progress.counts[at.OUT_IN_WALL_STEP])
     outcome["firstPen1"] = int(progress.counts[at.OUT_OVERLAP_STEP])
     outcome["firstCross"] = first_crossing(vector, rows)
     for key, value in outcome.items():
-        if value != vector.get(key):
-            found.append(f"{key} {value}, recorded {vector.get(key)}")
+        if value != vector.get(key, value):
+            found.append(f"{key} {value}, recorded {vector[key]}")
     deepest = float(progress.sums[at.SUM_OVERLAP])
-    if abs(deepest - vector["maxPen"]) > 1e-9:
+    if abs(deepest - vector.get("maxPen", deepest)) > 1e-9:  # px; measured at tick ends, not part of the listing
         found.append(f"maxPen {deepest}, recorded {vector['maxPen']}")
-    return found + checkpoint_mismatches(vector, rows)
+    used = draws[: progress.mode[at.DRAWS_USED]].tolist()
+    return found + draw_mismatches(vector, used) + checkpoint_mismatches(vector, rows)
+
+
+def random_numbers(vector: Vector) -> Any:
+    """The draws that a run may use, one a tick at most: the recorded ones first, then its seed's."""
+    if vector["rule"] != 3:
+        return np.zeros(0)
+    recorded = vector.get("draws", [])
+    seeded = java_doubles(vector["seed"], vector["maxTicks"]) if "seed" in vector else []
+    return np.array(recorded + seeded[len(recorded) :], np.float64)
+
+
+def draw_mismatches(vector: Vector, used: list[float]) -> list[str]:
+    """Whether the run used exactly the recorded draws, and whether the seed gives them."""
+    found = []
+    recorded = vector.get("draws", used)
+    if len(recorded) != len(used):
+        found.append(f"draws: {len(used)} used, recorded {len(recorded)}")
+    if "seed" in vector and java_doubles(vector["seed"], len(recorded)) != recorded:
+        found.append("the seed does not give the recorded draws")
+    return found
 
 
 def signal_cells(vector: Vector) -> tuple[Any, Any]:
@@ -136,17 +156,18 @@ def flood(rows: list[str], x: int, y: int) -> set[tuple[int, int]]:
 
 
 def checkpoint_mismatches(vector: Vector, rows: Any) -> list[str]:
-    """Checkpoints whose raw bits, flags or counters differ."""
+    """Checkpoints whose numbers, raw bits, flags or counters differ."""
     found = []
-    for tick, *_, collision, busy, active, ticks_left, bits in vector["cp"]:
-        if tick >= len(rows):
-            found.append(f"checkpoint {tick}: the replay ends before")
+    for tick, *recorded in vector.get("cp", []):
+        if not 0 < tick < len(rows):
+            found.append(f"checkpoint {tick}: the replay has ticks 1 to {len(rows) - 1}")
             continue
-        row, mode = rows[tick], rows[tick, at.ROW_MODE :].astype(int)
-        ours = " ".join(f"{int(float_bits(row[k])) & (2**64 - 1):016x}" for k in range(4))
-        state = [mode[at.COLLISION], int(mode[at.BEHAVIOUR] >= 0), mode[at.ACTIVE], mode[at.TICKS_LEFT]]
-        if ours != bits or state != [collision, busy, active, ticks_left]:
-            found.append(f"checkpoint {tick}: {ours} {state}, recorded {bits} {[collision, busy, active, ticks_left]}")
+        row, mode = rows[tick, : at.SPEED + 1].tolist(), rows[tick, at.ROW_MODE :].astype(int).tolist()
+        busy = int(mode[at.BEHAVIOUR] >= 0)
+        bits = " ".join(f"{int(float_bits(value)) & (2**64 - 1):016x}" for value in row[: at.TARGET_HEADING + 1])
+        ours = [*row, mode[at.COLLISION], busy, mode[at.ACTIVE], mode[at.TICKS_LEFT], bits]
+        if ours != recorded:
+            found.append(f"checkpoint {tick}: {ours}, recorded {recorded}")
     return found
 
 
@@ -156,14 +177,32 @@ def read_vectors(path: Path) -> Iterator[tuple[int, Vector]]:
     Raises:
         ValueError: If a line is no recording.
     """
-    text = gzip.decompress(path.read_bytes()) if path.suffix == ".gz" else path.read_bytes()
-    for number, line in enumerate(text.decode().splitlines(), start=1):
-        if line.strip():
-            vector = json.loads(line)
-            missing = {"n", "rows", "rule", "start", "maxTicks", "hash"} - set(vector)
-            if missing:
-                raise ValueError(f"line {number}: a recording needs {', '.join(sorted(missing))}")
-            yield number, vector
+    for number, line in read_lines(path):
+        yield number, parse(line)
+
+
+def replay(name: str) -> tuple[int, int, int]:
+    """Replays a file line by line, says what differs, and counts: matched, all, unreadable."""
+    matched = total = unreadable = 0
+    try:
+        for number, line in read_lines(Path(name)):
+            total += 1
+            try:
+                vector = parse(line)
+            except NotARecordingError as error:
+                unreadable += 1
+                sys.stderr.write(f"{name}:{number}: cannot be replayed: {error}\n")
+                continue
+            wrong = mismatches(vector)
+            matched += not wrong
+            for difference in wrong:
+                sys.stdout.write(f"{name}:{number}: {vector.get('id', '?')}: {difference}\n")
+    except (OSError, ValueError) as error:
+        sys.stderr.write(f"{name}: cannot be read: {error}\n")
+        return matched, total, unreadable + 1
+    if total == 0:
+        sys.stderr.write(f"{name}: holds no recording; give a file with one JSON object a line\n")
+    return matched, total, unreadable + (total == 0)
 
 
 def main(arguments: list[str]) -> int:
@@ -171,19 +210,11 @@ def main(arguments: list[str]) -> int:
     if not arguments:
         sys.stderr.write("usage: python -m tests.replay_vectors FILE.jsonl [...]\n")
         return 2
-    matched = total = 0
-    for name in arguments:
-        try:
-            for number, vector in read_vectors(Path(name)):
-                wrong = mismatches(vector)
-                total += 1
-                matched += not wrong
-                for line in wrong:
-                    sys.stdout.write(f"{name}:{number}: {vector.get('id', '?')}: {line}\n")
-        except (OSError, ValueError, KeyError, StopIteration) as error:
-            sys.stderr.write(f"{name}: cannot be replayed: {error!r}\n")
-            return 2
+    counts = [replay(name) for name in arguments]
+    matched, total, unreadable = (sum(column) for column in zip(*counts, strict=True))
     sys.stdout.write(f"matched {matched} of {total}\n")
+    if unreadable:
+        return 2
     return 0 if matched == total else 1
 
 

@@ -28,11 +28,68 @@ def test_the_replay_command_counts_what_matches(tmp_path, capsys):
     assert capsys.readouterr().out.endswith("matched 1 of 2\n")
 
 
-@pytest.mark.parametrize("text", ["{", "[]", '{"n": 3}', ""])
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"n": 10**9}, "n is 1000000000; it must be a whole number from 3 to 2000"),
+        ({"maxTicks": "many"}, "maxTicks is 'many'; it must be a whole number"),
+        ({"noise": 1}, "noise is 1; it must be true or false"),
+        ({"rows": ["#"] * 30}, "rows must be 30 strings of 30 characters"),
+        ({"rows": ["." * 30] * 30}, "rows hold 0 targets 'T'"),
+        ({"rows": ["." * 30] * 29 + ["T" + "." * 29]}, "rows are open at the border"),
+        ({"rows": ["x" * 30] * 30}, "rows hold 'x'"),
+        ({"start": [1e9, 35.0, 4.5]}, "x and y must be in [0, 300) px"),
+        ({"start": [35.0, 35.0, float("nan")]}, "finite numbers"),
+        ({"start": [35.0, 35.0, 1e9]}, "must be within 823550 rad of 0"),
+        ({"rule": 3}, "give seed, draws or both"),
+        ({"rule": 3, "draws": [1.5]}, "draws must be a list of numbers in [0, 1)"),
+        ({"cp": [[1]]}, "cp must be a list of checkpoints"),
+        ({"hash": None}, "hash is None; a recording says how the run went"),
+        ({"maxPen": "deep"}, "maxPen is 'deep'; it must be a number"),
+    ],
+    ids=lambda value: None if isinstance(value, str) else ",".join(value),
+)
+def test_a_line_that_is_no_recording_gets_a_sentence_and_the_rest_is_replayed(tmp_path, capsys, changes, message):
+    odd = tmp_path / "odd.jsonl"
+    odd.write_text(json.dumps({**VECTORS["pub-004"], **changes}) + "\n" + json.dumps(VECTORS["pub-008"]) + "\n")
+    code, printed = main([str(odd)]), capsys.readouterr()
+    assert (code, printed.out) == (2, "matched 1 of 2\n")
+    assert message in printed.err and printed.err.startswith(f"{odd}:1: cannot be replayed: ")
+
+
+@pytest.mark.parametrize("text", [b"{", b"[]", b"3", b"[" * 100_000, b"", b"\xff"], ids=lambda text: repr(text[:9]))
 def test_a_file_that_holds_no_recordings_gives_a_message_not_a_traceback(tmp_path, capsys, text):
-    (tmp_path / "odd.jsonl").write_text(text)
-    code = main([str(tmp_path / "odd.jsonl")])
-    assert (code, capsys.readouterr().err != "") == ((0, False) if text == "" else (2, True))
+    (tmp_path / "odd.jsonl").write_bytes(text)
+    assert main([str(tmp_path / "odd.jsonl")]) == 2
+    assert "odd.jsonl" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("cellCrc32", "00000000", "cellCrc32 715a72fb, recorded 00000000"),
+        ("ticks", 236, "ticks 237, recorded 236"),
+        ("collideActivations", 7, "collideActivations 8, recorded 7"),
+        ("firstCross", 5, "firstCross -1, recorded 5"),
+        ("maxPen", 0.5, "maxPen 0.0, recorded 0.5"),
+        ("seed", 1, "the seed does not give the recorded draws"),
+        ("draws", [0.9], "draws: "),
+    ],
+)
+def test_what_differs_from_a_recording_is_said(key, value, message):
+    assert any(message in line for line in mismatches({**VECTORS["pub-021"], key: value}))
+
+
+def test_a_wrong_number_in_a_checkpoint_is_said():
+    vector = VECTORS["pub-021"]
+    points = [vector["cp"][0], [*vector["cp"][1][:5], 0.1, *vector["cp"][1][6:]]]
+    (line,) = mismatches({**vector, "cp": points})
+    assert line.startswith("checkpoint 2: ")
+
+
+def test_the_seed_alone_gives_the_draws():
+    vector = {key: value for key, value in VECTORS["pub-060"].items() if key != "draws"}
+    assert mismatches(vector) == []
 
 
 def test_java_random_has_its_published_first_value():
