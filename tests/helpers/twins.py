@@ -1,0 +1,19 @@
+"""Interpreted copies of kernels, all the way down: what numba made of them must have the same bits."""
+
+import types
+from collections.abc import Callable
+from typing import Any
+
+
+def twin(kernel: Callable[..., Any], made: dict[int, Any] | None = None) -> Callable[..., Any]:
+    """The Python function that a kernel was compiled from, calling only such functions itself."""
+    made = {} if made is None else made
+    plain = getattr(kernel, "py_func", kernel)
+    if id(plain) not in made:
+        names = dict(plain.__globals__)
+        made[id(plain)] = copy = types.FunctionType(plain.__code__, names, plain.__name__, plain.__defaults__)
+        for name in plain.__code__.co_names:
+            if hasattr(names.get(name), "py_func"):
+                names[name] = twin(names[name], made)
+        return copy
+    return made[id(plain)]
