@@ -117,7 +117,11 @@ def failure_of(
         trace_digest=episode.trace_digest,
         parameters=options.parameters(),
         evidence=episode.evidence,
-        details={"class": failure_class(world, episode), **details},
+        details={
+            "class": failure_class(world, episode),
+            "motion_version": MOTIONS.get(scenario.motion).version,
+            **details,
+        },
     )
     return replace(world, failure=record)
 
@@ -146,19 +150,26 @@ def replay(world: World, controller: str | None = None) -> Replay:
         episode, wrong = judge(world, controller or record.controller, options)
     except WorldgenError as error:
         return Replay("error", False, str(error))
-    if episode.verdict != record.verdict:
-        return Replay(episode.verdict, False, f"the verdict is {episode.verdict}, not {record.verdict}", episode)
-    if episode.trace_digest != record.trace_digest:
-        return Replay(episode.verdict, False, f"the trace digest is {episode.trace_digest}", episode)
-    if dict(episode.evidence) != dict(record.evidence):
-        return Replay(episode.verdict, False, f"the evidence is {dict(episode.evidence)}", episode)
-    if wrong:
-        return Replay(episode.verdict, False, wrong, episode)
-    if isinstance(world.certificate, Witness):
+    reason = _difference(record, episode) or wrong
+    if not reason and not isinstance(world.certificate, Witness):
+        reason = "the file carries no witness that the target can be reached"
+    elif not reason:
         report = check_certificate(world)
-        if not report.valid:
-            return Replay(episode.verdict, False, f"the witness does not hold: {report.reason}", episode)
-    return Replay(episode.verdict, True, "", episode)
+        reason = "" if report.valid else f"the witness does not hold: {report.reason}"
+    return Replay(episode.verdict, not reason, reason, episode)
+
+
+def _difference(record: FailureRecord, episode: Episode) -> str:
+    """What is not as it was recorded; empty if nothing."""
+    made, now = record.details.get("motion_version"), MOTIONS.get(record.motion).version
+    other = f" (recorded with version {made} of {record.motion}, this is {now})" if made not in (None, now) else ""
+    if episode.verdict != record.verdict:
+        return f"the verdict is {episode.verdict}, not {record.verdict}{other}"
+    if episode.trace_digest != record.trace_digest:
+        return f"the trace digest is {episode.trace_digest}{other}"
+    if dict(episode.evidence) != dict(record.evidence):
+        return f"the evidence is {dict(episode.evidence)}{other}"
+    return ""
 
 
 def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[str, Value]:

@@ -88,7 +88,8 @@ def shrink(
         "one_minimal": not left,
         "simulations": still_fails.simulations,
     }
-    details.pop("class", None)
+    for fresh in ("class", "motion_version"):
+        details.pop(fresh, None)
     details |= seeds_that_fail(reducer.best, scenario)
     world = failure_of(reducer.best, scenario, steps=still_fails.proof_budget, **details)
     if world is None:

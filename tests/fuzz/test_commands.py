@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -79,6 +80,20 @@ def test_replay_notices_a_digest_that_was_changed(failures, tmp_path):
     (tmp_path / "changed.grid").write_text(text.replace(digest, "0" * 16))
     result = worldgen("replay", tmp_path / "changed.grid")
     assert result.code == 1 and "NOT confirmed: the trace digest is" in result.out
+
+
+def test_replay_wants_a_witness(failures, tmp_path):
+    file = next(iter(failures[0].glob("*.grid")))
+    write_world(replace(read_world(file), certificate=None), tmp_path / "bare.grid")
+    result = worldgen("replay", tmp_path / "bare.grid")
+    assert result.code == 1 and "carries no witness" in result.out
+
+
+def test_replay_names_another_version_of_the_motion_model(failures, tmp_path):
+    world = read_world(next(iter(failures[0].glob("*.grid"))))
+    older = replace(world.failure, trace_digest="0" * 16, details={**world.failure.details, "motion_version": 0})
+    write_world(replace(world, failure=older), tmp_path / "older.grid")
+    assert "recorded with version 0 of swept" in worldgen("replay", tmp_path / "older.grid").out
 
 
 def test_replay_notices_a_wall_that_was_added(failures, tmp_path):
