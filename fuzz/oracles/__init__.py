@@ -5,13 +5,14 @@ and returns an objection or nothing. A failure is stored only when its oracle ha
 
 Contents:
     objection: the objection to an episode's verdict, whatever it is.
-    loop, overlap, reached, stalled, timeout, tunnel: one verdict a file.
+    burned, loop, overlap, reached, stalled, timeout, tunnel: one verdict a file.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from fuzz.oracles.burned import object_to_burned
 from fuzz.oracles.loop import object_to_loop
 from fuzz.oracles.overlap import object_to_overlap
 from fuzz.oracles.reached import object_to_reached
@@ -27,6 +28,7 @@ __all__ = ["ORACLES", "objection"]
 Oracle = Callable[[World, Trace, Mapping[str, Value], Motion], str]
 
 ORACLES: dict[str, Oracle] = {
+    "burned": object_to_burned,
     "loop": object_to_loop,
     "overlap": object_to_overlap,
     "reached": object_to_reached,

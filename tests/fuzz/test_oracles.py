@@ -10,7 +10,7 @@ from fuzz.oracles import objection
 from sim import MOTIONS, Command, simulate
 from sim.episode import prepare
 from sim.run_options import RunOptions
-from worldgen import Pose, Target, World
+from worldgen import CellState, Event, Pose, Target, Timeline, World
 
 SWEPT, ENDPOINT = MOTIONS.get("swept"), MOTIONS.get("endpoint")
 
@@ -120,3 +120,40 @@ def test_stalled_and_timeout_differ_by_new_cells_in_the_second_half(steps, verdi
     assert episode.verdict == verdict
     assert objection(verdict, world, episode.trace, episode.evidence, SWEPT) == ""
     assert objection(other, world, episode.trace, episode.evidence, SWEPT)
+
+
+def burning(state, motion="swept", when=0.3):
+    world = World(np.zeros((12, 24), bool), Pose(0.5, 0.55, 0.0), Target(2.05, 0.55, 0.05))
+    events = [Event(when, 12, 5, state), Event(when + 9.0, 12, 5, CellState.FREE)]
+    world = replace(world, timeline=Timeline.of(events))
+    return world, run(world, motion, "turn-right" if motion == "stepped" else None)
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint", "stepped"])
+def test_flames_that_meet_the_robot_are_confirmed(motion):
+    world, episode = burning(CellState.BURNING, motion)
+    assert episode.verdict == "burned"
+    assert objection("burned", world, episode.trace, episode.evidence, MOTIONS.get(motion)) == ""
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"step": 3}, "is not burning in step 3"),
+        ({"state": "solid"}, "is not solid"),
+        ({"cell": [3, 3]}, "is not burning"),
+        ({"cell": None}, "names no step and cell"),
+    ],
+)
+def test_false_evidence_of_a_burn_is_refused(change, message):
+    world, episode = burning(CellState.BURNING)
+    assert message in objection("burned", world, episode.trace, {**episode.evidence, **change}, SWEPT)
+
+
+def test_flames_far_away_burn_nobody():
+    world, episode = burning(CellState.BURNING)
+    step = episode.evidence["step"]
+    moved = replace(world, timeline=Timeline.of([Event(0.3, 20, 5, CellState.BURNING)]))
+    assert "m away from cell" in objection(
+        "burned", moved, episode.trace, {"step": step, "cell": [20, 5], "state": "burning"}, SWEPT
+    )

@@ -1,0 +1,27 @@
+"""``burned``: flames or falling debris met the robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from fuzz.oracles._plain import cell_box, cell_of, integer, step_path
+from sim.motion import Motion
+from sim.trace import Trace
+from worldgen.timeline import CellState
+from worldgen.world import Value, World
+
+__all__ = ["object_to_burned"]
+
+
+def object_to_burned(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
+    """Objects unless the named cell is in the named state by the end of the step, within the robot's radius."""
+    step, cell, state = integer(evidence, "step"), cell_of(evidence), evidence.get("state")
+    if not 1 <= step <= trace.steps or cell is None:
+        return "the evidence names no step and cell of this run"
+    changes = [event for event in world.timeline if (event.ix, event.iy) == cell]
+    known = [event.state for event in changes if event.time <= step * trace.time_step + 1e-9]
+    if not known or known[-1].word != state or known[-1] == CellState.FREE:
+        return f"cell {cell} is not {state} in step {step}"
+    gap = float(step_path(trace, step).distance(cell_box(world, *cell)))
+    far = gap > world.robot_radius * (1 + 1e-9)
+    return f"the robot stays {gap:g} m away from cell {cell} in step {step}" if far else ""
