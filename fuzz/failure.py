@@ -82,8 +82,8 @@ def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, 
         period = episode.evidence["period"]
         longer = episode.steps + (period if isinstance(period, int) else 0)
         trace = prepare(world, controller, options).run(longer, find_loop=False, record=True).trace
-    if trace is None:
-        return episode, "no trace was recorded"
+    if trace is None:  # a controller that failed before its first step leaves none
+        return episode, "" if episode.verdict == "crash" else "no trace was recorded"
     return episode, objection(episode.verdict, world, trace, episode.evidence, MOTIONS.get(options.motion))
 
 

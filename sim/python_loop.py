@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import sys
 from typing import Any
 
 import numpy as np
@@ -37,17 +39,24 @@ class PythonLoop:
         self._observation, self._command = np.zeros(layout.OBS_SIZE), np.zeros(layout.CMD_SIZE)
 
     def run(self, steps: int, *, find_loop: bool, record: bool) -> None:
-        """Runs the episode; whatever the controller raises ends it as a crash."""
+        """Runs the episode; whatever the controller raises ends it as a crash, its exit from Python included.
+
+        What it prints goes to stderr, so that stdout stays data.
+        """
         hidden = _attributes(self._controller)
+        with contextlib.redirect_stdout(sys.stderr):
+            self._guarded(steps, find_loop, record)
+        self.complete = _attributes(self._controller) == hidden
+
+    def _guarded(self, steps: int, find_loop: bool, record: bool) -> None:
         try:
             memory = _flat(self._controller.reset())
             state = np.zeros(layout.STATE_MEMORY + len(memory), np.int64)
             begin(self._settings, self._scales, state, self.counts, self.sums)
             state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
             self._loop(memory, state, steps, find_loop, record)
-        except Exception as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             self.crash = f"{type(error).__name__}: {error}"
-        self.complete = _attributes(self._controller) == hidden
 
     def _loop(self, memory: Memory, state: Ints, steps: int, find_loop: bool, record: bool) -> None:
         counts, quiet = self.counts, int(self._arena.events[-1, 0]) if len(self._arena.events) else 0

@@ -20,6 +20,7 @@ EXAMPLES = (
     "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json"
 )
 OUT = click.Path(path_type=Path)
+_PICTURES = (".png", ".svg", ".html")
 
 
 @click.command(epilog=EXAMPLES)
@@ -60,6 +61,8 @@ def run(
     options = RunOptions(motion=motion, steps=budget, time_step=duration, seed=seed)
     for out in (trail, trace):
         _check_output(out, force)
+    if trail is not None and trail.suffix not in _PICTURES:
+        raise click.UsageError(f"--trail {trail}: name a {', '.join(_PICTURES)} file")
     episode = simulate(world, controller, options, record=trail is not None or trace is not None)
     if as_json:
         emit_json(_summary(episode))
@@ -116,6 +119,6 @@ def _picture(world: World, episode: Episode, title: str, suffix: str) -> bytes:
     trail = trail_of(episode)
     if suffix == ".svg":
         return render.draw_svg(world, trail=trail, title=title).encode()
-    if suffix in (".html", ".htm"):
+    if suffix == ".html":
         return render.draw_html(world, trail=trail, title=title).encode()
     return render.draw_png(world, trail=trail, title=title)

@@ -170,11 +170,44 @@ class Growing(Straight):
         return Command(), (*memory, 1.0)
 
 
+class Quitting(Straight):
+    """Leaves Python."""
+
+    def act(self, observation, memory):
+        raise SystemExit(7)
+
+
+class Forgetful(Straight):
+    """Has no memory to start with."""
+
+    def reset(self):
+        return None
+
+
 @pytest.mark.parametrize(
-    ("controller", "verdict"), [(Faulty(), "crash"), (Growing(), "crash"), (Nonsense(), "invalid-command")]
+    ("controller", "verdict"),
+    [
+        (Faulty(), "crash"),
+        (Growing(), "crash"),
+        (Quitting(), "crash"),
+        (Forgetful(), "crash"),
+        (Nonsense(), "invalid-command"),
+    ],
 )
 def test_a_broken_controller_has_a_verdict_of_its_own(controller, verdict):
     assert simulate(arena(), controller).verdict == verdict
+
+
+def test_what_a_controller_prints_leaves_stdout_alone(capsys):
+    class Chatty(Straight):
+        """Prints."""
+
+        def act(self, observation, memory):
+            print("hello")
+            return super().act(observation, memory)
+
+    simulate(arena(), Chatty(), steps=3)
+    assert capsys.readouterr() == ("", "hello\n" * 3)
 
 
 def test_a_start_inside_a_wall_is_refused_with_the_way_out():
