@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from fractions import Fraction
 from typing import Any
 
 import numba
@@ -17,21 +18,19 @@ from sim.kernels.lattice_episode import Arena, lattice_episode
 from sim.kernels.lattice_sense import heading_table
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
+from sim.packing import disc_numbers, event_step, start_overlaps
 from sim.python_loop import PythonLoop
-from sim.run_options import RunOptions
+from sim.run_options import RunOptions, check_step_length
 from sim.trace import Trace
-from worldgen.errors import InvalidWorld
 from worldgen.jit import kernel
 from worldgen.lattice import (
     TURN,
     UNIT,
-    clear_distance_sq,
     exact,
     heading_to_lattice,
     in_cells,
     lattice_to_metres,
     metres_to_lattice,
-    radius_in_cells,
 )
 from worldgen.timeline import CellState
 from worldgen.world import World
@@ -80,6 +79,7 @@ class LatticeRun:
 
     def __init__(self, world: World, controller: Controller, options: RunOptions) -> None:
         self.world, self.controller, self.options = world, controller, options
+        check_step_length(world, options.time_step, Fraction(1, UNIT))
         motion = MOTIONS.get(options.motion)
         self._cells = world.walls.astype(np.uint8)
         self._events = _event_rows(world, options.time_step)
@@ -94,8 +94,7 @@ class LatticeRun:
 
     def _fill_settings(self, motion_code: int) -> None:
         world, settings = self.world, self.settings
-        clear_sq = clear_distance_sq(radius_in_cells(world))
-        reach = math.isqrt(clear_sq - 1) + 1
+        clear_sq, reach = disc_numbers(world)
         settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH] = clear_sq, reach
         settings[layout.SET_X], settings[layout.SET_Y] = self._clear_start(clear_sq, reach)
         settings[layout.SET_HEADING] = heading_to_lattice(world.start.heading)
@@ -127,10 +126,7 @@ class LatticeRun:
         for dx, dy in near:
             if pose_is_clear(self._cells, layout.SOLID, clear_sq, reach, x + dx, y + dy):
                 return x + dx, y + dy
-        raise InvalidWorld(
-            f"start ({world.start.x:g}, {world.start.y:g}) m: the robot of radius {world.robot_radius:g} m "
-            "overlaps a wall there; move the start or make the robot smaller"
-        )
+        raise start_overlaps(world)
 
     @property
     def last_event_step(self) -> int:
@@ -219,8 +215,5 @@ def _metres(units: Ints, cell_size: float) -> Floats:
 
 def _event_rows(world: World, time_step: float) -> Ints:
     """Events as (step, ix, iy, state): an event counts from the beginning of the step in which it falls."""
-    rows = [
-        (max(1, math.ceil(exact(event.time) / exact(time_step))), event.ix, event.iy, int(event.state))
-        for event in world.timeline
-    ]
+    rows = [(event_step(event, time_step), event.ix, event.iy, int(event.state)) for event in world.timeline]
     return np.array(rows, np.int64).reshape(-1, 4)

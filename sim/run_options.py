@@ -5,17 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from fractions import Fraction
 
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
 from worldgen.world import Value, Witness, World
 
-__all__ = ["BUDGET_FACTOR", "DEFAULT_TIME_STEP", "MAX_RECORDED", "MAX_STEPS", "RunOptions", "step_budget"]
+__all__ = [
+    "BUDGET_FACTOR",
+    "DEFAULT_TIME_STEP",
+    "MAX_RECORDED",
+    "MAX_STEPS",
+    "RunOptions",
+    "check_step_length",
+    "step_budget",
+]
 
 DEFAULT_TIME_STEP = 0.015  # s: the thesis's
 MAX_STEPS = 100_000_000
 MAX_RECORDED = 4_000_000  # steps; a recorded one takes about 300 bytes
 BUDGET_FACTOR = 50  # a run may take this many times the witness's time before it counts as stalled or timed out
+_LONGEST_STEP = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
 _FEWEST_STEPS = 4_000
 _STEPS_WITHOUT_WITNESS = 20_000
 
@@ -74,6 +84,25 @@ class RunOptions:
             if type(value) is not type(default) and not (isinstance(default, float) and type(value) is int):
                 raise InvalidParameter(f"run parameter {name}={value!r} must be a {type(default).__name__}")
         return cls(motion=motion, seed=seed, **parameters)  # type: ignore[arg-type]
+
+
+def check_step_length(world: World, time_step: float, shortest: Fraction) -> None:
+    """Refuses a top speed that the simulator cannot represent at this time step.
+
+    Args:
+        world: Whose robot it is.
+        time_step: s.
+        shortest: Least length of a step at top speed, cells.
+
+    Raises:
+        InvalidParameter: If a step is longer than 1,000 cells, or shorter than ``shortest``.
+    """
+    cells = exact(world.robot_speed) * exact(time_step) / exact(world.cell_size)
+    what = f"robot_speed={world.robot_speed:g} m/s moves {float(cells):.3g} cells in a step of {time_step:g} s"
+    if cells > _LONGEST_STEP:
+        raise InvalidParameter(f"{what}, and at most {_LONGEST_STEP} can be simulated; give a shorter --time-step")
+    if cells < shortest:
+        raise InvalidParameter(f"{what}, less than the smallest step of {shortest} cell; give a longer --time-step")
 
 
 def step_budget(world: World, time_step: float = DEFAULT_TIME_STEP) -> int:

@@ -8,6 +8,7 @@ then never enters the cells next to that border less than the disc fits.
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
@@ -19,10 +20,11 @@ from sim.kernels.thesis_episode import thesis_episode
 from sim.kernels.thesis_signal import add_noise, signal_map
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
-from sim.run_options import RunOptions
+from sim.packing import disc_numbers, event_step, start_overlaps
+from sim.run_options import RunOptions, check_step_length
 from sim.trace import Trace
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.lattice import clear_distance_sq, exact, in_cells, metres_to_lattice, radius_in_cells
+from worldgen.lattice import exact, in_cells, metres_to_lattice, radius_in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.rows import flip_rows
 from worldgen.timeline import CellState
@@ -53,6 +55,7 @@ class ThesisRun:
 
     def __init__(self, world: World, rule: int, options: RunOptions) -> None:
         self.world, self.options = world, options
+        check_step_length(world, options.time_step, Fraction(0))
         closed = bool(world.walls[[0, -1]].all() and world.walls[:, [0, -1]].all())
         self._pad = 0 if closed else 1
         self._height = world.height + 2 * self._pad
@@ -96,10 +99,9 @@ class ThesisRun:
         return cells, light
 
     def _event_rows(self) -> npt.NDArray[np.int64]:
-        step = exact(self.options.time_step)
         rows = [
             (
-                max(1, math.ceil(exact(event.time) / step)),
+                event_step(event, self.options.time_step),
                 event.ix + self._pad,
                 self._height - 1 - self._pad - event.iy,
                 int(event.state),
@@ -110,14 +112,11 @@ class ThesisRun:
 
     def _start_pose(self) -> tuple[float, float, float]:
         world, side = self.world, self.world.cell_size
-        clear_sq = clear_distance_sq(radius_in_cells(world))
+        clear_sq, reach = disc_numbers(world)
         x, y = metres_to_lattice(world.start.x, side), metres_to_lattice(world.start.y, side)
         solid = world.walls.astype(np.uint8)
-        if not pose_is_clear(solid, SOLID, clear_sq, math.isqrt(clear_sq - 1) + 1, x, y):
-            raise InvalidWorld(
-                f"start ({world.start.x:g}, {world.start.y:g}) m: the robot of radius {world.robot_radius:g} m "
-                "overlaps a wall there; move the start or make the robot smaller"
-            )
+        if not pose_is_clear(solid, SOLID, clear_sq, reach, x, y):
+            raise start_overlaps(world)
         x_px = float(in_cells(world.start.x, side) * 10 + 10 * self._pad)
         y_px = float((self._height - self._pad - in_cells(world.start.y, side)) * 10)
         return x_px, y_px, (math.pi - world.start.heading) % (2.0 * math.pi)

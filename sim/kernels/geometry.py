@@ -52,8 +52,10 @@ def point_box_distance_sq(x: int, y: int, ix: int, iy: int) -> int:
 @kernel
 def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y: int) -> bool:
     """Whether the disc at (x, y) is clear of every cell in ``state``, exactly."""
-    for iy in range((y - reach) // UNIT, (y + reach) // UNIT + 1):
-        for ix in range((x - reach) // UNIT, (x + reach) // UNIT + 1):
+    if x < 0 or y < 0 or x > cells.shape[1] * UNIT or y > cells.shape[0] * UNIT:
+        return state != SOLID
+    for iy in range(max((y - reach) // UNIT, -1), min((y + reach) // UNIT, cells.shape[0]) + 1):
+        for ix in range(max((x - reach) // UNIT, -1), min((x + reach) // UNIT, cells.shape[1]) + 1):
             if cell_state(cells, ix, iy) == state and point_box_distance_sq(x, y, ix, iy) < clear_sq:
                 return False
     return True

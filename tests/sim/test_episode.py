@@ -230,6 +230,30 @@ def test_bad_options_are_refused(settings, message):
         simulate(arena(), GoToTarget(), RunOptions(**settings))
 
 
+@pytest.mark.parametrize("motion", ["swept", "endpoint", "stepped"])
+@pytest.mark.parametrize("speed", [1e4, 1e300])
+def test_a_step_of_thousands_of_cells_is_refused(motion, speed):
+    with pytest.raises(InvalidParameter, match="at most 1000 can be simulated; give a shorter --time-step"):
+        simulate(replace(arena(), robot_speed=speed), "turn-left", motion=motion)
+
+
+def test_a_step_below_the_lattice_is_refused():
+    with pytest.raises(InvalidParameter, match="less than the smallest step of 1/1024 cell"):
+        simulate(replace(arena(), robot_speed=1e-9), "turn-left")
+
+
+@pytest.mark.parametrize("radius", [5.0, 1e9, 1e300])
+def test_a_giant_robot_is_refused_at_once(radius):
+    with pytest.raises(InvalidWorld, match="overlaps a wall there"):
+        simulate(replace(arena(), robot_radius=radius), "turn-left")
+
+
+def test_an_endpoint_far_outside_the_grid_is_no_place_to_go():
+    world = arena(24, (0.5, 1.15, 0.0), (2.05, 1.15), [(y, 12) for y in range(24)])
+    episode = simulate(replace(world, robot_speed=600.0), GoToTarget(), motion="endpoint", record=True)
+    assert (episode.trace.x < 2.4).all() and (episode.trace.y < 2.4).all()
+
+
 def test_a_function_that_numba_cannot_compile_is_refused():
     def act(observation, memory, command):
         command[0] = {}.get("speed")

@@ -1,0 +1,38 @@
+"""What every simulator needs of a world before it starts: the disc in lattice numbers, events by step."""
+
+from __future__ import annotations
+
+import math
+
+from worldgen.errors import InvalidWorld
+from worldgen.lattice import clear_distance_sq, exact, radius_in_cells
+from worldgen.timeline import Event
+from worldgen.world import MAX_SIDE, World
+
+__all__ = ["disc_numbers", "event_step", "start_overlaps"]
+
+
+def disc_numbers(world: World) -> tuple[int, int]:
+    """Squared clear distance of the robot's disc, lattice units squared, and its root, rounded up.
+
+    Raises:
+        InvalidWorld: If the disc is larger than any world.
+    """
+    radius = radius_in_cells(world)
+    if radius > MAX_SIDE:
+        raise start_overlaps(world)
+    clear_sq = clear_distance_sq(radius)
+    return clear_sq, math.isqrt(clear_sq - 1) + 1
+
+
+def start_overlaps(world: World) -> InvalidWorld:
+    """The error for a robot that cannot stand at its start."""
+    return InvalidWorld(
+        f"start ({world.start.x:g}, {world.start.y:g}) m: the robot of radius {world.robot_radius:g} m "
+        "overlaps a wall there; move the start or make the robot smaller"
+    )
+
+
+def event_step(event: Event, time_step: float) -> int:
+    """The step at whose beginning an event counts: that in which it falls, at least the first."""
+    return max(1, math.ceil(exact(event.time) / exact(time_step)))
