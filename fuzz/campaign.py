@@ -70,7 +70,6 @@ class Campaign:
         units: Amount of work; the corpus then depends on the seed alone.
         seconds: Stop handing out work after this time; ignored if ``units`` is given.
         workers: Processes; 1 works in this one.
-        shrink_seconds: Time limit for shrinking one failure; none with ``units``.
 
     Iterating over :meth:`run` does the work. Whatever stops it, ``state.best`` and :meth:`pending` keep all
     that was found.
@@ -119,8 +118,9 @@ class Campaign:
         try:
             yield from self._with_pool(pool)
         except BaseException:
+            processes = list(getattr(pool, "_processes", None) or {})  # shutdown forgets them
             pool.shutdown(wait=False, cancel_futures=True)
-            for process in list(getattr(pool, "_processes", None) or {}).copy():
+            for process in processes:
                 _stop(process)
             raise
         pool.shutdown()

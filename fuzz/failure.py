@@ -109,6 +109,14 @@ def failure_of(
         options = longer
     if episode.verdict == "reached" or wrong:
         return None
+    if not isinstance(CONTROLLERS.get(scenario.controller), CompiledController):
+        again = simulate(world, scenario.controller, options)
+        if (again.verdict, again.trace_digest, again.evidence) != (
+            episode.verdict,
+            episode.trace_digest,
+            episode.evidence,
+        ):
+            return None  # a controller that does not do the same twice: nothing that a file could replay
     record = FailureRecord(
         controller=scenario.controller,
         motion=scenario.motion,
@@ -146,6 +154,8 @@ def replay(world: World, controller: str | None = None) -> Replay:
         controller: Another name for the controller, where the file's name cannot be found here.
     """
     record, options = scenario_of(world)
+    if record.verdict == "reached":
+        return Replay("reached", False, "the file records that the robot arrived, which is no failure")
     try:
         episode, wrong = judge(world, controller or record.controller, options)
     except WorldgenError as error:

@@ -25,6 +25,9 @@ def failure_class(world: World, episode: Episode) -> str:
         episode: The run, recorded.
     """
     verdict, trace, evidence = episode.verdict, episode.trace, episode.evidence
+    if verdict == "crash":
+        kind = str(evidence.get("error", "")).partition(":")[0]
+        return f"crash-{kind}" if kind.isidentifier() else "crash"
     if trace is None:
         return verdict
     if verdict == "loop":

@@ -11,7 +11,7 @@ from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare
 from sim.outcome import Outcome
 from sim.run_options import RunOptions, step_budget
-from worldgen.errors import InvalidWorld
+from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
@@ -111,7 +111,10 @@ class _Search:
 
     def _prove(self, world: World, scenario: Scenario) -> None:
         proved = world if world.certificate else certified(world)
-        failure = None if proved is None else failure_of(proved, scenario, fewest_steps=self._proof_steps)
+        try:
+            failure = None if proved is None else failure_of(proved, scenario, fewest_steps=self._proof_steps)
+        except InvalidParameter:  # too long to be recorded, so nothing that could be shown
+            return
         if failure is None or failure.failure is None:
             return
         kind = str(failure.failure.details["class"])

@@ -80,7 +80,7 @@ def simulate(
     run = prepare(world, controller, options)
     outcome = run.run(options.steps, find_loop=True, record=False)
     if outcome.ending == "loop":
-        return _loop(run, outcome, options, record)
+        return _loop(run, world, outcome, options, record)
     if record:
         _check_recordable(outcome.steps)
         outcome = run.run(outcome.steps, find_loop=False, record=True)
@@ -101,18 +101,18 @@ def prepare(world: World, controller: str | Controller, options: RunOptions) -> 
     return ThesisRun(world, found.thesis_rule, options)
 
 
-def _loop(run: Runnable, found: Outcome, options: RunOptions, record: bool) -> Episode:
+def _loop(run: Runnable, world: World, found: Outcome, options: RunOptions, record: bool) -> Episode:
     """Finds where the recurrence begins, and shows it over two periods."""
     period = found.period
     _check_recordable(found.steps + period)
     whole = run.run(found.steps + period, find_loop=False, record=True)
     if whole.trace is None or not whole.complete:
-        return _episode(_verdict(whole, options), whole, options, {})
+        return _unproved(run, world, options, record)
     states = whole.trace.states
     same = (states[:-period] == states[period:]).all(axis=1)
     entry = max(int(np.argmax(same)), run.last_event_step)
     if not same[entry:].all():  # a controller with memory that it did not declare
-        return _episode(_verdict(found, options), found, options, {})
+        return _unproved(run, world, options, record)
     outcome = run.run(entry + period, find_loop=False, record=record)
     if outcome.overlap_step >= 0:
         return _episode("overlap", outcome, options, _overlap_evidence(outcome))
@@ -122,6 +122,12 @@ def _loop(run: Runnable, found: Outcome, options: RunOptions, record: bool) -> E
         "state_digest": state_digest(states[entry]),
     }
     return _episode("loop", outcome, options, evidence)
+
+
+def _unproved(run: Runnable, world: World, options: RunOptions, record: bool) -> Episode:
+    """The whole budget for a run whose recurrence proves nothing."""
+    outcome = run.run(options.steps, find_loop=False, record=record)
+    return _episode(_verdict(outcome, options), outcome, options, _evidence(world, outcome, options))
 
 
 def _check_recordable(steps: int) -> None:

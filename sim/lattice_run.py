@@ -33,7 +33,7 @@ from worldgen.lattice import (
     metres_to_lattice,
 )
 from worldgen.timeline import CellState
-from worldgen.world import World
+from worldgen.world import MAX_SIDE, World
 
 __all__ = ["LatticeRun"]
 
@@ -101,6 +101,7 @@ class LatticeRun:
         settings[layout.SET_TARGET_X] = metres_to_lattice(world.target.x, world.cell_size)
         settings[layout.SET_TARGET_Y] = metres_to_lattice(world.target.y, world.cell_size)
         within = in_cells(world.target.radius, world.cell_size) * UNIT
+        within = min(within, Fraction(4 * MAX_SIDE * UNIT))  # already more than any world
         settings[layout.SET_TARGET_SQ] = math.floor(within * within)
         settings[layout.SET_MOTION] = motion_code
         settings[layout.SET_SEED] = np.uint64(self.options.seed).astype(np.int64)
@@ -138,6 +139,7 @@ class LatticeRun:
         self.settings[layout.SET_STEPS] = steps
         self.settings[layout.SET_FIND_LOOP] = int(find_loop)
         visited = np.zeros(self._cells.shape, np.uint8)
+        visited[self._cell_of(layout.SET_Y, 0), self._cell_of(layout.SET_X, 1)] = 1
         arena = Arena(self._cells.copy(), self._clearance, self._events, _headings(), visited)
         if isinstance(self.controller, CompiledController):
             return self._run_compiled(self.controller, arena, steps, record)
@@ -146,14 +148,22 @@ class LatticeRun:
         rows = np.stack(loop.rows) if record and loop.rows else None
         return self._outcome(loop.counts, loop.sums, rows, loop.complete, loop.crash)
 
+    def _cell_of(self, setting: int, axis: int) -> int:
+        """Row or column of the start."""
+        return int(min(self.settings[setting] // UNIT, self._cells.shape[axis] - 1))
+
     def _run_compiled(self, controller: CompiledController, arena: Arena, steps: int, record: bool) -> Outcome:
         memory = np.array(controller.memory, np.float64)
         counts, sums = np.zeros(layout.OUT_SIZE, np.int64), np.zeros(layout.SUM_SIZE)
         width = layout.ROW_STATE + layout.STATE_MEMORY + memory.size
         rows = np.zeros((steps + 1 if record else 0, width), np.int64)
         act = compiled_act(controller.act)
-        _episode_kernel()(arena, self.settings, self.scales, act, memory, counts, sums, rows)
-        return self._outcome(counts, sums, rows[: counts[layout.OUT_STEPS] + 1] if record else None)
+        crash = ""
+        try:
+            _episode_kernel()(arena, self.settings, self.scales, act, memory, counts, sums, rows)
+        except (ArithmeticError, LookupError, ValueError, TypeError) as error:  # raised in the compiled controller
+            crash = f"{type(error).__name__}: {error}"
+        return self._outcome(counts, sums, rows[: counts[layout.OUT_STEPS] + 1] if record else None, crash=crash)
 
     def _outcome(
         self, counts: Ints, sums: Floats, rows: Ints | None, complete: bool = True, crash: str = ""

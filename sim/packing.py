@@ -11,6 +11,8 @@ from worldgen.world import MAX_SIDE, World
 
 __all__ = ["disc_numbers", "event_step", "start_overlaps"]
 
+_NEVER = 2**62  # a step that no run gets to
+
 
 def disc_numbers(world: World) -> tuple[int, int]:
     """Squared clear distance of the robot's disc, lattice units squared, and its root, rounded up.
@@ -35,4 +37,4 @@ def start_overlaps(world: World) -> InvalidWorld:
 
 def event_step(event: Event, time_step: float) -> int:
     """The step at whose beginning an event counts: that in which it falls, at least the first."""
-    return max(1, math.ceil(exact(event.time) / exact(time_step)))
+    return min(max(1, math.ceil(exact(event.time) / exact(time_step))), _NEVER)

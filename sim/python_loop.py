@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import pickle
+import random
+import re
 import sys
+import types
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -43,10 +48,10 @@ class PythonLoop:
 
         What it prints goes to stderr, so that stdout stays data.
         """
-        hidden = _attributes(self._controller)
+        hidden = _hidden_state(self._controller)
         with contextlib.redirect_stdout(sys.stderr):
             self._guarded(steps, find_loop, record)
-        self.complete = _attributes(self._controller) == hidden
+        self.complete = hidden is not None and _hidden_state(self._controller) == hidden
 
     def _guarded(self, steps: int, find_loop: bool, record: bool) -> None:
         try:
@@ -56,7 +61,8 @@ class PythonLoop:
             state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
             self._loop(memory, state, steps, find_loop, record)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
-            self.crash = f"{type(error).__name__}: {error}"
+            self.crash = re.sub(r"0x[0-9a-fA-F]+", "0x...", f"{type(error).__name__}: {error}")
+            self.crash = self.crash.encode("utf-8", "replace").decode()
 
     def _loop(self, memory: Memory, state: Ints, steps: int, find_loop: bool, record: bool) -> None:
         counts, quiet = self.counts, int(self._arena.events[-1, 0]) if len(self._arena.events) else 0
@@ -121,8 +127,36 @@ class PythonLoop:
         obey(self._scales, self._command, state, self.counts)
 
 
-def _attributes(controller: Any) -> str:
-    return repr(vars(controller)) if hasattr(controller, "__dict__") else ""
+def _hidden_state(controller: Any) -> bytes | None:
+    """All state outside ``memory`` that we can see: attributes, slots, class and module data, random generators.
+
+    ``None`` if some of it cannot be pickled and so cannot be compared.
+    """
+    kind = type(controller)
+    slots = [name for base in kind.__mro__ for name in getattr(base, "__slots__", ()) if hasattr(controller, name)]
+    module = sys.modules.get(kind.__module__)
+    seen = [
+        _data(getattr(controller, "__dict__", {})),
+        {name: getattr(controller, name) for name in slots},
+        *(_data(vars(base)) for base in kind.__mro__ if base is not object),
+        _data(vars(module)) if module is not None and kind.__module__.startswith("_worldgen_user") else {},
+        random.getstate(),
+        np.random.get_state(),
+    ]
+    try:
+        return pickle.dumps(seen)
+    except Exception:  # noqa: BLE001 - whatever cannot be pickled cannot be compared
+        return None
+
+
+def _data(names: Mapping[str, Any]) -> dict[str, Any]:
+    code = (type, types.FunctionType, types.ModuleType, types.MethodType, classmethod, staticmethod, property)
+    return {
+        name: value
+        for name, value in names.items()
+        if not name.startswith("__")
+        and not isinstance(value, (*code, types.GetSetDescriptorType, types.MemberDescriptorType))
+    }
 
 
 def _flat(memory: Any, size: int | None = None) -> Memory:

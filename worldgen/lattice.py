@@ -64,7 +64,7 @@ def clear_distance_sq(radius: Fraction) -> int:
 
 def heading_to_lattice(heading: float) -> int:
     """Radians to heading units in [0, 65536), nearest."""
-    return math.floor(heading * (TURN / (2.0 * math.pi)) + 0.5) % TURN
+    return math.floor(math.fmod(heading, 2.0 * math.pi) * (TURN / (2.0 * math.pi)) + 0.5) % TURN
 
 
 def heading_from_lattice(units: int) -> float:

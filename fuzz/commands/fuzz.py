@@ -72,6 +72,8 @@ def fuzz(
 
     if budget is not None and units is not None:
         raise click.UsageError("give --budget or --units, not both")
+    if world is not None and families:
+        raise click.UsageError("give --world or --family, not both: on a map only the poses vary")
     config = configure(
         controller=controller,
         motion=motion,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 
 import numpy as np
 
 from fuzz.oracles._plain import integer, target_gap
 from sim.motion import Motion
-from sim.motion.base import THESIS
 from sim.trace import Trace
 from worldgen.world import Value, World
 
@@ -31,7 +31,7 @@ def object_to_loop(world: World, trace: Trace, evidence: Mapping[str, Value], mo
         return "the controller keeps memory that it does not declare, so equal states prove nothing"
     if trace.steps < entry + 2 * period:
         return f"the trace ends at step {trace.steps}, before the second period does"
-    if world.is_dynamic and entry * trace.time_step < float(world.timeline.times[-1]):
+    if world.is_dynamic and entry * _decimal(trace.time_step) < _decimal(float(world.timeline.times[-1])):
         return "the world still changes after the loop's entry"
     one = trace.states[entry : entry + period + 1]
     two = trace.states[entry + period : entry + 2 * period + 1]
@@ -39,10 +39,19 @@ def object_to_loop(world: World, trace: Trace, evidence: Mapping[str, Value], mo
         return "the second period differs from the first"
     if evidence.get("state_digest") != _digest(trace.states[entry].tolist()):
         return "the state at the entry is not the one of the evidence"
-    first, last = np.searchsorted(trace.path_step, [entry, entry + period])
-    if motion.kernel != THESIS and target_gap(world, trace.path_x[first:last], trace.path_y[first:last]) <= 0:
-        return "the loop passes through the target"
-    return ""
+    x, y = trace.x[entry : entry + period + 1], trace.y[entry : entry + period + 1]
+    if motion.name == "swept":  # it looks along the path; the other models look where a step ends
+        first, last = np.searchsorted(trace.path_step, [entry, entry + period + 1])
+        x, y = trace.path_x[first:last], trace.path_y[first:last]
+    inside = min(target_gap(world, x[k : k + 1], y[k : k + 1]) for k in range(len(x)))
+    if motion.name == "swept":
+        inside = target_gap(world, x, y)
+    return "the loop passes through the target" if inside < -world.cell_size / 1024 else ""
+
+
+def _decimal(value: float) -> Fraction:
+    """The number as its shortest decimal says it."""
+    return Fraction(repr(value))
 
 
 def _digest(words: list[int]) -> str:

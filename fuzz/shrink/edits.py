@@ -15,7 +15,7 @@ from worldgen.world import Pose, Target, World
 
 __all__ = ["bare", "drop_columns", "drop_events", "drop_rows", "free_cells", "with_start"]
 
-_SMALLEST_SIDE = 3  # cells: below that no robot of the default radius has room to fail
+_SMALLEST_SIDE = 1  # cells
 
 
 def bare(world: World) -> World:

@@ -76,13 +76,14 @@ def shrink(
             "target is not reachable; replay the file first: worldgen replay"
         )
     reducer = _Reducer(best, still_fails, None if seconds is None else time.monotonic() + seconds, progress)
+    complete = False
+    left: tuple[str, ...] = ("not checked: stopped early",)
     try:
-        complete = reducer.run()
+        if reducer.run():
+            complete, left = True, tuple(removable(reducer.best, still_fails))
     except KeyboardInterrupt:
         if not keep_on_interrupt:
             raise
-        complete = False
-    left = tuple(removable(reducer.best, still_fails)) if complete else ("not checked: stopped early",)
     details: dict[str, Any] = dict(record.details) | {
         "shrunk_from": failure.solid_cells,
         "one_minimal": not left,

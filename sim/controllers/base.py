@@ -116,7 +116,12 @@ Controller: TypeAlias = CompiledController | PythonController
 def _accept(name: str, thing: Any) -> Controller:
     if isinstance(thing, CompiledController):
         return thing
-    made = thing() if isinstance(thing, type) else thing
+    try:
+        made = thing() if isinstance(thing, type) else thing
+    except Exception as error:
+        raise InvalidParameter(
+            f"controller {name!r} cannot be made without arguments: {type(error).__name__}: {error}"
+        ) from error
     missing = [method for method in ("reset", "act") if not callable(getattr(made, method, None))]
     if missing:
         raise InvalidParameter(
@@ -143,7 +148,9 @@ def compiled_act(act: Act) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaWarning)  # the error, if any, says it better
-            return numba.njit(numba.void(array, array, array), nogil=True)(getattr(act, "py_func", act))
+            return numba.njit(numba.void(array, array, array), nogil=True, boundscheck=True)(
+                getattr(act, "py_func", act)
+            )
     except NumbaError as error:
         name = getattr(act, "__name__", repr(act))
         first = str(error).strip().splitlines()

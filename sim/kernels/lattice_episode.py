@@ -53,6 +53,13 @@ class Arena(NamedTuple):
     visited: npt.NDArray[np.uint8]
 
 
+@kernel
+def _drive(units: float) -> int:
+    """Whole lattice units of a step, never more than asked for, so that nobody outruns the top speed."""
+    whole = int(math.floor(abs(units) + 1e-9))
+    return whole if units >= 0.0 else -whole
+
+
 @allocating_kernel
 def begin(settings: Ints, scales: Floats, state: Ints, counts: Ints, sums: Floats) -> None:
     """Sets state and reports to the start of an episode."""
@@ -63,7 +70,7 @@ def begin(settings: Ints, scales: Floats, state: Ints, counts: Ints, sums: Float
     state[layout.STATE_X], state[layout.STATE_Y] = settings[layout.SET_X], settings[layout.SET_Y]
     state[layout.STATE_HEADING] = settings[layout.SET_HEADING]
     speed = scales[layout.SCALE_START_SPEED] * scales[layout.SCALE_SPEED]
-    state[layout.STATE_DRIVE], state[layout.STATE_DRAWS] = round_away(speed), 0
+    state[layout.STATE_DRIVE], state[layout.STATE_DRAWS] = _drive(speed), 0
 
 
 @kernel
@@ -212,7 +219,7 @@ def obey(scales: Floats, command: Floats, state: Ints, counts: Ints) -> None:
     speed = min(max(speed, -top), top)
     turn = min(max(rate * scales[layout.SCALE_TURN], -float(TURN // 2)), float(TURN // 2))
     state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + round_away(turn)) % TURN
-    state[layout.STATE_DRIVE] = round_away(speed * scales[layout.SCALE_SPEED])
+    state[layout.STATE_DRIVE] = _drive(speed * scales[layout.SCALE_SPEED])
     if command[layout.CMD_DRAW] != 0.0:
         state[layout.STATE_DRAWS] += 1
 

@@ -1,5 +1,6 @@
 """Campaigns: pure units, the same corpus for any number of workers, nothing lost on the way."""
 
+import importlib
 from dataclasses import replace
 
 import pytest
@@ -11,10 +12,6 @@ from worldgen import check_certificate
 from worldgen.grid_file import dumps
 
 CONFIG = CampaignConfig("turn-right", "swept", seed=5, examples=40)
-
-
-class Arrives:
-    """A controller for which no world fails: it is never run."""
 
 
 def corpus(campaign):
@@ -33,6 +30,17 @@ def test_a_unit_is_a_pure_function_of_its_number():
     one, two = run_unit(CONFIG, 2), run_unit(CONFIG, 2)
     assert (one.worlds, one.steps, one.verdicts, one.met) == (two.worlds, two.steps, two.verdicts, two.met)
     assert {k: dumps(w) for k, w in one.failures.items()} == {k: dumps(w) for k, w in two.failures.items()}
+
+
+def test_a_unit_does_not_depend_on_what_else_is_loaded(tmp_path, monkeypatch):
+    config = replace(CONFIG, families=("maze",))
+    before = run_unit(config, 0)
+    (tmp_path / "strange_numbers.py").write_text("A = [7, 13, 29, 4242, 65521, 1234567]\n" * 20)
+    monkeypatch.syspath_prepend(tmp_path)
+    importlib.import_module("strange_numbers")
+    run_unit(replace(CONFIG, families=("trap",)), 1)
+    after = run_unit(config, 0)
+    assert (before.steps, before.verdicts) == (after.steps, after.verdicts)
 
 
 def test_other_units_and_other_seeds_draw_other_worlds():

@@ -123,13 +123,16 @@ def test_fuzz_of_a_controller_that_always_arrives_finds_nothing_and_ends_with_0(
     assert result.code == 0 and "no failure of" in result.out and not list((tmp_path / "none").iterdir())
 
 
-@pytest.mark.parametrize("body", ["raise SystemExit(7)", "return None", "1 / 0"])
-def test_fuzz_reports_a_controller_that_crashes_and_replays_it(body, tmp_path):
+@pytest.mark.parametrize(
+    ("body", "kind"),
+    [("raise SystemExit(7)", "SystemExit"), ("return None", "TypeError"), ("1 / 0", "ZeroDivisionError")],
+)
+def test_fuzz_reports_a_controller_that_crashes_and_replays_it(body, kind, tmp_path):
     (tmp_path / "mine.py").write_text(f"class Bad:\n def reset(self): return ()\n def act(self, o, m): {body}\n")
     options = ("--controller", f"{tmp_path}/mine.py:Bad", "--units", 1, "--examples", 40, "--seed", 1, "--workers", 1)
     result = worldgen("fuzz", *options, "--out", tmp_path / "out")
     assert result.code == 1 and worldgen("replay", tmp_path / "out").code == 0
-    assert [file.name for file in (tmp_path / "out").glob("*.grid")] == ["crash.grid"]
+    assert [file.name for file in (tmp_path / "out").glob("*.grid")] == [f"crash-{kind}.grid"]
 
 
 def test_a_picture_of_an_unknown_kind_is_refused(tmp_path):

@@ -78,7 +78,43 @@ def test_a_controller_that_hides_memory_is_never_called_a_loop():
             self.count += 1
             return super().act(observation, memory)
 
-    assert simulate(arena(), Hidden(), steps=3000).verdict in ("stalled", "timeout")
+    episode = simulate(arena(), Hidden(), steps=3000)
+    assert (episode.verdict, episode.steps) == ("stalled", 3000)
+
+
+class Counter:
+    """Counts."""
+
+    def __init__(self):
+        self.count = 0
+
+
+class Waits(Circle):
+    """Stands for 200 steps, says nothing of it in memory, then drives to the target."""
+
+    def __init__(self):
+        self.counter = Counter()
+
+    def act(self, observation, memory):
+        self.counter.count += 1
+        return GoToTarget().act(observation, memory) if self.counter.count > 200 else (Command(), memory)
+
+
+def test_memory_hidden_in_a_nested_object_is_no_proof_of_a_loop():
+    assert simulate(arena(), Waits(), steps=3000).verdict != "loop"
+
+
+def test_a_compiled_controller_that_writes_beyond_its_memory_crashes():
+    def act(observation, memory, command):
+        memory[0] += 1.0
+
+    assert simulate(arena(), CompiledController("oob", act)).verdict == "crash"
+
+
+def test_no_robot_outruns_its_top_speed():
+    world = replace(arena(40, (0.35, 0.35, 0.0), (3.65, 0.35)), robot_speed=0.01)
+    episode = simulate(world, GoToTarget(), steps=500)
+    assert episode.path_length <= 0.01 * episode.time + 1e-9
 
 
 @pytest.mark.parametrize("motion", ["swept", "endpoint"])
