@@ -126,6 +126,7 @@ class Campaign:
         pool.shutdown()
 
     def _with_pool(self, pool: Executor) -> Iterator[Progress]:
+        _start_workers(pool)
         started, submitted, merged = time.monotonic(), 0, 0
         units: dict[int, Future[UnitResult]] = {}
         shrinks: dict[Future[World], tuple[str, World]] = {}
@@ -183,6 +184,18 @@ def shrunk_or_same(failure: World, wanted: bool) -> World:
 
 def _size(world: World) -> tuple[int, int, bytes]:
     return world.solid_cells, world.width * world.height, dumps(world)
+
+
+def _start_workers(pool: Executor) -> None:
+    """Starts the processes deaf to Ctrl-C from their first moment: they inherit it."""
+    try:
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    except ValueError:  # not in the main thread, where no Ctrl-C arrives anyway
+        return
+    try:
+        pool.submit(int)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _worker_start() -> None:

@@ -37,12 +37,21 @@ class Scenario:
         motion: Name of the motion model.
         time_step: s.
         seed: Of the controller's random numbers.
+        sensor_range: Reach of the thesis's signal sensor, px.
+        noise: Whether the thesis's noise filter is on.
     """
 
     controller: str
     motion: str = "swept"
     time_step: float = RunOptions.time_step
     seed: int = 0
+    sensor_range: int = RunOptions.sensor_range
+    noise: bool = False
+
+    @classmethod
+    def of(cls, controller: str, options: RunOptions) -> Scenario:
+        """A controller and everything in a run's options but the budget."""
+        return cls(controller, options.motion, options.time_step, options.seed, options.sensor_range, options.noise)
 
     def options(self, world: World) -> RunOptions:
         """Options with the budget that the world's witness gives."""
@@ -51,6 +60,8 @@ class Scenario:
             steps=step_budget(world, self.time_step),
             time_step=self.time_step,
             seed=self.seed,
+            sensor_range=self.sensor_range,
+            noise=self.noise,
         )
 
 

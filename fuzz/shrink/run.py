@@ -66,7 +66,7 @@ def shrink(
         InvalidParameter: If the world holds no failure, or it does not fail (any more).
     """
     record, options = scenario_of(failure)
-    scenario = Scenario(record.controller, record.motion, options.time_step, record.seed)
+    scenario = Scenario.of(record.controller, options)
     budget = _MORE_STEPS * _steps_to_fail(failure, scenario, options) + _FEWEST_STEPS
     still_fails = StillFails(scenario, record.verdict, min(budget, MAX_STEPS))
     best = still_fails(bare(failure))

@@ -63,6 +63,12 @@ def test_out_of_time_the_best_so_far_comes_back():
     assert not result.complete and replay(result.world).confirmed
 
 
+def test_shrinking_keeps_the_thesis_robots_noise_and_sensor():
+    made = failure("turn-right", "stepped", noise=True, sensor_range=50)
+    result = shrink(made, seconds=5.0).world.failure
+    assert (result.parameters["noise"], result.parameters["sensor_range"]) == (True, 50)
+
+
 def test_a_world_without_failure_is_refused():
     with pytest.raises(InvalidParameter, match="holds no failure"):
         shrink(cup_world())

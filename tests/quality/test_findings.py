@@ -47,5 +47,5 @@ def test_nothing_tunnels_or_overlaps_under_swept(controller):
 def test_every_finding_is_one_minimal_by_its_file_alone():
     for world in campaign("turn-right", "stepped").best.values():
         record, options = scenario_of(world)
-        scenario = Scenario(record.controller, record.motion, options.time_step, record.seed)
+        scenario = Scenario.of(record.controller, options)
         assert removable(world, StillFails(scenario, record.verdict, options.steps)) == []
