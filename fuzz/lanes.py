@@ -75,7 +75,7 @@ def lane_strategy(
 
 
 def poses_on(world: World) -> st.SearchStrategy[World]:
-    """Start, heading, target and robot radius on a fixed map, on half-cell points of its free cells."""
+    """Start, heading, target and robot radius on a fixed map, at the centres of its free cells."""
     free = np.argwhere(~world.walls)
     if not len(free):
         raise InvalidWorld("the map has no free cell to start from")

@@ -33,4 +33,4 @@ def test_layouts_draw_many_different_shapes():
     rng = np.random.default_rng(5)
     worlds = [decode_world(rng.bytes(LAYOUT_BYTES)) for _ in range(50)]
     assert len({world.walls.tobytes() for world in worlds}) == 50
-    assert {world.walls.shape[0] for world in worlds} > {10, 15, 20, 25} or len({w.walls.shape for w in worlds}) > 30
+    assert len({world.walls.shape for world in worlds}) > 30
