@@ -3,7 +3,7 @@
 Contents, each imported when it is first used:
     worlds, feature_worlds, family_worlds: Hypothesis strategies for worlds with a witness.
     Campaign, CampaignConfig: a budgeted search.
-    Scenario, failure_of, replay, Replay: failures and their confirmation.
+    failure_of, replay, Replay: failures and their confirmation.
     Shrunk: what ``fuzz.shrink.shrink`` returns, the smallest world that still fails.
 """
 
@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fuzz.campaign import Campaign
-    from fuzz.failure import Replay, Scenario, failure_of, replay
+    from fuzz.failure import Replay, failure_of, replay
     from fuzz.shrink.run import Shrunk
     from fuzz.strategies import family_worlds, feature_worlds, worlds
     from fuzz.unit import CampaignConfig
 
 _HOME = {
     "campaign": ("Campaign",),
-    "failure": ("Replay", "Scenario", "failure_of", "replay"),
+    "failure": ("Replay", "failure_of", "replay"),
     "strategies": ("family_worlds", "feature_worlds", "worlds"),
     "unit": ("CampaignConfig",),
 }
@@ -29,8 +29,8 @@ _MODULE = {name: f"fuzz.{module}" for module, names in _HOME.items() for name in
 _MODULE |= {"Shrunk": "fuzz.shrink.run"}
 
 __all__ = [
-    "Campaign", "CampaignConfig", "Replay", "Scenario", "Shrunk", "failure_of", "family_worlds", "feature_worlds",
-    "replay", "worlds",
+    "Campaign", "CampaignConfig", "Replay", "Shrunk", "failure_of", "family_worlds", "feature_worlds", "replay",
+    "worlds",
 ]  # fmt: skip
 
 

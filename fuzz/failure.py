@@ -11,14 +11,14 @@ from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import Episode, prepare, simulate
 from sim.motion import MOTIONS
-from sim.run_options import RunOptions, step_budget
+from sim.run_options import RunOptions
+from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.reach import REACHABLE, check_certificate, decide
 from worldgen.world import FailureRecord, Value, Witness, World
 
 __all__ = [
     "Replay",
-    "Scenario",
     "certified",
     "failure_of",
     "judge",
@@ -26,43 +26,6 @@ __all__ = [
     "scenario_of",
     "seeds_that_fail",
 ]
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """Everything about a run except the world.
-
-    Args:
-        controller: Name, as the command line takes it.
-        motion: Name of the motion model.
-        time_step: s.
-        seed: Of the controller's random numbers.
-        sensor_range: Reach of the thesis's signal sensor, px.
-        noise: Whether the thesis's noise filter is on.
-    """
-
-    controller: str
-    motion: str = "swept"
-    time_step: float = RunOptions.time_step
-    seed: int = 0
-    sensor_range: int = RunOptions.sensor_range
-    noise: bool = False
-
-    @classmethod
-    def of(cls, controller: str, options: RunOptions) -> Scenario:
-        """A controller and everything in a run's options but the budget."""
-        return cls(controller, options.motion, options.time_step, options.seed, options.sensor_range, options.noise)
-
-    def options(self, world: World) -> RunOptions:
-        """Options with the budget that the world's witness gives."""
-        return RunOptions(
-            motion=self.motion,
-            steps=step_budget(world, self.time_step),
-            time_step=self.time_step,
-            seed=self.seed,
-            sensor_range=self.sensor_range,
-            noise=self.noise,
-        )
 
 
 @dataclass(frozen=True)

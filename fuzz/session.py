@@ -18,11 +18,11 @@ from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 from fuzz.campaign import Campaign, Found
 from fuzz.lanes import TIME_STEPS
 from fuzz.unit import CampaignConfig
-from sim.controllers import CONTROLLERS
 from sim.episode import prepare, simulate
 from sim.motion import MOTIONS
 from sim.picture import trail_of
 from sim.run_options import RunOptions
+from sim.scenario import Scenario
 from sim.words import evidence_in_words
 from worldgen.cli.output import emit_json, note
 from worldgen.errors import OutputError
@@ -53,20 +53,20 @@ def configure(
     """
     for name in families:
         FAMILIES.get(name)
-    if time_step is not None:
-        time_steps: tuple[float, ...] = (RunOptions(time_step=time_step).time_step,)
-    else:
-        time_steps = TIME_STEPS if MOTIONS.get(motion).name == "endpoint" else (RunOptions.time_step,)
-    _try_out(controller, motion, time_steps[0])
+    usual = RunOptions.time_step
+    scenario = Scenario.parse(controller, motion=motion, time_step=usual if time_step is None else time_step)
+    time_steps: tuple[float, ...] = (scenario.time_step,)
+    if time_step is None and scenario.time_step == usual and MOTIONS.get(scenario.motion).name == "endpoint":
+        time_steps = TIME_STEPS
+    _try_out(scenario)
     wanted = fixed_map is None if shrink is None else shrink
-    return CampaignConfig(controller, motion, seed, families, time_steps, fixed_map, examples, wanted)
+    return CampaignConfig(scenario, seed, families, time_steps, fixed_map, examples, wanted)
 
 
-def _try_out(controller: str, motion: str, time_step: float) -> None:
+def _try_out(scenario: Scenario) -> None:
     """One short run in an empty arena, so that a name or a compile error shows at once."""
     arena = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0.6, 0.05))
-    options = RunOptions(motion=motion, steps=2, time_step=time_step)
-    prepare(arena, CONTROLLERS.get(controller), options).run(2, find_loop=False, record=False)
+    prepare(arena, scenario.controller, scenario.options(arena, 2)).run(2, find_loop=False, record=False)
 
 
 class CampaignSession:
@@ -161,7 +161,7 @@ class CampaignSession:
             f"in {seconds:.1f} s; at first look {verdicts or 'nothing'}"
         )
         if not state.best:
-            click.echo(f"no failure of {self._config.controller} under {self._config.motion} found")
+            click.echo(f"no failure of {self._config.scenario.label()} under {self._config.scenario.motion} found")
 
     def _summary(self, seconds: float) -> dict[str, object]:
         state = self._campaign.state
@@ -197,6 +197,7 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
         return str(path)
     options = RunOptions.of(record.motion, record.seed, record.parameters)
     episode = simulate(world, record.controller, options, record=True)
+    who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
     kind = str(record.details.get("class", record.verdict))
     often = f", met {met[kind]} times" if met and met[kind] else ""
     seeds = record.details.get("failing_seeds")
@@ -204,7 +205,7 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     color = wants_color(sys.stdout)
     return (
-        f"{record.controller} under {record.motion}: {record.verdict}{evidence_in_words(episode)}\n"
+        f"{who} under {record.motion}: {record.verdict}{evidence_in_words(episode)}\n"
         f"  class {kind}{often}; {world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{draw_terminal(world, trail=trail_of(episode), color=color)}"
         f"  {replay_line(path)}\n"

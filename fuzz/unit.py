@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field, replace
 
-from fuzz.failure import Scenario, certified, failure_of
+from fuzz.failure import certified, failure_of
 from fuzz.lanes import COMBINED, Draw, explore, lane_strategy
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare
 from sim.outcome import Outcome
 from sim.run_options import RunOptions, step_budget
+from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
@@ -28,8 +29,7 @@ class CampaignConfig:
     """What a campaign looks for.
 
     Args:
-        controller: Name, as the command line takes it.
-        motion: Name of the motion model.
+        scenario: Controller, motion model and switches; each draw has its own seed and time step.
         seed: Of the whole campaign.
         families: Where worlds come from; empty for feature layouts and the built-in families in turn.
         time_steps: Durations of a step to draw from, s.
@@ -38,8 +38,7 @@ class CampaignConfig:
         shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
     """
 
-    controller: str
-    motion: str = "swept"
+    scenario: Scenario
     seed: int = 0
     families: tuple[str, ...] = ()
     time_steps: tuple[float, ...] = (RunOptions.time_step,)
@@ -89,16 +88,16 @@ class _Search:
 
     def __init__(self, config: CampaignConfig, result: UnitResult) -> None:
         self._config, self.result = config, result
-        self._controller = CONTROLLERS.get(config.controller)
+        self._controller = CONTROLLERS.get(config.scenario.controller)
         self.compiled = isinstance(self._controller, CompiledController)
         self._proof_steps = _PROOF_STEPS if self.compiled else _PROOF_STEPS // _SLOWER
 
     def visit(self, draw: Draw) -> None:
         """Runs one scenario; a failure is proved, classified and kept if it is the smallest of its class."""
-        scenario = Scenario(self._config.controller, self._config.motion, draw.time_step, draw.seed)
+        scenario = replace(self._config.scenario, time_step=draw.time_step, seed=draw.seed)
         budget = step_budget(draw.world, draw.time_step) if draw.world.certificate else _SEARCH_STEPS
         try:
-            run = prepare(draw.world, self._controller, replace(scenario.options(draw.world), steps=budget))
+            run = prepare(draw.world, self._controller, scenario.options(draw.world, budget))
             outcome = run.run(budget, find_loop=True, record=False)
         except InvalidWorld:  # the drawn start is in a wall
             return

@@ -2,6 +2,7 @@
 
 Contents, each imported when it is first used:
     simulate: one run and its verdict. Episode, Trace: what comes back. RunOptions: how it is done.
+    Scenario, ThesisOptions: everything about a run except the world; switches of the thesis's simulator.
     CompiledController, PythonController, Observation, Command: bring your own controller.
     CONTROLLERS, MOTIONS: what is registered.
 """
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from sim.episode import Episode, simulate
     from sim.motion import MOTIONS
     from sim.run_options import RunOptions
+    from sim.scenario import Scenario
+    from sim.thesis_options import ThesisOptions
     from sim.trace import Trace
 
 _HOME = {
@@ -23,13 +26,15 @@ _HOME = {
     "episode": ("Episode", "simulate"),
     "motion": ("MOTIONS",),
     "run_options": ("RunOptions",),
+    "scenario": ("Scenario",),
+    "thesis_options": ("ThesisOptions",),
     "trace": ("Trace",),
 }
 _MODULE = {name: f"sim.{module}" for module, names in _HOME.items() for name in names}
 
 __all__ = [
     "CONTROLLERS", "MOTIONS", "Command", "CompiledController", "Episode", "Observation", "PythonController",
-    "RunOptions", "Trace", "simulate",
+    "RunOptions", "Scenario", "ThesisOptions", "Trace", "simulate",
 ]  # fmt: skip
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
 from fractions import Fraction
 
+from sim.thesis_options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
 from worldgen.world import Value, Witness, World
@@ -38,17 +39,15 @@ class RunOptions:
         motion: Name of the motion model.
         steps: Budget in steps.
         time_step: Duration of a step, s, 0.001 to 10.
-        seed: Seed of the controller's random numbers.
-        sensor_range: Reach of the thesis's signal sensor, px (36: eight neighbours); ``stepped`` only.
-        noise: Whether the thesis's noise filter weakens the signal near walls; ``stepped`` only.
+        seed: Seed of the run's random numbers.
+        thesis: Switches of the motion model ``stepped``.
     """
 
     motion: str = "swept"
     steps: int = _STEPS_WITHOUT_WITNESS
     time_step: float = DEFAULT_TIME_STEP
     seed: int = 0
-    sensor_range: int = 36
-    noise: bool = False
+    thesis: ThesisOptions = field(default_factory=ThesisOptions)
 
     def __post_init__(self) -> None:
         if not 1 <= self.steps <= MAX_STEPS:
@@ -57,17 +56,10 @@ class RunOptions:
             raise InvalidParameter(f"time_step={self.time_step} s is outside 0.001 to 10 s")
         if not 0 <= self.seed < 2**64:
             raise InvalidParameter(f"seed={self.seed} is outside 0 to 2**64 - 1")
-        if not 36 <= self.sensor_range <= 1000:
-            raise InvalidParameter(f"sensor_range={self.sensor_range} px is outside 36 to 1000 px")
 
     def parameters(self) -> dict[str, Value]:
-        """What a failure file stores beside motion and seed: the options that are not at their default."""
-        stored: dict[str, Value] = {"steps": self.steps, "time_step": self.time_step}
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name not in ("motion", "seed", *stored) and value != field.default:
-                stored[field.name] = value
-        return stored
+        """What a failure file stores beside motion and seed: the switches that are not at their default."""
+        return {"steps": self.steps, "time_step": self.time_step, **self.thesis.changed()}
 
     @classmethod
     def of(cls, motion: str, seed: int, parameters: Mapping[str, Value]) -> RunOptions:
@@ -76,14 +68,14 @@ class RunOptions:
         Raises:
             InvalidParameter: If a name is unknown or a value has the wrong type.
         """
-        known = {field.name: field.default for field in fields(cls) if field.name not in ("motion", "seed")}
-        for name, value in parameters.items():
-            default = known.get(name)
-            if default is None:
-                raise InvalidParameter(f"run parameter {name!r} is unknown; known: {', '.join(known)}")
-            if type(value) is not type(default) and not (isinstance(default, float) and type(value) is int):
-                raise InvalidParameter(f"run parameter {name}={value!r} must be a {type(default).__name__}")
-        return cls(motion=motion, seed=seed, **parameters)  # type: ignore[arg-type]
+        switches = dict(parameters)
+        steps = switches.pop("steps", _STEPS_WITHOUT_WITNESS)
+        time_step = switches.pop("time_step", DEFAULT_TIME_STEP)
+        if type(steps) is not int:
+            raise InvalidParameter(f"run parameter steps={steps!r} must be an int")
+        if type(time_step) not in (int, float):
+            raise InvalidParameter(f"run parameter time_step={time_step!r} must be a float")
+        return cls(motion, steps, time_step, seed, ThesisOptions.of(switches))  # type: ignore[arg-type]
 
 
 def check_step_length(world: World, time_step: float, shortest: Fraction) -> None:

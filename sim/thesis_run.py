@@ -63,7 +63,9 @@ class ThesisRun:
         self._setup = at.Setup(
             rule=rule,
             time_step=float(exact(options.time_step) * 1000),
-            sense=at.sensor_cells(options.sensor_range),
+            sense=at.sensor_cells(options.thesis.sensor_range),
+            collide_ticks=options.thesis.collide_ticks,
+            drive_ticks=options.thesis.drive_ticks,
             radius=self._radius(),
             speed=float(exact(world.robot_speed) / exact(world.cell_size) / 100),
             tolerance=tolerance * at.CELL,
@@ -94,7 +96,7 @@ class ThesisRun:
             )
         light = signal_map(solid.shape[0], self._height, target_x, target_y)
         cells = np.where(solid, np.int32(at.WALL), light)
-        if self.options.noise:
+        if self.options.thesis.noise:
             add_noise(cells, light)
         return cells, light
 

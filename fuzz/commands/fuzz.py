@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import draw_seed, force_option, json_option, seed_option
+from worldgen.cli.output import CONTROLLER_HELP, draw_seed, force_option, json_option, seed_option
 
 __all__ = ["fuzz"]
 
@@ -30,7 +30,7 @@ class _Duration(click.ParamType[float]):
 
 
 @click.command(epilog=EXAMPLES)
-@click.option("--controller", required=True, help="Name, package.module:name, or ./file.py:name.")
+@click.option("--controller", required=True, help=CONTROLLER_HELP)
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option("--family", "families", multiple=True, help="Draw worlds from this family; may be repeated.")
 @click.option("--world", type=click.Path(path_type=Path), help="Keep this map; vary start, target and radius.")

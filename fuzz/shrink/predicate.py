@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
-from fuzz.failure import Scenario, certified
+from fuzz.failure import certified
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
+from sim.scenario import Scenario
 from worldgen.errors import InvalidWorld
 from worldgen.world import World
 
@@ -52,7 +53,7 @@ class StillFails:
         if self._controller is None:
             self._controller = CONTROLLERS.get(self.scenario.controller)
         self.simulations += 1
-        options = replace(self.scenario.options(world), steps=steps)
+        options = self.scenario.options(world, steps)
         outcome = prepare(world, self._controller, options).run(steps, find_loop=True, record=False)
         if self.verdict in ("tunnel", "burned", "invalid-command", "crash"):
             return outcome.ending == self.verdict

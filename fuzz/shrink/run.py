@@ -7,13 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from fuzz.failure import Scenario, failure_of, scenario_of, seeds_that_fail
+from fuzz.failure import failure_of, scenario_of, seeds_that_fail
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removable
 from fuzz.shrink.order import PASSES, Pass
 from fuzz.shrink.predicate import StillFails
 from sim.episode import simulate
 from sim.run_options import MAX_STEPS, RunOptions
+from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import CONTROLLER_HELP, emit_json, force_option, json_option, note, write_bytes
 
 if TYPE_CHECKING:
     from sim.episode import Episode
@@ -17,7 +17,8 @@ __all__ = ["run"]
 
 EXAMPLES = (
     "\b\n  worldgen run w.grid --controller turn-right --trail run.png\n"
-    "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json"
+    "  worldgen run w.grid --controller ./mine.py:Robot --motion endpoint --json\n"
+    "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
 OUT = click.Path(path_type=Path)
 _PICTURES = (".png", ".svg", ".html")
@@ -25,7 +26,7 @@ _PICTURES = (".png", ".svg", ".html")
 
 @click.command(epilog=EXAMPLES)
 @click.argument("path", type=click.Path(path_type=Path))
-@click.option("--controller", required=True, help="Name, package.module:name, or ./file.py:name.")
+@click.option("--controller", required=True, help=CONTROLLER_HELP)
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option("--steps", type=int, help="Budget in steps [default: 50 times the witness's time].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
@@ -51,19 +52,20 @@ def run(
     Exit code 0 if the robot arrives, 1 if it does not.
     """
     from sim.episode import simulate
-    from sim.run_options import RunOptions, step_budget
+    from sim.run_options import RunOptions
+    from sim.scenario import Scenario
     from worldgen.grid_file import read_world
 
     world = read_world(path)
     duration = RunOptions.time_step if time_step is None else time_step
-    checked = RunOptions(motion=motion, time_step=duration, seed=seed)
-    budget = step_budget(world, checked.time_step) if steps is None else steps
-    options = RunOptions(motion=motion, steps=budget, time_step=duration, seed=seed)
+    scenario = Scenario.parse(controller, motion=motion, time_step=duration, seed=seed)
+    RunOptions(time_step=scenario.time_step)  # out of range it can give no budget
+    options = scenario.options(world, steps)
     for out in (trail, trace):
         _check_output(out, force)
     if trail is not None and trail.suffix not in _PICTURES:
         raise click.UsageError(f"--trail {trail}: name a {', '.join(_PICTURES)} file")
-    episode = simulate(world, controller, options, record=trail is not None or trace is not None)
+    episode = simulate(world, scenario.controller, options, record=trail is not None or trace is not None)
     if as_json:
         emit_json(_summary(episode))
     else:
@@ -72,7 +74,7 @@ def run(
         write_bytes(trace, episode.trace.to_csv().encode(), force=force)
         note(f"wrote {trace}")
     if trail is not None:
-        title = f"{controller}, {motion}: {_sentence(episode)}"
+        title = f"{scenario.label()}, {scenario.motion}: {_sentence(episode)}"
         write_bytes(trail, _picture(world, episode, title, trail.suffix), force=force)
         note(f"wrote {trail}")
     if episode.verdict != "reached":

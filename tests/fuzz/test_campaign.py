@@ -8,10 +8,11 @@ import pytest
 from fuzz.campaign import Campaign, Found
 from fuzz.failure import replay
 from fuzz.unit import CampaignConfig, run_unit
+from sim.scenario import Scenario
 from worldgen import check_certificate
 from worldgen.grid_file import dumps
 
-CONFIG = CampaignConfig("turn-right", "swept", seed=5, examples=40)
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, examples=40)
 
 
 def corpus(campaign):

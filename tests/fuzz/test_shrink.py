@@ -6,10 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fuzz.failure import Scenario, certified, failure_of, replay
+from fuzz.failure import certified, failure_of, replay
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.edits import bare, drop_columns, drop_events, drop_rows, free_cells
 from fuzz.shrink.predicate import StillFails
+from sim.scenario import Scenario
+from sim.thesis_options import ThesisOptions
 from worldgen import CellState, Event, InvalidParameter, Pose, Target, Timeline, Witness, World, check_certificate
 
 
@@ -64,7 +66,7 @@ def test_out_of_time_the_best_so_far_comes_back():
 
 
 def test_shrinking_keeps_the_thesis_robots_noise_and_sensor():
-    made = failure("turn-right", "stepped", noise=True, sensor_range=50)
+    made = failure("turn-right", "stepped", thesis=ThesisOptions(noise=True, sensor_range=50))
     result = shrink(made, seconds=5.0).world.failure
     assert (result.parameters["noise"], result.parameters["sensor_range"]) == (True, 50)
 

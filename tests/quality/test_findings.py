@@ -5,15 +5,16 @@ import functools
 import pytest
 
 from fuzz.campaign import Campaign
-from fuzz.failure import Scenario, scenario_of
+from fuzz.failure import scenario_of
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
 from fuzz.unit import CampaignConfig
+from sim.scenario import Scenario
 
 
 @functools.cache
 def campaign(controller, motion, time_steps=(0.015,)):
-    config = CampaignConfig(controller, motion, seed=1, examples=120, time_steps=time_steps)
+    config = CampaignConfig(Scenario(controller, motion), seed=1, examples=120, time_steps=time_steps)
     made = Campaign(config, units=4)
     for _ in made.run():
         pass

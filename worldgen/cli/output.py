@@ -12,7 +12,18 @@ import click
 
 from worldgen.files import write_bytes
 
-__all__ = ["draw_seed", "emit_json", "force_option", "json_option", "note", "seed_option", "write_bytes"]
+__all__ = [
+    "CONTROLLER_HELP",
+    "draw_seed",
+    "emit_json",
+    "force_option",
+    "json_option",
+    "note",
+    "seed_option",
+    "write_bytes",
+]
+
+CONTROLLER_HELP = "Name, package.module:name, or ./file.py:name; +option=value varies the run (docs/thesis.md)."
 
 F = TypeVar("F", bound=Callable[..., Any])
 

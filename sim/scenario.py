@@ -1,0 +1,107 @@
+"""Scenarios: everything about a run except the world, and how the command line writes one."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+
+from sim.run_options import RunOptions, step_budget
+from sim.thesis_options import REPAIRS, ThesisOptions, parse_value
+from worldgen.errors import InvalidParameter
+from worldgen.world import Value, World
+
+__all__ = ["Scenario"]
+
+# ``./a+b/mine.py:Robot+noise`` ends in one variation; a ``+`` in a folder's name begins none.
+_VARIATION = r"\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+/\\]*)?"
+_VARIED = re.compile(rf"(?P<name>.+?)(?P<variations>(?:{_VARIATION})*)", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Everything about a run except the world.
+
+    Args:
+        controller: Name, as the command line takes it.
+        motion: Name of the motion model.
+        time_step: s.
+        seed: Of the run's random numbers.
+        thesis: Switches of the motion model ``stepped``.
+    """
+
+    controller: str
+    motion: str = "swept"
+    time_step: float = RunOptions.time_step
+    seed: int = 0
+    thesis: ThesisOptions = field(default_factory=ThesisOptions)
+
+    @classmethod
+    def of(cls, controller: str, options: RunOptions) -> Scenario:
+        """A controller and everything in a run's options but the budget."""
+        return cls(controller, options.motion, options.time_step, options.seed, options.thesis)
+
+    @classmethod
+    def parse(
+        cls, text: str, *, motion: str = "swept", time_step: float = RunOptions.time_step, seed: int = 0
+    ) -> Scenario:
+        """Reads a controller with variations: ``thesis-1``, ``thesis-1+noise+sensor_range=50``, ``mine+motion=swept``.
+
+        Args:
+            text: Name, then ``+option`` or ``+option=value`` as often as wanted: ``motion``, ``time_step``, the
+                switches of :class:`ThesisOptions`, and ``repaired`` for its three repairs.
+            motion: Motion model, unless the text names one.
+            time_step: s, likewise.
+            seed: Of the run's random numbers.
+
+        Raises:
+            InvalidParameter: If the text names no controller, or a variation is unknown or out of range.
+        """
+        parts = _VARIED.fullmatch(text.strip())
+        if parts is None:
+            raise InvalidParameter("an empty text names no controller; give one, such as thesis-1 or ./mine.py:Robot")
+        values: dict[str, Value] = {}
+        for variation in re.findall(_VARIATION, parts["variations"]):
+            name, equals, value = variation[1:].partition("=")
+            given: str | None = value.strip() if equals else None
+            if name == "motion" and given:
+                motion = given
+            elif name in ("time_step", "time-step") and given:
+                time_step = _seconds(given)
+            else:
+                values |= parse_value(name, given)
+        return cls(parts["name"], motion, time_step, seed, ThesisOptions.of(values))
+
+    def label(self, motion: str | None = None, time_step: float | None = None) -> str:
+        """The scenario as :meth:`parse` reads it, without the seed.
+
+        Args:
+            motion: Motion model that need not be said.
+            time_step: s, likewise.
+        """
+        changed = self.thesis.changed()
+        words = [self.controller]
+        if motion is not None and self.motion != motion:
+            words.append(f"motion={self.motion}")
+        if time_step is not None and self.time_step != time_step:
+            words.append(f"time_step={self.time_step!r}")
+        if self.thesis.repaired:
+            words.append("repaired")
+            changed = {name: value for name, value in changed.items() if name not in REPAIRS}
+        words += [name if value is True else f"{name}={value}" for name, value in changed.items()]
+        return "+".join(words)
+
+    def options(self, world: World, steps: int | None = None) -> RunOptions:
+        """Options with a budget: ``steps``, or what the world's witness gives."""
+        budget = step_budget(world, self.time_step) if steps is None else steps
+        return RunOptions(self.motion, budget, self.time_step, self.seed, self.thesis)
+
+    def with_seed(self, seed: int) -> Scenario:
+        """The same with another seed."""
+        return replace(self, seed=seed)
+
+
+def _seconds(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InvalidParameter(f"time_step={text!r} is no number; write seconds, like 0.015") from None

@@ -1,0 +1,157 @@
+"""Switches of the thesis's simulator: what its own program let one set, and what its author left to be done.
+
+The defaults are the program as it was. ``docs/thesis.md`` says of each where it comes from.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+from worldgen.errors import InvalidParameter
+from worldgen.world import Value
+
+__all__ = ["ARBITERS", "REPAIRS", "SIGNALS", "ThesisOptions", "parse_value"]
+
+ARBITERS = ("A0", "A1", "A2", "A3", "A4", "A5", "A6", "interruptible")
+SIGNALS = ("open", "weakened", "blocked")
+REPAIRS = ("repair_slide", "repair_back_off", "repair_corner")
+
+
+@dataclass(frozen=True)
+class ThesisOptions:
+    """How the motion model ``stepped`` and the thesis's robot work; a failure stores what is not at its default.
+
+    Args:
+        sensor_range: Reach of the signal sensor, px, 36 to 1000; 36 sees the eight cells around.
+        noise: Whether the noise filter has changed the signal near walls.
+        collide_ticks: Counter of the collide behaviour, 0 to 1000; it drives one tick more.
+        drive_ticks: Counter of the drive behaviour, 0 to 1000; it drives one tick more.
+        arbiter: Reading of the arbiter, which the thesis's listing lacks: ``A0`` to ``A6``; or ``interruptible``,
+            which asks in every tick and lets a new collision begin the escape afresh.
+        repair_slide: Slide along a wall only where the disc is then clear of every wall.
+        repair_back_off: Stay at a wall instead of backing off without looking.
+        repair_corner: Stop where only the corner of a cell is touched.
+        keep_going: Let walls that the robot enters neither end the run nor decide its verdict, as the program did.
+        acceleration: Greatest gain of speed, m/s2; 0 means at once.
+        friction: Loss of speed once the wheels stand, m/s2; 0 means at once.
+        wall_friction: Share of a slide along a wall that friction takes, 0 to 1.
+        slip: Largest share of a tick's way that is lost on the floor, 0 to 1, another in each tick.
+        sensor_field: Angle that the sensor looks into, rad, about the heading; 0 means all round.
+        sensor_noise: Largest share by which a reading is wrong, 0 to 1, another for each cell and tick.
+        signal: What walls do to the signal on its straight way from the target: nothing, as in the thesis
+            (``open``), halve it for each wall cell (``weakened``), or end it (``blocked``).
+        map_scale: Side of a cell of the robot's own map, in cells of the world, 1 to 100.
+
+    Raises:
+        InvalidParameter: If a value is out of range.
+    """
+
+    sensor_range: int = 36
+    noise: bool = False
+    collide_ticks: int = 5
+    drive_ticks: int = 2
+    arbiter: str = "A0"
+    repair_slide: bool = False
+    repair_back_off: bool = False
+    repair_corner: bool = False
+    keep_going: bool = False
+    acceleration: float = 0.0
+    friction: float = 0.0
+    wall_friction: float = 0.0
+    slip: float = 0.0
+    sensor_field: float = 0.0
+    sensor_noise: float = 0.0
+    signal: str = "open"
+    map_scale: int = 1
+
+    def __post_init__(self) -> None:
+        for name, (low, high, unit) in _RANGES.items():
+            value = getattr(self, name)
+            if not (math.isfinite(value) and low <= value <= high):
+                raise InvalidParameter(f"{name}={value:g} is outside {low:g} to {high:g}{unit}; give one between")
+        for name, choices in _CHOICES.items():
+            if getattr(self, name) not in choices:
+                raise InvalidParameter(f"{name}={getattr(self, name)!r} is not one of {', '.join(choices)}")
+
+    @property
+    def repaired(self) -> bool:
+        """Whether all three faults of the motion are repaired, so that no wall is ever cut."""
+        return self.repair_slide and self.repair_back_off and self.repair_corner
+
+    @property
+    def random(self) -> bool:
+        """Whether the simulator itself draws random numbers, so that no state can come back."""
+        return self.slip > 0.0 or self.sensor_noise > 0.0
+
+    def changed(self) -> dict[str, Value]:
+        """The options that are not at their default, in order of declaration."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) != f.default}
+
+    @classmethod
+    def of(cls, values: Mapping[str, Value]) -> ThesisOptions:
+        """Options from names and values of the right types.
+
+        Raises:
+            InvalidParameter: If a name is unknown or a value has the wrong type.
+        """
+        known = {f.name: f.default for f in fields(cls)}
+        for name, value in values.items():
+            if name not in known:
+                raise InvalidParameter(f"option {name!r} is unknown; known: {', '.join(known)}")
+            default = known[name]
+            if type(value) is not type(default) and not (isinstance(default, float) and type(value) is int):
+                raise InvalidParameter(f"option {name}={value!r} must be a {type(default).__name__}")
+        return cls(**{k: float(v) if isinstance(known[k], float) else v for k, v in values.items()})  # type: ignore[arg-type]
+
+
+_RANGES: dict[str, tuple[float, float, str]] = {
+    "sensor_range": (36, 1000, " px"),
+    "collide_ticks": (0, 1000, " ticks"),
+    "drive_ticks": (0, 1000, " ticks"),
+    "acceleration": (0, 1e6, " m/s2"),
+    "friction": (0, 1e6, " m/s2"),
+    "wall_friction": (0, 1, ""),
+    "slip": (0, 1, ""),
+    "sensor_field": (0, 2 * math.pi, " rad"),
+    "sensor_noise": (0, 1, ""),
+    "map_scale": (1, 100, " cells"),
+}
+_CHOICES = {"arbiter": ARBITERS, "signal": SIGNALS}
+
+
+def parse_value(name: str, text: str | None) -> dict[str, Value]:
+    """One option as it is written on the command line.
+
+    Args:
+        name: Of the option, with dashes or underscores; ``repaired`` stands for the three repairs.
+        text: Its value; ``None`` for a flag.
+
+    Raises:
+        InvalidParameter: If the option is unknown, or the text is no value for it.
+    """
+    name = name.replace("-", "_")
+    if name == "repaired" and text is None:
+        return dict.fromkeys(REPAIRS, True)
+    known: dict[str, Any] = {f.name: f.default for f in fields(ThesisOptions)}
+    if name not in known:
+        close = difflib.get_close_matches(name, [*known, "motion", "time_step", "repaired"], n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        raise InvalidParameter(
+            f"option {name!r} is unknown; {hint}known: motion, time_step, repaired, {', '.join(known)}"
+        )
+    kind = type(known[name])
+    if kind is bool:
+        words = {None: True, "true": True, "false": False}
+        if text not in words:
+            raise InvalidParameter(f"option {name}={text!r} is neither true nor false; write +{name} to switch it on")
+        return {name: words[text]}
+    if text is None:
+        raise InvalidParameter(f"option {name!r} needs a value; write +{name}={known[name]}")
+    try:
+        return {name: kind(text)}
+    except ValueError:
+        raise InvalidParameter(f"option {name}={text!r} is no {kind.__name__}; write one like {known[name]}") from None

@@ -1,0 +1,80 @@
+"""Scenarios: what the command line writes behind a controller's name, read, written, refused."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim import RunOptions, Scenario, ThesisOptions, simulate
+from worldgen import InvalidParameter, generate
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("thesis-1", Scenario("thesis-1")),
+        ("thesis-1+noise", Scenario("thesis-1", thesis=ThesisOptions(noise=True))),
+        ("thesis-1+sensor-range=50+arbiter=A2", Scenario("thesis-1", thesis=ThesisOptions(50, arbiter="A2"))),
+        ("thesis-1+noise=false", Scenario("thesis-1")),
+        ("mine+motion=endpoint+time_step=0.1", Scenario("mine", "endpoint", 0.1)),
+        ("./a+b/mine.py:Robot", Scenario("./a+b/mine.py:Robot")),
+        ("./a+b/mine.py:Robot+motion=stepped", Scenario("./a+b/mine.py:Robot", "stepped")),
+    ],
+)
+def test_a_controller_with_variations_is_read(text, expected):
+    assert Scenario.parse(text) == expected
+
+
+def test_repaired_stands_for_the_three_repairs():
+    thesis = Scenario.parse("thesis-1+repaired").thesis
+    assert thesis.repaired and thesis == ThesisOptions(repair_slide=True, repair_back_off=True, repair_corner=True)
+
+
+@given(
+    st.builds(
+        ThesisOptions,
+        sensor_range=st.integers(36, 1000),
+        noise=st.booleans(),
+        repair_slide=st.booleans(),
+        repair_corner=st.booleans(),
+        repair_back_off=st.booleans(),
+        slip=st.floats(0, 1),
+        signal=st.sampled_from(["open", "blocked"]),
+    ),
+    st.sampled_from(["swept", "stepped"]),
+    st.floats(0.001, 10),
+)
+def test_a_label_reads_back(thesis, motion, time_step):
+    scenario = Scenario("thesis-2", motion, time_step, thesis=thesis)
+    assert Scenario.parse(scenario.label("swept", 0.015)) == scenario
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "names no controller"),
+        ("thesis-1+nosie", "did you mean 'noise'"),
+        ("thesis-1+noise=maybe", "neither true nor false"),
+        ("thesis-1+slip", "needs a value"),
+        ("thesis-1+slip=much", "no float"),
+        ("thesis-1+slip=1.5", "slip=1.5 is outside 0 to 1"),
+        ("thesis-1+slip=nan", "slip=nan is outside 0 to 1"),
+        ("thesis-1+arbiter=A9", "arbiter='A9' is not one of A0"),
+        ("thesis-1+time_step=soon", "time_step='soon' is no number"),
+        ("thesis-1+map_scale=0", "map_scale=0 is outside 1 to 100 cells"),
+    ],
+)
+def test_a_wrong_variation_gets_a_sentence(text, message):
+    with pytest.raises(InvalidParameter, match=message):
+        Scenario.parse(text)
+
+
+def test_a_failure_file_stores_only_what_was_switched():
+    options = RunOptions("stepped", 99, thesis=ThesisOptions(noise=True, slip=0.5))
+    stored = options.parameters()
+    assert stored == {"steps": 99, "time_step": 0.015, "noise": True, "slip": 0.5}
+    assert RunOptions.of("stepped", 0, stored) == options
+
+
+def test_switches_of_the_thesis_mean_nothing_to_another_motion_model():
+    with pytest.raises(InvalidParameter, match="noise: switches of the thesis's simulator mean nothing"):
+        simulate(generate("trap", seed=1), "thesis-1", motion="swept", noise=True)
