@@ -83,7 +83,7 @@ def simulate(
     if record:
         _check_recordable(outcome.steps)
         outcome = run.run(outcome.steps, find_loop=False, record=True)
-    return _episode(_verdict(outcome, options), outcome, options, _evidence(world, outcome, options))
+    return _decided(run, world, outcome, options)
 
 
 def _options(world: World, settings: Mapping[str, Value]) -> RunOptions:
@@ -139,8 +139,15 @@ def _loop(run: Runnable, world: World, found: Outcome, options: RunOptions, reco
 
 def _unproved(run: Runnable, world: World, options: RunOptions, record: bool) -> Episode:
     """The whole budget for a run whose recurrence proves nothing."""
-    outcome = run.run(options.steps, find_loop=False, record=record)
-    return _episode(_verdict(outcome, options), outcome, options, _evidence(world, outcome, options))
+    return _decided(run, world, run.run(options.steps, find_loop=False, record=record), options)
+
+
+def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
+    evidence = _evidence(world, outcome, options)
+    if _verdict(outcome, options) == "stalled" and isinstance(run, ThesisRun):
+        _check_recordable(outcome.steps)
+        evidence |= run.confinement(outcome.steps)
+    return _episode(_verdict(outcome, options), outcome, options, evidence)
 
 
 def _check_recordable(steps: int) -> None:
@@ -163,9 +170,10 @@ def _verdict(outcome: Outcome, options: RunOptions) -> str:
 
 def _evidence(world: World, outcome: Outcome, options: RunOptions) -> dict[str, Value]:
     verdict = _verdict(outcome, options)
-    if verdict in ("tunnel", "burned"):
-        evidence: dict[str, Value] = {"step": outcome.hit_step, "cell": list(outcome.hit_cell)}
-        return evidence | ({"state": outcome.hit_state} if verdict == "burned" else {})
+    if verdict == "tunnel":
+        return {"step": outcome.hit_step, "cell": list(outcome.hit_cell), **_cause(outcome)}
+    if verdict == "burned":
+        return {"step": outcome.hit_step, "cell": list(outcome.hit_cell), "state": outcome.hit_state}
     if verdict == "overlap":
         return _overlap_evidence(outcome)
     if verdict in ("stalled", "timeout"):
@@ -176,11 +184,17 @@ def _evidence(world: World, outcome: Outcome, options: RunOptions) -> dict[str, 
         return budget
     if verdict == "crash":
         return {"error": outcome.crash, "step": outcome.steps}
-    return {"step": outcome.steps}
+    entered: dict[str, Value] = {"wall_step": outcome.wall_step} if outcome.wall_step >= 0 else {}
+    return {"step": outcome.steps, **entered}
 
 
 def _overlap_evidence(outcome: Outcome) -> dict[str, Value]:
-    return {"step": outcome.overlap_step, "cell": list(outcome.overlap_cell)}
+    return {"step": outcome.overlap_step, "cell": list(outcome.overlap_cell), **_cause(outcome)}
+
+
+def _cause(outcome: Outcome) -> dict[str, Value]:
+    """Which move let the robot into the wall, where the motion model knows."""
+    return {"cause": outcome.cause, "since": outcome.cause_step} if outcome.cause else {}
 
 
 def _episode(verdict: str, outcome: Outcome, options: RunOptions, evidence: dict[str, Value]) -> Episode:

@@ -27,6 +27,10 @@ class Outcome:
         hit_state: ``solid`` or ``burning``, for ``burned``.
         overlap_step: First step whose path cut a wall by more than the tolerance; -1.
         overlap_cell: Its cell.
+        cause: Of a tunnel or overlap under ``stepped``: the move that let the robot into the wall, ``slide``,
+            ``back-off`` or ``corner``; else empty.
+        cause_step: The step of that move, from which on the robot overlapped a wall; -1.
+        wall_step: First step that ended with the centre in a wall, where that ends no run; -1.
         random_draws: Random numbers used.
         complete: Whether the recorded state is all that decides the future.
         crash: What the controller raised.
@@ -46,6 +50,9 @@ class Outcome:
     overlap_step: int
     overlap_cell: tuple[int, int]
     random_draws: int
+    cause: str = ""
+    cause_step: int = -1
+    wall_step: int = -1
     complete: bool = True
     crash: str = ""
     trace: Trace | None = None

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
+from sim.motion import MOTIONS
+from sim.motion.base import Motion
 from sim.thesis_options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
@@ -26,6 +28,7 @@ DEFAULT_TIME_STEP = 0.015  # s: the thesis's
 MAX_STEPS = 100_000_000
 MAX_RECORDED = 4_000_000  # steps; a recorded one takes about 300 bytes
 BUDGET_FACTOR = 50  # a run may take this many times the witness's time before it counts as stalled or timed out
+_ROUNDING = 1e-6  # cells: the tolerated overlap where the model should have none
 _LONGEST_STEP = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
 _FEWEST_STEPS = 4_000
 _STEPS_WITHOUT_WITNESS = 20_000
@@ -56,6 +59,15 @@ class RunOptions:
             raise InvalidParameter(f"time_step={self.time_step} s is outside 0.001 to 10 s")
         if not 0 <= self.seed < 2**64:
             raise InvalidParameter(f"seed={self.seed} is outside 0 to 2**64 - 1")
+
+    def motion_model(self) -> Motion:
+        """The motion model, with the tolerance that these options leave it.
+
+        Raises:
+            InvalidParameter: If no motion model has that name.
+        """
+        motion = MOTIONS.get(self.motion)
+        return replace(motion, overlap_tolerance=_ROUNDING) if self.thesis.repaired else motion
 
     def parameters(self) -> dict[str, Value]:
         """What a failure file stores beside motion and seed: the switches that are not at their default."""

@@ -87,7 +87,9 @@ class Scenario:
         if self.thesis.repaired:
             words.append("repaired")
             changed = {name: value for name, value in changed.items() if name not in REPAIRS}
-        words += [name if value is True else f"{name}={value}" for name, value in changed.items()]
+        for name, value in changed.items():
+            text = ":".join(map(repr, value)) if isinstance(value, list) else value
+            words.append(name if value is True else f"{name}={text}")
         return "+".join(words)
 
     def options(self, world: World, steps: int | None = None) -> RunOptions:

@@ -45,6 +45,7 @@ class ThesisOptions:
         signal: What walls do to the signal on its straight way from the target: nothing, as in the thesis
             (``open``), halve it for each wall cell (``weakened``), or end it (``blocked``).
         map_scale: Side of a cell of the robot's own map, in cells of the world, 1 to 100.
+        draws: Numbers in [0, 1) that the random rule uses up before those of the seed.
 
     Raises:
         InvalidParameter: If a value is out of range.
@@ -67,8 +68,11 @@ class ThesisOptions:
     sensor_noise: float = 0.0
     signal: str = "open"
     map_scale: int = 1
+    draws: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
+        if not all(0.0 <= draw < 1.0 for draw in self.draws):
+            raise InvalidParameter("draws hold a number outside [0, 1); give numbers as a random generator makes them")
         for name, (low, high, unit) in _RANGES.items():
             value = getattr(self, name)
             if not (math.isfinite(value) and low <= value <= high):
@@ -89,7 +93,8 @@ class ThesisOptions:
 
     def changed(self) -> dict[str, Value]:
         """The options that are not at their default, in order of declaration."""
-        return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) != f.default}
+        values = {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) != f.default}
+        return values | ({"draws": list(self.draws)} if self.draws else {})
 
     @classmethod
     def of(cls, values: Mapping[str, Value]) -> ThesisOptions:
@@ -103,9 +108,22 @@ class ThesisOptions:
             if name not in known:
                 raise InvalidParameter(f"option {name!r} is unknown; known: {', '.join(known)}")
             default = known[name]
-            if type(value) is not type(default) and not (isinstance(default, float) and type(value) is int):
+            if name == "draws":
+                _check_draws(value)
+            elif type(value) is not type(default) and not (isinstance(default, float) and type(value) is int):
                 raise InvalidParameter(f"option {name}={value!r} must be a {type(default).__name__}")
-        return cls(**{k: float(v) if isinstance(known[k], float) else v for k, v in values.items()})  # type: ignore[arg-type]
+        return cls(**{name: _as_type(known[name], value) for name, value in values.items()})
+
+
+def _check_draws(value: Value) -> None:
+    if not isinstance(value, list) or not all(type(draw) in (int, float) for draw in value):
+        raise InvalidParameter("option draws must be a list of numbers")
+
+
+def _as_type(default: Any, value: Any) -> Any:
+    if isinstance(default, tuple):
+        return tuple(map(float, value))
+    return float(value) if isinstance(default, float) else value
 
 
 _RANGES: dict[str, tuple[float, float, str]] = {
@@ -120,6 +138,8 @@ _RANGES: dict[str, tuple[float, float, str]] = {
     "sensor_noise": (0, 1, ""),
     "map_scale": (1, 100, " cells"),
 }
+_EXAMPLES = {"draws": "0.25:0.5"}
+_WORDS = {int: "whole number", float: "number", str: "word", tuple: "list of numbers"}
 _CHOICES = {"arbiter": ARBITERS, "signal": SIGNALS}
 
 
@@ -150,8 +170,9 @@ def parse_value(name: str, text: str | None) -> dict[str, Value]:
             raise InvalidParameter(f"option {name}={text!r} is neither true nor false; write +{name} to switch it on")
         return {name: words[text]}
     if text is None:
-        raise InvalidParameter(f"option {name!r} needs a value; write +{name}={known[name]}")
+        raise InvalidParameter(f"option {name!r} needs a value; write +{name}={_EXAMPLES.get(name, known[name])}")
     try:
-        return {name: kind(text)}
+        return {name: [float(word) for word in text.split(":")] if kind is tuple else kind(text)}
     except ValueError:
-        raise InvalidParameter(f"option {name}={text!r} is no {kind.__name__}; write one like {known[name]}") from None
+        example = _EXAMPLES.get(name, known[name])
+        raise InvalidParameter(f"option {name}={text!r} is no {_WORDS[kind]}; write one like {example}") from None

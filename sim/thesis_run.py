@@ -16,19 +16,28 @@ import numpy.typing as npt
 from sim.kernels import thesis_layout as at
 from sim.kernels.geometry import pose_is_clear
 from sim.kernels.layout import SOLID
+from sim.kernels.stepped_motion import (
+    BACK_OFF,
+    CORNER,
+    REPAIR_BACK_OFF,
+    REPAIR_CORNER,
+    REPAIR_SLIDE,
+    SLIDE,
+    STRAIGHT,
+)  # fmt: skip
 from sim.kernels.thesis_episode import thesis_episode
 from sim.kernels.thesis_signal import add_noise, signal_map
-from sim.motion import MOTIONS
 from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_step, start_overlaps
 from sim.run_options import RunOptions, check_step_length
+from sim.thesis_options import ARBITERS, SIGNALS
 from sim.trace import Trace
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import exact, in_cells, metres_to_lattice, radius_in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.rows import flip_rows
 from worldgen.timeline import CellState
-from worldgen.world import World
+from worldgen.world import Value, World
 
 __all__ = ["ThesisRun"]
 
@@ -43,6 +52,12 @@ _ENDINGS = {
     at.BURNED: "burned",
 }
 _FIRST_DRAWS = 256
+_CAUSES = {STRAIGHT: "", SLIDE: "slide", BACK_OFF: "back-off", CORNER: "corner"}
+_REPAIR_BITS = {
+    "repair_slide": REPAIR_SLIDE, "repair_back_off": REPAIR_BACK_OFF, "repair_corner": REPAIR_CORNER,
+}  # fmt: skip
+_DRIFT = 1e-6  # px and rad: a pose that comes back is no further off
+_DRIFT_PERIODS = 4  # periods that must be seen
 
 
 class ThesisRun:
@@ -59,18 +74,9 @@ class ThesisRun:
         closed = bool(world.walls[[0, -1]].all() and world.walls[:, [0, -1]].all())
         self._pad = 0 if closed else 1
         self._height = world.height + 2 * self._pad
-        tolerance = MOTIONS.get(options.motion).overlap_tolerance
-        self._setup = at.Setup(
-            rule=rule,
-            time_step=float(exact(options.time_step) * 1000),
-            sense=at.sensor_cells(options.thesis.sensor_range),
-            collide_ticks=options.thesis.collide_ticks,
-            drive_ticks=options.thesis.drive_ticks,
-            radius=self._radius(),
-            speed=float(exact(world.robot_speed) / exact(world.cell_size) / 100),
-            tolerance=tolerance * at.CELL,
-        )
-        self._cells, self._light = self._signal()
+        target = self._target_cell()
+        self._cells, self._light = self._signal(*target)
+        self._setup = self._robot(rule, *target)
         self._events = self._event_rows()
         self._start = self._start_pose()
 
@@ -83,17 +89,54 @@ class ThesisRun:
             )
         return float(radius * 10)
 
-    def _signal(self) -> tuple[Cells, Cells]:
-        """Signal map with walls, and without."""
-        world = self.world
-        walls = np.pad(world.walls, self._pad, constant_values=True)
-        solid = np.ascontiguousarray(flip_rows(walls).T)
+    def _robot(self, rule: int, target_x: int, target_y: int) -> at.Setup:
+        """The robot in the thesis's units: px and ms."""
+        world, options, thesis = self.world, self.options, self.options.thesis
+        px = 10 / exact(world.cell_size)
+        return at.Setup(
+            rule=rule,
+            time_step=float(exact(options.time_step) * 1000),
+            sense=at.sensor_cells(thesis.sensor_range),
+            collide_ticks=thesis.collide_ticks,
+            drive_ticks=thesis.drive_ticks,
+            radius=self._radius(),
+            speed=float(exact(world.robot_speed) * px / 1000),
+            tolerance=options.motion_model().overlap_tolerance * at.CELL,
+            stop_at_tunnel=int(not thesis.keep_going),
+            reading=ARBITERS.index(thesis.arbiter),
+            repairs=sum(bit for name, bit in _REPAIR_BITS.items() if getattr(thesis, name)),
+            acceleration=float(exact(thesis.acceleration) * px / 1_000_000),
+            friction=float(exact(thesis.friction) * px / 1_000_000),
+            wall_friction=thesis.wall_friction,
+            slip=thesis.slip,
+            sensor_field=thesis.sensor_field,
+            sensor_noise=thesis.sensor_noise,
+            signal=SIGNALS.index(thesis.signal),
+            map_scale=thesis.map_scale,
+            target_x=target_x,
+            target_y=target_y,
+            seed=RandomStream(options.seed).child("slip and sensor").next64() >> 1,
+        )
+
+    def _solid(self) -> npt.NDArray[np.bool_]:
+        """(width, height) bool: walls in the thesis's frame."""
+        walls = np.pad(self.world.walls, self._pad, constant_values=True)
+        return np.ascontiguousarray(flip_rows(walls).T)
+
+    def _target_cell(self) -> tuple[int, int]:
+        """The target's cell in the thesis's frame."""
+        world, solid = self.world, self._solid()
         target_x = math.floor(in_cells(world.target.x, world.cell_size)) + self._pad
         target_y = self._height - 1 - self._pad - math.floor(in_cells(world.target.y, world.cell_size))
         if not (0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1) or solid[target_x, target_y]:
             raise InvalidWorld(
                 f"target ({world.target.x:g}, {world.target.y:g}) m lies in a wall cell, which has no signal; move it"
             )
+        return target_x, target_y
+
+    def _signal(self, target_x: int, target_y: int) -> tuple[Cells, Cells]:
+        """Signal map with walls, and without."""
+        solid = self._solid()
         light = signal_map(solid.shape[0], self._height, target_x, target_y)
         cells = np.where(solid, np.int32(at.WALL), light)
         if self.options.thesis.noise:
@@ -130,26 +173,58 @@ class ThesisRun:
 
     def run(self, steps: int, *, find_loop: bool, record: bool) -> Outcome:
         """Runs up to ``steps`` ticks from the start; with ``find_loop`` a recurrence ends the run."""
-        setup = self._setup._replace(steps=steps, find_loop=int(find_loop), stop_at_tunnel=1)
-        progress = at.new_progress(*self._start, self._setup.speed)
-        arena = at.new_arena(self._cells, self._light, self._events)
         rows = np.zeros((steps + 1 if record else 0, at.ROW_SIZE))
-        count, stream = (_FIRST_DRAWS if setup.rule == 3 else 0), RandomStream(self.options.seed)
-        draws = stream.floats(count)
-        while True:
-            thesis_episode(arena, setup, progress, draws, rows)
-            if progress.counts[at.OUT_ENDING] != at.NEEDS_DRAWS:
-                break
-            count, stream = 4 * count, RandomStream(self.options.seed)
-            draws = stream.floats(count)
-            progress = at.new_progress(*self._start, self._setup.speed)
-            arena = at.new_arena(self._cells, self._light, self._events)
+        progress = at.new_progress(*self._start, self._setup.speed)
+        self._go_on(progress, self._arena(), rows, steps, find_loop and not self.options.thesis.random)
         return self._outcome(progress, rows[: progress.counts[at.OUT_STEPS] + 1] if record else None)
+
+    def _arena(self) -> at.Arena:
+        return at.new_arena(self._cells, self._light, self._events)
+
+    def _go_on(self, progress: at.Progress, arena: at.Arena, rows: Floats, steps: int, find_loop: bool) -> None:
+        """Runs until something is decided or ``steps`` are done, with as many draws as that takes."""
+        setup = self._setup._replace(steps=steps, find_loop=int(find_loop))
+        count = _FIRST_DRAWS if setup.rule == 3 else 0
+        while True:
+            thesis_episode(arena, setup, progress, self._draws(count), rows)
+            if progress.counts[at.OUT_ENDING] != at.NEEDS_DRAWS:
+                return
+            count *= 4
+
+    def _draws(self, count: int) -> Floats:
+        given = np.array(self.options.thesis.draws)
+        return np.concatenate([given, RandomStream(self.options.seed).floats(count)])
+
+    def confinement(self, steps: int) -> dict[str, Value]:
+        """What a run that neither arrives nor provably loops does in the second half of ``steps``.
+
+        Returns:
+            ``kind``: ``drifting`` if the poses come back to within a millionth of a pixel, with their ``period``
+            and the step ``entry`` from which they do, else ``confined``; and ``box``, the columns and rows of
+            cells that the centre was in.
+        """
+        progress, arena = at.new_progress(*self._start, self._setup.speed), self._arena()
+        half = steps // 2
+        self._go_on(progress, arena, np.zeros((0, at.ROW_SIZE)), half, find_loop=False)
+        progress.counts[at.TRACE_START] = half
+        rows = np.zeros((steps - half + 1, at.ROW_SIZE))
+        self._go_on(progress, arena, rows, steps, find_loop=False)
+        cells = np.floor(rows[:, [at.X, at.Y]] / at.CELL)
+        box: dict[str, Value] = {"box": [int(side) for side in np.ptp(cells, axis=0) + 1]}
+        period, entry = _drift(rows[:, [at.X, at.Y, at.HEADING]])
+        if period == 0:
+            return {"kind": "confined", **box}
+        return {"kind": "drifting", "entry": half + entry, "period": period, **box}
 
     def _outcome(self, progress: at.Progress, rows: Floats | None) -> Outcome:
         counts, metres = progress.counts, self.world.cell_size / at.CELL
         ending = _ENDINGS[int(counts[at.OUT_ENDING])]
-        tunnelled = ending == "tunnel"
+        tunnelled, keeps_going = ending == "tunnel", self.options.thesis.keep_going
+        overlapped = counts[at.OUT_OVERLAP_STEP] >= 0 and not keeps_going
+        cause, cause_step = "", -1
+        if tunnelled or overlapped:
+            cause = _CAUSES[int(counts[at.OUT_TUNNEL_CAUSE if tunnelled else at.OUT_OVERLAP_CAUSE])]
+            cause_step = int(counts[at.OUT_TUNNEL_BEGAN if tunnelled else at.OUT_OVERLAP_BEGAN])
         return Outcome(
             ending=ending,
             steps=int(counts[at.OUT_STEPS]),
@@ -161,8 +236,12 @@ class ThesisRun:
             hit_step=int(counts[at.OUT_TUNNEL_STEP if tunnelled else at.OUT_HIT_STEP]),
             hit_cell=self._cell(counts, at.OUT_TUNNEL_IX if tunnelled else at.OUT_HIT_IX),
             hit_state=CellState(int(counts[at.OUT_HIT_STATE])).word,
-            overlap_step=int(counts[at.OUT_OVERLAP_STEP]),
+            overlap_step=int(counts[at.OUT_OVERLAP_STEP]) if overlapped else -1,
             overlap_cell=self._cell(counts, at.OUT_OVERLAP_IX),
+            cause=cause,
+            cause_step=cause_step,
+            wall_step=int(counts[at.OUT_IN_WALL_STEP]) if keeps_going else -1,
+            complete=not self.options.thesis.random,
             random_draws=int(progress.mode[at.DRAWS_USED]),
             trace=None if rows is None else self._trace(rows),
         )
@@ -188,8 +267,22 @@ class ThesisRun:
             path_step=np.arange(len(rows)),
             words=_digest_words(rows[1:]),
             states=np.ascontiguousarray(rows[:, : at.ROW_MODE + at.MODE_STATE_SIZE]).view(np.uint64),
-            complete=True,
+            complete=not self.options.thesis.random,
         )
+
+
+def _drift(poses: Floats) -> tuple[int, int]:
+    """Shortest period in which poses come back but for rounding until the end, and from where on; 0 if none."""
+    near = (np.abs(poses - poses[-1]) < _DRIFT).all(axis=1)
+    for last in np.flatnonzero(near[:-1])[::-1]:
+        period = len(poses) - 1 - int(last)
+        if _DRIFT_PERIODS * period > len(poses):
+            break
+        away = np.flatnonzero((np.abs(poses[period:] - poses[:-period]) >= _DRIFT).any(axis=1))
+        entry = int(away[-1]) + 1 if len(away) else 0
+        if len(poses) - 1 - entry >= _DRIFT_PERIODS * period:
+            return period, entry
+    return 0, 0
 
 
 def _digest_words(rows: Floats) -> npt.NDArray[np.uint64]:

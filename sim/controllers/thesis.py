@@ -23,7 +23,7 @@ from sim.controllers.base import CompiledController
 from sim.kernels import layout, thesis_arbiter
 from sim.kernels._jit import kernel
 from sim.kernels.lattice_sense import turn_towards
-from sim.kernels.thesis_arbiter import run_behaviour, select_behaviour
+from sim.kernels.thesis_arbiter import A0, run_behaviour, select_behaviour
 
 __all__ = ["turn_left", "turn_random", "turn_right"]
 
@@ -60,7 +60,7 @@ def _act(observation: Floats, memory: Floats, command: Floats, rule: int) -> Non
     signal = int(math.floor(observation[layout.OBS_SIGNAL_HEADING] * _UNITS + 0.5)) % layout.TURN
     target = int(memory[TARGET])
     behaviour, counter, taken = select_behaviour(
-        int(memory[BEHAVIOUR]), int(memory[COUNTER]), collision, target == signal, COLLIDE_TICKS, DRIVE_TICKS
+        A0, int(memory[BEHAVIOUR]), int(memory[COUNTER]), collision, target == signal, COLLIDE_TICKS, DRIVE_TICKS
     )
     if taken and behaviour == thesis_arbiter.COLLIDE:
         memory[OLD_SPEED], memory[SPEED] = memory[SPEED], 0.0

@@ -1,8 +1,9 @@
 """The thesis's motion: forward in steps of one pixel until something is touched, with its three faults.
 
 It slides along a wall after looking at one cell only, backs off without looking, and goes on where only the
-corner of a cell is touched; so a robot that turns often works itself into walls and through them. Any
-controller can be moved by it.
+corner of a cell is touched; so a robot that turns often works itself into walls and through them. Each fault
+can be repaired; with all three repaired the disc only ever stands where it was found clear. Any controller can
+be moved by it.
 
 Source: the thesis's listing, ``simGuiExp.checkCollision`` and ``advanceRobot``; the disc test is Java's
 ``Ellipse2D.intersects``.
@@ -18,11 +19,31 @@ import numpy.typing as npt
 from sim.kernels._jit import kernel
 from sim.kernels.thesis_layout import CELL, WALL
 
-__all__ = ["advance", "clamp_inside", "disc_touches_cell"]
+__all__ = [
+    "BACK_OFF",
+    "CORNER",
+    "REPAIR_BACK_OFF",
+    "REPAIR_CORNER",
+    "REPAIR_SLIDE",
+    "SLIDE",
+    "STRAIGHT",
+    "advance",
+    "clamp_inside",
+    "disc_touches_cell",
+]
 
 Cells = npt.NDArray[np.int32]
 
-_FREE, _TOUCH_X, _TOUCH_Y = 0, 1, 2  # which of the two single-axis moves also touch; both is 3
+# What one pixel's step meets: nothing; a wall that also one of the two single-axis moves, or both, would touch;
+# or only the corner of a cell.
+_FREE, _TOUCH_X, _TOUCH_Y, _TOUCH_BOTH, _TOUCH_CORNER = 0, 1, 2, 3, 4
+
+# How a tick's move ends: as it began; sliding; backing off, or standing still if that is repaired; and, instead
+# of STRAIGHT, having gone on past a corner that it touched.
+STRAIGHT, SLIDE, BACK_OFF, CORNER = 0, 1, 2, 3
+
+# Bits of `repairs`.
+REPAIR_SLIDE, REPAIR_BACK_OFF, REPAIR_CORNER = 1, 2, 4
 
 
 @kernel
@@ -46,24 +67,39 @@ def disc_touches_cell(x: float, y: float, radius: float, cell_x: int, cell_y: in
 
 @kernel
 def _contact(cells: Cells, x: float, y: float, previous_x: float, previous_y: float, radius: float) -> int:
-    """What one pixel's step meets: ``_FREE``, or which of its single-axis parts touch the cell it touches.
+    """What one pixel's step meets, ``_FREE`` to ``_TOUCH_CORNER``: the first wall that a single-axis part touches.
 
     Rows outside the grid are skipped, where the listing leaves its loop: the same inside a border of walls.
     """
     beyond = x >= cells.shape[0] * CELL - radius or y >= cells.shape[1] * CELL - radius
     centre_x, centre_y = int(x / CELL), int(y / CELL)
     reach = int(math.ceil(radius / CELL))
+    found = _FREE
     for cell_y in range(min(centre_y + reach, cells.shape[1] - 1), max(centre_y - reach, 0) - 1, -1):
         for cell_x in range(max(centre_x - reach, 0), min(centre_x + reach, cells.shape[0] - 1) + 1):
-            wall = cells[cell_x, cell_y] == WALL
-            if not (beyond or (wall and disc_touches_cell(x, y, radius, cell_x, cell_y))):
+            wall = cells[cell_x, cell_y] == WALL and disc_touches_cell(x, y, radius, cell_x, cell_y)
+            if not (beyond or wall):
                 continue
             touched = _TOUCH_X if disc_touches_cell(x, previous_y, radius, cell_x, cell_y) else _FREE
             if disc_touches_cell(previous_x, y, radius, cell_x, cell_y):
                 touched += _TOUCH_Y
             if touched != _FREE:
                 return touched
-    return _FREE
+            if wall:
+                found = _TOUCH_CORNER
+    return found
+
+
+@kernel
+def _is_clear(cells: Cells, x: float, y: float, radius: float) -> bool:
+    """Whether the disc touches no wall."""
+    centre_x, centre_y = int(x / CELL), int(y / CELL)
+    reach = int(math.ceil(radius / CELL))
+    for cell_y in range(max(centre_y - reach, 0), min(centre_y + reach, cells.shape[1] - 1) + 1):
+        for cell_x in range(max(centre_x - reach, 0), min(centre_x + reach, cells.shape[0] - 1) + 1):
+            if cells[cell_x, cell_y] == WALL and disc_touches_cell(x, y, radius, cell_x, cell_y):
+                return False
+    return True
 
 
 @kernel
@@ -76,7 +112,9 @@ def clamp_inside(cells: Cells, x: float, y: float, radius: float) -> tuple[float
 
 
 @kernel
-def advance(cells: Cells, x: float, y: float, goal_x: float, goal_y: float, radius: float) -> tuple[float, float, bool]:
+def advance(
+    cells: Cells, x: float, y: float, goal_x: float, goal_y: float, radius: float, repairs: int, wall_friction: float
+) -> tuple[float, float, bool, int, float, float]:
     """Moves the disc towards a goal, px by px, as the thesis does.
 
     Args:
@@ -86,30 +124,70 @@ def advance(cells: Cells, x: float, y: float, goal_x: float, goal_y: float, radi
         goal_x: Where the tick's motion would lead, px; finite, a few cells away at most.
         goal_y: Likewise.
         radius: px.
+        repairs: Which faults are repaired, bits ``REPAIR_SLIDE``, ``REPAIR_BACK_OFF``, ``REPAIR_CORNER``.
+        wall_friction: Share of a slide that friction takes, 0 to 1.
 
     Returns:
-        The centre afterwards, and whether the listing's collision flag is up.
+        The centre afterwards; whether the listing's collision flag is up; how the move ended, ``STRAIGHT`` to
+        ``CORNER``; and the centre before the wall changed the move, which is the first again if none did.
     """
     way_x, way_y = goal_x - x, goal_y - y
     length = math.sqrt(way_x * way_x + way_y * way_y)
     if length == 0.0:  # the listing divides by it and compares with nan: nothing moves
         x, y = clamp_inside(cells, x, y, radius)
-        return x, y, False
+        return x, y, False, STRAIGHT, x, y
     unit_x, unit_y = 1.0 / length * way_x, 1.0 / length * way_y
     gone_x, gone_y = unit_x, unit_y
     here_x, here_y = x, y
     next_x, next_y = x + gone_x, y + gone_y
-    collision = False
+    ending = STRAIGHT
     while abs(gone_x) < abs(way_x) or abs(gone_y) < abs(way_y):
         touched = _contact(cells, next_x, next_y, here_x, here_y, radius)
-        if touched != _FREE:
-            collision = True
-            here_x = next_x if touched == _TOUCH_Y else here_x - unit_x
-            here_y = next_y if touched == _TOUCH_X else here_y - unit_y
-            break
+        if touched == _TOUCH_CORNER:
+            ending = CORNER
+            if repairs & REPAIR_CORNER:
+                touched = _TOUCH_BOTH
+        if touched in (_TOUCH_X, _TOUCH_Y, _TOUCH_BOTH):
+            before_x, before_y = here_x, here_y
+            here_x, here_y, ending = _meet_wall(
+                cells, here_x, here_y, next_x, next_y, unit_x, unit_y, radius, touched, repairs, wall_friction
+            )
+            here_x, here_y = clamp_inside(cells, here_x, here_y, radius)
+            return here_x, here_y, True, ending, before_x, before_y
         gone_x += unit_x
         gone_y += unit_y
         here_x, here_y = next_x, next_y
         next_x, next_y = x + gone_x, y + gone_y
     here_x, here_y = clamp_inside(cells, here_x, here_y, radius)
-    return here_x, here_y, collision
+    return here_x, here_y, False, ending, here_x, here_y
+
+
+@kernel
+def _meet_wall(
+    cells: Cells,
+    here_x: float,
+    here_y: float,
+    next_x: float,
+    next_y: float,
+    unit_x: float,
+    unit_y: float,
+    radius: float,
+    touched: int,
+    repairs: int,
+    wall_friction: float,
+) -> tuple[float, float, int]:
+    """The centre after a pixel's step that meets a wall, and ``SLIDE`` or ``BACK_OFF``.
+
+    A slide goes on along one axis, and one pixel's part back along the other.
+    """
+    if touched != _TOUCH_BOTH:
+        to_x, to_y = here_x - unit_x, here_y - unit_y
+        if touched == _TOUCH_Y:
+            to_x = next_x if wall_friction == 0.0 else here_x + (1.0 - wall_friction) * unit_x
+        else:
+            to_y = next_y if wall_friction == 0.0 else here_y + (1.0 - wall_friction) * unit_y
+        if not repairs & REPAIR_SLIDE or _is_clear(cells, to_x, to_y, radius):
+            return to_x, to_y, SLIDE
+    if repairs & REPAIR_BACK_OFF:
+        return here_x, here_y, BACK_OFF
+    return here_x - unit_x, here_y - unit_y, BACK_OFF

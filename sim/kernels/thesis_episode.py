@@ -1,4 +1,4 @@
-"""Whole runs of the thesis's robot: a tick, an episode, and where its endless loop begins.
+"""Whole runs of the thesis's robot: a tick, and an episode.
 
 A tick: events that are due, then the move at the present speed, then the arbiter, whose turn takes effect at
 once and whose speed drives the next tick.
@@ -16,13 +16,18 @@ import numpy.typing as npt
 from sim.kernels import thesis_layout as at
 from sim.kernels._jit import allocating_kernel, kernel
 from sim.kernels.fdlibm import cos, float_bits, sin
+from sim.kernels.lattice_sense import random_draw
 from sim.kernels.layout import BURNING, SOLID
-from sim.kernels.stepped_motion import advance, clamp_inside
+from sim.kernels.stepped_motion import CORNER, SLIDE, STRAIGHT, advance, clamp_inside
 from sim.kernels.thesis_arbiter import (
+    A1,
+    A2,
+    A3,
     COLLIDE,
     GO,
     HALT,
     IDLE,
+    INTERRUPTIBLE,
     RESUME,
     SEEK,
     TURN,
@@ -30,9 +35,9 @@ from sim.kernels.thesis_arbiter import (
     select_behaviour,
 )
 from sim.kernels.thesis_layout import CELL, FLAME, WALL, Arena, Progress, Setup
-from sim.kernels.thesis_signal import signal_direction, turn_towards
+from sim.kernels.thesis_signal import sensed_direction, turn_towards
 
-__all__ = ["loop_entry", "thesis_episode", "thesis_tick"]
+__all__ = ["thesis_episode", "thesis_tick"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -41,11 +46,14 @@ Cells = npt.NDArray[np.int32]
 _TWO_PI = 2.0 * math.pi
 _HALF_PI = math.pi / 2.0
 _WORD = 0xFFFFFFFF
+_SLIP = 2**16 - 1  # of the random numbers of a tick, the one that the sensor does not use
 _LEAST_CROSSING = 1e-6  # px; a shorter way through a wall is rounding, and no checker could confirm it
 
 
 @kernel
-def thesis_tick(cells: Cells, setup: Setup, draws: Floats, state: Floats, mode: Ints) -> bool:
+def thesis_tick(
+    cells: Cells, setup: Setup, draws: Floats, state: Floats, mode: Ints, step: int
+) -> tuple[bool, float, float]:
     """Moves the robot and lets the behaviours act.
 
     Args:
@@ -54,39 +62,100 @@ def thesis_tick(cells: Cells, setup: Setup, draws: Floats, state: Floats, mode: 
         draws: Random numbers in [0, 1) for rule 3, in order.
         state: Changed in place.
         mode: Likewise.
+        step: Number of the tick, from 1.
 
     Returns:
-        False if the tick needs a draw and none is left; then nothing has changed.
+        False if the tick needs a draw and none is left, then nothing has changed; and the centre before a wall
+        changed the move.
     """
-    x, y, heading, speed = state[at.X], state[at.Y], state[at.HEADING], state[at.SPEED]
-    collision = False
-    if speed == 0.0:  # most ticks only turn: 12.9 M ticks/s become 15.5 M
-        x, y = clamp_inside(cells, x, y, setup.radius)
-    else:
-        goal_x = x - cos(heading) * speed * setup.time_step
-        goal_y = y - sin(heading) * speed * setup.time_step
-        x, y, collision = advance(cells, x, y, goal_x, goal_y, setup.radius)
-    before, target, old_speed = mode[at.BEHAVIOUR], state[at.TARGET_HEADING], state[at.OLD_SPEED]
-    signal = 0.0
-    if before == SEEK or (before == IDLE and not collision):
-        signal = signal_direction(cells, x, y, setup.sense)
-    active, ticks, taken = select_behaviour(
-        before, mode[at.TICKS_LEFT], collision, target == signal, setup.collide_ticks, setup.drive_ticks
+    x, y, collision, move, before_x, before_y, rolling = _move(cells, setup, state, step)
+    old = mode[at.BEHAVIOUR]
+    behaviour, ticks, reading = old, mode[at.TICKS_LEFT], setup.reading
+    heading, target = state[at.HEADING], state[at.TARGET_HEADING]
+    speed, old_speed = state[at.SPEED], state[at.OLD_SPEED]
+    signal, acted, draws_used = 0.0, IDLE, mode[at.DRAWS_USED]
+    if old == SEEK or (not collision and (old == IDLE or reading >= A2)):
+        signal = sensed_direction(cells, x, y, heading, setup, step)
+    if old != IDLE and reading in (A2, A3):  # act, then look who is next
+        acted = old
+        heading, target, speed, behaviour, ticks = _act(
+            old, ticks, collision, heading, target, speed, old_speed, signal, setup
+        )
+        if behaviour == IDLE and not collision:
+            signal = sensed_direction(cells, x, y, heading, setup, step)
+    at_signal = target == signal and (reading != INTERRUPTIBLE or heading == signal)
+    chosen, ticks, taken = select_behaviour(
+        reading, behaviour, ticks, collision, at_signal, setup.collide_ticks, setup.drive_ticks
     )
-    if taken and active == COLLIDE:
-        if setup.rule == 3 and mode[at.DRAWS_USED] >= draws.shape[0]:
-            return False
+    escapes = taken and chosen == COLLIDE
+    if escapes:
+        if setup.rule == 3 and draws_used >= draws.shape[0]:
+            return False, x, y
         old_speed, speed = speed, 0.0
         if setup.rule == 1:
             target = np.fmod(heading + _HALF_PI, _TWO_PI)
         elif setup.rule == 2:
             target = np.fmod(heading - _HALF_PI, _TWO_PI)
         else:
-            target = draws[mode[at.DRAWS_USED]] * _TWO_PI
-            mode[at.DRAWS_USED] += 1
-    elif active == SEEK:
+            target = draws[draws_used] * _TWO_PI
+            draws_used += 1
+    waits = reading == A2 or (reading == A1 and taken) or (reading == A3 and behaviour != IDLE)
+    if not waits:
+        acted = chosen
+        heading, target, speed, chosen, ticks = _act(
+            chosen, ticks, collision, heading, target, speed, old_speed, signal, setup
+        )
+    state[at.X], state[at.Y], state[at.HEADING], state[at.ROLLING] = x, y, heading, rolling
+    state[at.TARGET_HEADING], state[at.SPEED], state[at.OLD_SPEED] = target, speed, old_speed
+    mode[at.COLLISION], mode[at.BEHAVIOUR], mode[at.DRAWS_USED] = int(collision), chosen, draws_used
+    mode[at.TICKS_LEFT], mode[at.ACTIVE], mode[at.MOVE] = ticks, acted, move
+    mode[at.ESCAPES] = int(escapes)
+    return True, before_x, before_y
+
+
+@kernel
+def _move(cells: Cells, setup: Setup, state: Floats, step: int) -> tuple[float, float, bool, int, float, float, float]:
+    """The tick's move: what :func:`sim.kernels.stepped_motion.advance` returns, and the rolling speed then."""
+    x, y, wanted, rolling = state[at.X], state[at.Y], state[at.SPEED], state[at.ROLLING]
+    if rolling < wanted:
+        gain = setup.acceleration * setup.time_step
+        rolling = wanted if gain == 0.0 else min(rolling + gain, wanted)
+    elif rolling > wanted:
+        loss = setup.friction * setup.time_step
+        rolling = wanted if loss == 0.0 else max(rolling - loss, wanted)
+    if rolling == 0.0:  # most ticks only turn: 12.9 M ticks/s become 15.5 M
+        x, y = clamp_inside(cells, x, y, setup.radius)
+        return x, y, False, STRAIGHT, x, y, rolling
+    way = rolling
+    if setup.slip > 0.0:
+        way *= 1.0 - setup.slip * random_draw(setup.seed, step * 2**16 + _SLIP)
+    heading = state[at.HEADING]
+    goal_x = x - cos(heading) * way * setup.time_step
+    goal_y = y - sin(heading) * way * setup.time_step
+    x, y, collision, move, before_x, before_y = advance(
+        cells, x, y, goal_x, goal_y, setup.radius, setup.repairs, setup.wall_friction
+    )
+    if collision and (setup.acceleration > 0.0 or setup.friction > 0.0):
+        rolling = rolling * (1.0 - setup.wall_friction) if move == SLIDE else 0.0
+    return x, y, collision, move, before_x, before_y, rolling
+
+
+@kernel
+def _act(
+    behaviour: int,
+    ticks: int,
+    collision: bool,
+    heading: float,
+    target: float,
+    speed: float,
+    old_speed: float,
+    signal: float,
+    setup: Setup,
+) -> tuple[float, float, float, int, int]:
+    """Lets the behaviour in charge act: heading, target heading, speed, who is in charge then, its counter."""
+    if behaviour == SEEK:
         target = signal
-    wheels, behaviour, ticks = run_behaviour(active, ticks, collision, heading == target)
+    wheels, behaviour, ticks = run_behaviour(behaviour, ticks, collision, heading == target)
     if wheels == TURN:
         heading = turn_towards(heading, target)
     if wheels in (TURN, HALT):
@@ -95,11 +164,7 @@ def thesis_tick(cells: Cells, setup: Setup, draws: Floats, state: Floats, mode: 
         speed = setup.speed
     elif wheels == RESUME:
         speed = old_speed
-    state[at.X], state[at.Y], state[at.HEADING] = x, y, heading
-    state[at.TARGET_HEADING], state[at.SPEED], state[at.OLD_SPEED] = target, speed, old_speed
-    mode[at.COLLISION], mode[at.BEHAVIOUR] = int(collision), behaviour
-    mode[at.TICKS_LEFT], mode[at.ACTIVE] = ticks, active
-    return True
+    return heading, target, speed, behaviour, ticks
 
 
 @kernel
@@ -108,6 +173,17 @@ def _gap(x: float, y: float, cell_x: int, cell_y: int) -> float:
     dx = max(cell_x * CELL - x, 0.0, x - (cell_x + 1) * CELL)
     dy = max(cell_y * CELL - y, 0.0, y - (cell_y + 1) * CELL)
     return math.sqrt(dx * dx + dy * dy)
+
+
+@kernel
+def _overlaps(cells: Cells, x: float, y: float, radius: float) -> bool:
+    """Whether the disc cuts a wall by more than rounding."""
+    reach = int(math.ceil(radius / CELL))
+    for cell_y in range(max(int(y / CELL) - reach, 0), min(int(y / CELL) + reach, cells.shape[1] - 1) + 1):
+        for cell_x in range(max(int(x / CELL) - reach, 0), min(int(x / CELL) + reach, cells.shape[0] - 1) + 1):
+            if cells[cell_x, cell_y] == WALL and radius - _gap(x, y, cell_x, cell_y) > _LEAST_CROSSING:
+                return True
+    return False
 
 
 @kernel
@@ -126,8 +202,12 @@ def _apply_events(arena: Arena, setup: Setup, step: int, state: Floats, counts: 
 
 
 @kernel
-def _judge_place(arena: Arena, setup: Setup, step: int, state: Floats, counts: Ints, sums: Floats) -> None:
-    """Notes what the robot touches where the tick ends: walls, flames, cells that it had not been in."""
+def _judge_place(arena: Arena, setup: Setup, step: int, before: tuple[float, float], run: Progress) -> None:
+    """Notes what the robot touches where the tick ends: walls, flames, cells that it had not been in.
+
+    ``before`` is the centre before a wall changed the tick's move: what overlaps there already, a corner let in.
+    """
+    state, counts, sums = run.state, run.counts, run.sums
     x, y = state[at.X], state[at.Y]
     own_x, own_y = int(x / CELL), int(y / CELL)
     reach = int(math.ceil(setup.radius / CELL))
@@ -144,9 +224,17 @@ def _judge_place(arena: Arena, setup: Setup, step: int, state: Floats, counts: I
                 counts[at.OUT_ENDING], counts[at.OUT_HIT_STATE] = at.BURNED, BURNING
                 counts[at.OUT_HIT_STEP], counts[at.OUT_HIT_IX], counts[at.OUT_HIT_IY] = step, cell_x, cell_y
     sums[at.SUM_OVERLAP] = max(sums[at.SUM_OVERLAP], deepest)
+    if deepest <= _LEAST_CROSSING:
+        counts[at.OVERLAP_BEGAN] = -1
+    elif counts[at.OVERLAP_BEGAN] < 0:
+        counts[at.OVERLAP_BEGAN], counts[at.OVERLAP_CAUSE] = step, run.mode[at.MOVE]
+        if _overlaps(arena.cells, before[0], before[1], setup.radius):
+            counts[at.OVERLAP_CAUSE] = CORNER
     if deepest > setup.tolerance and counts[at.OUT_OVERLAP_STEP] < 0:
         counts[at.OUT_OVERLAP_STEP] = step
         counts[at.OUT_OVERLAP_IX], counts[at.OUT_OVERLAP_IY] = deepest_x, deepest_y
+        counts[at.OUT_OVERLAP_BEGAN] = counts[at.OVERLAP_BEGAN]
+        counts[at.OUT_OVERLAP_CAUSE] = counts[at.OVERLAP_CAUSE]
     if arena.cells[own_x, own_y] == WALL and counts[at.OUT_IN_WALL_STEP] < 0:
         counts[at.OUT_IN_WALL_STEP] = step
         counts[at.OUT_IN_WALL_IX], counts[at.OUT_IN_WALL_IY] = own_x, own_y
@@ -193,6 +281,8 @@ def _judge_way(
             if _way_inside(x, y, dx, dy, cell_x, cell_y) * length > _LEAST_CROSSING:
                 counts[at.OUT_TUNNEL_STEP] = step
                 counts[at.OUT_TUNNEL_IX], counts[at.OUT_TUNNEL_IY] = cell_x, cell_y
+                counts[at.OUT_TUNNEL_BEGAN] = counts[at.OVERLAP_BEGAN]
+                counts[at.OUT_TUNNEL_CAUSE] = counts[at.OVERLAP_CAUSE]
     if setup.stop_at_tunnel == 1 and counts[at.OUT_TUNNEL_STEP] >= 0 and counts[at.OUT_ENDING] == at.LIMIT:
         counts[at.OUT_ENDING] = at.TUNNEL
 
@@ -283,15 +373,16 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
             changed = True
         if setup.find_loop == 1 and counts[at.ANCHOR_POWER] == 0 and counts[at.NEXT_EVENT] == arena.events.shape[0]:
             _drop_anchor(run)
-        x, y, before, touched = state[at.X], state[at.Y], mode[at.BEHAVIOUR], mode[at.COLLISION]
+        x, y, touched = state[at.X], state[at.Y], mode[at.COLLISION]
         if counts[at.OUT_ENDING] == at.LIMIT:
-            if not thesis_tick(cells, setup, draws, state, mode):
+            done, before_x, before_y = thesis_tick(cells, setup, draws, state, mode, step)
+            if not done:
                 counts[at.OUT_ENDING] = at.NEEDS_DRAWS
                 return
             counts[at.OUT_COLLISIONS] += 1 if mode[at.COLLISION] == 1 and touched == 0 else 0
-            counts[at.OUT_ACTIVATIONS] += 1 if mode[at.ACTIVE] == COLLIDE and before == IDLE else 0
+            counts[at.OUT_ACTIVATIONS] += mode[at.ESCAPES]
             if changed or state[at.X] != x or state[at.Y] != y:
-                _judge_place(arena, setup, step, state, counts, run.sums)
+                _judge_place(arena, setup, step, (before_x, before_y), run)
                 _judge_way(arena, setup, step, x, y, state, counts, run.sums)
             if counts[at.OUT_ENDING] == at.LIMIT and cells[int(state[at.X] / CELL), int(state[at.Y] / CELL)] == 0:
                 counts[at.OUT_ENDING] = at.REACHED
@@ -307,36 +398,3 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
                 _drop_anchor(run)
         if counts[at.OUT_ENDING] != at.LIMIT:
             break
-
-
-@allocating_kernel
-def loop_entry(arena: Arena, setup: Setup, draws: Floats, tail: Progress, lead: Progress, period: int) -> int:
-    """First step mu from which on every state comes back after ``period`` steps, by two runs that far apart.
-
-    Args:
-        setup: As in the episode that found the loop.
-        arena: Fresh, as before that episode.
-        draws: As there.
-        tail: A fresh run.
-        lead: Another.
-        period: What the episode reported.
-
-    Returns:
-        mu, 0 for the initial state; not before the last event. -1 if there is none within ``setup.steps``.
-    """
-    events = arena.events.shape[0]
-    entry = max(arena.events[events - 1, 0] - 1, 0) if events > 0 else 0
-    for step in range(1, entry + 1):
-        _apply_events(arena, setup, step, tail.state, tail.counts)
-        thesis_tick(arena.cells, setup, draws, tail.state, tail.mode)
-    _apply_events(arena, setup, entry + 1, tail.state, tail.counts)
-    _copy_state(tail.state, tail.mode, lead.state, lead.mode)
-    for _ in range(period):
-        thesis_tick(arena.cells, setup, draws, lead.state, lead.mode)
-    while not _same_state(tail.state, tail.mode, lead.state, lead.mode):
-        if entry >= setup.steps:
-            return -1
-        thesis_tick(arena.cells, setup, draws, tail.state, tail.mode)
-        thesis_tick(arena.cells, setup, draws, lead.state, lead.mode)
-        entry += 1
-    return entry

@@ -18,17 +18,20 @@ import numpy.typing as npt
 from sim.kernels.layout import BURNED, LIMIT, LOOP, REACHED, TUNNEL
 
 __all__ = [
+    "BLOCKED",
     "BURNED",
     "CELL",
     "FLAME",
     "LIMIT",
     "LOOP",
     "NEEDS_DRAWS",
+    "OPEN",
     "REACHED",
     "ROBOT_RADIUS",
     "ROBOT_SPEED",
     "TUNNEL",
     "WALL",
+    "WEAKENED",
     "Arena",
     "Progress",
     "Setup",
@@ -44,18 +47,23 @@ ROBOT_SPEED = 0.2  # px per ms; at 15 ms a tick moves 2 or 3 px, decided by the 
 WALL = -2  # signal value of a wall, as in the thesis's map files
 FLAME = -3  # ours; the thesis has no fire
 
+OPEN, WEAKENED, BLOCKED = 0, 1, 2  # what walls do to the signal
+
 # An ending beside those of sim.kernels.layout: no draw was left; append some and call again.
 NEEDS_DRAWS = 6
 
 # state (float64)
-X, Y, HEADING, TARGET_HEADING, SPEED, OLD_SPEED = 0, 1, 2, 3, 4, 5
-STATE_SIZE = 6
+# ROLLING is the speed at which the robot really moves; with neither inertia nor friction it is SPEED.
+X, Y, HEADING, TARGET_HEADING, SPEED, OLD_SPEED, ROLLING = 0, 1, 2, 3, 4, 5, 6
+STATE_SIZE = 7
 
 # mode (int64). BEHAVIOUR is IDLE when nobody is in charge; TICKS_LEFT is 0 unless collide or drive is.
 COLLISION, BEHAVIOUR, TICKS_LEFT, DRAWS_USED = 0, 1, 2, 3
 MODE_STATE_SIZE = 4  # up to here: with `state` all that decides the future
 ACTIVE = 4  # behaviour that acted in the last tick
-MODE_SIZE = 5
+MOVE = 5  # how the last tick's move ended, see sim.kernels.stepped_motion
+ESCAPES = 6  # 1 if the collide behaviour took control in the last tick
+MODE_SIZE = 7
 
 # counts (int64): reports and book-keeping; a step that never came is -1.
 OUT_ENDING, OUT_STEPS, OUT_PERIOD, OUT_COLLISIONS, OUT_LAST_NEW_CELL = 0, 1, 2, 3, 4
@@ -67,7 +75,9 @@ OUT_TUNNEL_STEP, OUT_TUNNEL_IX, OUT_TUNNEL_IY = 14, 15, 16  # first tick whose s
 OUT_IN_WALL_STEP, OUT_IN_WALL_IX, OUT_IN_WALL_IY = 17, 18, 19  # first tick that ends with the centre in one
 NEXT_EVENT, ANCHOR_AGE, ANCHOR_POWER = 20, 21, 22
 TRACE_START = 23  # step before the first row of the trace, for recordings in pieces
-COUNTS_SIZE = 24
+OVERLAP_BEGAN, OVERLAP_CAUSE = 24, 25  # of the overlap that lasts now: its first step (-1: none), its move
+OUT_OVERLAP_BEGAN, OUT_OVERLAP_CAUSE, OUT_TUNNEL_BEGAN, OUT_TUNNEL_CAUSE = 26, 27, 28, 29  # as they were then
+COUNTS_SIZE = 30
 
 # sums (float64), px: driven length; deepest overlap at the end of a tick
 SUM_PATH, SUM_OVERLAP = 0, 1
@@ -95,6 +105,19 @@ class Setup(NamedTuple):
         steps: Ticks at most.
         find_loop: 1 to end at an exact recurrence of the complete state, after the last event; else 0.
         stop_at_tunnel: 1 to end as ``TUNNEL`` when the centre's way enters a wall; else 0.
+        reading: Of the arbiter, see :mod:`sim.kernels.thesis_arbiter`.
+        repairs: Bits of the faults of the motion that are repaired, see :mod:`sim.kernels.stepped_motion`.
+        acceleration: px per ms gained in a ms at most; 0 for at once.
+        friction: px per ms lost in a ms by a robot that rolls out; 0 for at once.
+        wall_friction: Share of a slide that friction takes.
+        slip: Largest share of a tick's way that is lost.
+        sensor_field: Angle that the sensor looks into, rad; 0 for all round.
+        sensor_noise: Largest share by which a reading is wrong.
+        signal: ``OPEN``, ``WEAKENED`` or ``BLOCKED`` by walls on its straight way.
+        map_scale: Side of a cell of the robot's map, cells.
+        target_x: Column of the target's cell, where the signal comes from.
+        target_y: Its row.
+        seed: Of slip and sensor noise, not negative.
     """
 
     rule: int
@@ -108,6 +131,19 @@ class Setup(NamedTuple):
     steps: int = 20_000
     find_loop: int = 0
     stop_at_tunnel: int = 0
+    reading: int = 0
+    repairs: int = 0
+    acceleration: float = 0.0
+    friction: float = 0.0
+    wall_friction: float = 0.0
+    slip: float = 0.0
+    sensor_field: float = 0.0
+    sensor_noise: float = 0.0
+    signal: int = 0
+    map_scale: int = 1
+    target_x: int = 0
+    target_y: int = 0
+    seed: int = 0
 
 
 class Arena(NamedTuple):
@@ -161,9 +197,9 @@ def new_arena(
 
 def new_progress(x: float, y: float, heading: float, speed: float = ROBOT_SPEED) -> Progress:
     """A run before its first tick: driving already, aiming at heading 0, nobody in charge, as the thesis's."""
-    state = np.array([x, y, heading, 0.0, speed, speed], np.float64)
-    mode = np.array([0, -1, 0, 0, -1], np.int64)
+    state = np.array([x, y, heading, 0.0, speed, speed, speed], np.float64)
+    mode = np.array([0, -1, 0, 0, -1, 0, 0], np.int64)
     counts = np.zeros(COUNTS_SIZE, np.int64)
-    counts[[OUT_HIT_STEP, OUT_OVERLAP_STEP, OUT_TUNNEL_STEP, OUT_IN_WALL_STEP]] = -1
+    counts[[OUT_HIT_STEP, OUT_OVERLAP_STEP, OUT_TUNNEL_STEP, OUT_IN_WALL_STEP, OVERLAP_BEGAN]] = -1
     counts[OUT_DIGEST] = _HASH_START
     return Progress(state, mode, state.copy(), mode.copy(), counts, np.zeros(SUM_SIZE))

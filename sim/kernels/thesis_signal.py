@@ -1,5 +1,8 @@
 """The thesis's light: the map of its strength, the noise filter, and how the robot reads and follows it.
 
+What its author left to be done is here too: a sensor that looks one way only, or errs; walls that weaken or end
+the light behind them; a robot whose own map is coarser than the world.
+
 Source: the thesis's listing, ``Grid.lightGridGenrtr``, ``simWorldCreator.noiseMapGen``,
 ``simGuiExp.scanMultipleCells``, ``calcHeading`` and ``robot.turnS``.
 """
@@ -13,15 +16,27 @@ import numpy.typing as npt
 
 from sim.kernels._jit import allocating_kernel, kernel
 from sim.kernels.fdlibm import atan
-from sim.kernels.thesis_layout import CELL, WALL
+from sim.kernels.lattice_sense import random_draw
+from sim.kernels.thesis_layout import BLOCKED, CELL, OPEN, WALL, Setup
 
-__all__ = ["add_noise", "bearing", "signal_direction", "signal_map", "turn_towards"]
+__all__ = [
+    "add_noise",
+    "bearing",
+    "sensed_direction",
+    "signal_direction",
+    "signal_map",
+    "turn_towards",
+    "walls_between",
+]
 
 Cells = npt.NDArray[np.int32]
 
 _TWO_PI = 2.0 * math.pi
 _TURN_STEP = 0.08  # rad per tick
 _TURN_SNAP = 0.2  # rad; nearer than this the robot takes the heading at once
+_DARK = 2.0**30  # what is read where no light comes: weaker than any signal
+_MOST_HALVINGS = 30  # walls that weaken; behind more it is as dark
+_READINGS = 2**16  # random numbers of one tick; the last of them is the slip's
 _NOISE_REACH = 2  # cells round a wall whose signal the filter changes
 
 
@@ -84,6 +99,121 @@ def signal_direction(cells: Cells, x: float, y: float, sense: int) -> float:
             if 0 <= value < lowest:
                 lowest, best_x, best_y = value, cell_x, cell_y
     return bearing((best_x + 0.5) * CELL - x, (best_y + 0.5) * CELL - y)
+
+
+@kernel
+def walls_between(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
+    """Walls whose inside the straight line between two cells' centres crosses, the two cells left out.
+
+    A line exactly through a corner crosses none of the two cells beside it.
+
+    Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987;
+    here in whole numbers.
+    """
+    way_x, way_y = abs(to_x - x), abs(to_y - y)
+    step_x, step_y = (1 if to_x > x else -1), (1 if to_y > y else -1)
+    gone_x, gone_y, walls = 0, 0, 0
+    while gone_x < way_x or gone_y < way_y:
+        ahead = (1 + 2 * gone_x) * way_y - (1 + 2 * gone_y) * way_x  # below 0: the next edge crossed is vertical
+        if ahead <= 0:
+            gone_x += 1
+        if ahead >= 0:
+            gone_y += 1
+        on_x, on_y = x + step_x * gone_x, y + step_y * gone_y
+        if cells[on_x, on_y] == WALL and not (on_x == to_x and on_y == to_y):
+            walls += 1
+    return walls
+
+
+@kernel
+def _reading(cells: Cells, x: int, y: int, setup: Setup) -> float:
+    """Signal of a cell as it comes through the walls; below 0 where there is none."""
+    value = float(cells[x, y])
+    if value <= 0.0 or setup.signal == OPEN:
+        return value
+    walls = walls_between(cells, x, y, setup.target_x, setup.target_y)
+    if walls == 0:
+        return value
+    return _DARK if setup.signal == BLOCKED or walls > _MOST_HALVINGS else min(value * 2.0**walls, _DARK)
+
+
+@kernel
+def _block_reading(cells: Cells, block_x: int, block_y: int, setup: Setup) -> float:
+    """Best signal in a block of the robot's map; -1 if it has none, as in a block of walls."""
+    best = -1.0
+    for y in range(block_y * setup.map_scale, min((block_y + 1) * setup.map_scale, cells.shape[1] - 1)):
+        for x in range(block_x * setup.map_scale, min((block_x + 1) * setup.map_scale, cells.shape[0] - 1)):
+            value = _reading(cells, x, y, setup)
+            if value >= 0.0 and (best < 0.0 or value < best):
+                best = value
+    return best
+
+
+@kernel
+def _noisy_reading(cells: Cells, x: int, y: int, setup: Setup, scale: int, draw: int) -> float:
+    """What the sensor says of a cell, or of a block of the robot's map."""
+    value = _reading(cells, x, y, setup) if scale == 1 else _block_reading(cells, x, y, setup)
+    if value > 0.0 and setup.sensor_noise > 0.0:
+        value *= 1.0 + setup.sensor_noise * (2.0 * random_draw(setup.seed, draw) - 1.0)
+    return value
+
+
+@kernel
+def _in_field(x: float, y: float, to_x: float, to_y: float, heading: float, field: float) -> bool:
+    """Whether a place lies in the sensor's field of view."""
+    if field == 0.0:
+        return True
+    turn = np.fmod(bearing(to_x - x, to_y - y) - heading, _TWO_PI)
+    off = abs(float(turn))
+    return min(off, _TWO_PI - off) <= field / 2.0
+
+
+@kernel
+def sensed_direction(cells: Cells, x: float, y: float, heading: float, setup: Setup, step: int) -> float:
+    """Heading to the best signal by the sensor that ``setup`` describes; the thesis's is :func:`signal_direction`.
+
+    The robot reads its own cell, or block of its map, whatever way it looks. In the block that is best already
+    it goes by single cells.
+
+    Args:
+        cells: The signal with every wall drawn.
+        x: Centre, px.
+        y: Likewise.
+        heading: Which way the robot looks, rad.
+        setup: Its sensor.
+        step: Number of the tick, which picks the sensor's errors.
+    """
+    if setup.signal == OPEN and setup.sensor_field == 0.0 and setup.sensor_noise == 0.0 and setup.map_scale == 1:
+        return signal_direction(cells, x, y, setup.sense)
+    if setup.map_scale > 1:
+        best_x, best_y = _best_of(cells, x, y, heading, setup, step, setup.map_scale)
+        side = CELL * setup.map_scale
+        if best_x != int(x / side) or best_y != int(y / side):
+            return bearing((best_x + 0.5) * side - x, (best_y + 0.5) * side - y)
+    best_x, best_y = _best_of(cells, x, y, heading, setup, step, 1)
+    return bearing((best_x + 0.5) * CELL - x, (best_y + 0.5) * CELL - y)
+
+
+@kernel
+def _best_of(cells: Cells, x: float, y: float, heading: float, setup: Setup, step: int, scale: int) -> tuple[int, int]:
+    """Cell, or block of ``scale`` cells, with the best reading in reach; the first of equals, the own one before."""
+    side = CELL * scale
+    own_x, own_y = int(x / side), int(y / side)
+    last_x, last_y = (cells.shape[0] - 2) // scale, (cells.shape[1] - 2) // scale
+    first = 1 if scale == 1 else 0
+    best_x, best_y = own_x, own_y
+    lowest = _noisy_reading(cells, own_x, own_y, setup, scale, step * _READINGS)
+    count = 0
+    for cell_y in range(max(own_y - setup.sense, first), min(own_y + setup.sense, last_y) + 1):
+        for cell_x in range(max(own_x - setup.sense, first), min(own_x + setup.sense, last_x) + 1):
+            count += 1
+            middle_x, middle_y = (cell_x + 0.5) * side, (cell_y + 0.5) * side
+            if not _in_field(x, y, middle_x, middle_y, heading, setup.sensor_field):
+                continue
+            value = _noisy_reading(cells, cell_x, cell_y, setup, scale, step * _READINGS + count % (_READINGS - 1))
+            if 0.0 <= value < lowest:
+                lowest, best_x, best_y = value, cell_x, cell_y
+    return best_x, best_y
 
 
 @kernel
