@@ -79,7 +79,7 @@ def thesis_tick(
     if old != IDLE and reading in (A2, A3):  # act, then look who is next
         acted = old
         heading, target, speed, behaviour, ticks = _act(
-            old, ticks, collision, heading, target, speed, old_speed, signal, setup
+            old, ticks, collision, heading, target, speed, old_speed, signal, setup.speed
         )
         if behaviour == IDLE and not collision:
             signal = sensed_direction(cells, x, y, heading, setup, step)
@@ -103,7 +103,7 @@ def thesis_tick(
     if not waits:
         acted = chosen
         heading, target, speed, chosen, ticks = _act(
-            chosen, ticks, collision, heading, target, speed, old_speed, signal, setup
+            chosen, ticks, collision, heading, target, speed, old_speed, signal, setup.speed
         )
     state[at.X], state[at.Y], state[at.HEADING], state[at.ROLLING] = x, y, heading, rolling
     state[at.TARGET_HEADING], state[at.SPEED], state[at.OLD_SPEED] = target, speed, old_speed
@@ -150,7 +150,7 @@ def _act(
     speed: float,
     old_speed: float,
     signal: float,
-    setup: Setup,
+    top_speed: float,
 ) -> tuple[float, float, float, int, int]:
     """Lets the behaviour in charge act: heading, target heading, speed, who is in charge then, its counter."""
     if behaviour == SEEK:
@@ -161,7 +161,7 @@ def _act(
     if wheels in (TURN, HALT):
         speed = 0.0
     elif wheels == GO:
-        speed = setup.speed
+        speed = top_speed
     elif wheels == RESUME:
         speed = old_speed
     return heading, target, speed, behaviour, ticks

@@ -94,6 +94,26 @@ def test_a_run_has_the_same_bits_compiled_and_interpreted(name):
     assert runs[0] == runs[1]
 
 
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"reading": 7, "repairs": 7, "acceleration": 0.001, "friction": 0.002},
+        {"reading": 3, "signal": at.BLOCKED, "sensor_field": 2.0, "wall_friction": 0.5},
+        {"reading": 2, "signal": at.WEAKENED, "sensor_noise": 0.3, "slip": 0.2, "seed": 2**62},
+        {"reading": 4, "map_scale": 3, "repairs": 2, "sense": 2},
+    ],
+    ids=["forces", "sight", "chance", "coarse"],
+)
+@pytest.mark.filterwarnings("ignore:overflow encountered:RuntimeWarning")  # wrapping is what the generator wants
+def test_a_run_with_every_kind_of_switch_has_the_same_bits_compiled_and_interpreted(changes):
+    runs = []
+    for episode in (thesis_episode, twin(thesis_episode)):
+        arena, setup, progress, draws, trace = fresh(VECTORS["demo-1"], steps=500, target_x=8, target_y=9, **changes)
+        episode(arena, setup, progress, draws, trace)
+        runs.append((trace.tobytes(), progress.counts.tolist(), progress.sums.tobytes()))
+    assert runs[0] == runs[1]
+
+
 def test_the_signal_map_and_its_noise_are_the_same_interpreted():
     compiled, interpreted = signal_cells(VECTORS["pub-050"])[1], twin(thesis_signal.signal_map)(16, 16, 3, 9)
     assert thesis_signal.signal_map(16, 16, 3, 9).tolist() == interpreted.tolist()
