@@ -74,8 +74,9 @@ class ThesisRun:
         closed = bool(world.walls[[0, -1]].all() and world.walls[:, [0, -1]].all())
         self._pad = 0 if closed else 1
         self._height = world.height + 2 * self._pad
-        target = self._target_cell()
-        self._cells, self._light = self._signal(*target)
+        solid = self._solid()
+        target = self._target_cell(solid)
+        self._cells, self._light = self._signal(solid, *target)
         self._setup = self._robot(rule, *target)
         self._events = self._event_rows()
         self._start = self._start_pose()
@@ -120,12 +121,12 @@ class ThesisRun:
 
     def _solid(self) -> npt.NDArray[np.bool_]:
         """(width, height) bool: walls in the thesis's frame."""
-        walls = np.pad(self.world.walls, self._pad, constant_values=True)
+        walls = np.pad(self.world.walls, 1, constant_values=True) if self._pad else self.world.walls
         return np.ascontiguousarray(flip_rows(walls).T)
 
-    def _target_cell(self) -> tuple[int, int]:
+    def _target_cell(self, solid: npt.NDArray[np.bool_]) -> tuple[int, int]:
         """The target's cell in the thesis's frame."""
-        world, solid = self.world, self._solid()
+        world = self.world
         target_x = math.floor(in_cells(world.target.x, world.cell_size)) + self._pad
         target_y = self._height - 1 - self._pad - math.floor(in_cells(world.target.y, world.cell_size))
         if not (0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1) or solid[target_x, target_y]:
@@ -134,9 +135,8 @@ class ThesisRun:
             )
         return target_x, target_y
 
-    def _signal(self, target_x: int, target_y: int) -> tuple[Cells, Cells]:
+    def _signal(self, solid: npt.NDArray[np.bool_], target_x: int, target_y: int) -> tuple[Cells, Cells]:
         """Signal map with walls, and without."""
-        solid = self._solid()
         light = signal_map(solid.shape[0], self._height, target_x, target_y)
         cells = np.where(solid, np.int32(at.WALL), light)
         if self.options.thesis.noise:

@@ -6,6 +6,7 @@ A number in a file means its shortest decimal: 0.07 is 7/100, not the binary fra
 
 from __future__ import annotations
 
+import functools
 import math
 from fractions import Fraction
 
@@ -28,11 +29,13 @@ UNIT = 1024  # lattice units per cell
 TURN = 65536  # heading units per turn
 
 
+@functools.lru_cache(maxsize=4096)  # a search asks for the same few numbers 24 times a run: 0.14 of its 0.21 ms
 def exact(value: float) -> Fraction:
     """The number as its shortest decimal says it."""
     return Fraction(repr(float(value)))
 
 
+@functools.lru_cache(maxsize=4096)
 def in_cells(metres: float, cell_size: float) -> Fraction:
     """A length in cells, exactly."""
     return exact(metres) / exact(cell_size)
@@ -53,6 +56,7 @@ def lattice_to_metres(units: int, cell_size: float) -> float:
     return float(Fraction(units, UNIT) * exact(cell_size))
 
 
+@functools.lru_cache(maxsize=256)
 def clear_distance_sq(radius: Fraction) -> int:
     """Smallest squared distance, in lattice units, at which a disc of ``radius`` cells is clear.
 
