@@ -8,7 +8,21 @@ from pathlib import Path
 
 from worldgen.errors import OutputError
 
-__all__ = ["write_bytes"]
+__all__ = ["check_output", "write_bytes"]
+
+
+def check_output(path: Path, force: bool) -> None:
+    """Refuses before the work what could not be written after it.
+
+    Raises:
+        OutputError: If the file is there and ``force`` is not set, or its folder is missing.
+    """
+    if path.is_dir():
+        raise OutputError(f"{path} is a folder; name a file in it")
+    if path.is_file() and not force:
+        raise OutputError(f"{path} is there already; give --force to overwrite it, or another name")
+    if not path.parent.is_dir():
+        raise OutputError(f"{path}: the folder {path.parent} does not exist; make it first")
 
 
 def write_bytes(path: Path, data: bytes, *, force: bool) -> None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import click
 
+from fuzz.commands._options import Duration
 from worldgen.cli.output import CONTROLLER_HELP, draw_seed, force_option, json_option, seed_option
 
 __all__ = ["fuzz"]
@@ -18,23 +18,12 @@ EXAMPLES = (
 )
 
 
-class _Duration(click.ParamType[float]):
-    name = "duration"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Reads 30s, 5m, 1.5h, or plain seconds."""
-        match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", str(value).strip())
-        if not match or float(match[1]) <= 0:
-            self.fail(f"{value!r} is no duration; write 30s, 5m or 1h", param, ctx)
-        return float(match[1]) * {"s": 1, "m": 60, "h": 3600, None: 1}[match[2]]
-
-
 @click.command(epilog=EXAMPLES)
 @click.option("--controller", required=True, help=CONTROLLER_HELP)
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option("--family", "families", multiple=True, help="Draw worlds from this family; may be repeated.")
 @click.option("--world", type=click.Path(path_type=Path), help="Keep this map; vary start, target and radius.")
-@click.option("--budget", type=_Duration(), metavar="TIME", help="Search this long: 30s, 5m, 1h [default: 30s].")
+@click.option("--budget", type=Duration(), metavar="TIME", help="Search this long: 30s, 5m, 1h [default: 30s].")
 @click.option("--units", type=click.IntRange(1), help="Do this much work; the result depends on the seed alone.")
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: the motion model's].")

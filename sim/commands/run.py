@@ -54,6 +54,7 @@ def run(
     from sim.episode import simulate
     from sim.run_options import RunOptions
     from sim.scenario import Scenario
+    from worldgen.files import check_output
     from worldgen.grid_file import read_world
 
     world = read_world(path)
@@ -62,7 +63,8 @@ def run(
     RunOptions(time_step=scenario.time_step)  # out of range it can give no budget
     options = scenario.options(world, steps)
     for out in (trail, trace):
-        _check_output(out, force)
+        if out is not None:
+            check_output(out, force)
     if trail is not None and trail.suffix not in _PICTURES:
         raise click.UsageError(f"--trail {trail}: name a {', '.join(_PICTURES)} file")
     episode = simulate(world, scenario.controller, options, record=trail is not None or trace is not None)
@@ -79,18 +81,6 @@ def run(
         note(f"wrote {trail}")
     if episode.verdict != "reached":
         raise SystemExit(1)
-
-
-def _check_output(out: Path | None, force: bool) -> None:
-    """Refuses before the work what could not be written after it."""
-    from worldgen.errors import OutputError
-
-    if out is None:
-        return
-    if out.exists() and out.is_file() and not force:
-        raise OutputError(f"{out} is there already; give --force to overwrite it, or another name")
-    if not out.parent.is_dir():
-        raise OutputError(f"{out}: the folder {out.parent} does not exist; make it first")
 
 
 def _summary(episode: Episode) -> dict[str, object]:

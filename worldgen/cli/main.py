@@ -70,6 +70,7 @@ class LazyGroup(click.Group):
 # One line per command of our own, so that --help need not import them; tests hold it against the commands.
 _SUMMARY = {
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
+    "find": "Find a world in which given controllers have given outcomes, or come as near as the budget allows.",
     "fuzz": "Search for worlds in which a controller fails; prove, shrink and save what is found.",
     "import": "Read a foreign map and place start and target.",
     "replay": "Run saved failures again and compare verdict, evidence, trace digest and certificate.",

@@ -1,0 +1,22 @@
+"""Options that several of the fuzzer's commands take."""
+
+from __future__ import annotations
+
+import re
+
+import click
+
+__all__ = ["Duration"]
+
+
+class Duration(click.ParamType[float]):
+    """A time like 30s, 5m, 1.5h, or plain seconds."""
+
+    name = "duration"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Reads the time, s."""
+        match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(s|m|h)?", str(value).strip())
+        if not match or float(match[1]) <= 0:
+            self.fail(f"{value!r} is no duration; write 30s, 5m or 1h", param, ctx)
+        return float(match[1]) * {"s": 1, "m": 60, "h": 3600, None: 1}[match[2]]

@@ -1,0 +1,200 @@
+"""``worldgen find``: a world in which given controllers have given outcomes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from fuzz.commands._options import Duration
+from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option
+
+if TYPE_CHECKING:
+    from fuzz.find import Find, Found, Wish
+    from worldgen.world import Pose, Value
+
+__all__ = ["find"]
+
+EXAMPLES = (
+    '\b\n  worldgen find --outcome "./mine.py:Robot=loop, turn-left=reached" --budget 1m --out w.grid\n'
+    '  worldgen find --outcome "thesis-1=reached@330, thesis-2=loop" --motion stepped --family trap --out w.grid\n'
+    '  worldgen find --outcome "thesis-1=never, thesis-3=reached" --motion stepped --from sketch.grid --out w.grid'
+)
+
+
+@click.command(epilog=EXAMPLES)
+@click.option("--outcome", "outcomes", required=True, multiple=True, help="CONTROLLER=OUTCOME, ...; see above.")
+@click.option("--family", "families", multiple=True, help="Draw worlds from this family; may be repeated.")
+@click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="Fix a parameter of the family.")
+@click.option("--from", "begin", type=click.Path(path_type=Path), help="Begin from this world and edit it.")
+@click.option("--start", metavar="X,Y,HEADING", help="Start pose of every world, m and rad.")
+@click.option("--symmetric", is_flag=True, help="Keep worlds symmetric about the diagonal through the upper left.")
+@click.option("--keep-target", is_flag=True, help="Leave the target where it is.")
+@click.option("--no-edit", is_flag=True, help="Only worlds as the family makes them.")
+@click.option("--motion", default="swept", show_default=True, help="Motion model.")
+@click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
+@click.option("--budget", type=Duration(), metavar="TIME", help="Search this long: 30s, 5m, 1h [default: 30s].")
+@click.option("--units", type=click.IntRange(1), help="Do this much work; the result depends on the seed alone.")
+@click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Where the nearest world goes.")
+@seed_option
+@json_option
+@force_option
+def find(
+    outcomes: tuple[str, ...],
+    families: tuple[str, ...],
+    settings: tuple[str, ...],
+    begin: Path | None,
+    start: str | None,
+    symmetric: bool,
+    keep_target: bool,
+    no_edit: bool,
+    motion: str,
+    time_step: float | None,
+    budget: float | None,
+    units: int | None,
+    workers: int | None,
+    out: Path,
+    seed: int | None,
+    as_json: bool,
+    force: bool,
+) -> None:
+    r"""Find a world in which given controllers have given outcomes, or come as near as the budget allows.
+
+    An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash), never (loop or
+    stalled), or fails (anything but reached). Behind reached, or loop, stand steps, or the period: reached@330,
+    reached@300..400, reached@<400, reached@4.95s, loop@104. For a controller with randomness it is the outcome
+    of 19 of 20 seeds, and their median time.
+
+    The target of what is written can be reached. Exit code 0 if every outcome is as wanted, else 1.
+    """
+    import os
+
+    from fuzz.find import Find, FindConfig, parse_wishes
+    from sim.run_options import RunOptions
+    from worldgen.files import check_output
+    from worldgen.grid_file import read_world, write_world
+
+    if budget is not None and units is not None:
+        raise click.UsageError("give --budget or --units, not both")
+    if begin is not None and families:
+        raise click.UsageError("give --from or --family, not both")
+    if no_edit and not families:
+        raise click.UsageError("--no-edit leaves worlds as a family makes them; name one with --family")
+    step = RunOptions(time_step=RunOptions.time_step if time_step is None else time_step).time_step
+    wishes = parse_wishes(",".join(outcomes), motion=motion, time_step=step)
+    config = FindConfig(
+        wishes=wishes,
+        seed=draw_seed(seed),
+        families=families,
+        params=tuple(_parameters(families, settings).items()),
+        begin=None if begin is None else read_world(begin),
+        start=None if start is None else _pose(start),
+        mirror=symmetric,
+        fixed_target=keep_target,
+        edit=not no_edit,
+    )
+    _try_out(config)
+    check_output(out, force)
+    search = Find(
+        config, units=units, seconds=None if units else budget or 30.0, workers=workers or os.cpu_count() or 1
+    )
+    stopped = False
+    try:
+        for found in search.run():
+            note(f"unit {found.unit}: off by {found.distance:.4g}")
+    except KeyboardInterrupt:
+        stopped = True
+    if search.best is None:
+        note("no world with a reachable target was met; give more time, or another --family")
+    else:
+        write_world(search.best.world, out, force=force)
+    _report(search, search.best, wishes, out, as_json)
+    raise SystemExit(130 if stopped else 0 if search.best is not None and search.best.distance == 0.0 else 1)
+
+
+def _parameters(families: tuple[str, ...], settings: tuple[str, ...]) -> dict[str, Value]:
+    """What ``--set`` fixes, with the types that the families declare."""
+    from worldgen.errors import InvalidParameter
+    from worldgen.family import FAMILIES
+
+    known = {parameter.name: parameter for name in families for parameter in FAMILIES.get(name).parameters}
+    found: dict[str, Value] = {}
+    for setting in settings:
+        name, equals, text = setting.partition("=")
+        parameter = known.get(name.strip().replace("-", "_"))
+        if not equals or parameter is None:
+            raise InvalidParameter(
+                f"--set {setting}: write NAME=VALUE with a parameter of --family; {', '.join(known) or 'none is named'}"
+            )
+        kind = type(parameter.default)
+        try:
+            found[parameter.name] = {"true": True, "false": False}[text] if kind is bool else kind(text)
+        except (ValueError, KeyError):
+            raise InvalidParameter(f"--set {setting}: {text!r} is no {kind.__name__}") from None
+    return found
+
+
+def _pose(text: str) -> Pose:
+    from worldgen.errors import InvalidParameter
+    from worldgen.world import Pose
+
+    try:
+        x, y, heading = (float(word) for word in text.split(","))
+    except ValueError:
+        raise InvalidParameter(f"start={text!r} is not X,Y,HEADING; write numbers like 0.35,2.65,-1.36") from None
+    return Pose(x, y, heading)
+
+
+def _try_out(config: Any) -> None:
+    """One short run, so that a name, an option or a start pose that does not fit shows before the search."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    from fuzz.find.layout import Layout
+    from sim.episode import prepare
+    from worldgen.world import Pose, Target, World
+
+    arena = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.65, 0.65, 0.05))
+    if config.begin is not None:
+        arena = config.begin if config.start is None else replace(config.begin, start=config.start)
+        Layout.of(arena, mirror=config.mirror)
+    for wish in config.wishes:
+        options = wish.scenario.options(arena, 2)
+        prepare(arena, wish.scenario.controller, options).run(2, find_loop=False, record=False)
+
+
+def _report(search: Find, best: Found | None, wishes: tuple[Wish, ...], out: Path, as_json: bool) -> None:
+    if as_json:
+        emit_json(
+            {
+                "file": str(out) if best else None,
+                "exact": best is not None and best.distance == 0.0,
+                "distance": best.distance if best else None,
+                "seed": search.config.seed,
+                "units": search.done,
+                "worlds": search.tried,
+                "outcomes": [
+                    {
+                        "controller": wish.scenario.label(),
+                        "wanted": wish.text,
+                        "verdict": result.verdict,
+                        "steps": result.steps,
+                        "reached": result.share,
+                        "distance": result.distance,
+                    }
+                    for wish, result in zip(wishes, best.results if best else (), strict=best is not None)
+                ],
+            }
+        )
+        return
+    if best is None:
+        return
+    for wish, result in zip(wishes, best.results, strict=True):
+        number = f"@{result.steps:g}" if result.verdict in ("reached", "loop") else ""
+        share = f", {result.share:.0%} of the seeds arrive" if wish.randomised else ""
+        off = "as wanted" if result.distance == 0.0 else f"off by {result.distance:.4g}"
+        click.echo(f"{wish.scenario.label()}: wanted {wish.text}, got {result.verdict}{number}{share}: {off}")
+    click.echo(f"{search.tried} worlds in {search.done} units; wrote {out}")

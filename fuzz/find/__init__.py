@@ -1,0 +1,11 @@
+"""Finds a world in which given controllers have given outcomes, exactly or as near as the budget allows.
+
+Contents:
+    parse_wishes, Wish: what is wanted.
+    FindConfig, Find, Found: the search, unit by unit, and what it came to.
+"""
+
+from fuzz.find.search import Find, FindConfig, Found, find_unit
+from fuzz.find.wishes import Result, Wish, parse_wishes
+
+__all__ = ["Find", "FindConfig", "Found", "Result", "Wish", "find_unit", "parse_wishes"]

@@ -1,0 +1,160 @@
+"""Layouts: a world as a few boxes of solid cells, which a search moves and stretches."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.lattice import in_cells, lattice_to_metres
+from worldgen.random_streams import RandomStream
+from worldgen.world import World
+
+__all__ = ["Layout"]
+
+Box = tuple[int, int, int, int]
+Walls = npt.NDArray[np.bool_]
+
+_MOST_BOXES = 12
+_LONGEST = 12  # cells of a box that an edit adds
+_FAR = 3  # cells that an edit moves or stretches by, at most
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Boxes [x0, x1) x [y0, y1) of solid cells in an otherwise empty world.
+
+    Args:
+        empty: The world without what the boxes cover; its border stays as it is.
+        boxes: The boxes; with ``mirror`` those of one half.
+        mirror: Whether every box also stands mirrored along the diagonal from the upper left to the lower right.
+        fixed_target: Whether the target stays where it is.
+    """
+
+    empty: World
+    boxes: tuple[Box, ...]
+    mirror: bool = False
+    fixed_target: bool = False
+
+    @classmethod
+    def of(cls, world: World, *, mirror: bool = False, fixed_target: bool = False) -> Layout:
+        """A world's inner solid cells as boxes, the largest first.
+
+        Raises:
+            InvalidParameter: If a world that is not square is to be mirrored.
+        """
+        if mirror and world.width != world.height:
+            raise InvalidParameter(
+                f"a world of {world.width} x {world.height} cells has no diagonal mirror; leave out --symmetric"
+            )
+        border = np.zeros_like(world.walls)
+        border[[0, -1], :] = border[:, [0, -1]] = True
+        empty = replace(world, walls=world.walls & border, certificate=None, provenance=None, failure=None)
+        boxes = _boxes(world.walls & ~border)
+        if mirror:
+            boxes = [box for box in boxes if box <= _mirrored(box, world.width)]
+        return cls(empty, tuple(boxes), mirror, fixed_target)
+
+    def world(self) -> World:
+        """The world that the layout stands for."""
+        walls = self.empty.walls.copy()
+        for x0, y0, x1, y1 in self.drawn():
+            walls[y0:y1, x0:x1] = True
+        return replace(self.empty, walls=walls)
+
+    def drawn(self) -> tuple[Box, ...]:
+        """Every box, mirror images included."""
+        if not self.mirror:
+            return self.boxes
+        return (*self.boxes, *(_mirrored(box, self.empty.width) for box in self.boxes))
+
+    def edited(self, rng: RandomStream) -> Layout | None:
+        """The layout after one random edit; ``None`` if that edit cannot be made."""
+        kind = rng.below(16)
+        if kind == 0:
+            return self._with_target(rng)
+        if kind == 1 and len(self.boxes) < _MOST_BOXES:
+            return self._kept([*self.boxes, self._new_box(rng)])
+        if not self.boxes:
+            return None
+        chosen = rng.below(len(self.boxes))
+        rest = [*self.boxes[:chosen], *self.boxes[chosen + 1 :]]
+        if kind == 2:
+            return self._kept(rest)
+        x0, y0, x1, y1 = self.boxes[chosen]
+        way = rng.choice((-1, 1)) * (1 + rng.below(_FAR) * rng.below(2))
+        if kind < 8:
+            dx, dy = (way, 0) if rng.below(2) else (0, way)
+            return self._kept([*rest, (x0 + dx, y0 + dy, x1 + dx, y1 + dy)])
+        sides = [x0, y0, x1, y1]
+        sides[rng.below(4)] += way
+        return self._kept([*rest, (sides[0], sides[1], sides[2], sides[3])])
+
+    def simpler(self) -> list[Layout]:
+        """Layouts with one box less, or one row of one box less, the largest step first."""
+        found = [self._kept([*self.boxes[:k], *self.boxes[k + 1 :]]) for k in range(len(self.boxes))]
+        for k, (x0, y0, x1, y1) in enumerate(self.boxes):
+            rest = [*self.boxes[:k], *self.boxes[k + 1 :]]
+            for box in ((x0 + 1, y0, x1, y1), (x0, y0 + 1, x1, y1), (x0, y0, x1 - 1, y1), (x0, y0, x1, y1 - 1)):
+                found.append(self._kept([*rest, box]))
+        return [layout for layout in found if layout is not None]
+
+    def _kept(self, boxes: list[Box]) -> Layout | None:
+        """The layout with other boxes, if they lie inside and leave the start clear."""
+        width, height = self.empty.width, self.empty.height
+        if any(not (1 <= x0 < x1 <= width - 1 and 1 <= y0 < y1 <= height - 1) for x0, y0, x1, y1 in boxes):
+            return None
+        layout = replace(self, boxes=tuple(sorted(boxes)))
+        side, reach = self.empty.cell_size, self.empty.robot_radius
+        places = ((self.empty.start.x, self.empty.start.y, reach), (self.empty.target.x, self.empty.target.y, 0.0))
+        for x, y, clear in places:
+            at_x, at_y, room = float(in_cells(x, side)), float(in_cells(y, side)), float(in_cells(clear, side))
+            for x0, y0, x1, y1 in layout.drawn():
+                if math.hypot(max(x0 - at_x, 0, at_x - x1), max(y0 - at_y, 0, at_y - y1)) <= room:
+                    return None
+        return layout
+
+    def _with_target(self, rng: RandomStream) -> Layout | None:
+        if self.fixed_target:
+            return None
+        dx, dy = rng.between(-2, 2), rng.between(-2, 2)
+        if self.mirror:
+            dy = -dx
+        side, target = self.empty.cell_size, self.empty.target
+        ix, iy = math.floor(in_cells(target.x, side)) + dx, math.floor(in_cells(target.y, side)) + dy
+        if not (1 <= ix < self.empty.width - 1 and 1 <= iy < self.empty.height - 1):
+            return None
+        moved = replace(target, x=lattice_to_metres(1024 * ix + 512, side), y=lattice_to_metres(1024 * iy + 512, side))
+        try:
+            return replace(self, empty=replace(self.empty, target=moved))._kept(list(self.boxes))
+        except InvalidWorld:
+            return None
+
+    def _new_box(self, rng: RandomStream) -> Box:
+        x, y = 1 + rng.below(self.empty.width - 2), 1 + rng.below(self.empty.height - 2)
+        length, thickness = 1 + rng.below(_LONGEST), 1 + rng.below(2)
+        return (x, y, x + length, y + thickness) if rng.below(2) else (x, y, x + thickness, y + length)
+
+
+def _mirrored(box: Box, side: int) -> Box:
+    x0, y0, x1, y1 = box
+    return side - y1, side - x1, side - y0, side - x0
+
+
+def _boxes(walls: Walls) -> list[Box]:
+    """Solid cells as boxes that do not overlap: from the lowest left cell on, as wide and then as high as it goes."""
+    left, boxes = walls.copy(), []
+    while left.any():
+        y0, x0 = (int(k) for k in np.argwhere(left)[0])
+        x1 = x0
+        while x1 < left.shape[1] and left[y0, x1]:
+            x1 += 1
+        y1 = y0
+        while y1 < left.shape[0] and left[y1, x0:x1].all():
+            y1 += 1
+        left[y0:y1, x0:x1] = False
+        boxes.append((x0, y0, x1, y1))
+    return sorted(boxes, key=lambda box: -(box[2] - box[0]) * (box[3] - box[1]))

@@ -1,0 +1,198 @@
+"""What somebody wants of a world: for each of some controllers an outcome, and how far a run is from it."""
+
+from __future__ import annotations
+
+import math
+import re
+import statistics
+from dataclasses import dataclass
+
+from sim.controllers import CONTROLLERS, CompiledController
+from sim.episode import prepare
+from sim.outcome import Outcome
+from sim.scenario import Scenario
+from worldgen.errors import InvalidParameter
+from worldgen.world import World
+
+__all__ = ["SEEDS", "Result", "Wish", "parse_wishes"]
+
+SEEDS = 20  # runs of a controller with randomness
+_SHARE = 0.05  # of the seeds that may do otherwise: one of twenty
+_OTHERWISE = 2.0  # distance of a run that ends in another way altogether
+_BROKEN = 3.0  # distance of a run that breaks through a wall, burns or crashes, where that is not wanted
+_UNTIMED_STEPS = 20_000
+
+_GROUPS = {
+    "never": ("loop", "stalled"),
+    "fails": ("loop", "stalled", "timeout", "tunnel", "overlap", "burned", "crash", "invalid-command"),
+}
+_VERDICTS = ("reached", *_GROUPS["fails"])
+_EXAMPLE = 'write for example "thesis-1=reached@330, thesis-2=loop"'
+_OUTCOME = re.compile(r"(?P<word>[a-z-]+)(?:@(?P<range>.+))?")
+_RANGE = re.compile(
+    r"(?P<exact>[0-9.]+s?)|(?P<low>[0-9.]+s?)\.\.(?P<high>[0-9.]+s?)|<(?P<below>[0-9.]+s?)|>(?P<above>[0-9.]+s?)"
+)
+
+
+@dataclass(frozen=True)
+class Result:
+    """How a controller did: in one run, or over the seeds of one with randomness.
+
+    Args:
+        verdict: The run's; of several runs the most frequent.
+        steps: Until the target; over seeds the median, ``inf`` where most do not arrive. Of a ``loop`` the period.
+        share: Of the runs that arrived.
+        distance: From what was wanted, 0 if it is that.
+    """
+
+    verdict: str
+    steps: float
+    share: float
+    distance: float
+
+
+@dataclass(frozen=True)
+class Wish:
+    """One controller's outcome.
+
+    Args:
+        scenario: The controller and how it runs.
+        text: The outcome as it was written.
+        verdicts: Verdicts that are meant.
+        low: Fewest steps (or shortest period), or ``None``.
+        high: Most steps (or longest period), or ``None``.
+    """
+
+    scenario: Scenario
+    text: str
+    verdicts: tuple[str, ...]
+    low: float | None = None
+    high: float | None = None
+
+    @property
+    def randomised(self) -> bool:
+        """Whether the outcome is one of many runs."""
+        controller = CONTROLLERS.get(self.scenario.controller)
+        chance = isinstance(controller, CompiledController) and controller.randomised
+        return chance or self.scenario.thesis.random
+
+    @property
+    def steps(self) -> int:
+        """Budget of a run, in steps."""
+        timed = [bound for bound in (self.low, self.high) if bound is not None and self.verdicts == ("reached",)]
+        return max(int(3 * max(timed)), 1000) if timed else _UNTIMED_STEPS
+
+    def look(self, world: World) -> Result:
+        """Runs the controller in a world.
+
+        Raises:
+            InvalidWorld: If the robot cannot stand at the start.
+        """
+        if not self.randomised:
+            return self._one(world, self.scenario)
+        runs = [self._one(world, self.scenario.with_seed(seed)) for seed in range(SEEDS)]
+        verdicts = [run.verdict for run in runs]
+        verdict = max(_VERDICTS, key=verdicts.count)
+        share = verdicts.count("reached") / SEEDS
+        steps = statistics.median(run.steps if run.verdict == "reached" else math.inf for run in runs)
+        broken = sum(run.verdict not in (*self.verdicts, "reached", "loop", "stalled", "timeout") for run in runs)
+        if self.verdicts == ("reached",) and (self.low is not None or self.high is not None):
+            return Result(verdict, steps, share, self._off(steps) if math.isfinite(steps) else _OTHERWISE - share)
+        fitting = sum(run.verdict in self.verdicts for run in runs) / SEEDS
+        missing = max(1.0 - _SHARE - fitting, 0.0)
+        return Result(verdict, steps, share, (missing + broken / SEEDS) * _OTHERWISE)
+
+    def _one(self, world: World, scenario: Scenario) -> Result:
+        run = prepare(world, scenario.controller, scenario.options(world, self.steps))
+        outcome = run.run(self.steps, find_loop=True, record=False)
+        verdict = _verdict(outcome)
+        number = outcome.period if verdict == "loop" else outcome.steps
+        return Result(verdict, number, float(verdict == "reached"), self._distance(verdict, number))
+
+    def _distance(self, verdict: str, number: int) -> float:
+        if verdict in self.verdicts:
+            return self._off(number)
+        if verdict not in ("reached", "loop", "stalled", "timeout"):
+            return _BROKEN
+        if verdict == "reached":  # the later the nearer to never
+            return _OTHERWISE - min(number / self.steps, 1.0)
+        return _OTHERWISE
+
+    def _off(self, number: float) -> float:
+        """How far a number of steps is from the range, as a share of its nearer end."""
+        if self.low is not None and number < self.low:
+            return (self.low - number) / self.low
+        if self.high is not None and number > self.high:
+            return min((number - self.high) / self.high, _OTHERWISE / 2)
+        return 0.0
+
+
+def _verdict(outcome: Outcome) -> str:
+    """The verdict of an unrecorded run; a ``loop`` here is the kernel's, proved when the result is written."""
+    if outcome.ending in ("tunnel", "burned", "invalid-command", "crash"):
+        return outcome.ending
+    if outcome.overlap_step >= 0:
+        return "overlap"
+    if outcome.ending in ("reached", "loop"):
+        return outcome.ending
+    return "stalled" if outcome.last_new_cell <= outcome.steps // 2 else "timeout"
+
+
+def parse_wishes(text: str, *, motion: str = "swept", time_step: float = Scenario.time_step) -> tuple[Wish, ...]:
+    """Reads ``CONTROLLER=OUTCOME, ...``.
+
+    Args:
+        text: Each outcome a verdict, ``never`` (loop or stalled) or ``fails`` (anything but reached); behind
+            ``reached`` or ``loop`` an ``@`` and steps (of a loop: its period): ``330``, ``300..400``, ``<400``,
+            ``>400``; an ``s`` behind a number makes it seconds.
+        motion: Motion model of controllers that do not name one.
+        time_step: s, likewise.
+
+    Raises:
+        InvalidParameter: If the text is no such list.
+    """
+    parts = [part.strip() for part in text.split(",")]
+    wishes = tuple(_parse_wish(part, motion, time_step) for part in parts)
+    return tuple(sorted(wishes, key=lambda wish: wish.randomised))  # the cheap ones first
+
+
+def _parse_wish(part: str, motion: str, time_step: float) -> Wish:
+    name, equals, outcome = part.rpartition("=")
+    if not equals or not name:
+        raise InvalidParameter(f"outcome {part[:80]!r} is not CONTROLLER=OUTCOME; {_EXAMPLE}")
+    scenario = Scenario.parse(name, motion=motion, time_step=time_step)
+    CONTROLLERS.get(scenario.controller)
+    match = _OUTCOME.fullmatch(outcome.strip())
+    if match is None or match["word"] not in (*_VERDICTS, *_GROUPS):
+        known = ", ".join((*_GROUPS, *_VERDICTS))
+        raise InvalidParameter(f"outcome {outcome[:80]!r} of {name} is none of {known}; {_EXAMPLE}")
+    verdicts = _GROUPS.get(match["word"], (match["word"],))
+    if match["range"] is None:
+        return Wish(scenario, outcome.strip(), verdicts)
+    if match["word"] not in ("reached", "loop"):
+        raise InvalidParameter(f"outcome {outcome[:80]!r}: only reached and loop take steps behind @; {_EXAMPLE}")
+    low, high = _parse_range(match["range"].strip(), scenario.time_step)
+    return Wish(scenario, outcome.strip(), verdicts, low, high)
+
+
+def _parse_range(text: str, time_step: float) -> tuple[float | None, float | None]:
+    match = _RANGE.fullmatch(text)
+    if match is None:
+        raise InvalidParameter(f"steps {text[:40]!r} are not like 330, 300..400, <400, >400 or 4.95s")
+    bounds = {name: _steps(word, time_step) for name, word in match.groupdict().items() if word is not None}
+    low = bounds.get("exact", bounds.get("low", bounds["above"] + 1 if "above" in bounds else None))
+    high = bounds.get("exact", bounds.get("high", bounds["below"] - 1 if "below" in bounds else None))
+    if (low is not None and low < 1) or (high is not None and high < 1) or (low and high and low > high):
+        raise InvalidParameter(f"steps {text[:40]!r} leave none that could be; give at least 1, the smaller one first")
+    return low, high
+
+
+def _steps(word: str, time_step: float) -> float:
+    try:
+        number = float(word.removesuffix("s"))
+    except ValueError:
+        raise InvalidParameter(f"steps {word!r} are no number; write 330, or 4.95s") from None
+    steps = number / time_step if word.endswith("s") else number
+    if not steps <= 1e7 or abs(steps - round(steps)) > 1e-6:
+        raise InvalidParameter(f"{word} is not a whole number of steps up to 10 million, at {time_step:g} s a step")
+    return float(round(steps))

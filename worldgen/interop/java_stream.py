@@ -1,0 +1,122 @@
+"""Whole numbers in a stream of Java's serialisation: what ``ObjectOutputStream.writeInt`` leaves behind.
+
+Source: Java Object Serialization Specification, version 6, chapter 6, "Object Serialization Stream Protocol".
+"""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError
+
+__all__ = ["MAGIC", "Ints", "read_ints", "stream_bytes", "write_ints"]
+
+Ints = npt.NDArray[np.int32]
+
+MAGIC = b"\xac\xed"
+_VERSION = 5
+_HEADER = MAGIC + _VERSION.to_bytes(2, "big")
+_SHORT, _LONG = 0x77, 0x7A  # records of bare bytes: their length in one byte, or in four
+_BLOCK = 1024  # bytes that ObjectOutputStream gathers before it writes a record
+_RECORDS = {
+    0x70: "a null", 0x71: "a reference", 0x72: "a class description", 0x73: "an object", 0x74: "a string",
+    0x75: "an array", 0x76: "a class", 0x78: "an end of block data", 0x79: "a reset", 0x7B: "an exception",
+    0x7C: "a long string", 0x7D: "a proxy class", 0x7E: "an enum constant",
+}  # fmt: skip
+
+
+def read_ints(data: bytes, source: str) -> Ints:
+    """The numbers of a stream that holds nothing else.
+
+    Args:
+        data: The file's bytes.
+        source: Its name for messages.
+
+    Returns:
+        (n,) int32.
+
+    Raises:
+        FormatError: If the header is another, a record holds no bare bytes, is empty or is cut short, or the
+            bytes end within a number.
+    """
+    _check_header(data, source)
+    payload = bytearray()
+    at = len(_HEADER)
+    while at < len(data):
+        first, length = _record(data, at, source)
+        if length == 0:
+            raise FormatError(f"byte {at}: an empty block; every block of a map holds numbers", source=source)
+        if length > len(data) - first:
+            raise FormatError(
+                f"byte {at}: a block of {length} bytes, of which the file has {len(data) - first}; "
+                "it is cut short or damaged; fetch it again",
+                source=source,
+            )
+        payload += data[first : first + length]
+        at = first + length
+    if len(payload) % 4:
+        raise FormatError(
+            f"{len(payload)} bytes of numbers; a number has 4, so the last one is cut short; fetch the file again",
+            source=source,
+        )
+    return np.frombuffer(payload, ">i4").astype(np.int32)
+
+
+def _check_header(data: bytes, source: str) -> None:
+    if data[:2] != MAGIC[: len(data)] or not data:
+        came = data[:2].hex(" ").upper() or "nothing"
+        raise FormatError(
+            f"begins with {came}; a Java object stream begins with AC ED 00 05; give a file that the program saved",
+            source=source,
+        )
+    if len(data) < len(_HEADER):
+        raise FormatError(f"ends after {len(data)} bytes, within the header AC ED 00 05; fetch it again", source=source)
+    version = int.from_bytes(data[2:4], "big")
+    if version != _VERSION:
+        raise FormatError(
+            f"version {version} of Java's object stream; only version {_VERSION} exists; fetch the file again",
+            source=source,
+        )
+
+
+def _record(data: bytes, at: int, source: str) -> tuple[int, int]:
+    """Where the bytes of a record begin, and how many they are."""
+    kind = data[at]
+    if kind not in (_SHORT, _LONG):
+        _refuse_record(kind, at, source)
+    first = at + (2 if kind == _SHORT else 5)
+    if first > len(data):
+        raise FormatError(f"byte {at}: ends within a block's length; fetch the file again", source=source)
+    return first, int.from_bytes(data[at + 1 : first], "big")
+
+
+def _refuse_record(kind: int, at: int, source: str) -> NoReturn:
+    what = _RECORDS.get(kind, "no record of Java's")
+    raise FormatError(
+        f"byte {at}: {kind:02X} is {what}; a map holds bare numbers only (records 77 and 7A); give a file that "
+        "the program's map editor saved",
+        source=source,
+    )
+
+
+def write_ints(values: npt.NDArray[np.integer]) -> bytes:
+    """The stream as ``ObjectOutputStream`` writes it, byte for byte: full blocks, then what is left.
+
+    Args:
+        values: Numbers within 32 bits, in the order of writing.
+    """
+    payload = values.astype(">i4").tobytes()
+    blocks = (payload[at : at + _BLOCK] for at in range(0, len(payload), _BLOCK))
+    return _HEADER + b"".join(_block_head(len(block)) + block for block in blocks)
+
+
+def _block_head(length: int) -> bytes:
+    return bytes([_SHORT, length]) if length <= 255 else bytes([_LONG]) + length.to_bytes(4, "big")
+
+
+def stream_bytes(count: int) -> int:
+    """Largest size of a stream that holds ``count`` numbers in full blocks."""
+    return len(_HEADER) + 4 * count + 5 * (4 * count // _BLOCK + 1)
