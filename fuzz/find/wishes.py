@@ -29,8 +29,9 @@ _GROUPS = {
 _VERDICTS = ("reached", *_GROUPS["fails"])
 _EXAMPLE = 'write for example "thesis-1=reached@330, thesis-2=loop"'
 _OUTCOME = re.compile(r"(?P<word>[a-z-]+)(?:@(?P<range>.+))?")
+_NUMBER = r"\d+(?:\.\d+)?s?"
 _RANGE = re.compile(
-    r"(?P<exact>[0-9.]+s?)|(?P<low>[0-9.]+s?)\.\.(?P<high>[0-9.]+s?)|<(?P<below>[0-9.]+s?)|>(?P<above>[0-9.]+s?)"
+    rf"(?P<exact>{_NUMBER})|(?P<low>{_NUMBER})\.\.(?P<high>{_NUMBER})|<(?P<below>{_NUMBER})|>(?P<above>{_NUMBER})"
 )
 
 
