@@ -14,14 +14,14 @@ __all__ = ["import_map"]
 @click.command("import")
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write.")
-@click.option("--from", "name", metavar="FORMAT", help="movingai, ros or grid; recognised if left out.")
+@click.option("--from", "name", metavar="FORMAT", help="movingai, ros, thesis or grid; recognised if left out.")
 @click.option("--radius", type=float, help="Robot's radius, m.  [default: 0.7 cells; 0.4 with --scen]")
 @click.option("--speed", type=float, help="Robot's top speed, m/s.  [default: 2.0]")
 @click.option("--start", metavar="X,Y[,HEADING]", help="m and rad, from the lower-left corner; placed if left out.")
 @click.option("--target", metavar="X,Y[,RADIUS]", help="m; placed if left out, with the robot's radius.")
 @click.option("--scen", type=click.Path(path_type=Path), help="MovingAI scenario file for start and target.")
 @click.option("--row", type=click.IntRange(1), default=1, show_default=True, help="Which problem of --scen.")
-@click.option("--cell-size", type=float, help="Side of a MovingAI cell, m.  [default: 0.1]")
+@click.option("--cell-size", type=float, help="Side of a cell, m, of a map without units.  [default: 0.1]")
 @click.option("--unknown", type=click.Choice(["solid", "free"]), help="What unknown ROS cells are.  [default: solid]")
 @click.option("--seed", type=click.IntRange(0, 2**64 - 1), help="Where the search for far places begins.  [default: 0]")
 @force_option
@@ -44,13 +44,14 @@ def import_map(
 ) -> None:
     r"""Read a foreign map and place start and target.
 
-    PATH is a MovingAI octile map (.map), a ROS map_server file (.yaml beside its .pgm or .png), or a
-    .grid, whose places it keeps unless told otherwise. Start and target that are not given are placed
+    PATH is a MovingAI octile map (.map), a ROS map_server file (.yaml beside its .pgm or .png), a map
+    of the thesis's simulator (.gex), or a .grid, whose places it keeps unless told otherwise. Start and target that are not given are placed
     far apart in the largest region the robot can drive through.
 
     \b
       worldgen import arena.map --out w.grid
       worldgen import arena.map --scen arena.map.scen --row 12 --out w.grid
+      worldgen import old.gex --out w.grid
       worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid
     """
     from worldgen import interop

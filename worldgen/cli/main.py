@@ -71,6 +71,7 @@ class LazyGroup(click.Group):
 _SUMMARY = {
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
     "find": "Find a world in which given controllers have given outcomes, or come as near as the budget allows.",
+    "export": "Write a world in another program's format.",
     "fuzz": "Search for worlds in which a controller fails; prove, shrink and save what is found.",
     "import": "Read a foreign map and place start and target.",
     "replay": "Run saved failures again and compare verdict, evidence, trace digest and certificate.",

@@ -5,26 +5,24 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from itertools import product
 from typing import Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import InvalidParameter
+from worldgen.families._ground import lay_ground
 from worldgen.families._layout import Arena
 from worldgen.families._routes import free_windows, shortest_way, window_at
-from worldgen.family import FAMILIES, check_between, family
+from worldgen.family import check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.timeline import CellState, Timeline
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["fire"]
 
 FIREBREAK = 2  # cells round the robot at its start that never burn: there it can wait
 THICKEST = 6  # cells of wall that fire eats through
 WALL_FACTOR = 5  # a wall catches so many times slower than the floor
-MAZE_BRAID = 0.3  # in a maze without loops, fire could only delay
 
 Times: TypeAlias = dict[int, int]  # flat cell: ms
 
@@ -78,7 +76,7 @@ def fire(
     check_between("debris", debris, 0.0, 1.0)
     check_between("burn_through", burn_through, 0, 1000)
 
-    ground = _ground(rng.child("ground"), over, arena)
+    ground = lay_ground(rng.child("ground"), over, arena)
     plan = _Plan.of(arena, ground)
     embers = _ignite(rng.child("ignite"), plan, ignitions)
     floor = _burn(rng.child("floor"), plan, embers, plan.burns, spread, spread_cells)
@@ -95,37 +93,6 @@ def fire(
         robot_radius=robot_radius,
         robot_speed=robot_speed,
         timeline=timeline,
-    )
-
-
-def _ground(rng: RandomStream, over: str, arena: Arena) -> World:
-    """The world that burns, its family's shape drawn from those that fit.
-
-    Raises:
-        InvalidParameter: If none fits.
-    """
-    below = FAMILIES.get(over)
-    params: dict[str, Value] = {
-        "size": arena.size,
-        "cell_size": arena.cell_size,
-        "robot_radius": arena.robot_radius,
-        "robot_speed": arena.robot_speed,
-    }
-    if over == "maze":
-        params["braid"] = MAZE_BRAID
-    names = [known.name for known in below.parameters if known.choices]
-    shapes = list(product(*(known.choices for known in below.parameters if known.choices)))
-    rng.shuffle(shapes)
-    refusals: list[InvalidParameter] = []
-    for words in shapes:
-        try:
-            complete = below.complete({**params, **dict(zip(names, words, strict=True))})
-            return below.build(rng.child("layout"), **complete)
-        except InvalidParameter as refusal:
-            refusals.append(refusal)
-    raise InvalidParameter(
-        f"size={arena.size} with robot_radius={arena.robot_radius:g} m has no room for over={over}; "
-        f"give a larger size or a smaller robot_radius (for one of its shapes: {refusals[0]})"
     )
 
 

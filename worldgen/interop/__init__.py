@@ -3,19 +3,27 @@
 Contents:
     import_world: a foreign map becomes a world with a proof (``importing``).
     read_map, FORMATS: the formats by name (``formats``), each read in a file of its own:
-    read_movingai, read_scenario (``movingai``), read_ros_map (``ros_map``, ``grey_image``).
+    read_movingai, read_scenario (``movingai``), read_ros_map (``ros_map``, ``grey_image``),
+    read_thesis_map (``thesis_map``, ``java_stream``).
+    EXPORTERS, export_world: the way back (``exporting``; ``thesis_export``).
     place: start and target for a map that has none (``place``).
 """
 
+from worldgen.interop.exporting import EXPORTERS, Exported, Exporter, ExportOptions, export_world
 from worldgen.interop.foreign_map import ForeignMap
 from worldgen.interop.formats import FORMATS, ReadOptions, read_map
 from worldgen.interop.importing import Imported, RobotOptions, as_json, describe, import_world, parse_point
 from worldgen.interop.movingai import Scenario, read_movingai, read_scenario
 from worldgen.interop.place import Placement, place
 from worldgen.interop.ros_map import occupancy, read_ros_map
+from worldgen.interop.thesis_map import read_thesis_map
 
 __all__ = [
+    "EXPORTERS",
     "FORMATS",
+    "ExportOptions",
+    "Exported",
+    "Exporter",
     "ForeignMap",
     "Imported",
     "Placement",
@@ -24,6 +32,7 @@ __all__ = [
     "Scenario",
     "as_json",
     "describe",
+    "export_world",
     "import_world",
     "occupancy",
     "parse_point",
@@ -32,4 +41,5 @@ __all__ = [
     "read_movingai",
     "read_ros_map",
     "read_scenario",
+    "read_thesis_map",
 ]

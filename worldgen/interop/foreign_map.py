@@ -41,6 +41,8 @@ class ForeignMap:
         notes: Sentences worth knowing.
         warnings: Sentences that point at a likely mistake.
         world: The world, where the format holds a whole one.
+        start: x, y, m, and heading, rad, that the format implies; taken where the robot is clear there.
+        target: x, y and radius, m, where the file has them.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -49,6 +51,8 @@ class ForeignMap:
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     world: World | None = None
+    start: tuple[float, float, float] | None = None
+    target: tuple[float, float, float] | None = None
 
 
 def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:

@@ -15,6 +15,7 @@ from worldgen.grid_file import read_world
 from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, digest, read_bounded
 from worldgen.interop.movingai import read_movingai
 from worldgen.interop.ros_map import read_ros_map
+from worldgen.interop.thesis_map import read_thesis_map
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
 __all__ = ["FORMATS", "MapFormat", "ReadOptions", "find_format", "read_map"]
@@ -63,6 +64,10 @@ def _read_ros(path: Path, options: ReadOptions) -> ForeignMap:
     return read_ros_map(path, "solid" if options.unknown is None else options.unknown)
 
 
+def _read_thesis(path: Path, options: ReadOptions) -> ForeignMap:
+    return read_thesis_map(path, DEFAULT_CELL_SIZE if options.cell_size is None else options.cell_size)
+
+
 def _read_grid(path: Path, options: ReadOptions) -> ForeignMap:
     params: dict[str, Value] = {"format": "grid", "source": path.name, "sha256": digest(read_bounded(path))}
     world = read_world(path)
@@ -84,6 +89,10 @@ FORMATS = {
         MapFormat(
             "ros", "ROS map_server, .yaml with .pgm or .png", (".yaml", ".yml"),
             re.compile(rb"(?s).*?(?m:^)image[ \t]*:"), _read_ros, ("unknown",),
+        ),
+        MapFormat(
+            "thesis", "map of the thesis's simulator, .gex", (".gex",),
+            re.compile(rb"\xac\xed"), _read_thesis, ("cell_size",),
         ),
         MapFormat(
             "grid", "a world of ours, .grid or .grid.gz", (".grid", ".gz"),

@@ -13,7 +13,7 @@ from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap
 from worldgen.interop.formats import ReadOptions, read_map
 from worldgen.interop.movingai import read_scenario
-from worldgen.interop.place import heading_towards, place
+from worldgen.interop.place import heading_towards, is_clear, place
 from worldgen.lattice import exact
 from worldgen.reach import Decision, decide
 from worldgen.timeline import Timeline
@@ -38,7 +38,8 @@ class RobotOptions:
         speed: Top speed, m/s.
         scenario: A MovingAI scenario file for start and target.
         row: Which of its problems, from 1.
-        seed: Where the search for far places begins. A ``.grid`` keeps its own places unless it is given.
+        seed: Where the search for far places begins. A ``.grid`` keeps its own places unless it is given, and
+            a thesis map its program's start.
     """
 
     start: tuple[float, ...] | None = None
@@ -102,12 +103,12 @@ def import_world(
     robot = robot or RobotOptions()
     found = read_map(path, name, options)
     params = dict(found.params)
-    robot = _complete(_with_scenario(robot, found, params), found)
+    robot, notes = _at_programs_start(_complete(_with_scenario(robot, found, params), found), found)
     world, warnings = _place(robot, found)
     decision = decide(world)
     provenance = Provenance("import", VERSION, robot.seed or 0, params)
     world = replace(world, certificate=decision.certificate, provenance=provenance)
-    return Imported(world, decision, found.notes, (*found.warnings, *warnings))
+    return Imported(world, decision, (*found.notes, *notes), (*found.warnings, *warnings))
 
 
 def _with_scenario(robot: RobotOptions, found: ForeignMap, params: dict[str, Value]) -> RobotOptions:
@@ -131,12 +132,23 @@ def _complete(robot: RobotOptions, found: ForeignMap) -> RobotOptions:
     if old is not None and robot.seed is None:  # a seed asks for new places
         start = start or (old.start.x, old.start.y, old.start.heading)
         target = target or (old.target.x, old.target.y, old.target.radius)
+    target = target or found.target
     usual = float(_RADIUS_IN_CELLS * exact(found.cell_size))
     radius = _first(robot.radius, old.robot_radius if old else usual)
     speed = _first(robot.speed, old.robot_speed if old else DEFAULT_ROBOT_SPEED)
     check_between("radius", radius, 1e-9, 1e9, "m")
     check_between("speed", speed, 1e-6, 1e6, "m/s")
     return replace(robot, start=start, target=target, radius=radius, speed=speed)
+
+
+def _at_programs_start(robot: RobotOptions, found: ForeignMap) -> tuple[RobotOptions, tuple[str, ...]]:
+    """Options with the start that the format implies, if none is given and the robot fits there; else why not."""
+    if robot.start is not None or robot.seed is not None or found.start is None:
+        return robot, ()
+    x, y, _ = found.start
+    if is_clear(found.walls, found.cell_size, robot.radius or 0.0, (x, y)):  # _complete has set the radius
+        return replace(robot, start=found.start), ()
+    return robot, (f"the program's own start ({x:g}, {y:g}) m is not clear for the robot; it starts elsewhere",)
 
 
 def _first(value: float | None, otherwise: float) -> float:

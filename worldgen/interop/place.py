@@ -29,7 +29,7 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach.lattice_graph import build_graph
 from worldgen.reach.walls import Walls, point_box_sq
 
-__all__ = ["Placement", "heading_towards", "place"]
+__all__ = ["Placement", "heading_towards", "is_clear", "place"]
 
 _HALF = UNIT // 2
 _SMALL = 200_000  # places that plain Python floods in less time than loading numba takes
@@ -204,12 +204,23 @@ def _on_lattice(point: _Point, cell_size: float) -> _Point:
     return x, y
 
 
+def is_clear(walls: npt.NDArray[np.bool_], cell_size: float, radius: float, point: _Point) -> bool:
+    """Whether a disc of ``radius`` m at a point, m, moved to the nearest of the pose lattice, is clear of walls."""
+    solid = Walls(walls, in_cells(radius, cell_size))
+    x, y = (metres_to_lattice(value, cell_size) for value in point)
+    return _is_clear_of(solid, _nearest_wall(solid, (x, y))[0])
+
+
+def _is_clear_of(solid: Walls, distance_sq: Fraction) -> bool:
+    return distance_sq >= max(Fraction(1), solid.radius_sq)
+
+
 def _check_start(walls: npt.NDArray[np.bool_], cell_size: float, radius: float, start: _Point) -> None:
     """Refuses a start at which the disc cuts a wall."""
     solid = Walls(walls, in_cells(radius, cell_size))
     x, y = (metres_to_lattice(value, cell_size) for value in start)
     distance_sq, cell = _nearest_wall(solid, (x, y))
-    if distance_sq >= max(Fraction(1), solid.radius_sq):
+    if _is_clear_of(solid, distance_sq):
         return
     height, width = walls.shape
     inside = 0 <= cell[0] < width and 0 <= cell[1] < height

@@ -125,26 +125,36 @@ def read_thesis_map(path: Path, cell_size: float = DEFAULT_CELL_SIZE) -> Foreign
     values = _square(read_ints(data, source), source)
     _check_values(values, source)
     target = _target(values, source)
-    size = values.shape[0]
     params: dict[str, Value] = {"format": "thesis", "source": path.name, "sha256": digest(data)}
-    why = unloadable(size)
-    notes, warnings = [why] if why else [], []
-    strange = _strange(values, target)
-    if strange == 0:
-        params["noise"] = True
-        notes.append("the map has been through the noise filter; export --to thesis will do the same")
-    elif strange is not None:
-        warnings.append(
-            f"{strange} cells hold neither their squared distance to the target nor what the noise filter makes of "
-            "it; walls and target are kept, these values are not: export --to thesis writes the plain map"
-        )
-    x, y = ((index + 0.5) for index in (target[0], size - 1 - target[1]))
-    centre = tuple(lattice_to_metres(round(cells * UNIT), cell_size) for cells in (x, y))
+    notes, warnings = _explain(values, target, params)
+    size = values.shape[0]
     start = program_start(size, cell_size)
+    halves = (2 * target[0] + 1, 2 * (size - target[1]) - 1, 1)
+    x, y, radius = (lattice_to_metres(count * UNIT // 2, cell_size) for count in halves)
     return ForeignMap(
-        flip_rows(values == WALL), cell_size, params, tuple(notes), tuple(warnings),
-        start=(start.x, start.y, start.heading), target=(*centre, lattice_to_metres(UNIT // 2, cell_size)),
+        flip_rows(values == WALL), cell_size, params, notes, warnings,
+        start=(start.x, start.y, start.heading), target=(x, y, radius),
     )  # fmt: skip
+
+
+def _explain(
+    values: Ints, target: tuple[int, int], params: dict[str, Value]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Notes and warnings about size and values; ``params`` learns of the noise filter."""
+    why = unloadable(values.shape[0])
+    notes = (why,) if why else ()
+    plain = signal(values == WALL, target)
+    if np.array_equal(values, plain):
+        return notes, ()
+    noisy = filtered(plain, target)
+    if np.array_equal(values, noisy):
+        params["noise"] = True
+        return (*notes, "the map has been through the noise filter; export --to thesis does the same again"), ()
+    neither = int(np.count_nonzero((values != plain) & (values != noisy)))
+    return notes, (
+        "the values are neither squared distances to the target nor what the noise filter makes of these in one go "
+        f"({neither} cells fit neither); walls and target are kept, and export --to thesis will write the plain map",
+    )
 
 
 def _square(values: Ints, source: str) -> Ints:
@@ -192,14 +202,3 @@ def _target(values: Ints, source: str) -> tuple[int, int]:
         )
     row, column = found[0]
     return int(column), int(row)
-
-
-def _strange(values: Ints, target: tuple[int, int]) -> int | None:
-    """None for a plain map; else the number of cells that neither filter nor distance explains, 0 after the filter."""
-    plain = signal(values == WALL, target)
-    if np.array_equal(values, plain):
-        return None
-    noisy = filtered(plain, target)
-    if np.array_equal(values, noisy):
-        return 0
-    return int(np.count_nonzero((values != plain) & (values != noisy))) or int(np.count_nonzero(values != plain))

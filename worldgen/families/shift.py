@@ -1,0 +1,105 @@
+"""The thesis's world shifter over another family's world: now and then two mirrored cells change places."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from worldgen.families._ground import lay_ground
+from worldgen.families._layout import Arena
+from worldgen.family import check_between, family
+from worldgen.lattice import exact, in_cells
+from worldgen.random_streams import RandomStream
+from worldgen.timeline import CellState, Event, Timeline
+from worldgen.world import World
+
+__all__ = ["shift"]
+
+
+@family("shift", version=1)
+def shift(
+    rng: RandomStream,
+    *,
+    size: int = 30,
+    over: Literal["trap", "corridor", "maze"] = "trap",
+    interval: float = 0.5,
+    chance: float = 0.1,
+    duration: float = 60.0,
+    cell_size: float = 0.1,
+    robot_radius: float = 0.07,
+    robot_speed: float = 2.0,
+) -> World:
+    """A trap, corridor or maze whose cells change places, as the thesis's world shifter moves them.
+
+    Again and again, with some chance, a cell drawn from the whole square is swapped with its mirror image
+    along the diagonal from the upper left to the lower right: a wall goes from one side of it to the other.
+    Two equal cells change nothing. Unlike the thesis's program, which moves even the target, a swap of a cell
+    that the target lies in is left out; and the first draw comes after one interval, not at once.
+
+    Args:
+        rng: The only source of chance; equal state, equal world.
+        size: Cells a side, the solid border included; 10 to 2000.
+        over: Family whose world moves; its shape is drawn.
+        interval: Time between two draws, s.
+        chance: Share of the draws that swap two cells.
+        duration: Time after which all stays as it is, s.
+        cell_size: Side of a cell, m.
+        robot_radius: Radius of the robot, m.
+        robot_speed: Top speed of the robot, m/s.
+
+    Raises:
+        InvalidParameter: If a number is out of range.
+
+    Source: the thesis's listing, ``simGuiExp.worldShifter``, called every 500 ms, one chance in ten.
+    """
+    arena = Arena(size, cell_size, robot_radius, robot_speed)
+    check_between("interval", interval, 0.01, 60.0, "s")
+    check_between("chance", chance, 0.0, 1.0)
+    check_between("duration", duration, 0.0, 600.0, "s")
+
+    ground = lay_ground(rng.child("ground"), over, arena)
+    timeline = _swaps(rng.child("swaps"), ground, interval, chance, duration)
+
+    return World(
+        walls=ground.walls,
+        start=ground.start,
+        target=ground.target,
+        cell_size=cell_size,
+        robot_radius=robot_radius,
+        robot_speed=robot_speed,
+        timeline=timeline,
+    )
+
+
+def _swaps(rng: RandomStream, ground: World, interval: float, chance: float, duration: float) -> Timeline:
+    """Two changes for every swap of a wall and a free cell."""
+    walls = ground.walls.copy()
+    last = ground.height - 1
+    kept = _target_cells(ground)
+    events: list[Event] = []
+    for draw in range(1, math.floor(exact(duration) / exact(interval)) + 1):
+        if rng.random() >= chance:
+            continue
+        column, row = rng.below(ground.width), rng.below(ground.height)  # the row from the top, as in the thesis
+        here, there = (last - row, column), (last - column, row)
+        if walls[here] == walls[there] or here in kept or there in kept:
+            continue
+        walls[here], walls[there] = walls[there], walls[here]
+        time = float(draw * exact(interval))
+        for iy, ix in sorted((here, there)):
+            events.append(Event(time, ix, iy, CellState.SOLID if walls[iy, ix] else CellState.FREE))
+    return Timeline.of(events)
+
+
+def _target_cells(ground: World) -> set[tuple[int, int]]:
+    """Cells, row and column, that the inside of the target's disc meets."""
+    x, y, radius = (
+        float(in_cells(value, ground.cell_size)) for value in (ground.target.x, ground.target.y, ground.target.radius)
+    )
+    index = np.arange(ground.width)
+    dx = np.maximum(np.maximum(index - x, x - index - 1), 0.0)
+    dy = np.maximum(np.maximum(index - y, y - index - 1), 0.0)
+    rows, columns = np.nonzero(dx[np.newaxis, :] ** 2 + dy[:, np.newaxis] ** 2 < radius * radius)
+    return set(zip(rows.tolist(), columns.tolist(), strict=True))
