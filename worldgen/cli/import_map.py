@@ -45,8 +45,8 @@ def import_map(
     r"""Read a foreign map and place start and target.
 
     PATH is a MovingAI octile map (.map), a ROS map_server file (.yaml beside its .pgm or .png), a map
-    of the thesis's simulator (.gex), or a .grid, whose places it keeps unless told otherwise. Start and target that are not given are placed
-    far apart in the largest region the robot can drive through.
+    of the thesis's simulator (.gex), or a .grid, whose places it keeps unless told otherwise. Start and
+    target that are not given are placed far apart in the largest region the robot can drive through.
 
     \b
       worldgen import arena.map --out w.grid

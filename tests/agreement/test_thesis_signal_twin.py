@@ -1,0 +1,37 @@
+"""The thesis's signal is written twice, for files and for runs: both give the same numbers."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.kernels.thesis_layout import WALL
+from sim.kernels.thesis_signal import add_noise, signal_map
+from worldgen.interop.thesis_map import WALL as FILE_WALL
+from worldgen.interop.thesis_map import filtered, signal
+
+SIDES = st.integers(3, 24)
+
+
+@st.composite
+def maps(draw):
+    """Walls, (n, n) bool, top row first and closed all round, and the target's column and row."""
+    size = draw(SIDES)
+    inner = st.integers(1, size - 2)
+    target = draw(inner), draw(inner)
+    walls = np.ones((size, size), bool)
+    walls[1:-1, 1:-1] = False
+    for x, y in draw(st.lists(st.tuples(inner, inner), max_size=60)):
+        walls[y, x] = (x, y) != target
+    return walls, target
+
+
+@given(maps())
+def test_signal_and_noise_of_files_are_those_of_runs(drawn):
+    walls, target = drawn
+    light = signal_map(len(walls), len(walls), *target)
+    cells = light.copy()
+    cells[walls.T] = WALL
+    plain = signal(walls, target)
+    assert FILE_WALL == WALL and np.array_equal(plain, cells.T)
+    add_noise(cells, light)
+    assert np.array_equal(filtered(plain, target), cells.T)
