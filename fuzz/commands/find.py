@@ -31,6 +31,7 @@ EXAMPLES = (
 @click.option("--start", metavar="X,Y,HEADING", help="Start pose of every world, m and rad.")
 @click.option("--symmetric", is_flag=True, help="Keep worlds symmetric about the diagonal through the upper left.")
 @click.option("--keep-target", is_flag=True, help="Leave the target where it is.")
+@click.option("--leash", type=click.IntRange(0), metavar="CELLS", help="Move walls and target no further; add none.")
 @click.option("--no-edit", is_flag=True, help="Only worlds as the family makes them.")
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
@@ -49,6 +50,7 @@ def find(
     start: str | None,
     symmetric: bool,
     keep_target: bool,
+    leash: int | None,
     no_edit: bool,
     motion: str,
     time_step: float | None,
@@ -93,6 +95,7 @@ def find(
         start=None if start is None else _pose(start),
         mirror=symmetric,
         fixed_target=keep_target,
+        leash=-1 if leash is None else leash,
         edit=not no_edit,
     )
     _try_out(config)

@@ -32,15 +32,20 @@ class Layout:
         boxes: The boxes; with ``mirror`` those of one half.
         mirror: Whether every box also stands mirrored along the diagonal from the upper left to the lower right.
         fixed_target: Whether the target stays where it is.
+        leash: Cells that a box's side, or the target, may go from where it was in ``home``; then no box comes or
+            goes. -1 for no such limit.
+        home: The layout's beginning, for the leash.
     """
 
     empty: World
     boxes: tuple[Box, ...]
     mirror: bool = False
     fixed_target: bool = False
+    leash: int = -1
+    home: Layout | None = None
 
     @classmethod
-    def of(cls, world: World, *, mirror: bool = False, fixed_target: bool = False) -> Layout:
+    def of(cls, world: World, *, mirror: bool = False, fixed_target: bool = False, leash: int = -1) -> Layout:
         """A world's inner solid cells as boxes, the largest first.
 
         Raises:
@@ -56,7 +61,8 @@ class Layout:
         boxes = _boxes(world.walls & ~border)
         if mirror:
             boxes = [box for box in boxes if box <= _mirrored(box, world.width)]
-        return cls(empty, tuple(boxes), mirror, fixed_target)
+        home = cls(empty, tuple(boxes), mirror, fixed_target)
+        return home if leash < 0 else replace(home, leash=leash, home=home)
 
     def world(self) -> World:
         """The world that the layout stands for."""
@@ -76,38 +82,47 @@ class Layout:
         kind = rng.below(16)
         if kind == 0:
             return self._with_target(rng)
-        if kind == 1 and len(self.boxes) < _MOST_BOXES:
-            return self._kept([*self.boxes, self._new_box(rng)])
+        if kind == 1 and self.home is None and len(self.boxes) < _MOST_BOXES:
+            return self._kept((*self.boxes, self._new_box(rng)))
         if not self.boxes:
             return None
         chosen = rng.below(len(self.boxes))
-        rest = [*self.boxes[:chosen], *self.boxes[chosen + 1 :]]
-        if kind == 2:
-            return self._kept(rest)
+        if kind == 2 and self.home is None:
+            return self._kept((*self.boxes[:chosen], *self.boxes[chosen + 1 :]))
         x0, y0, x1, y1 = self.boxes[chosen]
         way = rng.choice((-1, 1)) * (1 + rng.below(_FAR) * rng.below(2))
         if kind < 8:
             dx, dy = (way, 0) if rng.below(2) else (0, way)
-            return self._kept([*rest, (x0 + dx, y0 + dy, x1 + dx, y1 + dy)])
+            return self._with_box(chosen, (x0 + dx, y0 + dy, x1 + dx, y1 + dy))
         sides = [x0, y0, x1, y1]
         sides[rng.below(4)] += way
-        return self._kept([*rest, (sides[0], sides[1], sides[2], sides[3])])
+        return self._with_box(chosen, (sides[0], sides[1], sides[2], sides[3]))
+
+    def _with_box(self, index: int, box: Box) -> Layout | None:
+        return self._kept((*self.boxes[:index], box, *self.boxes[index + 1 :]))
 
     def simpler(self) -> list[Layout]:
         """Layouts with one box less, or one row of one box less, the largest step first."""
-        found = [self._kept([*self.boxes[:k], *self.boxes[k + 1 :]]) for k in range(len(self.boxes))]
+        found = []
+        if self.home is None:
+            found = [self._kept((*self.boxes[:k], *self.boxes[k + 1 :])) for k in range(len(self.boxes))]
         for k, (x0, y0, x1, y1) in enumerate(self.boxes):
-            rest = [*self.boxes[:k], *self.boxes[k + 1 :]]
             for box in ((x0 + 1, y0, x1, y1), (x0, y0 + 1, x1, y1), (x0, y0, x1 - 1, y1), (x0, y0, x1, y1 - 1)):
-                found.append(self._kept([*rest, box]))
+                found.append(self._with_box(k, box))
         return [layout for layout in found if layout is not None]
 
-    def _kept(self, boxes: list[Box]) -> Layout | None:
-        """The layout with other boxes, if they lie inside and leave the start clear."""
+    def _kept(self, boxes: tuple[Box, ...]) -> Layout | None:
+        """The layout with other boxes, if they lie inside, on the leash, and leave start and target clear."""
         width, height = self.empty.width, self.empty.height
         if any(not (1 <= x0 < x1 <= width - 1 and 1 <= y0 < y1 <= height - 1) for x0, y0, x1, y1 in boxes):
             return None
-        layout = replace(self, boxes=tuple(sorted(boxes)))
+        if self.home is not None:
+            pairs = zip(boxes, self.home.boxes, strict=True)
+            if any(
+                abs(side - before) > self.leash for box, old in pairs for side, before in zip(box, old, strict=True)
+            ):
+                return None
+        layout = replace(self, boxes=boxes)
         side, reach = self.empty.cell_size, self.empty.robot_radius
         places = ((self.empty.start.x, self.empty.start.y, reach), (self.empty.target.x, self.empty.target.y, 0.0))
         for x, y, clear in places:
@@ -128,8 +143,12 @@ class Layout:
         if not (1 <= ix < self.empty.width - 1 and 1 <= iy < self.empty.height - 1):
             return None
         moved = replace(target, x=lattice_to_metres(1024 * ix + 512, side), y=lattice_to_metres(1024 * iy + 512, side))
+        if self.home is not None:
+            home = self.home.empty.target
+            if max(abs(moved.x - home.x), abs(moved.y - home.y)) > (self.leash + 0.5) * side:
+                return None
         try:
-            return replace(self, empty=replace(self.empty, target=moved))._kept(list(self.boxes))
+            return replace(self, empty=replace(self.empty, target=moved))._kept(self.boxes)
         except InvalidWorld:
             return None
 

@@ -42,6 +42,7 @@ class FindConfig:
         start: A start pose that every world gets.
         mirror: Whether worlds are symmetric about the diagonal through the upper left.
         fixed_target: Whether edits leave the target where it is.
+        leash: Cells that edits may move a wall's side, or the target, from where they were; -1 for any.
         edit: Whether sampled worlds are edited at all.
     """
 
@@ -53,6 +54,7 @@ class FindConfig:
     start: Pose | None = None
     mirror: bool = False
     fixed_target: bool = False
+    leash: int = -1
     edit: bool = True
 
 
@@ -213,7 +215,7 @@ def _sample(config: FindConfig, rng: RandomStream) -> _Candidate | None:
             world = decode_world(bytes(rng.below(256) for _ in range(LAYOUT_BYTES)))
         if config.start is not None:
             world, provenance = replace(world, start=config.start), None
-        layout = Layout.of(world, mirror=config.mirror, fixed_target=config.fixed_target)
+        layout = Layout.of(world, mirror=config.mirror, fixed_target=config.fixed_target, leash=config.leash)
     except (InvalidWorld, InvalidParameter):
         return None
     if config.mirror:
