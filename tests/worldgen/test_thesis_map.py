@@ -11,10 +11,19 @@ from hypothesis import strategies as st
 
 from tests.helpers.command_line import worldgen
 from tests.helpers.thesis_editor import Editor
+from worldgen.cli.main import cli
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.generation import generate
 from worldgen.grid_file import read_world, write_world
-from worldgen.interop import ExportOptions, ReadOptions, RobotOptions, export_world, import_world, read_thesis_map
+from worldgen.interop import (
+    EXPORTERS,
+    ExportOptions,
+    ReadOptions,
+    RobotOptions,
+    export_world,
+    import_world,
+    read_thesis_map,
+)
 from worldgen.interop.java_stream import read_ints, write_ints
 from worldgen.interop.thesis_map import MAX_SIZE, filtered, signal
 from worldgen.timeline import CellState, Timeline
@@ -464,3 +473,11 @@ def test_a_file_read_back_is_the_world_that_was_written(tmp_path):
     imported = import_world(SAMPLES / "map30noise.map").world
     write_world(imported, tmp_path / "w.grid")
     assert read_world(tmp_path / "w.grid").provenance.params["noise"] is True
+
+
+def test_the_page_names_every_exporter_and_option():
+    page = (Path(__file__).parents[2] / "docs" / "import.md").read_text()
+    options = [
+        option for known in cli.get_command(None, "export").params for option in known.opts if option[:2] == "--"
+    ]
+    assert [word for word in (*EXPORTERS, *options) if f"`{word}" not in page] == []

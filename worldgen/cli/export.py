@@ -11,7 +11,10 @@ from worldgen.cli.output import emit_json, force_option, json_option, note, writ
 __all__ = ["export"]
 
 
-@click.command()
+EXAMPLES = "\b\n  worldgen export w.grid --to thesis --out old.gex"
+
+
+@click.command(epilog=EXAMPLES)
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--to", "name", metavar="FORMAT", required=True, help="thesis, package.module:name, or ./file.py:name.")
 @click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The file to write.")
@@ -23,12 +26,9 @@ __all__ = ["export"]
 @force_option
 @json_option
 def export(path: Path, name: str, out: Path, noise: bool | None, force: bool, as_json: bool) -> None:
-    r"""Write a world in another program's format.
+    """Write a world in another program's format.
 
     PATH is a .grid file. What the format cannot hold is an error; what it leaves out is said on stderr.
-
-    \b
-      worldgen export w.grid --to thesis --out old.gex
     """
     import hashlib
 

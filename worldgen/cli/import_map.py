@@ -11,7 +11,15 @@ from worldgen.cli.output import emit_json, force_option, json_option, note
 __all__ = ["import_map"]
 
 
-@click.command("import")
+EXAMPLES = (
+    "\b\n  worldgen import arena.map --out w.grid\n"
+    "  worldgen import arena.map --scen arena.map.scen --row 12 --out w.grid\n"
+    "  worldgen import old.gex --out w.grid\n"
+    "  worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid"
+)
+
+
+@click.command("import", epilog=EXAMPLES)
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write.")
 @click.option("--from", "name", metavar="FORMAT", help="movingai, ros, thesis or grid; recognised if left out.")
@@ -42,17 +50,11 @@ def import_map(
     force: bool,
     as_json: bool,
 ) -> None:
-    r"""Read a foreign map and place start and target.
+    """Read a foreign map and place start and target.
 
     PATH is a MovingAI octile map (.map), a ROS map_server file (.yaml beside its .pgm or .png), a map
     of the thesis's simulator (.gex), or a .grid, whose places it keeps unless told otherwise. Start and
     target that are not given are placed far apart in the largest region the robot can drive through.
-
-    \b
-      worldgen import arena.map --out w.grid
-      worldgen import arena.map --scen arena.map.scen --row 12 --out w.grid
-      worldgen import old.gex --out w.grid
-      worldgen import office.yaml --radius 0.2 --start 1.5,2.0 --out w.grid
     """
     from worldgen import interop
     from worldgen.grid_file import write_world
