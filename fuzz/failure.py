@@ -1,30 +1,39 @@
-"""Failures: a world, a controller and options under which it does not arrive, with evidence that holds."""
+"""Failures: a world, a controller and options under which it does not arrive, with evidence that holds.
+
+One kind is the other way round, a *breach*: the target is walled off, as a cut proves, the robot goes through a
+wall (verdict ``tunnel``), and, where walls end nothing, it arrives (``reached`` in the evidence).
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from scipy.special import betaincinv
 
-from fuzz.oracles import objection
+from fuzz.oracles import object_to_breach, objection
 from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import Episode, prepare, simulate
 from sim.motion import MOTIONS
+from sim.motion.base import THESIS
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
-from worldgen.reach import REACHABLE, check_certificate, decide
-from worldgen.world import FailureRecord, Value, Witness, World
+from worldgen.lattice import in_cells
+from worldgen.reach import BLOCKED, REACHABLE, CheckReport, check_certificate, decide
+from worldgen.world import Cut, FailureRecord, Target, Value, World
 
 __all__ = [
     "Replay",
     "certified",
     "failure_of",
     "judge",
+    "regardless_of_walls",
     "replay",
     "scenario_of",
     "seeds_that_fail",
+    "walled_off",
 ]
 
 
@@ -44,8 +53,34 @@ def certified(world: World) -> World | None:
     return replace(world, certificate=decision.certificate) if decision.result == REACHABLE else None
 
 
+def walled_off(world: World) -> World | None:
+    """The world with a fresh cut round its target's cell, or ``None`` if that is not provably walled off.
+
+    The thesis's robot arrives where it enters the target's cell, so the cut parts the start from all of it.
+    """
+    decision = decide(_with_whole_cell(world))
+    return replace(world, certificate=decision.certificate) if decision.result == BLOCKED else None
+
+
+def _with_whole_cell(world: World) -> World:
+    """The world with the disc round the target's cell, or the target itself if that is larger, as target."""
+    side, target = world.cell_size, world.target
+    x, y = (float((math.floor(in_cells(v, side)) + 0.5) * side) for v in (target.x, target.y))
+    corner = side * math.sqrt(0.5) * (1 + 1e-9)
+    needed = math.dist((x, y), (target.x, target.y)) + target.radius
+    return replace(world, target=Target(x, y, max(corner, needed)), failure=None)
+
+
+def regardless_of_walls(options: RunOptions) -> RunOptions:
+    """The same run, where walls that the robot enters neither end it nor decide its verdict."""
+    return replace(options, thesis=replace(options.thesis, keep_going=True))
+
+
 def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, str]:
     """Runs a scenario, recorded, and lets the oracle of its verdict object.
+
+    In a world whose certificate is a cut, the scenario runs once more regardless of walls; ``reached`` in the
+    evidence is the step in which it then arrives.
 
     Returns:
         The episode, and the objection; empty if the verdict holds.
@@ -58,7 +93,20 @@ def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, 
         trace = prepare(world, controller, options).run(longer, find_loop=False, record=True).trace
     if trace is None:  # a controller that failed before its first step leaves none
         return episode, "" if episode.verdict == "crash" else "no trace was recorded"
-    return episode, objection(episode.verdict, world, trace, episode.evidence, MOTIONS.get(options.motion))
+    wrong = objection(episode.verdict, world, trace, episode.evidence, options.motion_model())
+    if wrong or not isinstance(world.certificate, Cut):
+        return episode, wrong
+    return _judge_breach(world, controller, options, episode)
+
+
+def _judge_breach(world: World, controller: str, options: RunOptions, episode: Episode) -> tuple[Episode, str]:
+    if episode.verdict != "tunnel" or options.motion_model().kernel != THESIS:
+        return episode, "the target is walled off, and the robot goes through no wall"
+    whole = simulate(world, controller, regardless_of_walls(options), record=True)
+    if whole.verdict != "reached" or whole.trace is None or episode.trace is None:
+        return episode, "the target is walled off, and the robot does not reach it"
+    breach = replace(episode, evidence={**episode.evidence, "reached": whole.steps})
+    return breach, object_to_breach(world, episode.trace, whole.trace, breach.evidence)
 
 
 def failure_of(
@@ -67,7 +115,7 @@ def failure_of(
     """The failure file of a scenario, or ``None`` if the robot arrives or the verdict is not confirmed.
 
     Args:
-        world: A world that carries a witness.
+        world: A world that carries a witness; or a cut, for a breach.
         scenario: What runs in it.
         fewest_steps: Budget to give at least, for verdicts that the run itself proves; ``stalled`` and
             ``timeout`` always speak of the witness's budget.
@@ -134,13 +182,25 @@ def replay(world: World, controller: str | None = None) -> Replay:
         episode, wrong = judge(world, controller or record.controller, options)
     except WorldgenError as error:
         return Replay("error", False, str(error))
-    reason = _difference(record, episode) or wrong
-    if not reason and not isinstance(world.certificate, Witness):
-        reason = "the file carries no witness that the target can be reached"
-    elif not reason:
-        report = check_certificate(world)
-        reason = "" if report.valid else f"the witness does not hold: {report.reason}"
+    reason = _difference(record, episode) or wrong or _certificate_at_fault(world)
     return Replay(episode.verdict, not reason, reason, episode)
+
+
+def _certificate_at_fault(world: World) -> str:
+    """Why a failure's certificate does not hold; empty if it does."""
+    if world.certificate is None:
+        return "the file carries no witness that the target can be reached"
+    if isinstance(world.certificate, Cut):
+        report = _check_cut(world)
+        return "" if report.valid else f"the cut does not hold: {report.reason}"
+    report = check_certificate(world)
+    return "" if report.valid else f"the witness does not hold: {report.reason}"
+
+
+def _check_cut(world: World) -> CheckReport:
+    """Checks the cut for the target as it is, then for its whole cell."""
+    report = check_certificate(world)
+    return check_certificate(_with_whole_cell(world)) if report.valid else report
 
 
 def _difference(record: FailureRecord, episode: Episode) -> str:
@@ -159,6 +219,8 @@ def _difference(record: FailureRecord, episode: Episode) -> str:
 def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[str, Value]:
     """For a controller with randomness: how many of ``count`` seeds do not arrive, and what that shows.
 
+    Where the target is walled off, it is the seeds with which the robot does arrive, regardless of walls.
+
     Returns:
         ``failing_seeds`` as [k, n] and ``failing_share_at_least``, the lower end of the two-sided 95 %
         interval; empty for a controller without randomness.
@@ -169,10 +231,12 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
     controller = CONTROLLERS.get(scenario.controller)
     if not (isinstance(controller, CompiledController) and controller.randomised):
         return {}
-    options = scenario.options(world)
+    options, sealed = scenario.options(world), isinstance(world.certificate, Cut)
+    options = regardless_of_walls(options) if sealed else options
     failing = 0
     for seed in range(count):
         run = prepare(world, controller, replace(options, seed=seed))
-        failing += run.run(options.steps, find_loop=False, record=False).ending != "reached"
+        arrives = run.run(options.steps, find_loop=False, record=False).ending == "reached"
+        failing += arrives == sealed
     least = float(betaincinv(failing, count - failing + 1, 0.025)) if failing else 0.0
     return {"failing_seeds": [failing, count], "failing_share_at_least": round(least, 4)}

@@ -12,16 +12,36 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzz.features import decode_world
+from fuzz.sealed import SEALED_BYTES, decode_sealed
 from fuzz.strategies import family_worlds, layouts
+from sim.motion import MOTIONS
+from sim.motion.base import THESIS
+from sim.scenario import Scenario
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import lattice_to_metres
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World
 
-__all__ = ["COMBINED", "Draw", "explore", "lane_strategy", "poses_on"]
+__all__ = [
+    "COMBINED",
+    "LAYOUT_LANES",
+    "SEALED",
+    "Draw",
+    "can_breach",
+    "combined",
+    "explore",
+    "lane_strategy",
+    "poses_on",
+]
 
 COMBINED = ("features", "features", "trap", "features", "maze", "features", "corridor", "fire")
 """What unit after unit draws from when no family is named: mostly features, which fail most often per second."""
+
+SEALED = "sealed"
+"""Layouts with a walled-off target, for motion models in which a robot can go on past a wall."""
+
+LAYOUT_LANES = ("features", SEALED)
+"""Lanes that may be named like families."""
 
 _EXAMPLE_WORDS = 128  # of 8 bytes; more than any lane's strategy reads
 
@@ -41,6 +61,16 @@ class Draw:
     world: World
     seed: int
     time_step: float
+
+
+def can_breach(scenario: Scenario) -> bool:
+    """Whether a run can show what it does past a wall that it goes through, so that a target walled off is of use."""
+    return MOTIONS.get(scenario.motion).kernel == THESIS and not scenario.thesis.keep_going
+
+
+def combined(scenario: Scenario) -> tuple[str, ...]:
+    """The lanes of a campaign for which no family is named."""
+    return (*COMBINED, SEALED) if can_breach(scenario) else COMBINED
 
 
 def explore(strategy: st.SearchStrategy[Draw], unit_seed: int, examples: int, visit: Callable[[Draw], None]) -> None:
@@ -64,11 +94,13 @@ def explore(strategy: st.SearchStrategy[Draw], unit_seed: int, examples: int, vi
 def lane_strategy(
     lane: str, *, time_steps: tuple[float, ...], fixed_map: World | None = None
 ) -> st.SearchStrategy[Draw]:
-    """The strategy of a lane: ``features``, ``map`` (poses on a fixed foreign map), or a family's name."""
+    """The strategy of a lane: ``features``, ``sealed``, ``map`` (poses on a fixed foreign map), or a family's name."""
     if lane == "map" and fixed_map is not None:
         worlds: st.SearchStrategy[World] = poses_on(fixed_map)
     elif lane == "features":
         worlds = layouts().map(decode_world)
+    elif lane == SEALED:
+        worlds = st.binary(min_size=SEALED_BYTES, max_size=SEALED_BYTES).map(decode_sealed)
     else:
         worlds = family_worlds(lane)
     return st.builds(Draw, worlds, st.integers(0, 2**32 - 1), st.sampled_from(time_steps))

@@ -16,22 +16,25 @@ from rich.progress import Progress as Bar
 from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from fuzz.campaign import Campaign, Found
-from fuzz.lanes import TIME_STEPS
+from fuzz.failure import regardless_of_walls
+from fuzz.lanes import LAYOUT_LANES, SEALED, TIME_STEPS, can_breach
 from fuzz.unit import CampaignConfig
-from sim.episode import prepare, simulate
+from sim.episode import Episode, prepare, simulate
 from sim.motion import MOTIONS
 from sim.picture import trail_of
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from sim.words import evidence_in_words
 from worldgen.cli.output import emit_json, note
-from worldgen.errors import OutputError
+from worldgen.errors import InvalidParameter, OutputError
 from worldgen.family import FAMILIES
 from worldgen.grid_file import write_world
 from worldgen.render import draw_terminal, wants_color
-from worldgen.world import Pose, Target, World
+from worldgen.world import Cut, FailureRecord, Pose, Target, World
 
 __all__ = ["CampaignSession", "configure"]
+
+_NO_FAILURE = ("reached", "sealed")  # verdicts at first look
 
 
 def configure(
@@ -52,9 +55,15 @@ def configure(
         InvalidWorld: If the map leaves no room.
     """
     for name in families:
-        FAMILIES.get(name)
+        if name not in LAYOUT_LANES:
+            FAMILIES.get(name)
     usual = RunOptions.time_step
     scenario = Scenario.parse(controller, motion=motion, time_step=usual if time_step is None else time_step)
+    if SEALED in families and not can_breach(scenario):
+        raise InvalidParameter(
+            f"family {SEALED!r} has walled-off targets, which only a robot reaches that goes on past a wall: take "
+            "--motion stepped without +keep_going, or another family"
+        )
     time_steps: tuple[float, ...] = (scenario.time_step,)
     if time_step is None and scenario.time_step == usual and MOTIONS.get(scenario.motion).name == "endpoint":
         time_steps = TIME_STEPS
@@ -131,7 +140,7 @@ class CampaignSession:
                 bar.update(
                     task,
                     description=f"searching ({self._limit}): {state.worlds} worlds, "
-                    f"{sum(n for verdict, n in state.verdicts.items() if verdict != 'reached')} not reached, "
+                    f"{sum(n for verdict, n in state.verdicts.items() if verdict not in _NO_FAILURE)} failed, "
                     f"{len(state.best)} classes",
                 )
 
@@ -196,20 +205,31 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     if record is None:
         return str(path)
     options = RunOptions.of(record.motion, record.seed, record.parameters)
-    episode = simulate(world, record.controller, options, record=True)
+    episode, words = _seen(world, record, options)
     who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
     kind = str(record.details.get("class", record.verdict))
     often = f", met {met[kind]} times" if met and met[kind] else ""
     seeds = record.details.get("failing_seeds")
-    chance = f", {seeds[0]} of {seeds[1]} seeds fail" if isinstance(seeds, list) else ""
+    does = "get there" if isinstance(world.certificate, Cut) else "fail"
+    chance = f", {seeds[0]} of {seeds[1]} seeds {does}" if isinstance(seeds, list) else ""
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     color = wants_color(sys.stdout)
     return (
-        f"{who} under {record.motion}: {record.verdict}{evidence_in_words(episode)}\n"
+        f"{who} under {record.motion}: {record.verdict}{words}\n"
         f"  class {kind}{often}; {world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{draw_terminal(world, trail=trail_of(episode), color=color)}"
         f"  {replay_line(path)}\n"
     )
+
+
+def _seen(world: World, record: FailureRecord, options: RunOptions) -> tuple[Episode, str]:
+    """The run to draw, and the evidence in words; a breach is drawn up to the target."""
+    episode = simulate(world, record.controller, options, record=True)
+    words = evidence_in_words(episode)
+    if not isinstance(world.certificate, Cut):
+        return episode, words
+    whole = simulate(world, record.controller, regardless_of_walls(options), record=True)
+    return whole, f"{words}: reached a walled-off target in step {whole.steps}"
 
 
 def _prepare_folder(out: Path, force: bool) -> None:

@@ -18,7 +18,9 @@ def failure_class(world: World, episode: Episode) -> str:
     """A short name for the kind of failure, fit for a file name.
 
     ``loop``: how often the robot touches a wall and how often it turns round in one period, and how far it
-    gets. ``tunnel`` and ``overlap``: what kind of wall gives way. ``stalled``: how far it still gets.
+    gets. ``tunnel`` and ``overlap``: which move let the robot in, where the motion model knows, and what kind of
+    wall gives way; ``breach`` instead, if a walled-off target is then reached. ``stalled``: in what manner, where
+    that is known, and how far the robot still gets.
 
     Args:
         world: Where it happened.
@@ -37,12 +39,18 @@ def failure_class(world: World, episode: Episode) -> str:
         return f"loop-{_few(bumps, 4)}bump-{_few(turns, 2)}turn-{extent}"
     if verdict in ("tunnel", "overlap"):
         cell = cell_of(evidence)
-        return f"{verdict}-{_wall_kind(world, *cell)}" if cell else verdict
+        what = "breach" if "reached" in evidence else verdict
+        return _joined(what, evidence.get("cause"), _wall_kind(world, *cell) if cell else None)
     if verdict in ("stalled", "timeout"):
-        return f"{verdict}-{_extent(world, trace, trace.steps // 2, trace.steps)}"
+        extent = _extent(world, trace, trace.steps // 2, trace.steps)
+        return _joined(verdict, evidence.get("kind"), extent)
     if verdict == "burned":
         return f"burned-{evidence.get('state', 'burning')}"
     return verdict
+
+
+def _joined(*words: object) -> str:
+    return "-".join(str(word) for word in words if word)
 
 
 def _few(count: int, most: int) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field, replace
 
-from fuzz.failure import certified, failure_of
-from fuzz.lanes import COMBINED, Draw, explore, lane_strategy
+from fuzz.failure import certified, failure_of, regardless_of_walls, walled_off
+from fuzz.lanes import SEALED, Draw, combined, explore, lane_strategy
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare
 from sim.outcome import Outcome
@@ -21,7 +21,7 @@ __all__ = ["CampaignConfig", "UnitResult", "run_unit"]
 _SEARCH_STEPS = 6_000  # budget of a first look, before the witness is known
 _PROOF_STEPS = 60_000  # budget in which a failing run may close its loop
 _SLOWER = 8  # a Python controller takes microseconds where a compiled one takes nanoseconds: that much less of each
-_PROVE_AT_MOST = 24  # failing runs of one verdict that a unit proves and classifies; the rest it counts
+_PROVE_AT_MOST = 24  # failing runs of one verdict and cause that a unit proves and classifies; the rest it counts
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class CampaignConfig:
 
     def lane(self, unit: int) -> str:
         """The lane of a unit."""
-        names = ("map",) if self.fixed_map is not None else (self.families or COMBINED)
+        names = ("map",) if self.fixed_map is not None else (self.families or combined(self.scenario))
         return names[unit % len(names)]
 
 
@@ -59,7 +59,8 @@ class UnitResult:
     Args:
         worlds: Scenarios simulated.
         steps: Steps simulated.
-        verdicts: How often each verdict came up at first look.
+        verdicts: How often each verdict came up at first look; where the target is walled off, ``breach`` for
+            a robot that got there, ``sealed`` for one that did not.
         failures: The smallest failure of each class, with witness, evidence and class.
         met: How often each class was met among the failures that were classified.
     """
@@ -77,9 +78,9 @@ def run_unit(config: CampaignConfig, unit: int) -> UnitResult:
     lane = config.lane(unit)
     strategy = lane_strategy(lane, time_steps=config.time_steps, fixed_map=config.fixed_map)
     unit_seed = RandomStream(config.seed).child("unit", unit).next64()
-    share = (1 if lane in ("features", "map") else 4) * (1 if search.compiled else _SLOWER)
+    share = (1 if lane in ("features", "map", SEALED) else 4) * (1 if search.compiled else _SLOWER)
     examples = max(config.examples // share, 1)
-    explore(strategy, unit_seed, examples, search.visit)
+    explore(strategy, unit_seed, examples, search.visit_sealed if lane == SEALED else search.visit)
     return search.result
 
 
@@ -90,11 +91,12 @@ class _Search:
         self._config, self.result = config, result
         self._controller = CONTROLLERS.get(config.scenario.controller)
         self.compiled = isinstance(self._controller, CompiledController)
+        self._failed: Counter[tuple[str, str]] = Counter()
         self._proof_steps = _PROOF_STEPS if self.compiled else _PROOF_STEPS // _SLOWER
 
     def visit(self, draw: Draw) -> None:
         """Runs one scenario; a failure is proved, classified and kept if it is the smallest of its class."""
-        scenario = replace(self._config.scenario, time_step=draw.time_step, seed=draw.seed)
+        scenario = self._scenario(draw)
         budget = step_budget(draw.world, draw.time_step) if draw.world.certificate else _SEARCH_STEPS
         try:
             run = prepare(draw.world, self._controller, scenario.options(draw.world, budget))
@@ -105,15 +107,40 @@ class _Search:
         self.result.worlds += 1
         self.result.steps += outcome.steps
         self.result.verdicts[verdict] += 1
-        if verdict != "reached" and self.result.verdicts[verdict] <= _PROVE_AT_MOST:
+        if verdict != "reached" and self._is_to_be_proved(verdict, outcome):
             self._prove(draw.world, scenario)
+
+    def visit_sealed(self, draw: Draw) -> None:
+        """Runs one scenario whose target is walled off; all that counts is a robot that gets there."""
+        scenario, verdict = self._scenario(draw), "sealed"
+        options = scenario.options(draw.world)
+        outcome = prepare(draw.world, self._controller, options).run(options.steps, find_loop=True, record=False)
+        if outcome.ending == "tunnel":
+            run = prepare(draw.world, self._controller, regardless_of_walls(options))
+            whole = run.run(options.steps, find_loop=True, record=False)
+            verdict = "breach" if whole.ending == "reached" else "sealed"
+        self.result.worlds += 1
+        self.result.steps += outcome.steps
+        self.result.verdicts[verdict] += 1
+        if verdict == "breach" and self._is_to_be_proved(verdict, outcome):
+            sealed = walled_off(draw.world)
+            self._keep(None if sealed is None else failure_of(sealed, scenario, steps=options.steps))
+
+    def _is_to_be_proved(self, verdict: str, outcome: Outcome) -> bool:
+        self._failed[verdict, outcome.cause] += 1
+        return self._failed[verdict, outcome.cause] <= _PROVE_AT_MOST
+
+    def _scenario(self, draw: Draw) -> Scenario:
+        return replace(self._config.scenario, time_step=draw.time_step, seed=draw.seed)
 
     def _prove(self, world: World, scenario: Scenario) -> None:
         proved = world if world.certificate else certified(world)
         try:
-            failure = None if proved is None else failure_of(proved, scenario, fewest_steps=self._proof_steps)
+            self._keep(None if proved is None else failure_of(proved, scenario, fewest_steps=self._proof_steps))
         except InvalidParameter:  # too long to be recorded, so nothing that could be shown
             return
+
+    def _keep(self, failure: World | None) -> None:
         if failure is None or failure.failure is None:
             return
         kind = str(failure.failure.details["class"])

@@ -5,6 +5,7 @@ and returns an objection or nothing. A failure is stored only when its oracle ha
 
 Contents:
     objection: the objection to an episode's verdict, whatever it is.
+    object_to_breach: the objection to a walled-off target's being reached.
     burned, loop, overlap, reached, stalled, timeout, tunnel: one verdict a file.
 """
 
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from fuzz.oracles.breach import object_to_breach
 from fuzz.oracles.burned import object_to_burned
 from fuzz.oracles.loop import object_to_loop
 from fuzz.oracles.overlap import object_to_overlap
@@ -23,7 +25,7 @@ from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import Value, World
 
-__all__ = ["ORACLES", "objection"]
+__all__ = ["ORACLES", "object_to_breach", "objection"]
 
 Oracle = Callable[[World, Trace, Mapping[str, Value], Motion], str]
 

@@ -18,6 +18,7 @@ __all__ = [
     "first_new_cell_of_second_half",
     "integer",
     "is_solid_at",
+    "lattice_cell",
     "step_path",
     "target_gap",
 ]
@@ -68,17 +69,19 @@ def step_path(trace: Trace, step: int) -> shapely.LineString:
 
 def first_new_cell_of_second_half(world: World, trace: Trace) -> tuple[int, int] | None:
     """A cell (ix, iy) that a state of the second half enters and no state of the first half has seen."""
-    columns, rows = _cells(trace.x / world.cell_size), _cells(trace.y / world.cell_size)
+    columns, rows = lattice_cell(trace.x / world.cell_size), lattice_cell(trace.y / world.cell_size)
     cells = columns.astype(np.int64) + rows.astype(np.int64) * (world.width + 2)
     half = trace.steps // 2
     fresh = np.setdiff1d(cells[half + 1 :], cells[: half + 1])
     return (int(fresh[0]) % (world.width + 2), int(fresh[0]) // (world.width + 2)) if len(fresh) else None
 
 
-def _cells(places: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def lattice_cell(places: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Cells of places in cells; what is a whole number but for rounding counts as one."""
+    places = np.asarray(places, np.float64)
     whole = np.rint(places)
-    return np.where(np.abs(places - whole) < 1e-9, whole, np.floor(places))
+    cells: npt.NDArray[np.float64] = np.where(np.abs(places - whole) < 1e-9, whole, np.floor(places))
+    return cells
 
 
 def target_gap(world: World, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> float:

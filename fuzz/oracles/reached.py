@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import shapely
 
-from fuzz.oracles._plain import step_path
+from fuzz.oracles._plain import lattice_cell, step_path
 from sim.motion import Motion
 from sim.motion.base import THESIS
 from sim.trace import Trace
@@ -23,8 +22,10 @@ def object_to_reached(world: World, trace: Trace, evidence: Mapping[str, Value],
     """
     side = world.cell_size
     if motion.kernel == THESIS:
-        here = (math.floor(trace.x[-1] / side), math.floor(trace.y[-1] / side))
-        there = (math.floor(world.target.x / side), math.floor(world.target.y / side))
+        here, there = (
+            (int(lattice_cell(x / side)), int(lattice_cell(y / side)))
+            for x, y in ((trace.x[-1], trace.y[-1]), (world.target.x, world.target.y))
+        )
         return "" if here == there else f"the run ends in cell {here}, the target is in {there}"
     last = step_path(trace, trace.steps)
     gap = float(last.distance(shapely.Point(world.target.x, world.target.y))) - world.target.radius

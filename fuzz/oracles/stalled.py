@@ -4,15 +4,91 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fuzz.oracles._plain import first_new_cell_of_second_half
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.oracles._plain import first_new_cell_of_second_half, integer
 from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import Value, World
 
 __all__ = ["object_to_stalled"]
 
+_SAME_PLACE = 1e-7  # cells, a millionth of the thesis's pixels
+_SAME_HEADING = 1e-6  # rad
+_ROUNDING = 1e-9  # share by which what was measured in pixels may differ in metres
+_PERIODS = 4  # periods that a drifting run must show
+
 
 def object_to_stalled(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
-    """Objects if a state of the second half lies in a cell that no state of the first half has seen."""
+    """Objects if a state of the second half lies in a cell that no state of the first half has seen.
+
+    Where the evidence says in what manner the run stalls, that is judged too. ``drifting``: poses come back after
+    ``period`` steps, from ``entry`` to the end, four times at least, and not in every bit. ``confined``: they do
+    not. ``box``: columns and rows of cells of the second half.
+    """
     fresh = first_new_cell_of_second_half(world, trace)
-    return f"cell {fresh} is entered for the first time in the second half" if fresh else ""
+    if fresh:
+        return f"cell {fresh} is entered for the first time in the second half"
+    kind = evidence.get("kind")
+    if kind is None:
+        return ""
+    half = trace.steps // 2
+    if kind == "drifting":
+        wrong = _object_to_drift(world, trace, integer(evidence, "entry"), integer(evidence, "period"))
+    elif kind == "confined":
+        period = _period(world, trace, half)
+        wrong = f"poses come back every {period} steps, so the run drifts" if period else ""
+    else:
+        return f"a run does not stall {kind!r}"
+    return wrong or _object_to_box(world, trace, half, evidence.get("box"))
+
+
+def _object_to_drift(world: World, trace: Trace, entry: int, period: int) -> str:
+    if period < 1 or not trace.steps // 2 <= entry <= trace.steps - _PERIODS * period:
+        return f"a period of {period} steps is not shown {_PERIODS} times after step {entry}"
+    if not _comes_back(world, trace, entry, period):
+        return f"after step {entry} poses do not come back every {period} steps"
+    states = trace.states[entry:]
+    if trace.complete and np.array_equal(states[period:], states[:-period]):
+        return f"the complete state comes back every {period} steps, which is a loop"
+    return ""
+
+
+def _comes_back(world: World, trace: Trace, entry: int, period: int) -> bool:
+    """Whether poses from ``entry`` on come back after ``period`` steps but for rounding."""
+    return bool(_near(world, trace, slice(entry, -period), slice(entry + period, None)).all())
+
+
+def _near(world: World, trace: Trace, one: slice | int, two: slice | int) -> npt.NDArray[np.bool_]:
+    """Which poses of ``one`` are those of ``two`` but for rounding."""
+    apart = np.maximum(np.abs(trace.x[one] - trace.x[two]), np.abs(trace.y[one] - trace.y[two])) / world.cell_size
+    turned = np.abs((trace.heading[one] - trace.heading[two] + np.pi) % (2 * np.pi) - np.pi)
+    near: npt.NDArray[np.bool_] = (apart < _SAME_PLACE * (1 + _ROUNDING)) & (turned < _SAME_HEADING * (1 + _ROUNDING))
+    return near
+
+
+def _period(world: World, trace: Trace, half: int) -> int:
+    """A period in which the last poses come back, shown from a quarter of the second half at most on; 0 if none."""
+    last = trace.steps
+    for state in np.flatnonzero(_near(world, trace, slice(half, last), last))[::-1]:
+        period = last - half - int(state)
+        if _PERIODS * period > (last - half) // 2:
+            break
+        if _comes_back(world, trace, last - _PERIODS * period - (last - half) // 4, period):
+            return period
+    return 0
+
+
+def _object_to_box(world: World, trace: Trace, half: int, box: Value | None) -> str:
+    """A place on the line between two cells counts for either, since it was measured in pixels."""
+    if not isinstance(box, list) or len(box) != 2:
+        return "the evidence has no box of columns and rows"
+    for places, claimed in zip((trace.x, trace.y), box, strict=True):
+        cells = places[half:] / world.cell_size
+        low, high = float(cells.min()), float(cells.max())
+        most = np.floor(high + _ROUNDING) - np.floor(low - _ROUNDING) + 1
+        least = np.floor(high - _ROUNDING) - np.floor(low + _ROUNDING) + 1
+        if not isinstance(claimed, int) or not least <= claimed <= most:
+            return f"the second half is in {least:g} to {most:g} cells on an axis, not in {claimed}"
+    return ""

@@ -52,7 +52,7 @@ def shrink(
     progress: Callable[[World], None] | None = None,
     keep_on_interrupt: bool = False,
 ) -> Shrunk:
-    """Makes a failure's world as small as it can be, keeping verdict and certificate.
+    """Makes a failure's world as small as it can be, keeping verdict, its cause or kind, and certificate.
 
     Args:
         failure: A world with a failure record.
@@ -69,12 +69,13 @@ def shrink(
     record, options = scenario_of(failure)
     scenario = Scenario.of(record.controller, options)
     budget = _MORE_STEPS * _steps_to_fail(failure, scenario, options) + _FEWEST_STEPS
-    still_fails = StillFails(scenario, record.verdict, min(budget, MAX_STEPS))
+    still_fails = StillFails.of(failure, min(budget, MAX_STEPS))
     best = still_fails(bare(failure))
     if best is None:
         raise InvalidParameter(
             f"{record.controller} under {record.motion} does not end as {record.verdict!r} in this world, or its "
-            "target is not reachable; replay the file first: worldgen replay"
+            f"target is not {'walled off' if still_fails.breach else 'reachable'}; replay the file first: "
+            "worldgen replay"
         )
     reducer = _Reducer(best, still_fails, None if seconds is None else time.monotonic() + seconds, progress)
     complete = False
@@ -101,6 +102,9 @@ def shrink(
 
 def _steps_to_fail(failure: World, scenario: Scenario, options: RunOptions) -> int:
     """Steps after which the failure is decided."""
+    reached = failure.failure.evidence.get("reached") if failure.failure else None
+    if isinstance(reached, int):
+        return reached
     return simulate(failure, scenario.controller, options).steps
 
 

@@ -5,7 +5,6 @@ import functools
 import pytest
 
 from fuzz.campaign import Campaign
-from fuzz.failure import scenario_of
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
 from fuzz.unit import CampaignConfig
@@ -47,6 +46,4 @@ def test_nothing_tunnels_or_overlaps_under_swept(controller):
 
 def test_every_finding_is_one_minimal_by_its_file_alone():
     for world in campaign("turn-right", "stepped").best.values():
-        record, options = scenario_of(world)
-        scenario = Scenario.of(record.controller, options)
-        assert removable(world, StillFails(scenario, record.verdict, options.steps)) == []
+        assert removable(world, StillFails.of(world)) == []
