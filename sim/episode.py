@@ -144,10 +144,10 @@ def _unproved(run: Runnable, world: World, options: RunOptions, record: bool) ->
 
 def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
     evidence = _evidence(world, outcome, options)
-    if _verdict(outcome, options) == "stalled" and isinstance(run, ThesisRun):
+    if outcome.verdict == "stalled" and isinstance(run, ThesisRun):
         _check_recordable(outcome.steps)
         evidence |= run.confinement(outcome.steps)
-    return _episode(_verdict(outcome, options), outcome, options, evidence)
+    return _episode(outcome.verdict, outcome, options, evidence)
 
 
 def _check_recordable(steps: int) -> None:
@@ -158,18 +158,8 @@ def _check_recordable(steps: int) -> None:
         )
 
 
-def _verdict(outcome: Outcome, options: RunOptions) -> str:
-    if outcome.ending in ("tunnel", "burned", "invalid-command", "crash"):
-        return outcome.ending
-    if outcome.overlap_step >= 0:
-        return "overlap"
-    if outcome.ending == "reached":
-        return "reached"
-    return "stalled" if outcome.last_new_cell <= outcome.steps // 2 else "timeout"
-
-
 def _evidence(world: World, outcome: Outcome, options: RunOptions) -> dict[str, Value]:
-    verdict = _verdict(outcome, options)
+    verdict = outcome.verdict
     if verdict == "tunnel":
         return {"step": outcome.hit_step, "cell": list(outcome.hit_cell), **_cause(outcome)}
     if verdict == "burned":

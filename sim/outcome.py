@@ -57,6 +57,17 @@ class Outcome:
     crash: str = ""
     trace: Trace | None = None
 
+    @property
+    def verdict(self) -> str:
+        """The verdict; ``loop`` is the kernel's claim here, for the episode to prove."""
+        if self.ending in ("tunnel", "burned", "invalid-command", "crash"):
+            return self.ending
+        if self.overlap_step >= 0:
+            return "overlap"
+        if self.ending in ("reached", "loop"):
+            return self.ending
+        return "stalled" if self.last_new_cell <= self.steps // 2 else "timeout"
+
 
 class Runnable(Protocol):
     """A world, a controller and options, packed for some kernel."""

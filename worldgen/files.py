@@ -1,4 +1,4 @@
-"""Safe writing: a file is there whole, or it is not there."""
+"""Safe reading and writing: a file is read whole within bounds; it is there whole, or it is not there."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import os
 import tempfile
 from pathlib import Path
 
-from worldgen.errors import OutputError
+from worldgen.errors import FormatError, OutputError
 
-__all__ = ["check_output", "write_bytes"]
+__all__ = ["check_output", "read_text", "write_bytes"]
+
+_MOST_BYTES = 64 << 20
 
 
 def check_output(path: Path, force: bool) -> None:
@@ -23,6 +25,27 @@ def check_output(path: Path, force: bool) -> None:
         raise OutputError(f"{path} is there already; give --force to overwrite it, or another name")
     if not path.parent.is_dir():
         raise OutputError(f"{path}: the folder {path.parent} does not exist; make it first")
+
+
+def read_text(path: Path) -> str:
+    """The text of a small file.
+
+    Raises:
+        FormatError: If it cannot be read, is larger than 64 MiB, or is no UTF-8.
+    """
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(_MOST_BYTES + 1)
+        if len(data) > _MOST_BYTES:
+            raise FormatError(f"is larger than {_MOST_BYTES >> 20} MiB; give a smaller file", source=str(path))
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FormatError(f"is no UTF-8 text: byte {error.start}; save it as UTF-8", source=str(path)) from error
+    except FormatError:
+        raise
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise FormatError(f"cannot be read: {reason}", source=str(path)) from error
 
 
 def write_bytes(path: Path, data: bytes, *, force: bool) -> None:

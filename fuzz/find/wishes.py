@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare
-from sim.outcome import Outcome
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
@@ -106,7 +105,7 @@ class Wish:
     def _one(self, world: World, scenario: Scenario) -> Result:
         run = prepare(world, scenario.controller, scenario.options(world, self.steps))
         outcome = run.run(self.steps, find_loop=True, record=False)
-        verdict = _verdict(outcome)
+        verdict = outcome.verdict
         number = outcome.period if verdict == "loop" else outcome.steps
         return Result(verdict, number, float(verdict == "reached"), self._distance(verdict, number))
 
@@ -126,17 +125,6 @@ class Wish:
         if self.high is not None and number > self.high:
             return min((number - self.high) / self.high, _OTHERWISE / 2)
         return 0.0
-
-
-def _verdict(outcome: Outcome) -> str:
-    """The verdict of an unrecorded run; a ``loop`` here is the kernel's, proved when the result is written."""
-    if outcome.ending in ("tunnel", "burned", "invalid-command", "crash"):
-        return outcome.ending
-    if outcome.overlap_step >= 0:
-        return "overlap"
-    if outcome.ending in ("reached", "loop"):
-        return outcome.ending
-    return "stalled" if outcome.last_new_cell <= outcome.steps // 2 else "timeout"
 
 
 def parse_wishes(text: str, *, motion: str = "swept", time_step: float = Scenario.time_step) -> tuple[Wish, ...]:

@@ -3,6 +3,7 @@
 Contents, each imported when it is first used, so that Pillow loads for a PNG only:
     Trail, Mark: what a robot did, as plain data to draw over a world.
     draw_png, draw_svg, draw_html, draw_terminal: the pictures.
+    Panel, draw_sheet: many worlds with the ways of several robots.
     wants_color: whether a stream should get colours.
     Frame: metres to pixels, for those who draw over a picture or read one.
 """
@@ -17,21 +18,35 @@ if TYPE_CHECKING:
     from worldgen.render.html import draw_html
     from worldgen.render.overlay import Mark, Trail
     from worldgen.render.png import draw_png
+    from worldgen.render.sheet import Panel, draw_sheet
     from worldgen.render.svg import draw_svg
     from worldgen.render.terminal import draw_terminal, wants_color
 
 _HOME = {
     "Frame": "frame",
     "Mark": "overlay",
+    "Panel": "sheet",
     "Trail": "overlay",
     "draw_html": "html",
     "draw_png": "png",
+    "draw_sheet": "sheet",
     "draw_svg": "svg",
     "draw_terminal": "terminal",
     "wants_color": "terminal",
 }
 
-__all__ = ["Frame", "Mark", "Trail", "draw_html", "draw_png", "draw_svg", "draw_terminal", "wants_color"]
+__all__ = [
+    "Frame",
+    "Mark",
+    "Panel",
+    "Trail",
+    "draw_html",
+    "draw_png",
+    "draw_sheet",
+    "draw_svg",
+    "draw_terminal",
+    "wants_color",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Iterable
 
 import numpy as np
 import numpy.typing as npt
@@ -14,11 +15,11 @@ from worldgen.render.frame import DEFAULT_PIXELS, Frame
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import rgb
 from worldgen.render.polyline import dashes
-from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Text
-from worldgen.render.scene import Scene, compose
+from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Primitive, Text
+from worldgen.render.scene import compose
 from worldgen.world import World
 
-__all__ = ["draw_png"]
+__all__ = ["draw_parts", "draw_png"]
 
 FINE = 4  # masks are drawn this many times as large
 COARSE = 2  # likewise, for pictures so large that FINE would take gigabytes
@@ -48,25 +49,37 @@ def draw_png(
         InvalidParameter: If ``pixels`` is out of range.
     """
     scene = compose(world, trail, signal=signal, witness=witness, title=title, pixels=pixels)
-    canvas = _Canvas(scene)
-    for part in scene.primitives:
-        canvas.draw(part)
     stream = io.BytesIO()
-    canvas.image.save(stream, "PNG")
+    draw_parts(scene.primitives, scene.frame, (scene.width, scene.height)).save(stream, "PNG")
     return stream.getvalue()
+
+
+def draw_parts(parts: Iterable[Primitive], frame: Frame, size: tuple[int, int]) -> Image.Image:
+    """The picture of primitives, the lowest first.
+
+    Args:
+        parts: What to draw.
+        frame: Where the map lies.
+        size: Width and height of the picture, px.
+    """
+    canvas = _Canvas(frame, size)
+    for part in parts:
+        canvas.draw(part)
+    return canvas.image
 
 
 class _Canvas:
     """A picture in the making.
 
     Args:
-        scene: Gives its size and where the map lies.
+        frame: Where the map lies.
+        size: Width and height, px.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        self.frame: Frame = scene.frame
-        self.image = Image.new("RGB", (scene.width, scene.height), "#FFFFFF")
-        self.times = FINE if max(scene.width, scene.height) <= LARGE else COARSE
+    def __init__(self, frame: Frame, size: tuple[int, int]) -> None:
+        self.frame = frame
+        self.image = Image.new("RGB", size, "#FFFFFF")
+        self.times = FINE if max(size) <= LARGE else COARSE
 
     def draw(self, part: Circle | Path | Cells | Glow | Text) -> None:
         """Lays one primitive on the picture."""

@@ -17,7 +17,7 @@ from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Primiti
 from worldgen.render.trail_parts import swept_parts, trail_parts
 from worldgen.world import Cut, Witness, World
 
-__all__ = ["Scene", "compose"]
+__all__ = ["Scene", "compose", "map_parts"]
 
 HIDDEN, FINDER = 6.0, 11.0  # units; a robot with a smaller radius gets a ring of this one
 MOST_CORNERS = 4000  # of dotted outlines; with more they are a grey mess
@@ -61,6 +61,12 @@ def compose(world: World, trail: Trail | None, *, signal: bool, witness: bool, t
     words, height = caption(content)
     paper = _box(0.0, 0.0, frame.picture_width, height, PAPER)
     return Scene(frame, frame.picture_width, height, title, (paper, *_map(content), *words))
+
+
+def map_parts(world: World, frame: Frame) -> list[Primitive]:
+    """A world's map alone, without caption, signal or proof, lowest layer first."""
+    paper = _box(0.0, 0.0, frame.picture_width, frame.bottom + frame.top, PAPER)
+    return [paper, *_map(Content(world, None, False, False, "", frame, Changes.of(world)))]
 
 
 def _map(content: Content) -> list[Primitive]:
