@@ -1,0 +1,128 @@
+"""Many worlds on one sheet, each with the ways of the same robots: small multiples."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from worldgen.errors import InvalidParameter
+from worldgen.render.frame import Frame
+from worldgen.render.overlay import Trail
+from worldgen.render.palette import GREY, INK, PAPER, mix, rgb
+from worldgen.render.png import draw_parts
+from worldgen.render.polyline import simplified
+from worldgen.render.primitives import Circle, Paint, Path, Primitive
+from worldgen.render.scene import map_parts
+from worldgen.world import World
+
+__all__ = ["COLOURS", "Panel", "draw_sheet"]
+
+# Okabe and Ito again, without those that a map uses for start and target
+COLOURS = ("#D55E00", "#56B4E9", "#CC79A7", "#E69F00", "#000000", "#8A6D00", "#7A3B9A", "#5F6773")
+
+_PANEL = 300  # px, longer side of a map
+_GAP = 14  # px between panels
+_LINE = 22  # px, a line of text
+_TYPE = 15  # px
+_WIDTH = 2.2  # px, a robot's way
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One world on a sheet.
+
+    Args:
+        world: What to draw.
+        title: Above it.
+        trails: The ways of the robots, in the sheet's order; ``None`` where there is none to show.
+        notes: A line below it for each robot, in its colour.
+    """
+
+    world: World
+    title: str
+    trails: tuple[Trail | None, ...]
+    notes: tuple[str, ...] = ()
+
+
+def draw_sheet(panels: Sequence[Panel], robots: Sequence[str], *, columns: int = 0) -> bytes:
+    """The worlds side by side, as the bytes of a PNG file.
+
+    Args:
+        panels: The worlds.
+        robots: Names of the robots, for the legend.
+        columns: Panels in a row; 0 chooses.
+
+    Raises:
+        InvalidParameter: If there is no world, or there are more robots than colours.
+    """
+    if not panels:
+        raise InvalidParameter("there is no world to draw; give at least one")
+    if len(robots) > len(COLOURS):
+        raise InvalidParameter(f"{len(robots)} robots are more than a picture tells apart; give at most {len(COLOURS)}")
+    columns = columns or min(len(panels), 5 if len(panels) > 8 else 4)
+    drawn = [_panel(panel) for panel in panels]
+    width, height = max(image.width for image in drawn), max(image.height for image in drawn)
+    rows = -(-len(drawn) // columns)
+    legend = _LINE + _GAP
+    sheet = Image.new("RGB", (columns * (width + _GAP) + _GAP, legend + rows * (height + _GAP) + _GAP), PAPER)
+    _draw_legend(sheet, robots)
+    for k, image in enumerate(drawn):
+        sheet.paste(image, (_GAP + k % columns * (width + _GAP), legend + _GAP + k // columns * (height + _GAP)))
+    stream = io.BytesIO()
+    sheet.save(stream, "PNG")
+    return stream.getvalue()
+
+
+def _panel(panel: Panel) -> Image.Image:
+    frame = Frame.of(panel.world, _PANEL)
+    parts = map_parts(panel.world, frame)
+    for k, trail in enumerate(panel.trails):
+        parts += _way(trail, frame, k, len(panel.trails))
+    size = (frame.picture_width, frame.bottom + frame.band + frame.margin)
+    picture = draw_parts(parts, frame, size)
+    box = (
+        frame.left - frame.band,
+        frame.top - frame.band,
+        frame.left + frame.width + frame.band,
+        frame.bottom + frame.band,
+    )
+    chart = picture.crop(box)
+    image = Image.new("RGB", (chart.width, chart.height + _LINE * (1 + len(panel.notes))), PAPER)
+    image.paste(chart, (0, _LINE))
+    pen, font = ImageDraw.Draw(image), ImageFont.load_default(_TYPE)
+    pen.text((0, _LINE - 6), panel.title, fill=rgb(INK), font=font, anchor="ls")
+    for k, note in enumerate(panel.notes):
+        baseline = _LINE + chart.height + (k + 1) * _LINE - 6
+        pen.text((0, baseline), note, fill=rgb(mix(COLOURS[k], "#000000", 0.25)), font=font, anchor="ls")
+    return image
+
+
+def _way(trail: Trail | None, frame: Frame, index: int, count: int) -> list[Primitive]:
+    """A robot's way, set off a little from the others', so that equal ways stay visible."""
+    if trail is None:
+        return []
+    points = simplified(frame.points(np.column_stack((trail.x, trail.y))), 0.3)
+    points = points + (index - (count - 1) / 2) * _WIDTH * 0.6
+    if len(points) < 2:
+        points = np.repeat(points, 2, axis=0)
+    x, y = (float(value) for value in points[-1])
+    colour = COLOURS[index]
+    return [
+        Path(points, Paint(stroke=PAPER, width=_WIDTH + 1.4, opacity=0.6)),
+        Path(points, Paint(stroke=colour, width=_WIDTH)),
+        Circle(x, y, 4.5, Paint(fill=colour, stroke=PAPER, width=1.2)),
+    ]
+
+
+def _draw_legend(sheet: Image.Image, robots: Sequence[str]) -> None:
+    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(_TYPE)
+    x, y = float(_GAP), _GAP + _LINE / 2
+    for k, name in enumerate(robots):
+        pen.line((x, y, x + 26, y), fill=rgb(COLOURS[k]), width=4)
+        pen.text((x + 34, y), name, fill=rgb(INK), font=font, anchor="lm")
+        x += 34 + font.getlength(name) + 26
+    pen.text((x, y), "dot: where the run ended", fill=rgb(GREY), font=font, anchor="lm")
