@@ -1,0 +1,206 @@
+"""``worldgen compare``: controllers over worlds and seeds, in one table."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from sim.comparison import NamedWorld
+    from sim.published import Figure
+    from sim.scenario import Scenario
+
+__all__ = ["compare"]
+
+EXAMPLES = (
+    "\b\n  worldgen compare worlds/ --controllers turn-left,turn-right,./mine.py:Robot\n"
+    "  worldgen compare worlds/ --controllers thesis-1,thesis-1+repaired --motion stepped --picture sheet.png\n"
+    "  worldgen compare worlds/ --controllers turn-random --seeds 1000 --csv new.csv --against old.csv"
+)
+PATH = click.Path(path_type=Path)
+PUBLISHED = "published.csv"
+_ENDINGS = (".grid", ".grid.gz")
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("paths", type=PATH, nargs=-1, required=True, metavar="PATH...")
+@click.option("--controllers", required=True, metavar="A,B,C", help="What to compare; see above.")
+@click.option("--motion", help="Motion model [default: that of the published figures, else swept].")
+@click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
+@click.option("--seeds", type=click.IntRange(1, 1_000_000), default=100, show_default=True, help="Runs with chance.")
+@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True, help="The first of them.")
+@click.option("--steps", type=int, help="Budget in steps [default: 50 times the witness's time].")
+@click.option("--against", type=PATH, metavar="CSV", help="Earlier figures [default: published.csv in a PATH folder].")
+@click.option("--csv", "table", type=PATH, metavar="OUT", help="Write one line a world and controller.")
+@click.option("--picture", type=PATH, metavar="OUT.png", help="Draw all worlds with every controller's way.")
+@json_option
+@force_option
+def compare(
+    paths: tuple[Path, ...],
+    controllers: str,
+    motion: str | None,
+    time_step: float | None,
+    seeds: int,
+    seed: int,
+    steps: int | None,
+    against: Path | None,
+    table: Path | None,
+    picture: Path | None,
+    as_json: bool,
+    force: bool,
+) -> None:
+    """Run controllers in many worlds and print one table of times, failures, best and worst.
+
+    PATH is a .grid file or a folder of them. Behind a controller's name, +option=value varies its run, so that
+    thesis-1,thesis-1+arbiter=A2 sets the old way against the new. A controller with chance runs with many seeds.
+    docs/compare.md describes table, CSV and JSON.
+    """
+    from sim.comparison import compare as compare_worlds
+    from sim.comparison_picture import MAX_CONTROLLERS, draw_comparison
+    from sim.comparison_report import as_csv, as_text
+    from sim.comparison_report import as_json as plain
+    from sim.published import agreement
+    from worldgen.files import check_output
+
+    if picture is not None and picture.suffix != ".png":
+        raise click.UsageError(f"--picture {picture}: name a .png file")
+    for out in (table, picture):
+        if out is not None:
+            check_output(out, force)
+    if table is not None and picture is not None and table.resolve() == picture.resolve():
+        raise click.UsageError(f"--csv and --picture both name {table}; give two names")
+    figures = _figures(paths, against)
+    scenarios = _scenarios(controllers, _motion(motion, figures), time_step, seed)
+    if picture is not None and len(scenarios) > MAX_CONTROLLERS:
+        raise click.UsageError(f"--picture tells {MAX_CONTROLLERS} controllers apart, not {len(scenarios)}; name fewer")
+    worlds = [_with_time(world, figures) for world in _worlds(paths)]
+    _note_strangers(figures, worlds, scenarios)
+    comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=_progress())
+    beside = agreement(comparison, figures) if figures else None
+    if as_json:
+        emit_json(plain(comparison, beside))
+    else:
+        click.echo(as_text(comparison, beside), nl=False)
+    if table is not None:
+        write_bytes(table, as_csv(comparison).encode(), force=force)
+        note(f"wrote {table}")
+    if picture is not None:
+        write_bytes(picture, draw_comparison(comparison), force=force)
+        note(f"wrote {picture}")
+
+
+def _figures(paths: Sequence[Path], against: Path | None) -> tuple[Figure, ...]:
+    """Earlier figures: those of ``--against``, or those that lie in the folders."""
+    from sim.published import read_figures
+    from worldgen.files import read_text
+
+    if against is not None:
+        return read_figures(read_text(against), str(against))
+    found: list[Figure] = []
+    for folder in dict.fromkeys(paths):
+        place = folder / PUBLISHED
+        if folder.is_dir() and place.is_file():
+            found += read_figures(read_text(place), str(place), folder=str(folder))
+    return tuple(found)
+
+
+def _motion(motion: str | None, figures: Sequence[Figure]) -> str:
+    if motion is not None:
+        return motion
+    named = {figure.motion for figure in figures if figure.motion}
+    if len(named) != 1:
+        return "swept"
+    (found,) = named
+    note(f"motion {found}, as the published figures have it; --motion takes another")
+    return found
+
+
+def _scenarios(controllers: str, motion: str, time_step: float | None, seed: int) -> dict[str, Scenario]:
+    """Columns by label."""
+    from sim.run_options import RunOptions
+    from sim.scenario import Scenario
+    from worldgen.errors import InvalidParameter
+
+    duration = RunOptions.time_step if time_step is None else time_step
+    found: dict[str, Scenario] = {}
+    for text in controllers.split(","):
+        scenario = Scenario.parse(text, motion=motion, time_step=duration, seed=seed)
+        RunOptions(time_step=scenario.time_step)  # out of range it can give no budget
+        label = scenario.label(motion, duration)
+        if label in found:
+            raise InvalidParameter(f"controller {label!r} is named twice; name each once, or vary it with +option")
+        found[label] = scenario
+    return found
+
+
+def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
+    """The worlds of all files, with names of their own."""
+    from sim.comparison import NamedWorld
+    from worldgen.errors import InvalidParameter
+    from worldgen.grid_file import read_world
+
+    files = [(file, str(path) if path.is_dir() else "") for path in paths for file in _files(path)]
+    stems = [_stem(file) for file, _ in files]
+    resolved = [file.resolve() for file, _ in files]
+    worlds = []
+    for index, (file, folder) in enumerate(files):
+        if resolved.count(resolved[index]) > 1:
+            raise InvalidParameter(f"{file} is given twice; give each world once")
+        stem = stems[index]
+        name = stem if stems.count(stem) == 1 else str(file.with_name(stem))
+        worlds.append(NamedWorld(name, read_world(file), stem, folder))
+    return worlds
+
+
+def _with_time(world: NamedWorld, figures: Sequence[Figure]) -> NamedWorld:
+    """The world with time enough to come twice as late as the latest published arrival."""
+    latest = max((figure.time or 0.0 for figure in figures if figure.is_of(world)), default=0.0)
+    return replace(world, least_time=2.0 * latest)
+
+
+def _files(path: Path) -> list[Path]:
+    """The worlds of a folder, or, if there is none, of the folders below; a file is itself."""
+    from worldgen.errors import InvalidParameter
+
+    if not path.is_dir():
+        return [path]
+    for entries in (path.iterdir(), path.rglob("*")):
+        files = sorted(file for file in entries if file.name.endswith(_ENDINGS) and file.is_file())
+        if files:
+            return files
+    raise InvalidParameter(f"{path} has no .grid file in it, nor in a folder below; name worlds or their folder")
+
+
+def _stem(file: Path) -> str:
+    name = file.name.removesuffix(".gz")
+    return name.removesuffix(".grid") or name
+
+
+def _note_strangers(figures: Sequence[Figure], worlds: Sequence[NamedWorld], scenarios: dict[str, Scenario]) -> None:
+    """Says which published figures have no world here, or were made under another motion model."""
+    from sim.published import figures_of
+
+    strange = sorted({figure.world for figure in figures if not any(figure.is_of(world) for world in worlds)})
+    if strange:
+        more = f" and {len(strange) - 5} more" if len(strange) > 5 else ""
+        note(f"published figures of worlds that are not here: {', '.join(strange[:5])}{more}")
+    for label, scenario in scenarios.items():
+        used = {figure.motion for world in worlds for figure in figures_of(figures, world, scenario)}
+        other = sorted(used - {"", scenario.motion})
+        if other:
+            note(f"{label} runs under {scenario.motion}, and its published figures are of {', '.join(other)}")
+
+
+def _progress() -> Callable[[str], None] | None:
+    """Progress for a person who watches; nothing for a file."""
+    if not sys.stderr.isatty():
+        return None
+    return lambda done: click.echo(f"\r\x1b[K{done}", nl=False, err=True)
