@@ -69,7 +69,7 @@ class LazyGroup(click.Group):
 
 # One line per command of our own, so that --help need not import them; tests hold it against the commands.
 _SUMMARY = {
-    "compare": "Compare controllers over worlds: times, who never arrives, best and worst.",
+    "compare": "Run controllers in many worlds and print one table of times, failures, best and worst.",
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
     "find": "Find a world in which given controllers have given outcomes, or come as near as the budget allows.",
     "export": "Write a world in another program's format.",

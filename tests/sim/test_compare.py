@@ -1,0 +1,240 @@
+"""Comparisons: every number is that of the runs behind it, and an earlier table stands beside it."""
+
+import csv
+import io
+import json
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+from scipy.stats import binomtest
+
+from sim import Scenario, simulate
+from sim.comparison import NamedWorld, compare, interval_95, standing
+from sim.comparison_report import as_csv, as_text
+from sim.published import agreement, read_figures
+from tests.helpers.command_line import worldgen
+from tests.sim.test_thesis_options import hall
+from tests.sim.test_thesis_vectors import VECTORS, world_of
+from worldgen import FormatError, InvalidParameter, InvalidWorld, Pose, write_world
+
+EMPTY = NamedWorld("empty", hall((15, 15)))
+WALL = NamedWorld("wall", hall((24, 24), walls=[(x, 15) for x in range(10, 19)]))
+LOOP = NamedWorld("loop", world_of(VECTORS["demo-7"]))
+TABLE = "world,controller,time\n"
+
+
+def scenarios(*texts, motion="stepped", seed=0):
+    return {text: Scenario.parse(text, motion=motion, time_step=0.015, seed=seed) for text in texts}
+
+
+@pytest.fixture(scope="module")
+def table():
+    return compare([EMPTY, WALL, LOOP], scenarios("thesis-1", "thesis-2", "thesis-3"), seeds=20)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for world in (EMPTY, WALL, LOOP):
+        write_world(world.world, tmp_path / f"{world.name}.grid")
+    return tmp_path
+
+
+@given(st.integers(1, 500).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n))))
+def test_the_interval_is_the_exact_one(counts):
+    count, total = counts
+    expected = binomtest(count, total).proportion_ci(0.95, method="exact")
+    assert interval_95(count, total) == pytest.approx((expected.low, expected.high), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("times", "best", "worst"),
+    [
+        ([3.0, 2.0, math.inf], (1,), (2,)),
+        ([2.0, 2.0, 5.0], (0, 1), (2,)),
+        ([math.inf, math.inf], (), ()),
+        ([4.0, 4.0], (0, 1), ()),
+        ([math.inf, 4.0, math.inf], (1,), (0, 2)),
+    ],
+)
+def test_who_was_best_and_who_was_worst(times, best, worst):
+    assert standing(times) == (best, worst)
+
+
+def test_every_cell_without_chance_is_the_run_itself(table):
+    for row, world in zip(table.cells, table.worlds, strict=True):
+        for cell in row[:2]:
+            episode = simulate(world.world, cell.label, motion="stepped", steps=cell.budget)
+            run = cell.runs[0]
+            assert (run.verdict, run.steps, run.time) == (episode.verdict, episode.steps, episode.time)
+            assert cell.evidence == episode.evidence or episode.verdict == "reached"
+
+
+def test_every_run_with_chance_is_the_run_with_its_seed(table):
+    cell = table.cells[1][2]
+    assert [run.seed for run in cell.runs] == list(range(20))
+    for run in cell.runs:
+        episode = simulate(WALL.world, "thesis-3", motion="stepped", seed=run.seed, steps=cell.budget)
+        assert (run.verdict, run.steps) == (episode.verdict, episode.steps)
+
+
+def test_the_time_of_one_with_chance_is_the_median_of_those_that_arrive(table):
+    cell = table.cells[1][2]
+    times = sorted(run.time for run in cell.runs if run.verdict == "reached")
+    middle = len(times) // 2
+    assert cell.time == pytest.approx((times[middle] + times[-middle - 1]) / 2)
+    assert cell.shown.time in times and cell.percentile(50) == times[math.ceil(len(times) / 2) - 1]
+
+
+def test_an_exact_loop_says_its_period_and_counts_as_never(table):
+    cell = table.cells[2][0]
+    assert cell.detail == f"period {cell.evidence['period']}" and cell.rank_time == math.inf
+    assert f"never (loop, period {cell.evidence['period']})" in as_text(table)
+
+
+def test_totals_add_up_and_compare_times_only_where_everybody_arrives(table):
+    for total, column in zip(table.totals(), zip(*table.cells, strict=True), strict=True):
+        assert total.reached + sum(total.failures.values()) == total.runs == sum(len(cell.runs) for cell in column)
+        assert total.mean_time == pytest.approx(sum(column[row].time for row in table.common) / len(table.common))
+    assert 2 not in table.common
+
+
+def test_a_controller_that_draws_random_numbers_runs_with_every_seed(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "from sim import Command\n"
+        "class Waverer:\n"
+        "    def reset(self):\n"
+        "        return ()\n"
+        "    def act(self, observation, memory):\n"
+        "        return Command(observation.top_speed, 20.0 * observation.random - 10.0, used_random=True), memory\n"
+    )
+    name = f"{tmp_path}/mine.py:Waverer"
+    cell = compare([EMPTY], scenarios(name, motion="swept"), seeds=3, steps=300).cells[0][0]
+    assert cell.random and [run.seed for run in cell.runs] == [0, 1, 2]
+    assert cell.interval == interval_95(cell.reached, 3)
+
+
+def test_switches_that_draw_random_numbers_make_a_controller_random():
+    cell = compare([WALL], scenarios("thesis-1+slip=0.2", seed=5), seeds=4).cells[0][0]
+    assert [run.seed for run in cell.runs] == [5, 6, 7, 8] and len({run.steps for run in cell.runs}) > 1
+
+
+def test_a_world_without_room_is_named():
+    outside = NamedWorld("cramped", replace(EMPTY.world, start=Pose(0.05, 0.05, 0.0)))
+    with pytest.raises(InvalidWorld, match="cramped"):
+        compare([outside], scenarios("thesis-1"))
+
+
+def test_what_cannot_run_is_refused_before_the_first_run():
+    told = []
+    with pytest.raises(InvalidParameter, match="thesis-9"):
+        compare([EMPTY], scenarios("thesis-1", "thesis-9"), progress=told.append)
+    assert not told
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "names no column 'world'"),
+        ("world,controller\n", "names no column 'time'"),
+        (TABLE + "a,b\n", "2 fields under a header of 3"),
+        (TABLE + "a,,1\n", "world or controller is empty"),
+        (TABLE + "a,thesis-1,soon\n", "'soon' is no number of seconds"),
+        (TABLE + "a,thesis-1,-1\n", "'-1' is no number of seconds"),
+        (TABLE + 'a,thesis-1,"1\n', "no CSV"),
+        ("world,controller,time,verdict\na,b,1,lost\n", "verdict 'lost' is none of"),
+        ("world,controller,time,verdict\na,b,,reached\n", "reached, but no time"),
+    ],
+)
+def test_a_table_that_cannot_be_read_is_named_with_its_line(text, message):
+    with pytest.raises(FormatError, match=message) as raised:
+        read_figures(text, "old.csv")
+    assert "old.csv" in str(raised.value)
+
+
+def test_our_own_table_agrees_with_itself(table):
+    beside = agreement(table, read_figures(as_csv(table), "new.csv"))
+    assert beside.rankings == (3, 3) and beside.never[0] == beside.never[1] >= 1
+    assert beside.within == (3, 3) and beside.largest.relative == 0.0
+
+
+def test_a_table_that_differs_says_how_far(table):
+    time = table.cells[0][0].time
+    text = f"{TABLE}empty,thesis-1,{time / 2}\nempty,thesis-2,{time * 9}\nloop,thesis-1,7.5\nwall,thesis-1,never\n"
+    beside = agreement(table, read_figures(text, "old.csv"))
+    assert beside.never == (0, 2) and beside.rankings == (0, 1)
+    assert (beside.largest.world, beside.largest.relative) == ("empty", pytest.approx(1.0))
+
+
+def test_of_two_figures_for_one_run_the_nearer_one_counts(table):
+    time = table.cells[0][0].time
+    beside = agreement(table, read_figures(f"{TABLE}empty,thesis-1,{time}\nempty,thesis-1,{time * 3}\n", "old.csv"))
+    assert beside.largest.relative == 0.0 and len(beside.figures[0, 0]) == 2
+
+
+def test_the_command_prints_the_table_and_the_totals(folder):
+    result = worldgen("compare", folder, "--controllers", "thesis-1,thesis-2", "--motion", "stepped")
+    assert result.code == 0
+    lines = result.out.splitlines()
+    assert lines[0].split() == ["world", "thesis-1", "thesis-2", "best", "worst"]
+    assert [line.split()[0] for line in lines[1:4]] == ["empty", "loop", "wall"]
+    assert any(line.startswith("arrived") for line in lines)
+
+
+def test_a_published_table_beside_the_worlds_is_found_and_gives_the_motion_model(folder):
+    (folder / "published.csv").write_text("world,controller,motion,time\nempty,thesis-1,stepped,1.5\n")
+    result = worldgen("compare", folder, "--controllers", "thesis-1")
+    assert "motion stepped, as the published figures have it" in result.err
+    assert "1.500 (+" in result.out and "Against the published figures" in result.out
+
+
+def test_a_run_gets_time_enough_for_the_published_arrival(folder):
+    (folder / "published.csv").write_text("world,controller,motion,time\nempty,thesis-1,stepped,2000\n")
+    result = worldgen("compare", folder / "..", folder, "--controllers", "thesis-1", "--json")
+    assert result.code == 2  # the folder above has no worlds of its own, so the same ones again
+    result = worldgen("compare", folder, "--controllers", "thesis-1", "--json")
+    budgets = {row["world"]: row["cells"][0]["budget"] for row in json.loads(result.out)["worlds"]}
+    assert budgets["empty"] == round(2 * 2000 / 0.015) > budgets["wall"]
+
+
+def test_csv_json_and_picture_hold_what_was_printed(folder, tmp_path):
+    out, sheet = tmp_path / "new.csv", tmp_path / "sheet.png"
+    arguments = ["compare", folder, "--controllers", "thesis-1,thesis-3", "--motion", "stepped", "--seeds", 5]
+    result = worldgen(*arguments, "--csv", out, "--picture", sheet, "--json")
+    rows = list(csv.DictReader(io.StringIO(out.read_text())))
+    cells = [cell for row in json.loads(result.out)["worlds"] for cell in row["cells"]]
+    assert [int(row["reached"]) for row in rows] == [cell["reached"] for cell in cells]
+    assert [row["time"] for row in rows] == ["never" if cell["time"] is None else str(cell["time"]) for cell in cells]
+    assert Image.open(io.BytesIO(sheet.read_bytes())).width > 600
+
+
+def test_worlds_of_one_name_in_two_folders_are_told_apart(folder, tmp_path):
+    other = tmp_path / "other"
+    other.mkdir()
+    write_world(EMPTY.world, other / "empty.grid")
+    result = worldgen("compare", folder / "empty.grid", other, "--controllers", "turn-left", "--json")
+    names = [row["world"] for row in json.loads(result.out)["worlds"]]
+    assert names == [str(folder / "empty"), str(other / "empty")]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["{}", "--controllers", "thesis-1,thesis-1"], "named twice"),
+        (["{}", "--controllers", "thesis-1,"], "names no controller"),
+        (["{}", "{}/empty.grid", "--controllers", "thesis-1"], "given twice"),
+        (["{}/none", "--controllers", "thesis-1"], "none"),
+        (["{}", "--controllers", "thesis-1", "--picture", "a.svg"], "name a .png file"),
+        (["{}", "--controllers", "thesis-1", "--motion", "stepd"], "stepped"),
+        (["{}", "--controllers", "thesis-1", "--against", "{}/no.csv"], "no.csv"),
+        (["{}", "--controllers", "thesis-1", "--csv", "{}/empty.grid"], "--force"),
+        (["{}", "--controllers", ",".join(f"thesis-1+sensor_range={40 + k}" for k in range(9)), "--picture", "a.png"],
+         "name fewer"),
+    ],
+)  # fmt: skip
+def test_bad_input_is_one_line(folder, arguments, message):
+    result = worldgen("compare", *(text.format(folder) for text in arguments))
+    assert result.code == 2 and message in result.err and "Traceback" not in result.err
