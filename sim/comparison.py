@@ -144,6 +144,13 @@ class Cell:
         return max(failures, key=lambda verdict: failures[verdict])
 
     @property
+    def never(self) -> bool:
+        """Whether it drives on for ever; with chance, whether so few arrive that this is to be expected of a run."""
+        if self.random:
+            return 20 * self.reached <= len(self.runs) and self.verdict in (*NEVER, "timeout")
+        return self.verdict in NEVER
+
+    @property
     def detail(self) -> str:
         """More of a single run's verdict: ``period 104``, ``drifting``, ``confined``, ``slide``; may be empty."""
         if self.verdict == "loop" and "period" in self.evidence:

@@ -220,9 +220,9 @@ def _order(times: Sequence[float]) -> list[int]:
 
 def _never(pairs: _Pairs) -> tuple[int, int]:
     either = [
-        (cell.verdict in NEVER, any(figure.never for figure in own))
+        (cell.never, any(figure.never for figure in own))
         for cell, own in pairs
-        if cell.verdict in NEVER or any(figure.never for figure in own)
+        if cell.never or any(figure.never for figure in own)
     ]
     return sum(ours and theirs for ours, theirs in either), len(either)
 
