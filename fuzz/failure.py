@@ -22,7 +22,7 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.lattice import in_cells
 from worldgen.reach import BLOCKED, REACHABLE, CheckReport, check_certificate, decide
-from worldgen.world import Cut, FailureRecord, Target, Value, World
+from worldgen.world import Cut, FailureRecord, Pose, Target, Value, World
 
 __all__ = [
     "Replay",
@@ -56,8 +56,12 @@ def certified(world: World) -> World | None:
 def walled_off(world: World) -> World | None:
     """The world with a fresh cut round its target's cell, or ``None`` if that is not provably walled off.
 
-    The thesis's robot arrives where it enters the target's cell, so the cut parts the start from all of it.
+    The thesis's robot arrives where it enters the target's cell, so the cut parts the start from all of it. A
+    target where the robot has no room is not walled off but in a slot: that is not what is looked for.
     """
+    at_target = replace(world, start=Pose(world.target.x, world.target.y, 0.0), certificate=None, failure=None)
+    if decide(at_target).result != REACHABLE:
+        return None
     decision = decide(_with_whole_cell(world))
     return replace(world, certificate=decision.certificate) if decision.result == BLOCKED else None
 
@@ -217,19 +221,21 @@ def _difference(record: FailureRecord, episode: Episode) -> str:
 
 
 def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[str, Value]:
-    """For a controller with randomness: how many of ``count`` seeds do not arrive, and what that shows.
+    """For a run with randomness: how many of ``count`` seeds do not arrive, and what that shows.
+
+    The controller may draw random numbers, or the simulator, for slip or a noisy sensor.
 
     Where the target is walled off, it is the seeds with which the robot does arrive, regardless of walls.
 
     Returns:
         ``failing_seeds`` as [k, n] and ``failing_share_at_least``, the lower end of the two-sided 95 %
-        interval; empty for a controller without randomness.
+        interval; empty for a run without randomness.
 
     Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated in the
     case of the binomial", Biometrika 1934.
     """
     controller = CONTROLLERS.get(scenario.controller)
-    if not (isinstance(controller, CompiledController) and controller.randomised):
+    if not (isinstance(controller, CompiledController) and (controller.randomised or scenario.thesis.random)):
         return {}
     options, sealed = scenario.options(world), isinstance(world.certificate, Cut)
     options = regardless_of_walls(options) if sealed else options

@@ -18,7 +18,6 @@ from sim.controllers import CONTROLLERS, CompiledController, Controller
 from sim.episode import prepare, simulate
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.outcome import Outcome
 from sim.run_options import MAX_STEPS, RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, InvalidWorld
@@ -380,7 +379,7 @@ class _Column:
     def _unnamed_look(self, world: World, options: RunOptions) -> _Look:
         """A run without recording; only what needs proof or explanation is simulated in full."""
         outcome = prepare(world, self.controller, options).run(options.steps, find_loop=True, record=False)
-        verdict = _verdict(outcome)
+        verdict = outcome.verdict
         explained = not self.declared_random and MOTIONS.get(options.motion).kernel == THESIS
         if outcome.ending == "loop" or (verdict == "stalled" and explained):
             episode = simulate(world, self.controller, options)
@@ -389,14 +388,3 @@ class _Column:
         time = round(outcome.steps * options.time_step, 9)
         evidence: dict[str, Value] = {"cause": outcome.cause} if outcome.cause else {}
         return _Look(Run(options.seed, verdict, outcome.steps, time), evidence, outcome.random_draws)
-
-
-def _verdict(outcome: Outcome) -> str:
-    """The verdict of an unrecorded run, a ``loop`` still without proof."""
-    if outcome.ending in ("tunnel", "burned", "invalid-command", "crash"):
-        return outcome.ending
-    if outcome.overlap_step >= 0:
-        return "overlap"
-    if outcome.ending in ("reached", "loop"):
-        return outcome.ending
-    return "stalled" if outcome.last_new_cell <= outcome.steps // 2 else "timeout"
