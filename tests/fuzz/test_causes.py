@@ -1,0 +1,183 @@
+"""Causes, breaches and manners of stalling are believed only where the recorded path shows them."""
+
+from dataclasses import replace
+from functools import cache
+from importlib import resources
+
+import numpy as np
+import pytest
+
+from fuzz.failure import failure_of, judge, regardless_of_walls, replay, scenario_of, seeds_that_fail
+from fuzz.oracles import object_to_breach, objection
+from fuzz.signature import failure_class
+from sim import simulate
+from sim.episode import prepare
+from sim.scenario import Scenario
+from worldgen import Cut
+from worldgen.grid_file import read_world
+
+FAULTS = resources.files("corpora") / "thesis-faults"
+CAUSES = ("slide", "back-off", "corner")
+OF_EACH_CAUSE = [f"thesis-2-{cause}" for cause in CAUSES]
+
+
+@cache
+def judged(name):
+    world = read_world(FAULTS / f"{name}.grid")
+    record, options = scenario_of(world)
+    episode, wrong = judge(world, record.controller, options)
+    assert wrong == ""
+    return world, episode, options
+
+
+def object_to(name, **changes):
+    world, episode, options = judged(name)
+    evidence = {**episode.evidence, **changes}
+    return objection(episode.verdict, world, episode.trace, evidence, options.motion_model())
+
+
+@pytest.mark.parametrize("name", OF_EACH_CAUSE)
+def test_the_true_cause_has_no_objection(name):
+    assert object_to(name) == ""
+
+
+@pytest.mark.parametrize("claimed", CAUSES)
+@pytest.mark.parametrize("name", OF_EACH_CAUSE)
+def test_another_cause_is_refused_with_the_true_one_named(name, claimed):
+    true = judged(name)[1].evidence["cause"]
+    wrong = object_to(name, cause=claimed)
+    assert wrong == "" if claimed == true else f"is no {claimed} but a {true}" in wrong
+
+
+@pytest.mark.parametrize("name", OF_EACH_CAUSE)
+@pytest.mark.parametrize(
+    ("later", "message"), [(-1, "the disc is clear of walls"), (1, "overlaps a wall before"), (10**6, "said to begin")]
+)
+def test_an_overlap_that_begins_in_another_step_is_refused(name, later, message):
+    since = judged(name)[1].evidence["since"]
+    assert message in object_to(name, since=since + later)
+
+
+@pytest.mark.parametrize("since", [0, None, "27"])
+def test_an_overlap_that_begins_in_no_step_is_refused(since):
+    assert "said to begin" in object_to("thesis-2-slide", since=since)
+
+
+@pytest.mark.parametrize("cause", ["jump", "", 3])
+def test_a_cause_that_does_not_exist_is_refused(cause):
+    assert f"is no {cause}" in object_to("thesis-2-slide", cause=cause)
+
+
+def test_a_cause_is_refused_where_the_first_wall_is_gone():
+    world, episode, options = judged("thesis-2-slide")
+    ix, iy = episode.evidence["cell"]
+    elsewhere = np.zeros_like(world.walls)
+    elsewhere[iy, ix - 1] = True  # beside the cell, so that the disc meets it later
+    moved = replace(world, walls=elsewhere)
+    evidence = {**episode.evidence, "cell": [ix - 1, iy]}
+    assert objection("tunnel", moved, episode.trace, evidence, options.motion_model())
+
+
+def test_a_path_that_jumps_into_the_wall_is_no_move_of_the_model():
+    world, episode, options = judged("thesis-2-slide")
+    x = episode.trace.x.copy()
+    x[episode.evidence["since"] :] += 1e-4  # a hundredth of a pixel to the side
+    bent = replace(episode.trace, x=x)
+    assert "is no slide" in objection("tunnel", world, bent, episode.evidence, options.motion_model())
+
+
+def breach():
+    world, episode, options = judged("thesis-1-breach")
+    whole = simulate(world, "thesis-1", regardless_of_walls(options), record=True).trace
+    return world, episode, whole
+
+
+def test_a_true_breach_has_no_objection():
+    world, episode, whole = breach()
+    assert object_to_breach(world, episode.trace, whole, episode.evidence) == ""
+
+
+@pytest.mark.parametrize(("later", "message"), [(-1, "does not end in the target's cell"), (1, "said to be reached")])
+def test_a_target_reached_in_another_step_is_refused(later, message):
+    world, episode, whole = breach()
+    evidence = {**episode.evidence, "reached": episode.evidence["reached"] + later}
+    assert message in object_to_breach(world, episode.trace, whole, evidence)
+
+
+def test_a_target_reached_no_later_than_the_wall_is_refused():
+    world, episode, whole = breach()
+    evidence = {**episode.evidence, "reached": episode.evidence["step"]}
+    assert "said to be reached" in object_to_breach(world, episode.trace, whole, evidence)
+
+
+def test_a_target_that_was_reached_before_the_wall_is_no_breach():
+    world, episode, whole = breach()
+    x, y = whole.x.copy(), whole.y.copy()
+    x[100], y[100] = world.target.x, world.target.y
+    early = replace(whole, x=x, y=y)
+    assert f"reached before step {whole.steps}" in object_to_breach(world, episode.trace, early, episode.evidence)
+
+
+def test_a_breach_by_another_run_is_refused():
+    world, episode, whole = breach()
+    states = whole.states.copy()
+    states[10] ^= 1
+    other = replace(whole, states=states)
+    assert "another one before the wall" in object_to_breach(world, episode.trace, other, episode.evidence)
+
+
+def test_a_walled_off_target_that_nobody_reaches_is_no_failure():
+    world = replace(judged("thesis-1-breach")[0], failure=None)
+    assert failure_of(world, Scenario.parse("thesis-1+repaired", motion="stepped")) is None
+    assert "goes through no wall" in judge(world, "thesis-1", Scenario("thesis-1", "swept").options(world, 5000))[1]
+
+
+def test_a_breach_is_not_confirmed_with_a_cut_that_does_not_hold():
+    world = judged("thesis-1-breach")[0]
+    assert isinstance(world.certificate, Cut) and replay(world).confirmed
+    open_world = replace(world, certificate=replace(world.certificate, cells=world.certificate.cells[:1]))
+    assert "cut does not hold" in replay(open_world).reason
+
+
+def test_a_breach_is_a_class_of_its_own():
+    world, episode, _ = judged("thesis-1-breach")
+    without = replace(episode, evidence={k: v for k, v in episode.evidence.items() if k != "reached"})
+    assert failure_class(world, episode) == "breach-slide-post"
+    assert failure_class(world, without) == "tunnel-slide-post"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"kind": "confined"}, "come back every 104 steps, so the run drifts"),
+        ({"kind": "asleep"}, "does not stall 'asleep'"),
+        ({"period": 103}, "do not come back every 103 steps"),
+        ({"entry": 3900}, "is not shown 4 times"),
+        ({"box": [9, 9]}, "not in 9"),
+        ({"box": None}, "no box"),
+    ],
+)
+def test_false_evidence_of_drifting_is_refused(changes, message):
+    assert message in object_to("thesis-1-drifting", **changes)
+
+
+def test_a_confined_run_does_not_drift():
+    wrong = object_to("thesis-1-confined", kind="drifting", period=104, entry=2000)
+    assert "poses do not come back every 104 steps" in wrong
+
+
+def test_an_exact_loop_does_not_drift():
+    world, _, options = judged("thesis-1-loop-104")
+    trace = prepare(world, "thesis-1", options).run(4000, find_loop=False, record=True).trace
+    evidence = {"kind": "drifting", "period": 104, "entry": 2000, "box": [3, 3]}
+    assert "which is a loop" in objection("stalled", world, trace, evidence, options.motion_model())
+
+
+@pytest.mark.parametrize(
+    ("robot", "randomised"),
+    [("thesis-3", True), ("thesis-1", False), ("thesis-1+slip=0.2", True), ("thesis-1+sensor_noise=0.1", True)],
+)
+def test_seeds_are_tried_wherever_chance_has_a_part(robot, randomised):
+    world = replace(judged("thesis-2-corner")[0], failure=None)
+    details = seeds_that_fail(world, Scenario.parse(robot, motion="stepped"), count=5)
+    assert ("failing_seeds" in details) == randomised
