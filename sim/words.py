@@ -14,18 +14,29 @@ def evidence_in_words(episode: Episode) -> str:
     if verdict == "loop":
         return f" for ever (the state after step {evidence['entry']} comes back every {evidence['period']} steps)"
     if verdict in ("tunnel", "overlap") and "cell" in evidence:
-        return f" (step {evidence['step']}, wall cell {tuple(_list(evidence['cell']))})"
+        since = f", since a {evidence['cause']} in step {evidence['since']}" if "cause" in evidence else ""
+        return f" (step {evidence['step']}, wall cell {tuple(_list(evidence['cell']))}{since})"
     if verdict == "burned":
         cause = "fire" if evidence.get("state") == "burning" else "debris"
         return f" ({cause} in step {evidence['step']}, cell {tuple(_list(evidence['cell']))})"
     if verdict == "stalled":
         spent = f", {evidence['witness_multiple']} times the witness's time" if "witness_multiple" in evidence else ""
-        return f" (no new cell after step {evidence['last_new_cell']}{spent})"
+        return f" ({_manner(episode)}no new cell after step {evidence['last_new_cell']}{spent})"
     if verdict == "timeout":
         return " (budget spent, still in new cells)"
     if verdict == "crash":
         return f" ({evidence['error']})"
     return ""
+
+
+def _manner(episode: Episode) -> str:
+    """In what manner a run stalls, with a comma behind it; empty where that is not known."""
+    evidence = episode.evidence
+    if "kind" not in evidence:
+        return ""
+    columns, rows = _list(evidence["box"])
+    how = f"drifting every {evidence['period']} steps in" if evidence["kind"] == "drifting" else "confined to"
+    return f"{how} {columns} x {rows} cells, "
 
 
 def _list(value: object) -> list[object]:
