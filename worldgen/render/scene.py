@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from worldgen.render.caption import caption
 from worldgen.render.content import Changes, Content
-from worldgen.render.frame import Frame
+from worldgen.render.frame import BAND, Frame
 from worldgen.render.outline import corner_count, outlines
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import FIRE, FLOOR, FULL_TINT, GREY, PAPER, START, TARGET, TUNNEL, WALL, mix
@@ -133,10 +134,19 @@ def _certificate(world: World, frame: Frame) -> list[Primitive]:
         points = frame.points(np.column_stack((proof.x, proof.y)))
         return [Path(points, Paint(stroke=START, width=1.8 * unit, dash=(7.0 * unit, 5.0 * unit)))]
     if isinstance(proof, Cut) and len(proof.cells):
-        points = frame.corners(proof.cells + 0.5)
+        points = _onto_the_border(frame.corners(proof.cells + 0.5), frame)
         casing = Path(points, Paint(stroke=PAPER, width=5.0 * unit, opacity=0.8), closed=True)
         return [casing, Path(points, Paint(stroke=TUNNEL, width=3.0 * unit), closed=True)]
     return []
+
+
+def _onto_the_border(points: npt.NDArray[np.float64], frame: Frame) -> npt.NDArray[np.float64]:
+    """Cells of a cut that are outside the grid stand on the wall drawn round it, clear of the caption."""
+    beyond = BAND / 2 * frame.unit
+    corner = np.array((frame.left, frame.top))
+    ends = corner + np.array((frame.width, frame.height))
+    clipped: npt.NDArray[np.float64] = np.clip(points, corner - beyond, ends + beyond)
+    return clipped
 
 
 def _target(world: World, frame: Frame) -> list[Primitive]:
