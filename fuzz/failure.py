@@ -242,7 +242,7 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
     failing = 0
     for seed in range(count):
         run = prepare(world, controller, replace(options, seed=seed))
-        arrives = run.run(options.steps, find_loop=False, record=False).ending == "reached"
+        arrives = run.run(options.steps, find_loop=False, record=False, digest=False).ending == "reached"
         failing += arrives == sealed
     least = float(betaincinv(failing, count - failing + 1, 0.025)) if failing else 0.0
     return {"failing_seeds": [failing, count], "failing_share_at_least": round(least, 4)}

@@ -75,7 +75,7 @@ def configure(
 def _try_out(scenario: Scenario) -> None:
     """One short run in an empty arena, so that a name or a compile error shows at once."""
     arena = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0.6, 0.05))
-    prepare(arena, scenario.controller, scenario.options(arena, 2)).run(2, find_loop=False, record=False)
+    prepare(arena, scenario.controller, scenario.options(arena, 2)).run(2, find_loop=False, record=False, digest=False)
 
 
 class CampaignSession:

@@ -100,7 +100,7 @@ class _Search:
         budget = step_budget(draw.world, draw.time_step) if draw.world.certificate else _SEARCH_STEPS
         try:
             run = prepare(draw.world, self._controller, scenario.options(draw.world, budget))
-            outcome = run.run(budget, find_loop=True, record=False)
+            outcome = run.run(budget, find_loop=True, record=False, digest=False)
         except InvalidWorld:  # the drawn start is in a wall
             return
         verdict = _first_look(outcome)
@@ -114,10 +114,12 @@ class _Search:
         """Runs one scenario whose target is walled off; all that counts is a robot that gets there."""
         scenario, verdict = self._scenario(draw), "sealed"
         options = scenario.options(draw.world)
-        outcome = prepare(draw.world, self._controller, options).run(options.steps, find_loop=True, record=False)
+        outcome = prepare(draw.world, self._controller, options).run(
+            options.steps, find_loop=True, record=False, digest=False
+        )
         if outcome.ending == "tunnel":
             run = prepare(draw.world, self._controller, regardless_of_walls(options))
-            whole = run.run(options.steps, find_loop=True, record=False)
+            whole = run.run(options.steps, find_loop=True, record=False, digest=False)
             verdict = "breach" if whole.ending == "reached" else "sealed"
         self.result.worlds += 1
         self.result.steps += outcome.steps

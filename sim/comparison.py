@@ -378,7 +378,9 @@ class _Column:
 
     def _unnamed_look(self, world: World, options: RunOptions) -> _Look:
         """A run without recording; only what needs proof or explanation is simulated in full."""
-        outcome = prepare(world, self.controller, options).run(options.steps, find_loop=True, record=False)
+        outcome = prepare(world, self.controller, options).run(
+            options.steps, find_loop=True, record=False, digest=False
+        )
         verdict = outcome.verdict
         explained = not self.declared_random and MOTIONS.get(options.motion).kernel == THESIS
         if outcome.ending == "loop" or (verdict == "stalled" and explained):

@@ -11,9 +11,9 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController, Controller, compiled_act, numba_config
+from sim.controllers.base import CompiledController, Controller, compiled_act, numba_config, senses_of
 from sim.kernels import layout
-from sim.kernels.geometry import chessboard_clearance, pose_is_clear
+from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
 from sim.kernels.lattice_episode import Arena, lattice_episode
 from sim.kernels.lattice_sense import heading_table
 from sim.motion import MOTIONS
@@ -64,7 +64,8 @@ def _episode_kernel() -> Any:
     types: Any = numba.types
     ints, floats, bytes_2d = numba.int64[::1], numba.float64[::1], numba.uint8[:, ::1]
     rows = numba.int64[:, ::1]
-    arena = types.NamedTuple((bytes_2d, numba.int32[:, ::1], rows, ints, bytes_2d), Arena)
+    table = numba.int32[:, ::1]
+    arena = types.NamedTuple((bytes_2d, table, table, rows, ints, bytes_2d), Arena)
     act = types.FunctionType(numba.void(floats, floats, floats))
     return kernel(python, signature=numba.void(arena, ints, floats, act, floats, ints, floats, rows))
 
@@ -83,14 +84,12 @@ class LatticeRun:
         motion = MOTIONS.get(options.motion)
         self._cells = world.walls.astype(np.uint8)
         self._events = _event_rows(world, options.time_step)
-        self._clearance = np.zeros(world.walls.shape, np.int32)
-        ever = self._cells.copy()
-        line = world.timeline
-        ever[line.iy, line.ix] = np.maximum(ever[line.iy, line.ix], line.states)
-        chessboard_clearance(ever, self._clearance)
         self.settings, self.scales = np.zeros(layout.SET_SIZE, np.int64), np.zeros(layout.SCALE_SIZE)
         self._fill_settings(motion.code)
         self._fill_scales(motion.overlap_tolerance)
+        self._near = np.zeros(world.walls.shape, np.int32)
+        near_masks(self._cells, self._near)
+        self._clearance = self._clearance_table()
 
     def _fill_settings(self, motion_code: int) -> None:
         world, settings = self.world, self.settings
@@ -104,6 +103,7 @@ class LatticeRun:
         within = min(within, Fraction(4 * MAX_SIDE * UNIT))  # already more than any world
         settings[layout.SET_TARGET_SQ] = math.floor(within * within)
         settings[layout.SET_MOTION] = motion_code
+        settings[layout.SET_SENSES] = senses_of(self.controller)
         settings[layout.SET_SEED] = np.uint64(self.options.seed).astype(np.int64)
 
     def _fill_scales(self, tolerance: float) -> None:
@@ -117,6 +117,17 @@ class LatticeRun:
         scales[layout.SCALE_TOLERANCE] = tolerance * UNIT
         if isinstance(self.controller, CompiledController):
             scales[layout.SCALE_START_SPEED] = min(self.controller.start_speed, world.robot_speed)
+
+    def _clearance_table(self) -> npt.NDArray[np.int32]:
+        """Distances to cells that are ever not free; of no rows where the masks reach as far as the fastest step."""
+        fastest = int(self.scales[layout.SCALE_TOP_SPEED] * self.scales[layout.SCALE_SPEED]) + 1
+        if self.settings[layout.SET_REACH] + fastest <= NEAR * UNIT:
+            return np.zeros((0, 0), np.int32)
+        ever, line = self._cells.copy(), self.world.timeline
+        ever[line.iy, line.ix] = np.maximum(ever[line.iy, line.ix], line.states)
+        table = np.zeros(ever.shape, np.int32)
+        chessboard_clearance(ever, table)
+        return table
 
     def _clear_start(self, clear_sq: int, reach: int) -> tuple[int, int]:
         """The lattice point nearest to the start that is clear, among the nine next to it."""
@@ -134,13 +145,13 @@ class LatticeRun:
         """Step at whose beginning the world changes for the last time; 0 if it never does."""
         return int(self._events[-1, 0]) if len(self._events) else 0
 
-    def run(self, steps: int, *, find_loop: bool, record: bool) -> Outcome:
+    def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
-        self.settings[layout.SET_STEPS] = steps
+        self.settings[layout.SET_STEPS], self.settings[layout.SET_DIGEST] = steps, int(digest)
         self.settings[layout.SET_FIND_LOOP] = int(find_loop)
         visited = np.zeros(self._cells.shape, np.uint8)
         visited[self._cell_of(layout.SET_Y, 0), self._cell_of(layout.SET_X, 1)] = 1
-        arena = Arena(self._cells.copy(), self._clearance, self._events, _headings(), visited)
+        arena = Arena(self._cells.copy(), self._near.copy(), self._clearance, self._events, _headings(), visited)
         if isinstance(self.controller, CompiledController):
             return self._run_compiled(self.controller, arena, steps, record)
         loop = PythonLoop(self.controller, arena, self.settings, self.scales)

@@ -20,7 +20,7 @@ class Outcome:
         period: Steps of the recurrence, for ``loop``.
         path_length: m.
         collisions: Times that the robot began to touch a wall.
-        digest: 16 hex digits.
+        digest: 16 hex digits; of no meaning if it was not asked for.
         last_new_cell: Last step in which the centre entered a cell for the first time.
         hit_step: Step of the tunnel, fire or debris; -1.
         hit_cell: Its cell (ix, iy).
@@ -77,6 +77,13 @@ class Runnable(Protocol):
         """Step at whose beginning the world changes for the last time; 0 if it never does."""
         ...
 
-    def run(self, steps: int, *, find_loop: bool, record: bool) -> Outcome:
-        """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
+    def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
+        """Runs up to ``steps`` steps from the start.
+
+        Args:
+            steps: Budget.
+            find_loop: Whether a recurrence ends the run.
+            record: Whether to keep every state.
+            digest: Whether to work out the trace's digest, which takes a fifth of the time.
+        """
         ...

@@ -171,19 +171,22 @@ class ThesisRun:
         """Step at whose beginning the world changes for the last time; 0 if it never does."""
         return int(self._events[-1, 0]) if len(self._events) else 0
 
-    def run(self, steps: int, *, find_loop: bool, record: bool) -> Outcome:
+    def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Runs up to ``steps`` ticks from the start; with ``find_loop`` a recurrence ends the run."""
         rows = np.zeros((steps + 1 if record else 0, at.ROW_SIZE))
         progress = at.new_progress(*self._start, self._setup.speed)
-        self._go_on(progress, self._arena(), rows, steps, find_loop and not self.options.thesis.random)
+        look = find_loop and not self.options.thesis.random
+        self._go_on(progress, self._arena(), rows, steps, find_loop=look, digest=digest)
         return self._outcome(progress, rows[: progress.counts[at.OUT_STEPS] + 1] if record else None)
 
     def _arena(self) -> at.Arena:
         return at.new_arena(self._cells, self._light, self._events)
 
-    def _go_on(self, progress: at.Progress, arena: at.Arena, rows: Floats, steps: int, find_loop: bool) -> None:
+    def _go_on(
+        self, progress: at.Progress, arena: at.Arena, rows: Floats, steps: int, *, find_loop: bool, digest: bool
+    ) -> None:
         """Runs until something is decided or ``steps`` are done, with as many draws as that takes."""
-        setup = self._setup._replace(steps=steps, find_loop=int(find_loop))
+        setup = self._setup._replace(steps=steps, find_loop=int(find_loop), digest=int(digest))
         count = _FIRST_DRAWS if setup.rule == 3 else 0
         while True:
             thesis_episode(arena, setup, progress, self._draws(count), rows)
@@ -205,10 +208,10 @@ class ThesisRun:
         """
         progress, arena = at.new_progress(*self._start, self._setup.speed), self._arena()
         half = steps // 2
-        self._go_on(progress, arena, np.zeros((0, at.ROW_SIZE)), half, find_loop=False)
+        self._go_on(progress, arena, np.zeros((0, at.ROW_SIZE)), half, find_loop=False, digest=False)
         progress.counts[at.TRACE_START] = half
         rows = np.zeros((steps - half + 1, at.ROW_SIZE))
-        self._go_on(progress, arena, rows, steps, find_loop=False)
+        self._go_on(progress, arena, rows, steps, find_loop=False, digest=False)
         cells = np.floor(rows[:, [at.X, at.Y]] / at.CELL)
         box: dict[str, Value] = {"box": [int(side) for side in np.ptp(cells, axis=0) + 1]}
         period, entry = _drift(rows[:, [at.X, at.Y, at.HEADING]])

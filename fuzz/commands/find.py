@@ -166,7 +166,7 @@ def _try_out(config: Any) -> None:
         Layout.of(arena, mirror=config.mirror)
     for wish in config.wishes:
         options = wish.scenario.options(arena, 2)
-        prepare(arena, wish.scenario.controller, options).run(2, find_loop=False, record=False)
+        prepare(arena, wish.scenario.controller, options).run(2, find_loop=False, record=False, digest=False)
 
 
 def _report(search: Find, best: Found | None, wishes: tuple[Wish, ...], out: Path, as_json: bool) -> None:

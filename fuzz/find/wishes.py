@@ -104,7 +104,7 @@ class Wish:
 
     def _one(self, world: World, scenario: Scenario) -> Result:
         run = prepare(world, scenario.controller, scenario.options(world, self.steps))
-        outcome = run.run(self.steps, find_loop=True, record=False)
+        outcome = run.run(self.steps, find_loop=True, record=False, digest=False)
         verdict = outcome.verdict
         number = outcome.period if verdict == "loop" else outcome.steps
         return Result(verdict, number, float(verdict == "reached"), self._distance(verdict, number))

@@ -27,6 +27,7 @@ __all__ = [
     "Observation",
     "PythonController",
     "compiled_act",
+    "senses_of",
 ]
 
 Act: TypeAlias = Callable[[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]], None]
@@ -84,6 +85,11 @@ class CompiledController:
         start_speed: m/s during the first step, before anything has been seen.
         thesis_rule: 1, 2 or 3 if ``stepped`` runs the thesis's own robot in its place, else 0.
         randomised: Whether it uses random numbers.
+        senses: Names of the fields of :class:`Observation` that it looks at; the others may be nan. Without
+            names it gets all, and a step takes up to twice as long.
+
+    Raises:
+        InvalidParameter: If there is no such sense.
     """
 
     name: str
@@ -92,6 +98,14 @@ class CompiledController:
     start_speed: float = 0.0
     thesis_rule: int = 0
     randomised: bool = False
+    senses: tuple[str, ...] = Observation._fields
+
+    def __post_init__(self) -> None:
+        unknown = sorted(set(self.senses) - set(Observation._fields))
+        if unknown:
+            raise InvalidParameter(
+                f"controller {self.name!r} has a sense {unknown[0]!r}; there are {', '.join(Observation._fields)}"
+            )
 
 
 class PythonController(Protocol):
@@ -130,6 +144,22 @@ def _accept(name: str, thing: Any) -> Controller:
         )
     controller: PythonController = made
     return controller
+
+
+_COSTLY_SENSES = {
+    "bump_bearing": layout.SENSE_BUMP_BEARING,
+    "signal": layout.SENSE_SIGNAL,
+    "signal_heading": layout.SENSE_SIGNAL_HEADING,
+    "target_heading": layout.SENSE_TARGET_HEADING,
+    "target_distance": layout.SENSE_TARGET_DISTANCE,
+    "random": layout.SENSE_RANDOM,
+}
+
+
+def senses_of(controller: Controller) -> int:
+    """The ``SENSE_`` bits of what a controller looks at: for one in Python, everything."""
+    names = controller.senses if isinstance(controller, CompiledController) else Observation._fields
+    return sum(bit for name, bit in _COSTLY_SENSES.items() if name in names)
 
 
 CONTROLLERS: Registry[Controller] = Registry("worldgen.controllers", "controller", _accept)

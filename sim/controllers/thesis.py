@@ -93,6 +93,10 @@ def _act_random(observation: Floats, memory: Floats, command: Floats) -> None:
     _act(observation, memory, command, RANDOM)
 
 
-turn_right = CompiledController("turn-right", _act_right, AT_RESET, math.inf, thesis_rule=RIGHT)
-turn_left = CompiledController("turn-left", _act_left, AT_RESET, math.inf, thesis_rule=LEFT)
-turn_random = CompiledController("turn-random", _act_random, AT_RESET, math.inf, RANDOM, randomised=True)
+_SENSES = ("bump", "signal_heading", "heading", "time_step", "top_speed")
+
+turn_right = CompiledController("turn-right", _act_right, AT_RESET, math.inf, thesis_rule=RIGHT, senses=_SENSES)
+turn_left = CompiledController("turn-left", _act_left, AT_RESET, math.inf, thesis_rule=LEFT, senses=_SENSES)
+turn_random = CompiledController(
+    "turn-random", _act_random, AT_RESET, math.inf, RANDOM, randomised=True, senses=(*_SENSES, "random")
+)

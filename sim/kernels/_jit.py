@@ -8,8 +8,8 @@ from worldgen.jit import kernel as _kernel
 
 __all__ = ["allocating_kernel", "kernel"]
 
-kernel = functools.partial(_kernel, allocates=False)
-"""For all that makes no array and no slice: it pays for no reference counts."""
+kernel = functools.partial(_kernel, allocates=False, inline=True)
+"""For all that makes no array and no slice: it pays for no reference counts and no calls."""
 
 allocating_kernel = functools.partial(_kernel, allocates=True)
 """For the few that do; call them once an episode, not once a step."""

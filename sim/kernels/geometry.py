@@ -15,8 +15,11 @@ from sim.kernels._jit import kernel
 from sim.kernels.layout import SOLID, UNIT
 
 __all__ = [
+    "NEAR",
     "cell_state",
     "chessboard_clearance",
+    "mark_near",
+    "near_masks",
     "point_box_distance_sq",
     "pose_is_clear",
     "segment_box_depth",
@@ -24,12 +27,20 @@ __all__ = [
     "segment_crosses_box",
     "segment_first_not_clear",
     "segment_point_within",
+    "window_is_free",
 ]
 
 Cells = npt.NDArray[np.uint8]
 
 # Above this, a squared cross product no longer fits in 63 bits; a closer call than 1e-12 is then "not clear".
 _EXACT_CROSS = 3_000_000_000
+
+
+NEAR = 2
+"""How many cells a mask of :func:`near_masks` looks to each side."""
+
+_SIDE = 2 * NEAR + 1
+_EACH_ROW = 0b00001_00001_00001_00001_00001
 
 
 @kernel
@@ -212,3 +223,46 @@ def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
             if near > 0 and ix < width - 1:
                 near = min(near, table[iy, ix + 1] + 1)
             table[iy, ix] = near
+
+
+@kernel
+def mark_near(cells: Cells, near: npt.NDArray[np.int32], ix: int, iy: int) -> None:
+    """Notes in the masks of the cells around what a cell is now; a cell outside the grid counts as solid."""
+    taken = cell_state(cells, ix, iy) != 0
+    for jy in range(max(iy - NEAR, 0), min(iy + NEAR + 1, cells.shape[0])):
+        for jx in range(max(ix - NEAR, 0), min(ix + NEAR + 1, cells.shape[1])):
+            bit = np.int32(1 << ((iy - jy + NEAR) * _SIDE + ix - jx + NEAR))
+            near[jy, jx] = near[jy, jx] | bit if taken else near[jy, jx] & ~bit
+
+
+@kernel
+def near_masks(cells: Cells, near: npt.NDArray[np.int32]) -> None:
+    """Fills ``near`` with the cells that are not free among the 25 around each cell: bits in rows from the lowest."""
+    height, width = cells.shape
+    near[:, :] = 0
+    for iy in range(-NEAR, height + NEAR):
+        for ix in range(-NEAR, width + NEAR):
+            if cell_state(cells, ix, iy) != 0:
+                mark_near(cells, near, ix, iy)
+
+
+@kernel
+def window_is_free(near: npt.NDArray[np.int32], reach: int, ends: tuple[int, int, int, int]) -> bool:
+    """Whether the masks show that no cell in the box round a disc's way is taken; if not, a closer look is due.
+
+    Args:
+        near: :func:`near_masks`.
+        reach: Radius of the disc, rounded up to whole lattice units.
+        ends: px, py, qx, qy of its way.
+    """
+    px, py, qx, qy = ends
+    ix, iy = px // UNIT, py // UNIT
+    if not (0 <= ix < near.shape[1] and 0 <= iy < near.shape[0]):
+        return False
+    left, right = (min(px, qx) - reach) // UNIT - ix + NEAR, (max(px, qx) + reach - 1) // UNIT - ix + NEAR
+    low, high = (min(py, qy) - reach) // UNIT - iy + NEAR, (max(py, qy) + reach - 1) // UNIT - iy + NEAR
+    if left < 0 or low < 0 or right >= _SIDE or high >= _SIDE:
+        return False
+    columns = ((2 << right) - 1) & ~((1 << left) - 1)
+    rows = ((1 << (_SIDE * (high + 1))) - 1) & ~((1 << (_SIDE * low)) - 1)
+    return bool(near[iy, ix] & (columns * _EACH_ROW) & rows == 0)

@@ -16,11 +16,13 @@ import numpy.typing as npt
 from sim.kernels import layout
 from sim.kernels._jit import allocating_kernel, kernel
 from sim.kernels.geometry import (
+    mark_near,
     pose_is_clear,
     segment_box_depth,
     segment_crosses_box,
     segment_first_not_clear,
     segment_point_within,
+    window_is_free,
 )
 from sim.kernels.lattice_motion import endpoint_move, round_away, swept_move
 from sim.kernels.lattice_sense import displacement, sense
@@ -36,17 +38,20 @@ _HASH_PRIME = np.uint64(1099511628211)
 
 
 class Arena(NamedTuple):
-    """What surrounds the robot; ``cells`` and ``visited`` change during an episode.
+    """What surrounds the robot; ``cells``, ``near`` and ``visited`` change during an episode.
 
     Args:
         cells: (height, width) uint8, cell states now.
-        clearance: (height, width) int32, chessboard distance to cells that are ever not free.
+        near: (height, width) int32, :func:`sim.kernels.geometry.near_masks` of ``cells``.
+        clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no rows where
+            the masks reach as far as any step.
         events: (n, 4) int64, rows (step, ix, iy, state), sorted by step.
         headings: (65536,) int64, :func:`sim.kernels.lattice_sense.heading_table`.
         visited: (height, width) uint8, cells that the centre has been in.
     """
 
     cells: npt.NDArray[np.uint8]
+    near: npt.NDArray[np.int32]
     clearance: npt.NDArray[np.int32]
     events: Ints
     headings: Ints
@@ -83,6 +88,7 @@ def apply_events(arena: Arena, settings: Ints, step: int, first: int, state: Int
     while first < arena.events.shape[0] and arena.events[first, 0] <= step:
         ix, iy, new = arena.events[first, 1], arena.events[first, 2], arena.events[first, 3]
         arena.cells[iy, ix] = np.uint8(new)
+        mark_near(arena.cells, arena.near, ix, iy)
         first += 1
     clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
     x, y = state[layout.STATE_X], state[layout.STATE_Y]
@@ -139,10 +145,11 @@ def _judge_path(
     state: Ints,
     chain: Ints,
     points: int,
+    free: bool,
     counts: Ints,
     sums: Floats,
 ) -> None:
-    """What the path of one step meant: fire, walls, target, length."""
+    """What the path of one step meant: fire, walls, target, length; ``free`` if nothing is near it."""
     clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
     x, y = state[layout.STATE_X], state[layout.STATE_Y]
     swept = settings[layout.SET_MOTION] == layout.SWEPT
@@ -150,13 +157,13 @@ def _judge_path(
     for k in range(max(points, 1)):
         qx, qy = (chain[k, 0], chain[k, 1]) if points > 0 else (x, y)
         ends = (x, y, qx, qy)
-        if fire and counts[layout.OUT_ENDING] == layout.LIMIT:
+        if fire and not free and counts[layout.OUT_ENDING] == layout.LIMIT:
             burnt, ix, iy = segment_first_not_clear(arena.cells, BURNING, clear_sq, reach, ends)
             if burnt:
                 counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STATE] = layout.BURNED, BURNING
                 counts[layout.OUT_HIT_STEP], counts[layout.OUT_HIT_SEGMENT] = step, k
                 counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
-        if not swept and segment_first_not_clear(arena.cells, SOLID, clear_sq, reach, ends)[0]:
+        if not swept and not free and segment_first_not_clear(arena.cells, SOLID, clear_sq, reach, ends)[0]:
             _judge_segment(arena, settings, scales, step, ends, counts, sums)
         if counts[layout.OUT_ENDING] == layout.LIMIT:
             tx, ty, within = (
@@ -170,6 +177,15 @@ def _judge_path(
         sums[layout.SUM_PATH] += math.sqrt(float((qx - x) * (qx - x) + (qy - y) * (qy - y)))
         x, y = qx, qy
     state[layout.STATE_X], state[layout.STATE_Y] = x, y
+
+
+@kernel
+def _nothing_near(arena: Arena, reach: int, ends: tuple[int, int, int, int], distance: int) -> bool:
+    """Whether the tables show that no cell that is not free is within reach of a step; if not, a closer look is due."""
+    if arena.clearance.shape[0] == 0:
+        return window_is_free(arena.near, reach, ends)
+    x, y = ends[0], ends[1]
+    return bool((arena.clearance[y // UNIT, x // UNIT] - 1) * UNIT >= reach + distance)
 
 
 @kernel
@@ -192,15 +208,18 @@ def advance(
     clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
     dx, dy = displacement(arena.headings, state[layout.STATE_HEADING], drive)
     points, nx, ny = 0, 0.0, 0.0
-    if (arena.clearance[y // UNIT, x // UNIT] - 1) * UNIT >= reach + abs(drive):
-        if drive != 0:  # nothing is within reach of this step
+    if _nothing_near(arena, reach, (x, y, x + dx, y + dy), abs(drive)):
+        free = True
+        if drive != 0:
             chain[0, 0], chain[0, 1] = x + dx, y + dy
             points = 1
-    elif settings[layout.SET_MOTION] == layout.SWEPT:
-        points, nx, ny = swept_move(arena.cells, clear_sq, reach, x, y, dx, dy, chain)
     else:
-        points, nx, ny = endpoint_move(arena.cells, clear_sq, reach, x, y, dx, dy, chain)
-    _judge_path(arena, settings, scales, step, state, chain, points, counts, sums)
+        free = False
+        if settings[layout.SET_MOTION] == layout.SWEPT:
+            points, nx, ny = swept_move(arena.cells, clear_sq, reach, x, y, dx, dy, chain)
+        else:
+            points, nx, ny = endpoint_move(arena.cells, clear_sq, reach, x, y, dx, dy, chain)
+    _judge_path(arena, settings, scales, step, state, chain, points, free, counts, sums)
     jx, jy = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
     if 0 <= jx < arena.visited.shape[1] and 0 <= jy < arena.visited.shape[0] and arena.visited[jy, jx] == 0:
         arena.visited[jy, jx] = 1
@@ -246,6 +265,14 @@ def _write_row(state: Ints, chain: Ints, points: int, bumped: bool, row: Ints) -
         row[layout.ROW_STATE + k] = state[k]
 
 
+@kernel
+def _same(one: Ints, other: Ints) -> bool:
+    k = 0
+    while k < one.size and one[k] == other[k]:
+        k += 1
+    return k == one.size
+
+
 @allocating_kernel
 def lattice_episode(
     arena: Arena,
@@ -277,13 +304,14 @@ def lattice_episode(
     anchor = np.zeros_like(state)
     row = np.zeros(layout.ROW_STATE + state.size, np.int64)
     chain = np.zeros((4, 2), np.int64)
-    observation, command = np.zeros(layout.OBS_SIZE), np.zeros(layout.CMD_SIZE)
+    observation, command = np.full(layout.OBS_SIZE, np.nan), np.zeros(layout.CMD_SIZE)
     begin(settings, scales, state, counts, sums)
     state[layout.STATE_MEMORY :] = words
     if trace.shape[0] > 0:
         trace[0, layout.ROW_STATE :] = state
     quiet = arena.events[arena.events.shape[0] - 1, 0] if arena.events.shape[0] > 0 else 0
     event, power, period, touching = 0, 1, 0, False
+    hashed = settings[layout.SET_DIGEST] != 0
     for step in range(1, settings[layout.SET_STEPS] + 1):
         counts[layout.OUT_STEPS] = step
         if event < arena.events.shape[0] and arena.events[event, 0] <= step:
@@ -299,19 +327,23 @@ def lattice_episode(
         inside = 0 <= pose[0] // UNIT < arena.cells.shape[1] and 0 <= pose[1] // UNIT < arena.cells.shape[0]
         if counts[layout.OUT_ENDING] == layout.LIMIT and inside:
             sense(arena.cells, settings, scales, pose, (nx, ny), state[layout.STATE_DRAWS], observation)
-            command[:] = 0.0
+            for k in range(command.size):
+                command[k] = 0.0
             act(observation, memory, command)
             obey(scales, command, state, counts)
-        state[layout.STATE_MEMORY :] = words
-        _write_row(state, chain, points, bumped, row)
-        hash_row(row, counts)
-        if step < trace.shape[0]:
-            trace[step, :] = row
+        for k in range(words.size):
+            state[layout.STATE_MEMORY + k] = words[k]
+        if hashed or step < trace.shape[0]:
+            _write_row(state, chain, points, bumped, row)
+            if hashed:
+                hash_row(row, counts)
+            if step < trace.shape[0]:
+                trace[step, :] = row
         if counts[layout.OUT_ENDING] != layout.LIMIT:
             break
         if settings[layout.SET_FIND_LOOP] != 0 and step > quiet:
             period += 1
-            if np.array_equal(state, anchor):
+            if _same(state, anchor):
                 counts[layout.OUT_ENDING], counts[layout.OUT_PERIOD] = layout.LOOP, period
                 break
             if period == power:

@@ -127,25 +127,33 @@ def sense(
     draws: int,
     observation: npt.NDArray[np.float64],
 ) -> None:
-    """Fills the observation from the robot's pose (x, y, heading) and the normal of its last contact."""
+    """Fills the observation from the robot's pose (x, y, heading) and the normal of its last contact.
+
+    Of the senses that cost time only those in ``SET_SENSES`` are filled.
+    """
     x, y, heading = pose
-    radians, metres = scales[layout.SCALE_RADIANS], scales[layout.SCALE_METRES]
+    radians, metres, senses = scales[layout.SCALE_RADIANS], scales[layout.SCALE_METRES], settings[layout.SET_SENSES]
     bumped = contact[0] != 0.0 or contact[1] != 0.0
     observation[layout.OBS_BUMP] = 1.0 if bumped else 0.0
-    observation[layout.OBS_BUMP_BEARING] = 0.0
-    if bumped:
-        wall = heading_of(int(-contact[0] * 1024.0), int(-contact[1] * 1024.0), heading)
-        observation[layout.OBS_BUMP_BEARING] = turn_towards(heading, wall) * radians
-    target_x, target_y = settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y]
-    dx, dy = target_x - x, target_y - y
-    away = math.sqrt(float(dx * dx + dy * dy))
-    observation[layout.OBS_SIGNAL] = 1.0 / (1.0 + away * away / float(UNIT * UNIT))
-    strongest = signal_heading(cells, x, y, target_x, target_y, heading)
-    observation[layout.OBS_SIGNAL_HEADING] = turn_towards(0, strongest) * radians
     observation[layout.OBS_HEADING] = turn_towards(0, heading) * radians
     observation[layout.OBS_X], observation[layout.OBS_Y] = x * metres, y * metres
-    observation[layout.OBS_TARGET_HEADING] = turn_towards(0, heading_of(dx, dy, heading)) * radians
-    observation[layout.OBS_TARGET_DISTANCE] = away * metres
-    observation[layout.OBS_RANDOM] = random_draw(settings[layout.SET_SEED], draws)
     observation[layout.OBS_TIME_STEP] = scales[layout.SCALE_TIME_STEP]
     observation[layout.OBS_TOP_SPEED] = scales[layout.SCALE_TOP_SPEED]
+    if senses & layout.SENSE_BUMP_BEARING != 0:
+        observation[layout.OBS_BUMP_BEARING] = 0.0
+        if bumped:
+            wall = heading_of(int(-contact[0] * 1024.0), int(-contact[1] * 1024.0), heading)
+            observation[layout.OBS_BUMP_BEARING] = turn_towards(heading, wall) * radians
+    target_x, target_y = settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y]
+    dx, dy = target_x - x, target_y - y
+    if senses & (layout.SENSE_SIGNAL | layout.SENSE_TARGET_DISTANCE) != 0:
+        away = math.sqrt(float(dx * dx + dy * dy))
+        observation[layout.OBS_SIGNAL] = 1.0 / (1.0 + away * away / float(UNIT * UNIT))
+        observation[layout.OBS_TARGET_DISTANCE] = away * metres
+    if senses & layout.SENSE_SIGNAL_HEADING != 0:
+        strongest = signal_heading(cells, x, y, target_x, target_y, heading)
+        observation[layout.OBS_SIGNAL_HEADING] = turn_towards(0, strongest) * radians
+    if senses & layout.SENSE_TARGET_HEADING != 0:
+        observation[layout.OBS_TARGET_HEADING] = turn_towards(0, heading_of(dx, dy, heading)) * radians
+    if senses & layout.SENSE_RANDOM != 0:
+        observation[layout.OBS_RANDOM] = random_draw(settings[layout.SET_SEED], draws)

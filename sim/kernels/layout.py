@@ -27,6 +27,10 @@ OBS_X, OBS_Y, OBS_TARGET_HEADING, OBS_TARGET_DISTANCE = 5, 6, 7, 8
 OBS_RANDOM, OBS_TIME_STEP, OBS_TOP_SPEED = 9, 10, 11
 OBS_SIZE = 12
 
+# Senses that cost time (bits of SET_SENSES); the others are always there.
+SENSE_BUMP_BEARING, SENSE_SIGNAL, SENSE_SIGNAL_HEADING = 1, 2, 4
+SENSE_TARGET_HEADING, SENSE_TARGET_DISTANCE, SENSE_RANDOM = 8, 16, 32
+
 CMD_SPEED, CMD_TURN_RATE, CMD_DRAW = 0, 1, 2
 CMD_SIZE = 3
 
@@ -45,7 +49,9 @@ SET_TARGET_X, SET_TARGET_Y, SET_TARGET_SQ = 3, 4, 5  # target and its squared ra
 SET_CLEAR_SQ, SET_REACH = 6, 7  # squared clear distance; its root rounded up
 SET_MOTION, SET_STEPS, SET_FIND_LOOP = 8, 9, 10
 SET_SEED = 11  # seed of the draws, as the bits of a uint64
-SET_SIZE = 12
+SET_SENSES = 12  # SENSE_ bits: what the controller looks at
+SET_DIGEST = 13  # 1: the trace's digest is worked out
+SET_SIZE = 14
 
 # scales (float64): between the lattice and SI units.
 SCALE_METRES = 0  # m per lattice unit

@@ -387,7 +387,8 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
             if counts[at.OUT_ENDING] == at.LIMIT and cells[int(state[at.X] / CELL), int(state[at.Y] / CELL)] == 0:
                 counts[at.OUT_ENDING] = at.REACHED
         counts[at.OUT_STEPS] = step
-        counts[at.OUT_DIGEST] = _hash_state(counts[at.OUT_DIGEST], state, mode)
+        if setup.digest == 1:
+            counts[at.OUT_DIGEST] = _hash_state(counts[at.OUT_DIGEST], state, mode)
         if step - counts[at.TRACE_START] < trace.shape[0]:
             _record(state, mode, step - counts[at.TRACE_START], trace)
         if counts[at.OUT_ENDING] == at.LIMIT and counts[at.ANCHOR_POWER] > 0:

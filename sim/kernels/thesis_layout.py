@@ -104,6 +104,7 @@ class Setup(NamedTuple):
         tolerance: Overlap with a wall that is not reported, px.
         steps: Ticks at most.
         find_loop: 1 to end at an exact recurrence of the complete state, after the last event; else 0.
+        digest: 1 to work out the digest of the trace; else 0.
         stop_at_tunnel: 1 to end as ``TUNNEL`` when the centre's way enters a wall; else 0.
         reading: Of the arbiter, see :mod:`sim.kernels.thesis_arbiter`.
         repairs: Bits of the faults of the motion that are repaired, see :mod:`sim.kernels.stepped_motion`.
@@ -130,6 +131,7 @@ class Setup(NamedTuple):
     tolerance: float = 1.0
     steps: int = 20_000
     find_loop: int = 0
+    digest: int = 1
     stop_at_tunnel: int = 0
     reading: int = 0
     repairs: int = 0

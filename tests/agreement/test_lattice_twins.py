@@ -75,3 +75,43 @@ def test_clearance_table_is_the_chessboard_distance(data):
     for iy in range(8):
         for ix in range(10):
             assert table[iy, ix] == np.abs(solid - (iy + 1, ix + 1)).max(axis=1).min()
+
+
+ROOM = st.binary(min_size=64, max_size=64)
+PLACE = st.integers(-UNIT, 9 * UNIT)
+STEP = st.integers(-2 * UNIT, 2 * UNIT)
+
+
+def masks(cells):
+    near = np.zeros(cells.shape, np.int32)
+    geometry.near_masks(cells, near)
+    return near
+
+
+@given(ROOM, PLACE, PLACE, STEP, STEP, st.integers(1, 3 * UNIT))
+def test_a_window_that_is_free_holds_no_cell_that_the_disc_could_touch(data, x, y, dx, dy, reach):
+    cells = (np.frombuffer(data, np.uint8).reshape(8, 8) < 10).astype(np.uint8)
+    ends = (x, y, x + dx, y + dy)
+    free = geometry.window_is_free(masks(cells), reach, ends)
+    assert free == plain(geometry.window_is_free)(masks(cells), reach, ends)
+    if free:
+        assert not geometry.segment_first_not_clear(cells, 1, reach * reach, reach, ends)[0]
+
+
+def test_a_window_is_free_up_to_the_contact():
+    cells = np.zeros((8, 8), np.uint8)
+    cells[:, 5] = 1
+    near, reach = masks(cells), 700
+    at = 5 * UNIT - reach
+    assert geometry.window_is_free(near, reach, (at - 300, 4 * UNIT, at, 4 * UNIT))
+    assert not geometry.window_is_free(near, reach, (at - 300, 4 * UNIT, at + 1, 4 * UNIT))
+
+
+@given(ROOM, st.lists(st.tuples(st.integers(0, 7), st.integers(0, 7), st.integers(0, 2)), max_size=12))
+def test_masks_that_follow_events_are_those_of_the_cells(data, events):
+    cells = (np.frombuffer(data, np.uint8).reshape(8, 8) % 3).astype(np.uint8)
+    near = masks(cells)
+    for ix, iy, state in events:
+        cells[iy, ix] = state
+        geometry.mark_near(cells, near, ix, iy)
+    assert (near == masks(cells)).all()

@@ -6,7 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim import Command, CompiledController, RunOptions, simulate
+from sim import Command, CompiledController, Observation, RunOptions, simulate
+from sim.episode import prepare
+from sim.kernels import layout
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World
 
 TURN_RATE = 512 / 65536 * 2 * math.pi / 0.015  # rad/s: 512 heading units a step, 128 steps a turn
@@ -299,3 +301,29 @@ def test_a_function_that_numba_cannot_compile_is_refused():
 
 
 PINNED = (1500, "b095c7dbaa7a18ff")
+
+
+def test_a_compiled_controller_sees_what_it_asks_for_and_nan_for_the_rest():
+    def act(observation, memory, command):
+        memory[:] = observation
+
+    def seen(senses):
+        controller = CompiledController("eyes", act, (0.0,) * layout.OBS_SIZE, senses=senses)
+        return simulate(arena(), controller, steps=1, record=True).trace.states[1, layout.STATE_MEMORY :].view(float)
+
+    everything, little = seen(Observation._fields), seen(("bump", "target_heading"))
+    assert not np.isnan(everything).any()
+    assert little[layout.OBS_TARGET_HEADING] == everything[layout.OBS_TARGET_HEADING]
+    assert np.isnan(little[[layout.OBS_SIGNAL, layout.OBS_SIGNAL_HEADING, layout.OBS_RANDOM]]).all()
+
+
+def test_a_sense_that_there_is_not_is_refused():
+    with pytest.raises(InvalidParameter, match="has a sense 'smell'; there are bump, "):
+        CompiledController("nose", lambda observation, memory, command: None, senses=("smell",))
+
+
+@pytest.mark.parametrize("motion", ["swept", "stepped"])
+def test_a_run_without_digest_is_the_same_run(motion):
+    run = prepare(cup(), "turn-left", RunOptions(motion=motion))
+    with_it, without = (run.run(3000, find_loop=True, record=False, digest=digest) for digest in (True, False))
+    assert replace(without, digest=with_it.digest) == with_it and without.digest != with_it.digest
