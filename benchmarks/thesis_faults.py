@@ -1,7 +1,7 @@
 """How often the thesis's robots enter walls: scattered worlds and U traps, by rule, cause and repair.
 
-``python -m benchmarks.thesis_faults`` prints the tables of ``docs/thesis-faults.md``, with ``--json`` as one object. It
-takes some ten minutes.
+``python -m benchmarks.thesis_faults`` prints the figures of ``docs/thesis-faults.md``, with ``--json`` as one object.
+It takes some four minutes.
 """
 
 from __future__ import annotations
