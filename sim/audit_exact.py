@@ -1,0 +1,88 @@
+"""Close calls in rational numbers: whether the centre really got into a wall, and really left the grid.
+
+A number means its shortest decimal, as in the world's file: 0.3 m in cells of 0.1 m is the face of cell 3.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+__all__ = ["Move", "decimal", "is_beyond", "meet_inside", "run_along", "run_between"]
+
+_BEFORE, _AFTER = Fraction(-1), Fraction(2)  # shares of a move that are before its begin and after its end
+
+
+@dataclass(frozen=True)
+class Move:
+    """The centre from one sample to the next: s and cells, exact."""
+
+    begin: Fraction
+    end: Fraction
+    ax: Fraction
+    ay: Fraction
+    bx: Fraction
+    by: Fraction
+
+
+def decimal(value: float) -> Fraction:
+    """The number that the shortest decimal of a float says."""
+    return Fraction(repr(float(value)))
+
+
+def is_beyond(place: float, cells: int, cell_size: float) -> bool:
+    """Whether a coordinate in m lies outside a grid of so many cells."""
+    return not 0 <= decimal(place) <= cells * decimal(cell_size)
+
+
+def meet_inside(move: Move, ix: int, iy: int, since: float, until: float) -> bool:
+    """Whether the centre is inside an open cell at some time of [since, until) s; the span meets the move."""
+    return _any_share(move, since, until, [(move.ax, move.bx, ix, ix + 1), (move.ay, move.by, iy, iy + 1)])
+
+
+def run_between(move: Move, ix: int, iy: int) -> tuple[tuple[int, int], ...]:
+    """The cells on the other side of a face of cell (ix, iy) along which the centre runs, or on which it stands."""
+    beside = []
+    if move.ax == move.bx and move.ax in (ix, ix + 1) and _meets(move.ay, move.by, iy):
+        beside.append((ix - 1 if move.ax == ix else ix + 1, iy))
+    if move.ay == move.by and move.ay in (iy, iy + 1) and _meets(move.ax, move.bx, ix):
+        beside.append((ix, iy - 1 if move.ay == iy else iy + 1))
+    return tuple(beside)
+
+
+def run_along(move: Move, ix: int, iy: int, other: tuple[int, int], since: float, until: float) -> bool:
+    """Whether the centre is on the open face between two cells at some time of [since, until) s."""
+    if other[0] != ix:
+        return _any_share(move, since, until, [(move.ay, move.by, iy, iy + 1)])
+    return _any_share(move, since, until, [(move.ax, move.bx, ix, ix + 1)])
+
+
+def _meets(a: Fraction, b: Fraction, low: int) -> bool:
+    return max(a, b) > low and min(a, b) < low + 1
+
+
+def _any_share(move: Move, since: float, until: float, ranges: list[tuple[Fraction, Fraction, int, int]]) -> bool:
+    """Whether at some share of the move every coordinate is inside its open range, and the time in [since, until)."""
+    open_low, open_high = _BEFORE, _AFTER
+    for a, b, low, high in ranges:
+        if a == b:
+            if not low < a < high:
+                return False
+            continue
+        shares = sorted(((low - a) / (b - a), (high - a) / (b - a)))
+        open_low, open_high = max(open_low, shares[0]), min(open_high, shares[1])
+    closed_low, closed_high = Fraction(0), Fraction(1)
+    lasts = move.end - move.begin
+    if lasts > 0:
+        if math.isfinite(since):
+            closed_low = max(closed_low, (decimal(since) - move.begin) / lasts)
+        if math.isfinite(until):
+            open_high = min(open_high, (decimal(until) - move.begin) / lasts)
+    elif not (_reached(since, move.begin) and not _reached(until, move.begin)):
+        return False
+    return max(open_low, closed_low) < open_high and open_low < closed_high and closed_low <= closed_high
+
+
+def _reached(time: float, now: Fraction) -> bool:
+    return time < 0 if math.isinf(time) else decimal(time) <= now

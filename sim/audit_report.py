@@ -1,0 +1,132 @@
+"""An audit for people, for programs, and as a picture."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from sim.audit import KINDS, Audit, Finding, Trajectory
+from worldgen import render
+from worldgen.render.overlay import MarkKind
+from worldgen.world import World
+
+__all__ = ["as_json", "as_lines", "draw"]
+
+_MOST_LINES = 40
+_MOST_MARKS = 400  # of a kind; more hide the picture
+_MARKS: dict[str, MarkKind] = {"tunnel": "tunnel", "outside": "tunnel", "overlap": "overlap", "burned": "overlap"}
+_POINTS_PER_CELL = 32  # of a drawn line: finer than a pixel in any picture
+_NOUNS = {
+    "tunnel": ("tunnel", "tunnels"), "overlap": ("overlap", "overlaps"), "outside": ("way outside", "ways outside"),
+    "jump": ("jump", "jumps"), "burned": ("touch of fire", "touches of fire"), "start": ("other start", "other starts"),
+}  # fmt: skip
+
+
+def as_json(audit: Audit, tolerance: float) -> dict[str, object]:
+    """What ``--json`` prints."""
+    t, x, y = audit.nearest
+    return {
+        "ok": audit.ok,
+        "findings": [
+            {
+                "kind": finding.kind,
+                "t": finding.t,
+                "x": finding.x,
+                "y": finding.y,
+                "depth": finding.depth,
+                "cell": None if finding.cell is None else list(finding.cell),
+                "t_begin": finding.begin,
+                "t_end": finding.end,
+                "sample": finding.sample,
+            }
+            for finding in audit.findings
+        ],
+        "notes": list(audit.notes),
+        "samples": audit.samples,
+        "reached": audit.reached,
+        "path_length": audit.path_length,
+        "duration": audit.duration,
+        "clearance": audit.clearance,
+        "nearest": {"t": t, "x": x, "y": y},
+        "shaved": audit.shaved,
+        "shaved_depth": audit.shaved_depth,
+        "tolerance": tolerance,
+    }
+
+
+def as_lines(world: World, audit: Audit) -> list[str]:
+    """A line a finding and a line a note, then a summary."""
+    lines = [_line(world, finding) for finding in audit.findings[:_MOST_LINES]]
+    if len(audit.findings) > _MOST_LINES:
+        lines.append(f"... and {len(audit.findings) - _MOST_LINES} more; --json prints all")
+    lines += [f"note: {note}" for note in audit.notes]
+    return [*lines, f"{_verdict(audit)}: {_figures(world, audit)}"]
+
+
+def _line(world: World, finding: Finding) -> str:
+    span = f"{finding.begin:.6g} to {finding.end:.6g} s" if finding.end > finding.begin else f"{finding.begin:.6g} s"
+    where = f"at t = {finding.t:.6g} s, ({finding.x:.6g}, {finding.y:.6g}) m"
+    return f"{finding.kind} {span}: {_words(world, finding)}, {where}"
+
+
+def _words(world: World, finding: Finding) -> str:
+    depth, cell = f"{finding.depth:.4g} m", finding.cell
+    what = "" if cell is None else f"cell ({cell[0]}, {cell[1]})"
+    if cell is not None and not (0 <= cell[0] < world.width and 0 <= cell[1] < world.height):
+        what = "the outside of the grid"
+    if finding.kind == "tunnel":
+        return f"the centre is up to {depth} deep in {what}"
+    if finding.kind in ("overlap", "burned"):
+        return f"the disc is up to {depth} deep in {'burning ' if finding.kind == 'burned' else ''}{what}"
+    if finding.kind == "outside":
+        return f"the centre is up to {depth} outside the grid"
+    if finding.kind == "jump":
+        return f"up to {depth} further in one step than {world.robot_speed:g} m/s allow"
+    return f"the first sample is {depth} away from the world's start"
+
+
+def _verdict(audit: Audit) -> str:
+    if audit.ok:
+        return "possible"
+    counts = Counter(finding.kind for finding in audit.findings)
+    return "not possible, " + ", ".join(
+        f"{counts[kind]} {_NOUNS[kind][counts[kind] > 1]}" for kind in KINDS if counts[kind]
+    )
+
+
+def _figures(world: World, audit: Audit) -> str:
+    reached = "target not reached" if audit.reached is None else f"target reached at {audit.reached:.6g} s"
+    t, x, y = audit.nearest
+    return (
+        f"{audit.samples} samples, {audit.duration:.6g} s, {audit.path_length:.6g} m, {reached}; least clearance "
+        f"{audit.clearance:.6g} m at t = {t:.6g} s, ({x:.6g}, {y:.6g}) m, radius {world.robot_radius:g} m"
+    )
+
+
+def draw(world: World, trajectory: Trajectory, audit: Audit, name: str) -> bytes:
+    """The world, the trajectory and the findings, as the bytes of a PNG file."""
+    marks = []
+    for kind, mark in _MARKS.items():
+        own = [finding for finding in audit.findings if finding.kind == kind]
+        marks += [render.Mark(*_on_map(world, finding.x, finding.y), mark) for finding in own[:_MOST_MARKS]]
+    x, y = _drawable(world, trajectory)
+    return render.draw_png(world, trail=render.Trail(x, y, None, marks), title=f"{name}: {_verdict(audit)}")
+
+
+def _on_map(world: World, x: float, y: float) -> tuple[float, float]:
+    """The place, or the nearest one that is just beside the map."""
+    side = 0.4 * world.cell_size
+    width, height = world.width * world.cell_size, world.height * world.cell_size
+    return min(max(x, -side), width + side), min(max(y, -side), height + side)
+
+
+def _drawable(world: World, trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
+    """The way without points that no picture tells apart, and without what is far off the map."""
+    side, size = 0.4 * world.cell_size, (world.width * world.cell_size, world.height * world.cell_size)
+    x, y = (np.clip(v, -side, s + side) for v, s in zip((trajectory.x, trajectory.y), size, strict=True))
+    grain = max(size) / max(world.width, world.height) / _POINTS_PER_CELL
+    cells = np.round(np.stack([x, y]) / grain)
+    fresh = np.concatenate([[True], (np.diff(cells, axis=1) != 0).any(axis=0)])
+    fresh[-1] = True
+    return x[fresh], y[fresh]

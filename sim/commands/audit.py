@@ -1,0 +1,77 @@
+"""``worldgen audit``: was a recorded trajectory possible in this world?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+
+__all__ = ["audit"]
+
+EXAMPLES = (
+    "\b\n  worldgen audit w.grid recording.csv --picture audit.png\n"
+    "  worldgen run w.grid --controller turn-right --trace own.csv; worldgen audit w.grid own.csv\n"
+    "  my-simulator | worldgen audit w.grid - --json"
+)
+PATH = click.Path(path_type=Path)
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("world_path", type=PATH, metavar="WORLD")
+@click.argument("trajectory_path", type=PATH, metavar="TRAJECTORY.csv")
+@click.option("--tolerance", type=float, metavar="M", help="Cut of the disc, m, that is not reported [default: 1e-6].")
+@click.option(
+    "--slack", type=float, metavar="M", help="How much further than its speed a step may be, m [default: cell / 256]."
+)
+@click.option("--straight", is_flag=True, help="The robot went straight between samples: corners that lines cut count.")
+@click.option("--from-start", is_flag=True, help="The first sample must be the world's start.")
+@click.option("--picture", type=PATH, metavar="OUT.png", help="Draw world, trajectory and findings.")
+@json_option
+@force_option
+def audit(
+    world_path: Path,
+    trajectory_path: Path,
+    tolerance: float | None,
+    slack: float | None,
+    straight: bool,
+    from_start: bool,
+    picture: Path | None,
+    as_json: bool,
+    force: bool,
+) -> None:
+    """Was a trajectory, recorded in any simulator, possible in this world?
+
+    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; the world's frame: x right, y up); - is stdin. Reported
+    are walls that the centre went through (tunnel) or the disc cut into (overlap), ways outside the grid, jumps faster
+    than the robot's speed, and touched fire. docs/audit.md describes findings, JSON and conversions.
+
+    Exit code 0 if it was possible, 1 if not.
+    """
+    from sim.audit import DEFAULT_TOLERANCE
+    from sim.audit import audit as audit_trajectory
+    from sim.audit_file import read_trajectory
+    from sim.audit_report import as_json as plain
+    from sim.audit_report import as_lines, draw
+    from worldgen.files import check_output
+    from worldgen.grid_file import read_world
+
+    if picture is not None:
+        if picture.suffix != ".png":
+            raise click.UsageError(f"--picture {picture}: name a .png file")
+        check_output(picture, force)
+    world, trajectory = read_world(world_path), read_trajectory(trajectory_path)
+    allowed = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    result = audit_trajectory(
+        world, trajectory, tolerance=allowed, slack=slack, straight=straight, from_start=from_start
+    )
+    if as_json:
+        emit_json(plain(result, allowed))
+    else:
+        click.echo("\n".join(as_lines(world, result)))
+    if picture is not None:
+        write_bytes(picture, draw(world, trajectory, result, trajectory_path.name), force=force)
+        note(f"wrote {picture}")
+    if not result.ok:
+        raise SystemExit(1)
