@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -18,6 +19,7 @@ CSV_COLUMNS = (
     "verdict", "detail", "verdicts", "steps", "time", *(f"p{percent}" for percent in PERCENTILES), "source",
 )  # fmt: skip
 _GAP = "  "
+_WIDTH = 116  # of sentences below a table
 
 
 def outcome_in_words(cell: Cell) -> str:
@@ -60,7 +62,7 @@ def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
         keys.append("(k/n): k of n seeds arrive, the time is their median.")
     if beside is not None and beside.figures:
         keys.append("In brackets behind a published time: ours less that; for chance the share of seeds no later.")
-    return text + "\n" + " ".join(keys)
+    return text + "\n" + _wrapped(" ".join(keys))
 
 
 def _ranks(times: Sequence[float], labels: Sequence[str]) -> list[str]:
@@ -142,7 +144,11 @@ def _agreement_text(beside: Agreement) -> str:
             f"largest deviation without chance {far.relative:+.1%} "
             f"({far.label} in {far.world}: {far.ours:.3f} against {far.theirs:.3f})"
         )
-    return "Against the published figures: " + "; ".join(parts) + "."
+    return _wrapped("Against the published figures: " + "; ".join(parts) + ".")
+
+
+def _wrapped(text: str) -> str:
+    return textwrap.fill(text, _WIDTH, break_long_words=False, break_on_hyphens=False)
 
 
 def as_csv(comparison: Comparison) -> str:

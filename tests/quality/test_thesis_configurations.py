@@ -1,0 +1,121 @@
+"""The ten configurations behave as the thesis's table says of the lost ones."""
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim import Scenario, simulate
+from sim.comparison import NamedWorld, compare
+from sim.episode import prepare
+from sim.published import agreement, read_figures
+from tests.helpers.command_line import worldgen
+from worldgen import read_world
+from worldgen.reach.check import check_certificate
+
+FOLDER = Path(__file__).parents[2] / "corpora" / "thesis"
+NAMES = [f"config-{k:02d}" for k in range(1, 11)]
+PUBLISHED = (FOLDER / "published.csv").read_text()
+ROBOTS = ("thesis-1", "thesis-2", "thesis-3")
+TICK = 0.015
+BUDGET = 20_000
+
+
+@pytest.fixture(scope="module")
+def table():
+    worlds = [NamedWorld(name, read_world(FOLDER / f"{name}.grid"), name) for name in NAMES]
+    robots = {name: Scenario.parse(name, motion="stepped", time_step=TICK) for name in ROBOTS}
+    return compare(worlds, robots, seeds=100, steps=BUDGET)
+
+
+@pytest.fixture(scope="module")
+def beside(table):
+    return agreement(table, read_figures(PUBLISHED, "published.csv"))
+
+
+def test_the_published_table_is_whole_and_in_whole_ticks():
+    rows = list(csv.DictReader(io.StringIO(PUBLISHED)))
+    assert {(row["world"], row["controller"]) for row in rows} == {(w, r) for w in NAMES for r in ROBOTS}
+    times = [row["time"] for row in rows]
+    assert times.count("never") == 5 and len(times) == 31  # one figure of the text beside the table's thirty
+    ticks = [float(time) / TICK for time in times if time != "never"]
+    assert all(abs(tick - round(tick)) < 1e-9 for tick in ticks)
+
+
+def test_the_robots_rank_as_in_the_thesis(beside):
+    assert beside.rankings == (10, 10)
+
+
+def test_never_comes_where_the_thesis_says_so_and_nowhere_else(beside):
+    assert beside.never == (5, 5)
+
+
+def test_every_never_of_the_two_rules_without_chance_is_a_proved_loop(table):
+    never = {(cell.world, cell.label): cell.detail for row in table.cells for cell in row[:2] if cell.never}
+    assert sorted(never) == [
+        ("config-05", "thesis-2"), ("config-06", "thesis-2"), ("config-08", "thesis-1"), ("config-09", "thesis-1"),
+    ]  # fmt: skip
+    rectangle = {key: detail == "period 104" for key, detail in never.items()}
+    assert rectangle.pop(("config-09", "thesis-1")) is False  # "the shape traced is not that of a rectangle"
+    assert all(rectangle.values())
+
+
+def test_times_of_the_two_rules_without_chance_are_within_one_per_cent(beside):
+    assert abs(beside.largest.relative) <= 0.01
+
+
+def test_every_published_time_of_the_random_rule_lies_in_the_middle_of_our_seeds(beside):
+    assert beside.within[0] >= beside.within[1] - 1 and beside.within[1] == 9
+
+
+def test_the_random_rule_is_lost_in_configuration_5_for_a_million_ticks():
+    world, lost = read_world(FOLDER / "config-05.grid"), 0
+    for seed in range(10):
+        options = Scenario("thesis-3", "stepped", TICK, seed).options(world, 1_000_000)
+        outcome = prepare(world, "thesis-3", options).run(1_000_000, find_loop=False, record=False, digest=False)
+        lost += outcome.verdict in ("timeout", "stalled")
+    assert lost >= 8
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_configuration_has_the_start_of_the_thesis_and_a_proof(name):
+    world = read_world(FOLDER / f"{name}.grid")
+    side = world.walls.shape[0] * world.cell_size
+    assert world.walls.shape[0] == world.walls.shape[1] and world.walls[[0, -1]].all() and world.walls[:, [0, -1]].all()
+    assert (world.start.x, world.start.y) == pytest.approx((0.35, side - 0.35))
+    assert check_certificate(world).valid
+    middle = world.target.x > 0.6 * side and world.target.y < 0.4 * side
+    assert middle or name == "config-10"
+
+
+def test_the_target_of_configuration_10_is_at_the_centre_and_few_collisions_lead_to_it():
+    world = read_world(FOLDER / "config-10.grid")
+    centre = np.array(world.walls.shape) * world.cell_size / 2
+    assert np.abs(centre - [world.target.x, world.target.y]).max() <= 0.3
+    for robot in ROBOTS[:2]:
+        assert simulate(world, robot, motion="stepped").collisions <= 8
+
+
+def test_the_command_prints_both_tables_side_by_side():
+    result = worldgen("compare", FOLDER, "--controllers", ",".join(ROBOTS), "--seeds", 20)
+    assert result.code == 0 and "motion stepped, as the published figures have it" in result.err
+    assert result.out.count("  published") == 10 and "8.355 (+0.000); 10.590 (-2.235)" in result.out
+
+
+def test_a_configuration_is_found_again_by_the_command_in_its_folder(tmp_path):
+    outcome = "thesis-1=reached@2554, thesis-2=loop@104"
+    sketch = FOLDER / "sketches" / "config-05.grid"
+    result = worldgen(
+        "find", "--from", sketch, "--leash", 4, "--motion", "stepped", "--outcome", outcome,
+        "--units", 3, "--seed", 3, "--workers", 1, "--out", tmp_path / "again.grid",
+    )  # fmt: skip
+    assert result.code == 0, result.err
+    assert (tmp_path / "again.grid").read_bytes() == (FOLDER / "config-05.grid").read_bytes()
+
+
+def test_the_table_of_the_readme_is_what_the_command_prints():
+    readme = (FOLDER.parents[1] / "README.md").read_text(encoding="utf-8")
+    printed = worldgen("compare", FOLDER, "--controllers", ",".join(ROBOTS)).out
+    assert f"```text\n{printed}```" in readme
