@@ -7,16 +7,18 @@ wall (verdict ``tunnel``), and, where walls end nothing, it arrives (``reached``
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from scipy.special import betaincinv
 
 from fuzz.oracles import object_to_breach, objection
 from fuzz.signature import failure_class
-from sim.controllers import CONTROLLERS, CompiledController
+from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from sim.episode import Episode, prepare, simulate
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
+from sim.outcome import BY_THE_CONTROLLER
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
@@ -89,6 +91,7 @@ def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, 
     Returns:
         The episode, and the objection; empty if the verdict holds.
     """
+    _afresh(controller)
     episode = simulate(world, controller, options, record=True)
     trace = episode.trace
     if episode.verdict == "loop":
@@ -96,11 +99,18 @@ def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, 
         longer = episode.steps + (period if isinstance(period, int) else 0)
         trace = prepare(world, controller, options).run(longer, find_loop=False, record=True).trace
     if trace is None:  # a controller that failed before its first step leaves none
-        return episode, "" if episode.verdict == "crash" else "no trace was recorded"
+        return episode, "" if episode.verdict in BY_THE_CONTROLLER else "no trace was recorded"
     wrong = objection(episode.verdict, world, trace, episode.evidence, options.motion_model())
     if wrong or not isinstance(world.certificate, Cut):
         return episode, wrong
     return _judge_breach(world, controller, options, episode)
+
+
+def _afresh(controller: str) -> None:
+    """Starts a program anew, so that a failure does not hang on episodes that no file holds."""
+    found = CONTROLLERS.get(controller)
+    if isinstance(found, ProcessController):
+        found.close()
 
 
 def _judge_breach(world: World, controller: str, options: RunOptions, episode: Episode) -> tuple[Episode, str]:
@@ -137,10 +147,10 @@ def failure_of(
         return None
     if not isinstance(CONTROLLERS.get(scenario.controller), CompiledController):
         again = simulate(world, scenario.controller, options)
-        if (again.verdict, again.trace_digest, again.evidence) != (
+        if (again.verdict, again.trace_digest, _repeatable(again.evidence)) != (
             episode.verdict,
             episode.trace_digest,
-            episode.evidence,
+            _repeatable(episode.evidence),
         ):
             return None  # a controller that does not do the same twice: nothing that a file could replay
     record = FailureRecord(
@@ -215,9 +225,14 @@ def _difference(record: FailureRecord, episode: Episode) -> str:
         return f"the verdict is {episode.verdict}, not {record.verdict}{other}"
     if episode.trace_digest != record.trace_digest:
         return f"the trace digest is {episode.trace_digest}{other}"
-    if dict(episode.evidence) != dict(record.evidence):
+    if _repeatable(episode.evidence) != _repeatable(record.evidence):
         return f"the evidence is {dict(episode.evidence)}{other}"
     return ""
+
+
+def _repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
+    """The evidence without what a program wrote to stderr, where times and addresses may stand."""
+    return {name: value for name, value in evidence.items() if name != "stderr"}
 
 
 def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[str, Value]:

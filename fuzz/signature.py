@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Mapping
 
 import numpy as np
 
 from fuzz.oracles._plain import cell_of, integer
 from sim.episode import Episode
 from sim.trace import Trace
-from worldgen.world import World
+from worldgen.world import Value, World
 
 __all__ = ["failure_class"]
 
@@ -20,16 +22,18 @@ def failure_class(world: World, episode: Episode) -> str:
     ``loop``: how often the robot touches a wall and how often it turns round in one period, and how far it
     gets. ``tunnel`` and ``overlap``: which move let the robot in, where the motion model knows, and what kind of
     wall gives way; ``breach`` instead, if a walled-off target is then reached. ``stalled``: in what manner, where
-    that is known, and how far the robot still gets.
+    that is known, and how far the robot still gets. ``crash``: the exception, exit code or signal.
+    ``invalid-command``: what is wrong with it.
 
     Args:
         world: Where it happened.
         episode: The run, recorded.
     """
     verdict, trace, evidence = episode.verdict, episode.trace, episode.evidence
+    if verdict == "invalid-command":
+        return _joined(verdict, re.sub("[^a-z]+", "-", str(evidence.get("error", "")).partition("'")[0]).strip("-"))
     if verdict == "crash":
-        kind = str(evidence.get("error", "")).partition(":")[0]
-        return f"crash-{kind}" if kind.isidentifier() else "crash"
+        return _joined(verdict, _crash(evidence))
     if trace is None:
         return verdict
     if verdict == "loop":
@@ -47,6 +51,18 @@ def failure_class(world: World, episode: Episode) -> str:
     if verdict == "burned":
         return f"burned-{evidence.get('state', 'burning')}"
     return verdict
+
+
+def _crash(evidence: Mapping[str, Value]) -> str:
+    """The exception's name, or how a program ended, in words fit for a file name."""
+    error = str(evidence.get("error", ""))
+    kind = error.partition(":")[0]
+    if kind.isidentifier():
+        return kind
+    said = evidence.get("stderr")
+    last = re.match(r"(\w*(?:Error|Exception))\b", str(said[-1])) if isinstance(said, list) and said else None
+    ended = re.match(r"(?:exit code|killed by) (\w+)", error)
+    return _joined(f"exit-{ended[1]}" if ended and ended[1].isdigit() else ended and ended[1], last and last[1])
 
 
 def _joined(*words: object) -> str:

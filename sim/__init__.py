@@ -3,7 +3,7 @@
 Contents, each imported when it is first used:
     simulate: one run and its verdict. Episode, Trace: what comes back. RunOptions: how it is done.
     Scenario, ThesisOptions: everything about a run except the world; switches of the thesis's simulator.
-    CompiledController, PythonController, Observation, Command: bring your own controller.
+    CompiledController, PythonController, ProcessController, Observation, Command: bring your own controller.
     CONTROLLERS, MOTIONS: what is registered.
 """
 
@@ -13,7 +13,14 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from sim.controllers import CONTROLLERS, Command, CompiledController, Observation, PythonController
+    from sim.controllers import (
+        CONTROLLERS,
+        Command,
+        CompiledController,
+        Observation,
+        ProcessController,
+        PythonController,
+    )
     from sim.episode import Episode, simulate
     from sim.motion import MOTIONS
     from sim.run_options import RunOptions
@@ -22,19 +29,21 @@ if TYPE_CHECKING:
     from sim.trace import Trace
 
 _HOME = {
-    "controllers": ("CONTROLLERS", "Command", "CompiledController", "Observation", "PythonController"),
+    "controllers": (
+        "CONTROLLERS", "Command", "CompiledController", "Observation", "ProcessController", "PythonController",
+    ),
     "episode": ("Episode", "simulate"),
     "motion": ("MOTIONS",),
     "run_options": ("RunOptions",),
     "scenario": ("Scenario",),
     "thesis_options": ("ThesisOptions",),
     "trace": ("Trace",),
-}
+}  # fmt: skip
 _MODULE = {name: f"sim.{module}" for module, names in _HOME.items() for name in names}
 
 __all__ = [
-    "CONTROLLERS", "MOTIONS", "Command", "CompiledController", "Episode", "Observation", "PythonController",
-    "RunOptions", "Scenario", "ThesisOptions", "Trace", "simulate",
+    "CONTROLLERS", "MOTIONS", "Command", "CompiledController", "Episode", "Observation", "ProcessController",
+    "PythonController", "RunOptions", "Scenario", "ThesisOptions", "Trace", "simulate",
 ]  # fmt: skip
 
 

@@ -41,7 +41,7 @@ MAX_SEEDS = 1_000_000
 NEVER = ("loop", "stalled")  # verdicts of a robot that drives on for ever
 PERCENTILES = (5, 25, 50, 75, 95)
 _SAME = 1e-9  # s; times are rounded to that
-_ORDER = ("reached", "loop", "stalled", "timeout", "tunnel", "overlap", "burned", "crash", "invalid-command")
+_ORDER = ("reached", "loop", "stalled", "timeout", "tunnel", "overlap", "burned", "crash", "hang", "invalid-command")
 
 Progress = Callable[[str], None]
 

@@ -11,7 +11,7 @@ from sim.controllers import CONTROLLERS, CompiledController, Controller
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.outcome import Outcome, Runnable
+from sim.outcome import BY_THE_CONTROLLER, Outcome, Runnable
 from sim.run_options import MAX_RECORDED, RunOptions, step_budget
 from sim.thesis_options import ThesisOptions
 from sim.thesis_run import ThesisRun
@@ -28,7 +28,7 @@ class Episode:
 
     Args:
         verdict: ``reached``, ``loop``, ``stalled``, ``timeout``, ``tunnel``, ``overlap``, ``burned``,
-            ``crash`` or ``invalid-command``.
+            ``crash``, ``hang`` or ``invalid-command``.
         steps: Steps simulated; for a ``loop`` those until its first state has come back.
         time: Their duration, s.
         path_length: m.
@@ -172,8 +172,8 @@ def _evidence(world: World, outcome: Outcome, options: RunOptions) -> dict[str, 
             spent = outcome.steps * options.time_step
             budget["witness_multiple"] = round(spent / world.certificate.duration, 3)
         return budget
-    if verdict == "crash":
-        return {"error": outcome.crash, "step": outcome.steps}
+    if verdict in BY_THE_CONTROLLER:
+        return {**outcome.fault, "step": outcome.steps}
     entered: dict[str, Value] = {"wall_step": outcome.wall_step} if outcome.wall_step >= 0 else {}
     return {"step": outcome.steps, **entered}
 

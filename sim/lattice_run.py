@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController, Controller, compiled_act, numba_config, senses_of
+from sim.controllers.program import Misbehaviour
 from sim.kernels import layout
 from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
 from sim.kernels.lattice_episode import Arena, lattice_episode
@@ -157,7 +158,7 @@ class LatticeRun:
         loop = PythonLoop(self.controller, arena, self.settings, self.scales)
         loop.run(steps, find_loop=find_loop, record=record)
         rows = np.stack(loop.rows) if record and loop.rows else None
-        return self._outcome(loop.counts, loop.sums, rows, loop.complete, loop.crash)
+        return self._outcome(loop.counts, loop.sums, rows, loop.complete, loop.fault)
 
     def _cell_of(self, setting: int, axis: int) -> int:
         """Row or column of the start."""
@@ -169,21 +170,21 @@ class LatticeRun:
         width = layout.ROW_STATE + layout.STATE_MEMORY + memory.size
         rows = np.zeros((steps + 1 if record else 0, width), np.int64)
         act = compiled_act(controller.act)
-        crash = ""
+        fault = None
         try:
             _episode_kernel()(arena, self.settings, self.scales, act, memory, counts, sums, rows)
         except (ArithmeticError, LookupError, ValueError, TypeError) as error:  # raised in the compiled controller
-            crash = f"{type(error).__name__}: {error}"
-        return self._outcome(counts, sums, rows[: counts[layout.OUT_STEPS] + 1] if record else None, crash=crash)
+            fault = Misbehaviour("crash", f"{type(error).__name__}: {error}")
+        return self._outcome(counts, sums, rows[: counts[layout.OUT_STEPS] + 1] if record else None, fault=fault)
 
     def _outcome(
-        self, counts: Ints, sums: Floats, rows: Ints | None, complete: bool = True, crash: str = ""
+        self, counts: Ints, sums: Floats, rows: Ints | None, complete: bool = True, fault: Misbehaviour | None = None
     ) -> Outcome:
         def cell(first: int) -> tuple[int, int]:
             return int(counts[first]), int(counts[first + 1])
 
         return Outcome(
-            ending="crash" if crash else _ENDINGS[int(counts[layout.OUT_ENDING])],
+            ending=fault.verdict if fault else _ENDINGS[int(counts[layout.OUT_ENDING])],
             steps=int(counts[layout.OUT_STEPS]),
             period=int(counts[layout.OUT_PERIOD]),
             path_length=float(sums[layout.SUM_PATH]) * float(self.scales[layout.SCALE_METRES]),
@@ -197,7 +198,7 @@ class LatticeRun:
             overlap_cell=cell(layout.OUT_OVERLAP_IX),
             random_draws=int(counts[layout.OUT_DRAWS]),
             complete=complete,
-            crash=crash,
+            fault={"error": fault.error, **fault.evidence} if fault else {},
             trace=None if rows is None else self._trace(rows, complete),
         )
 

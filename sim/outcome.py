@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from sim.trace import Trace
+from worldgen.world import Value
 
-__all__ = ["Outcome", "Runnable"]
+__all__ = ["BY_THE_CONTROLLER", "Outcome", "Runnable"]
+
+BY_THE_CONTROLLER = ("crash", "hang", "invalid-command")
+"""Verdicts on what the controller itself did, wherever it was."""
 
 
 @dataclass(frozen=True)
@@ -15,7 +20,7 @@ class Outcome:
     """The kernel's claims about a run; oracles check them from the trace.
 
     Args:
-        ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, ``invalid-command`` or ``crash``.
+        ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, or one of :data:`BY_THE_CONTROLLER`.
         steps: Steps simulated.
         period: Steps of the recurrence, for ``loop``.
         path_length: m.
@@ -33,7 +38,7 @@ class Outcome:
         wall_step: First step that ended with the centre in a wall, where that ends no run; -1.
         random_draws: Random numbers used.
         complete: Whether the recorded state is all that decides the future.
-        crash: What the controller raised.
+        fault: What the controller did wrong: ``error``, and what else is known, such as a program's last ``stderr``.
         trace: The recording, if one was asked for.
     """
 
@@ -54,13 +59,13 @@ class Outcome:
     cause_step: int = -1
     wall_step: int = -1
     complete: bool = True
-    crash: str = ""
+    fault: Mapping[str, Value] = field(default_factory=dict)
     trace: Trace | None = None
 
     @property
     def verdict(self) -> str:
         """The verdict; ``loop`` is the kernel's claim here, for the episode to prove."""
-        if self.ending in ("tunnel", "burned", "invalid-command", "crash"):
+        if self.ending in ("tunnel", "burned", *BY_THE_CONTROLLER):
             return self.ending
         if self.overlap_step >= 0:
             return "overlap"

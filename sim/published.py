@@ -20,7 +20,7 @@ __all__ = ["Agreement", "Deviation", "Figure", "agreement", "figures_of", "read_
 
 _NEEDED = ("world", "controller", "time")
 _MIDDLE = (0.025, 0.975)  # shares between which the middle 95 % of the seeds lie
-_VERDICTS = ("reached", "never", *NEVER, "timeout", "tunnel", "overlap", "burned", "crash", "invalid-command")
+_VERDICTS = ("reached", "never", *NEVER, "timeout", "tunnel", "overlap", "burned", "crash", "hang", "invalid-command")
 
 
 @dataclass(frozen=True)

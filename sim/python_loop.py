@@ -1,4 +1,4 @@
-"""The episode loop for a Python controller: the kernel's own pieces, one call at a time."""
+"""The episode loop for a Python controller or a program: the kernel's own pieces, one call at a time."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import Command, Memory, Observation, PythonController
+from sim.controllers.process import ProcessController
+from sim.controllers.program import Misbehaviour
 from sim.kernels import layout
 from sim.kernels.lattice_episode import Arena, advance, apply_events, begin, hash_row, obey
 from sim.kernels.lattice_sense import sense
@@ -26,7 +28,7 @@ Floats = npt.NDArray[np.float64]
 
 
 class PythonLoop:
-    """One episode; read ``counts``, ``sums``, ``rows``, ``complete`` and ``crash`` after :meth:`run`.
+    """One episode; read ``counts``, ``sums``, ``rows``, ``complete`` and ``fault`` after :meth:`run`.
 
     Args:
         controller: What runs.
@@ -39,15 +41,22 @@ class PythonLoop:
         self._controller, self._arena, self._settings, self._scales = controller, arena, settings, scales
         self.counts, self.sums = np.zeros(layout.OUT_SIZE, np.int64), np.zeros(layout.SUM_SIZE)
         self.rows: list[Ints] = []
-        self.complete, self.crash = True, ""
+        self.complete = True
+        self.fault: Misbehaviour | None = None
         self._chain, self._event = np.zeros((4, 2), np.int64), 0
         self._observation, self._command = np.zeros(layout.OBS_SIZE), np.zeros(layout.CMD_SIZE)
 
     def run(self, steps: int, *, find_loop: bool, record: bool) -> None:
         """Runs the episode; whatever the controller raises ends it as a crash, its exit from Python included.
 
-        What it prints goes to stderr, so that stdout stays data.
+        What it prints goes to stderr, so that stdout stays data. A program's memory cannot be seen: its run is not
+        complete, and no recurrence ends it.
         """
+        if isinstance(self._controller, ProcessController):
+            self.complete = False
+            self._controller.start()  # outside the guard: a program that is not there is nobody's crash
+            self._guarded(steps, False, record)
+            return
         hidden = _hidden_state(self._controller)
         with contextlib.redirect_stdout(sys.stderr):
             self._guarded(steps, find_loop, record)
@@ -60,9 +69,11 @@ class PythonLoop:
             begin(self._settings, self._scales, state, self.counts, self.sums)
             state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
             self._loop(memory, state, steps, find_loop, record)
+        except Misbehaviour as fault:
+            self.fault = fault
         except (Exception, SystemExit) as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
-            self.crash = re.sub(r"0x[0-9a-fA-F]+", "0x...", f"{type(error).__name__}: {error}")
-            self.crash = self.crash.encode("utf-8", "replace").decode()
+            text = re.sub(r"0x[0-9a-fA-F]+", "0x...", f"{type(error).__name__}: {error}")
+            self.fault = Misbehaviour("crash", text.encode("utf-8", "replace").decode())
 
     def _loop(self, memory: Memory, state: Ints, steps: int, find_loop: bool, record: bool) -> None:
         counts, quiet = self.counts, int(self._arena.events[-1, 0]) if len(self._arena.events) else 0

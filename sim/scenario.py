@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field, replace
 
+from sim.controllers.process import is_process_name
 from sim.run_options import RunOptions, step_budget
 from sim.thesis_options import REPAIRS, ThesisOptions, parse_value
 from worldgen.errors import InvalidParameter
@@ -48,7 +49,8 @@ class Scenario:
 
         Args:
             text: Name, then ``+option`` or ``+option=value`` as often as wanted: ``motion``, ``time_step``, the
-                switches of :class:`ThesisOptions`, and ``repaired`` for its three repairs.
+                switches of :class:`ThesisOptions`, and ``repaired`` for its three repairs. Of a program they stand
+                before the colon: ``cmd+motion=endpoint:./mine``.
             motion: Motion model, unless the text names one.
             time_step: s, likewise.
             seed: Of the run's random numbers.
@@ -56,11 +58,9 @@ class Scenario:
         Raises:
             InvalidParameter: If the text names no controller, or a variation is unknown or out of range.
         """
-        parts = _VARIED.fullmatch(text.strip())
-        if parts is None:
-            raise InvalidParameter("an empty text names no controller; give one, such as thesis-1 or ./mine.py:Robot")
+        controller, variations = _split(text.strip())
         values: dict[str, Value] = {}
-        for variation in re.findall(_VARIATION, parts["variations"]):
+        for variation in variations:
             name, equals, value = variation[1:].partition("=")
             given: str | None = value.strip() if equals else None
             if name == "motion" and given:
@@ -69,7 +69,7 @@ class Scenario:
                 time_step = _seconds(given)
             else:
                 values |= parse_value(name, given)
-        return cls(parts["name"], motion, time_step, seed, ThesisOptions.of(values))
+        return cls(controller, motion, time_step, seed, ThesisOptions.of(values))
 
     def label(self, motion: str | None = None, time_step: float | None = None) -> str:
         """The scenario as :meth:`parse` reads it, without the seed.
@@ -79,7 +79,10 @@ class Scenario:
             time_step: s, likewise.
         """
         changed = self.thesis.changed()
-        words = [self.controller]
+        name, colon, command = self.controller, "", ""
+        if is_process_name(name):
+            name, colon, command = name.partition(":")
+        words = [name]
         if motion is not None and self.motion != motion:
             words.append(f"motion={self.motion}")
         if time_step is not None and self.time_step != time_step:
@@ -90,7 +93,7 @@ class Scenario:
         for name, value in changed.items():
             text = ":".join(map(repr, value)) if isinstance(value, list) else value
             words.append(name if value is True else f"{name}={text}")
-        return "+".join(words)
+        return "+".join(words) + colon + command
 
     def options(self, world: World, steps: int | None = None) -> RunOptions:
         """Options with a budget: ``steps``, or what the world's witness gives."""
@@ -100,6 +103,22 @@ class Scenario:
     def with_seed(self, seed: int) -> Scenario:
         """The same with another seed."""
         return replace(self, seed=seed)
+
+
+def _split(text: str) -> tuple[str, list[str]]:
+    """Name and variations; of a program's command line, which begins at the first colon, nothing is a variation."""
+    if not is_process_name(text):
+        parts = _VARIED.fullmatch(text)
+        if parts is None:
+            raise InvalidParameter("an empty text names no controller; give one, such as thesis-1 or ./mine.py:Robot")
+        return parts["name"], re.findall(_VARIATION, parts["variations"])
+    head, colon, command = text.partition(":")
+    variations = re.findall(_VARIATION, head)
+    if "".join(["cmd", *variations]) != head:  # as it is, it will be refused with the way out
+        return text, []
+    of_the_run = [one for one in variations if one[1:].partition("=")[0] in ("motion", "time_step", "time-step")]
+    of_the_program = [one for one in variations if one not in of_the_run]
+    return "".join(["cmd", *of_the_program, colon, command]), of_the_run
 
 
 def _seconds(text: str) -> float:

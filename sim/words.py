@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from sim.episode import Episode
+from sim.outcome import BY_THE_CONTROLLER
 
 __all__ = ["evidence_in_words"]
 
@@ -24,9 +25,21 @@ def evidence_in_words(episode: Episode) -> str:
         return f" ({_manner(episode)}no new cell after step {evidence['last_new_cell']}{spent})"
     if verdict == "timeout":
         return " (budget spent, still in new cells)"
-    if verdict == "crash":
-        return f" ({evidence['error']})"
+    if verdict in BY_THE_CONTROLLER and "error" in evidence:
+        return f" ({_fault(episode)})"
     return ""
+
+
+def _fault(episode: Episode) -> str:
+    """What the controller did wrong, with a program's last line on stderr."""
+    evidence = episode.evidence
+    within = f" within {evidence['deadline']} s" if "deadline" in evidence else ""
+    where = f" in step {evidence['step']}" if episode.verdict != "crash" or "stderr" in evidence else ""
+    answer = f", answer {evidence['answer']!r}" if "answer" in evidence else ""
+    last = _list(evidence.get("stderr"))
+    said = f"; stderr: {last[-1]}" if last else ""
+    flush = "; does it flush its output?" if episode.verdict == "hang" and evidence["step"] == 1 else ""
+    return f"{evidence['error']}{within}{where}{answer}{said}{flush}"
 
 
 def _manner(episode: Episode) -> str:

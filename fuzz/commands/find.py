@@ -64,7 +64,7 @@ def find(
 ) -> None:
     r"""Find a world in which given controllers have given outcomes, or come as near as the budget allows.
 
-    An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash), never (loop or
+    An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang), never (loop or
     stalled), or fails (anything but reached). Behind reached, or loop, stand steps, or the period: reached@330,
     reached@300..400, reached@<400, reached@4.95s, loop@104. For a controller with randomness it is the outcome
     of 19 of 20 seeds, and their median time.

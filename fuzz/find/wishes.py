@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare
+from sim.outcome import BY_THE_CONTROLLER
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
@@ -23,7 +24,7 @@ _UNTIMED_STEPS = 20_000
 
 _GROUPS = {
     "never": ("loop", "stalled"),
-    "fails": ("loop", "stalled", "timeout", "tunnel", "overlap", "burned", "crash", "invalid-command"),
+    "fails": ("loop", "stalled", "timeout", "tunnel", "overlap", "burned", *BY_THE_CONTROLLER),
 }
 _VERDICTS = ("reached", *_GROUPS["fails"])
 _EXAMPLE = 'write for example "thesis-1=reached@330, thesis-2=loop"'

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from fuzz.failure import certified, regardless_of_walls, scenario_of, walled_off
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
-from sim.outcome import Outcome
+from sim.outcome import BY_THE_CONTROLLER, Outcome
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidWorld
@@ -15,7 +15,7 @@ from worldgen.world import Cut, World
 
 __all__ = ["StillFails"]
 
-_PROVED_BY_THE_RUN = ("loop", "tunnel", "overlap", "burned", "crash", "invalid-command")
+_PROVED_BY_THE_RUN = ("loop", "tunnel", "overlap", "burned", *BY_THE_CONTROLLER)
 
 
 @dataclass
@@ -84,9 +84,9 @@ class StillFails:
         outcome = self._run(world, options)
         if self.verdict == "tunnel":
             return outcome.ending == "tunnel" and self._likewise(outcome.cause) and self._arrives(world, options)
-        if self.verdict in ("burned", "invalid-command", "crash"):
+        if self.verdict in ("burned", *BY_THE_CONTROLLER):
             return outcome.ending == self.verdict
-        if outcome.ending in ("tunnel", "burned", "invalid-command", "crash"):
+        if outcome.ending in ("tunnel", "burned", *BY_THE_CONTROLLER):
             return False
         if self.verdict == "overlap":
             return outcome.overlap_step >= 0 and self._likewise(outcome.cause)

@@ -1,17 +1,20 @@
 """Controllers: observation and memory in, command and memory out; one file each.
 
 Contents:
-    CompiledController, PythonController, Observation, Command: the two ways to bring one.
-    CONTROLLERS: finds one by name, as ``package.module:name``, or as ``./file.py:name``.
+    CompiledController, PythonController, ProcessController, Observation, Command: the three ways to bring one.
+    CONTROLLERS: finds one by name, as ``package.module:name``, ``./file.py:name``, or ``cmd:./program --flag``.
 """
 
-from sim.controllers.base import (
-    CONTROLLERS,
-    Command,
-    CompiledController,
-    Controller,
-    Observation,
-    PythonController,
-)
+from sim.controllers.base import Command, CompiledController, Controller, Observation, PythonController
+from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.process import ProcessController
 
-__all__ = ["CONTROLLERS", "Command", "CompiledController", "Controller", "Observation", "PythonController"]
+__all__ = [
+    "CONTROLLERS",
+    "Command",
+    "CompiledController",
+    "Controller",
+    "Observation",
+    "ProcessController",
+    "PythonController",
+]

@@ -1,4 +1,4 @@
-"""The controller contract, in two forms: a compiled function on arrays, and a Python class."""
+"""The controller contract: a compiled function on arrays, or a class; for programs: :mod:`sim.controllers.process`."""
 
 from __future__ import annotations
 
@@ -15,10 +15,8 @@ from numba.core.errors import NumbaError, NumbaWarning
 
 from sim.kernels import layout
 from worldgen.errors import InvalidParameter
-from worldgen.registry import Registry
 
 __all__ = [
-    "CONTROLLERS",
     "Act",
     "Command",
     "CompiledController",
@@ -127,25 +125,6 @@ class PythonController(Protocol):
 Controller: TypeAlias = CompiledController | PythonController
 
 
-def _accept(name: str, thing: Any) -> Controller:
-    if isinstance(thing, CompiledController):
-        return thing
-    try:
-        made = thing() if isinstance(thing, type) else thing
-    except Exception as error:
-        raise InvalidParameter(
-            f"controller {name!r} cannot be made without arguments: {type(error).__name__}: {error}"
-        ) from error
-    missing = [method for method in ("reset", "act") if not callable(getattr(made, method, None))]
-    if missing:
-        raise InvalidParameter(
-            f"controller {name!r} has no {' and no '.join(missing)}; it needs reset() -> memory and "
-            "act(observation, memory) -> (command, memory), or be a CompiledController"
-        )
-    controller: PythonController = made
-    return controller
-
-
 _COSTLY_SENSES = {
     "bump_bearing": layout.SENSE_BUMP_BEARING,
     "signal": layout.SENSE_SIGNAL,
@@ -160,9 +139,6 @@ def senses_of(controller: Controller) -> int:
     """The ``SENSE_`` bits of what a controller looks at: for one in Python, everything."""
     names = controller.senses if isinstance(controller, CompiledController) else Observation._fields
     return sum(bit for name, bit in _COSTLY_SENSES.items() if name in names)
-
-
-CONTROLLERS: Registry[Controller] = Registry("worldgen.controllers", "controller", _accept)
 
 
 @functools.cache

@@ -1,0 +1,341 @@
+"""A running program that answers line by line: start, ask with a deadline, end it and all that it started."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import select
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from worldgen.errors import InvalidParameter
+from worldgen.world import Value
+
+__all__ = ["LONGEST_LINE", "Limits", "Misbehaviour", "Program", "find_program", "shown"]
+
+LONGEST_LINE = 64 << 10  # bytes of an answer, its newline not counted
+_CHUNK = 64 << 10  # bytes read at once; with LONGEST_LINE the most that is kept of an answer
+_KEPT = 4 << 10  # bytes of stderr that are kept, the last ones
+_LAST_LINES, _LINE_WIDTH = 5, 200  # lines and characters of stderr that stand in the evidence
+_LOOK_AGAIN = 0.05  # s: how often a silent program is looked at, for a grandchild may hold its pipes open
+_TO_EXIT = 1.0  # s that a program may take to exit after it has closed its output
+_TO_TIDY_UP = 0.5  # s between SIGTERM and SIGKILL
+
+# Outlives us: whatever ends this process, SIGKILL included, closes the pipe, and the program's group goes too.
+_KEEPER = 'read -r line || kill -KILL -- "-$1"'
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a program may take.
+
+    Args:
+        deadline: s for an answer.
+        start_deadline: s for the first answer after a reset, starting up included.
+        memory: Bytes of address space (``RLIMIT_AS``), or ``None``; where the system can set none, there is none.
+    """
+
+    deadline: float = 1.0
+    start_deadline: float = 10.0
+    memory: int | None = 2 << 30
+
+
+class Misbehaviour(Exception):
+    """What a program did wrong.
+
+    Args:
+        verdict: ``crash``, ``hang`` or ``invalid-command``.
+        error: What it did, the same in every replay.
+        evidence: What else is known.
+    """
+
+    def __init__(self, verdict: str, error: str, evidence: Mapping[str, Value] | None = None) -> None:
+        super().__init__(f"{verdict}: {error}")
+        self.verdict, self.error, self.evidence = verdict, error, dict(evidence or {})
+
+
+def find_program(command: tuple[str, ...]) -> str:
+    """The program's file.
+
+    Raises:
+        InvalidParameter: If there is none, it may not be executed, or the system is not POSIX.
+    """
+    if os.name != "posix":
+        raise InvalidParameter("a program can be a controller on POSIX systems only; bring it as a Python class")
+    found = shutil.which(command[0])
+    if found is not None:
+        return found
+    if os.path.isfile(command[0]):  # noqa: PTH113 - a text from outside, which Path may refuse
+        raise InvalidParameter(f"controller program {command[0]!r} is not executable; chmod +x {command[0]}")
+    raise InvalidParameter(
+        f"there is no controller program {command[0]!r}; give its path, such as ./mine, or a name that is on PATH"
+    )
+
+
+class Program:
+    """A child process in a session of its own, with pipes for lines.
+
+    Args:
+        command: Program and arguments.
+        memory: As in :class:`Limits`.
+
+    Raises:
+        InvalidParameter: If it cannot be started.
+    """
+
+    def __init__(self, command: tuple[str, ...], memory: int | None) -> None:
+        file = find_program(command)
+        try:
+            self._process = subprocess.Popen(
+                command,
+                executable=file,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                bufsize=0,
+                start_new_session=True,
+            )
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+            raise InvalidParameter(
+                f"controller program {command[0]!r} cannot be started: {reason}; is it a program for this machine, "
+                "or a script that begins with #! and its interpreter?"
+            ) from error
+        self._keeper = subprocess.Popen(
+            ["/bin/sh", "-c", _KEEPER, "worldgen-keeper", str(self._process.pid)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        self._stdin, self._stdout, self._stderr = (
+            pipe.fileno() for pipe in (self._process.stdin, self._process.stdout, self._process.stderr) if pipe
+        )
+        for pipe in (self._stdin, self._stdout, self._stderr):
+            os.set_blocking(pipe, False)
+        self._poll = select.poll()
+        self._poll.register(self._stdout, select.POLLIN)
+        self._poll.register(self._stderr, select.POLLIN)
+        self._answer, self._said = bytearray(), bytearray()
+        self._ended = False  # stdout is at its end
+        self.stopped = False
+        self._limit_memory(memory)
+
+    def _limit_memory(self, memory: int | None) -> None:
+        import resource  # noqa: PLC0415 - POSIX only
+
+        if memory is None or not hasattr(resource, "prlimit"):  # as on macOS, which heeds no RLIMIT_AS anyway
+            return
+        try:
+            resource.prlimit(self._process.pid, resource.RLIMIT_AS, (memory, memory))
+        except ProcessLookupError:  # it has ended, as its first answer will show
+            return
+        except (OSError, ValueError) as error:
+            self.stop()
+            raise InvalidParameter(
+                f"the memory limit of {memory} bytes cannot be set: {error}; name another"
+            ) from error
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether it runs, and has said nothing that it was not asked for."""
+        if self.stopped:
+            return False
+        self._hear(0)
+        return not (self._ended or self._answer or self._has_exited())
+
+    def ask(self, line: bytes, seconds: float) -> bytes:
+        """Sends a line and waits for one.
+
+        Args:
+            line: With its newline.
+            seconds: Deadline of the answer.
+
+        Returns:
+            The answer without its newline.
+
+        Raises:
+            Misbehaviour: If there is none, or more than one. The program is ended then, as by whatever else is
+                raised here, for what it says next would be no answer to what it is asked next.
+        """
+        end = time.monotonic() + seconds
+        try:
+            self._hear(0)
+            if self._answer:
+                raise Misbehaviour("invalid-command", "more than one line", {"answer": shown(self._answer)})
+            self._send(line, end, seconds)
+            return self._receive(end, seconds)
+        except Misbehaviour as found:
+            raise self.ended_by(found) from None
+        except BaseException:
+            self.stop()
+            raise
+
+    def ended_by(self, found: Misbehaviour) -> Misbehaviour:
+        """Ends it; returns the finding with what it last said on stderr."""
+        told = self._last_words()
+        self.stop()
+        return Misbehaviour(found.verdict, found.error, found.evidence | told)
+
+    def _send(self, line: bytes, end: float, seconds: float) -> None:
+        try:
+            sent = self._write(line)
+            if sent == len(line):
+                return
+            self._poll.register(self._stdin, select.POLLOUT)
+            while sent < len(line):
+                self._wait(end, seconds)
+                sent += self._write(line[sent:])
+        except BrokenPipeError:  # it reads no more; its end may still be heard
+            pass
+        with contextlib.suppress(KeyError):
+            self._poll.unregister(self._stdin)
+
+    def _write(self, data: bytes) -> int:
+        try:
+            return os.write(self._stdin, data)
+        except BlockingIOError:
+            return 0
+
+    def _receive(self, end: float, seconds: float) -> bytes:
+        answer = self._answer
+        while (newline := answer.find(b"\n")) < 0:
+            if len(answer) > LONGEST_LINE:
+                break
+            if self._ended:
+                raise self._ending()
+            self._wait(end, seconds)
+        if newline > LONGEST_LINE or newline < 0:
+            raise Misbehaviour(
+                "invalid-command", f"a line of more than {LONGEST_LINE} bytes", {"answer": shown(answer)}
+            )
+        line = bytes(answer[:newline])
+        del answer[: newline + 1]
+        return line
+
+    def _wait(self, end: float, seconds: float) -> None:
+        """Hears what comes next; a look at the process itself where nothing does."""
+        left = end - time.monotonic()
+        if left <= 0.0:
+            partly = {"answer": shown(self._answer)} if self._answer else {}
+            raise Misbehaviour("hang", "no answer", {"deadline": seconds, **partly})
+        if not self._hear(min(left, _LOOK_AGAIN)) and self._has_exited():
+            self._hear(0)
+            self._ended = True
+
+    def _hear(self, seconds: float) -> bool:
+        """Reads what is there within that time, a chunk of each pipe; whether there was anything."""
+        events = self._poll.poll(seconds * 1000.0)
+        for pipe, _ in events:
+            if pipe == self._stdin:
+                continue
+            data = self._read(pipe)
+            if data is None:
+                continue
+            if not data:
+                self._poll.unregister(pipe)
+                self._ended = self._ended or pipe == self._stdout
+            elif pipe == self._stdout:
+                self._answer += data
+                del self._answer[LONGEST_LINE + _CHUNK :]
+            else:
+                self._said += data
+                del self._said[:-_KEPT]
+        return bool(events)
+
+    def _read(self, pipe: int) -> bytes | None:
+        try:
+            return os.read(pipe, _CHUNK)
+        except BlockingIOError:
+            return None
+
+    def _has_exited(self) -> bool:
+        """Whether the process has ended; where the system allows, it keeps its number until :meth:`stop`."""
+        if self._process.returncode is not None:
+            return True
+        if not hasattr(os, "waitid"):
+            return self._process.poll() is not None
+        try:
+            return os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is not None
+        except ChildProcessError:  # the system reaps children by itself, having been told to
+            return True
+
+    def _ending(self) -> Misbehaviour:
+        """How it ended, told by its exit code or signal."""
+        if not self._exits_within(_TO_EXIT):
+            return Misbehaviour("crash", "closed its output")
+        self._kill(signal.SIGKILL)
+        code = self._process.wait()
+        if code >= 0:
+            return Misbehaviour("crash", f"exit code {code}")
+        try:
+            return Misbehaviour("crash", f"killed by {signal.Signals(-code).name}")
+        except ValueError:  # a real-time signal
+            return Misbehaviour("crash", f"killed by signal {-code}")
+
+    def _exits_within(self, seconds: float) -> bool:
+        end, pause = time.monotonic() + seconds, 0.0005
+        while not self._has_exited():
+            if time.monotonic() > end:
+                return False
+            self._hear(0)  # a full pipe must not keep it
+            time.sleep(pause)
+            pause = min(2 * pause, 0.02)
+        return True
+
+    def _last_words(self) -> dict[str, Value]:
+        """The last lines of stderr."""
+        for _ in range(_KEPT):  # a grandchild may never fall silent
+            data = self._read(self._stderr)
+            if not data:
+                break
+            self._said += data
+            del self._said[:-_KEPT]
+        lines: list[Value] = [line[-_LINE_WIDTH:] for line in _plain(self._said).splitlines() if line.strip()]
+        return {"stderr": lines[-_LAST_LINES:]} if lines else {}
+
+    def stop(self) -> None:
+        """Ends it: SIGTERM to its whole group, half a second to tidy up, then SIGKILL to the group."""
+        if self.stopped:
+            return
+        self.stopped = True
+        if self._process.returncode is None:
+            if not self._has_exited():
+                self._kill(signal.SIGTERM)
+                self._exits_within(_TO_TIDY_UP)
+            self._kill(signal.SIGKILL)
+            self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
+            if pipe is not None:
+                pipe.close()
+        self._dismiss_keeper()
+
+    def _dismiss_keeper(self) -> None:
+        try:
+            self._keeper.communicate(b"done\n")
+        except OSError:  # it was killed
+            self._keeper.wait()
+
+    def _kill(self, number: signal.Signals) -> None:
+        try:
+            os.killpg(self._process.pid, number)
+        except (ProcessLookupError, PermissionError):  # none is left; on macOS also: only the dead are left
+            return
+
+
+def _plain(data: bytes | bytearray) -> str:
+    """As text without control sequences, so that it may stand in a file and on a terminal."""
+    text = re.sub(r"\x1b\[[0-9;?]*[ -/]*[@-~]", "", bytes(data).decode("utf-8", "replace"))
+    return "".join(char if char.isprintable() or char == "\n" else " " for char in text)
+
+
+def shown(data: bytes | bytearray) -> str:
+    """The beginning of an answer, fit for the evidence."""
+    first = bytes(data[: 4 * _LINE_WIDTH]).partition(b"\n")[0]
+    text = _plain(first)
+    return text if len(text) <= _LINE_WIDTH else f"{text[:_LINE_WIDTH]}..."
