@@ -108,6 +108,11 @@ class Surroundings:
         rows = range(self._first[cell], self._end[cell]) if cell >= 0 else ()
         return [self.span(row) for row in rows if self.state[row] == int(CellState.SOLID)]
 
+    def ever_blocked(self, ix: Ints, iy: Ints) -> Cells:
+        """Whether cells of the grid or next to it are solid or burning at any time."""
+        blocked: Cells = self._far[iy + 1, ix + 1] == 0
+        return blocked
+
     def at_least(self, pieces: Parts) -> Floats:
         """A distance, in cells, that each piece keeps from every cell that is ever blocked; it may be negative."""
         return self._lower_bound(pieces, self._far, 1)

@@ -36,7 +36,7 @@ class Parts:
         """Some of the parts."""
         return Parts(self.x[rows], self.y[rows], self.dx[rows], self.dy[rows])
 
-    def seen_from(self, ix: npt.NDArray[np.int64], iy: npt.NDArray[np.int64]) -> Parts:
+    def seen_from(self, ix: npt.NDArray[np.int64] | Floats, iy: npt.NDArray[np.int64] | Floats) -> Parts:
         """The same parts with the origin in the middle of each one's cell."""
         return Parts(self.x - (ix + 0.5), self.y - (iy + 0.5), self.dx, self.dy)
 

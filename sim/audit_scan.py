@@ -27,6 +27,7 @@ _ROWS_AT_ONCE = 400_000
 _MARGIN = 0.25  # cells beyond the radius that are looked at, so that a clearance just above it is found at once
 _FIRST = 16  # moves that tell about how far away everything is
 _CLOSE_CALL = 1e-9  # cells; nearer to a face than this, rational numbers decide
+_NEARLY = 1e-6  # cells; far more than rounding
 _ROUNDING = 4e-16
 _TOUCHING = 1e-8  # of a move; stretches nearer than this are one
 
@@ -135,8 +136,7 @@ class _Measured:
     window: tuple[Floats, Floats]  # the same of the whole move
     distance: Floats
     nearest: Floats  # share of the move
-    inside: Floats
-    deepest: Floats  # share of the move
+    inside: Floats  # depth of the centre in the cell, negative outside; -inf where it is far
 
 
 def scan(way: Way, radius: float, tolerance: float, *, straight: bool) -> Scan:
@@ -230,18 +230,16 @@ def _measured(
     low, high = shares
     parts = way.moves.take(row).between(low, high).seen_from(pairs.ix, pairs.iy)
     distance, at = nearest(parts)
-    inside, deep_at = np.full(len(row), -np.inf), np.zeros(len(row))
+    inside = np.full(len(row), -np.inf)
     # Only parts whose bounding box meets the cell's can get into it.
-    gap_x = np.maximum(np.minimum(np.abs(parts.x), np.abs(parts.x + parts.dx)), 0.0) - 0.5
-    gap_y = np.maximum(np.minimum(np.abs(parts.y), np.abs(parts.y + parts.dy)), 0.0) - 0.5
+    gap_x = np.minimum(np.abs(parts.x), np.abs(parts.x + parts.dx)) - 0.5
+    gap_y = np.minimum(np.abs(parts.y), np.abs(parts.y + parts.dy)) - 0.5
     passes_x, passes_y = parts.x * (parts.x + parts.dx) < 0.0, parts.y * (parts.y + parts.dy) < 0.0
-    slack = 1e-6
-    meets = np.flatnonzero(((gap_x < slack) | passes_x) & ((gap_y < slack) | passes_y))
-    inside[meets], deep_at[meets] = deepest(parts.take(meets))
-    entered = inside >= 0.0
-    distance, at = np.where(entered, 0.0, distance), np.where(entered, deep_at, at)
-    span = high - low
-    return _Measured(pairs, row, burning, low, high, window, distance, low + span * at, inside, low + span * deep_at)
+    meets = np.flatnonzero(((gap_x < _NEARLY) | passes_x) & ((gap_y < _NEARLY) | passes_y))
+    inside[meets], share = deepest(parts.take(meets))
+    entered = inside[meets] >= 0.0
+    distance[meets[entered]], at[meets[entered]] = 0.0, share[entered]
+    return _Measured(pairs, row, burning, low, high, window, distance, low + (high - low) * at, inside)
 
 
 def _outside(way: Way) -> Hits:
@@ -318,16 +316,20 @@ def _tunnels(measured: _Measured, way: Way, around: Surroundings) -> Hits:
     doubt = _doubt(measured, way, around)
     near = np.flatnonzero((measured.inside > -doubt) & in_grid & ~measured.burning)
     sure = measured.inside[near] > doubt[near]
-    for index in np.flatnonzero(~sure):
-        sure[index] = _is_inside(pairs, int(near[index]), int(measured.row[near[index]]), way, around)
-    hit = near[sure]
-    row, own = measured.row[hit], pairs.take(hit)
-    enter, leave = slab(way.moves.take(row).seen_from(own.ix, own.iy), 0.5, 0.5)
-    at = measured.deepest[hit]
-    begin = np.minimum(np.maximum(enter, measured.low[hit]), at)
-    end = np.maximum(np.minimum(leave, measured.high[hit]), at)
-    depth = np.maximum(measured.inside[hit], 0.0)
-    return Hits.at(row, begin, end, depth, at, own.ix, own.iy)
+    shift = np.zeros((len(near), 2))  # of a centre between two solid cells: from one to the face between them
+    doubtful = np.flatnonzero(~sure)
+    for index in doubtful[~_along_a_free_cell(measured, near[doubtful], way, around)]:
+        found = _way_in(pairs, int(near[index]), int(measured.row[near[index]]), way, around)
+        if found is not None:
+            sure[index], shift[index] = True, found
+    hit, shift = near[sure], shift[sure]
+    row, own, low, high = measured.row[hit], pairs.take(hit), measured.low[hit], measured.high[hit]
+    moves = way.moves.take(row).seen_from(own.ix + shift[:, 0], own.iy + shift[:, 1])
+    enter, leave = slab(moves, 0.5, 0.5)
+    depth, share = deepest(moves.between(low, high))
+    at = low + (high - low) * share
+    begin, end = np.minimum(np.maximum(enter, low), at), np.maximum(np.minimum(leave, high), at)
+    return Hits.at(row, begin, end, np.maximum(depth, 0.0), at, own.ix, own.iy)
 
 
 def _doubt(measured: _Measured, way: Way, around: Surroundings) -> Floats:
@@ -343,19 +345,46 @@ def _doubt(measured: _Measured, way: Way, around: Surroundings) -> Floats:
     return doubt
 
 
-def _is_inside(pairs: Pairs, index: int, row: int, way: Way, around: Surroundings) -> bool:
-    """Whether the centre gets inside the pair's cell, or between it and another solid one; exactly."""
+def _along_a_free_cell(
+    measured: _Measured, index: npt.NDArray[np.intp], way: Way, around: Surroundings
+) -> npt.NDArray[np.bool_]:
+    """Whether the centre keeps to a face with a cell behind it that never is blocked: no close call any more.
+
+    A robot that drives along a wall does this with every sample, so it is decided once for each coordinate.
+    """
+    row, ix, iy = measured.row[index], measured.pairs.ix[index], measured.pairs.iy[index]
+    free = np.zeros(len(index), np.bool_)
+    for metres, cells, own, (step_x, step_y) in (
+        (way.metres[0], way.x, ix, (1, 0)),
+        (way.metres[1], way.y, iy, (0, 1)),
+    ):
+        face = np.rint(cells[row]).astype(np.int64)
+        on_face = (metres[row] == metres[row + 1]) & ((face == own) | (face == own + 1))
+        on_face &= np.abs(cells[row] - face) < _NEARLY
+        values, number = np.unique(metres[row[on_face]], return_inverse=True)
+        on_face[on_face] = np.array([way.is_face(value) for value in values.tolist()], np.bool_)[number]
+        side = np.where(face == own, -1, 1)
+        free |= on_face & ~around.ever_blocked(ix + side * step_x, iy + side * step_y)
+    return free
+
+
+def _way_in(pairs: Pairs, index: int, row: int, way: Way, around: Surroundings) -> tuple[float, float] | None:
+    """Whether the centre gets inside the pair's cell, or on the face between it and another solid one; exactly.
+
+    Returns:
+        (0, 0) or half the step to the other cell; ``None`` if it does not.
+    """
     ix, iy, span = int(pairs.ix[index]), int(pairs.iy[index]), int(pairs.span[index])
     since, until = around.span(span)
     move = way.move(row)
     if meet_inside(move, ix, iy, since, until):
-        return True
+        return 0.0, 0.0
     for other in run_between(move, ix, iy):
         for begin, end in around.solid_spans(*other):
             low, high = max(since, begin), min(until, end)
             if low < high and run_along(move, ix, iy, other, low, high):
-                return True
-    return False
+                return 0.5 * (other[0] - ix), 0.5 * (other[1] - iy)
+    return None
 
 
 def _widest(way: Way, around: Surroundings, least: Floats, result: Scan) -> None:

@@ -65,6 +65,10 @@ class Way:
             found.append(np.where(share >= 1.0, b, a + share * (b - a)))
         return found[0], found[1], found[2]
 
+    def is_face(self, metres: float) -> bool:
+        """Whether a coordinate in m is exactly on the line between two columns or rows."""
+        return (decimal(metres) / decimal(self.world.cell_size)).denominator == 1
+
     def move(self, row: int) -> Move:
         """One move in rational numbers."""
         size, (x, y) = decimal(self.world.cell_size), self.metres
