@@ -231,8 +231,8 @@ def _difference(record: FailureRecord, episode: Episode) -> str:
 
 
 def _repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
-    """The evidence without what a program wrote to stderr, where times and addresses may stand."""
-    return {name: value for name, value in evidence.items() if name != "stderr"}
+    """The evidence without what hangs on the clock: a program's stderr, and how far it came with an answer."""
+    return {name: value for name, value in evidence.items() if name not in ("stderr", "unfinished")}
 
 
 def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[str, Value]:

@@ -75,7 +75,13 @@ def configure(
 def _try_out(scenario: Scenario) -> None:
     """One short run in an empty arena, so that a name or a compile error shows at once."""
     arena = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0.6, 0.05))
-    prepare(arena, scenario.controller, scenario.options(arena, 2)).run(2, find_loop=False, record=False, digest=False)
+    run = prepare(arena, scenario.controller, scenario.options(arena, 2))
+    outcome = run.run(2, find_loop=False, record=False, digest=False)
+    if outcome.verdict == "hang" and outcome.steps == 1:  # so would every run, each for the whole start-up deadline
+        raise InvalidParameter(
+            f"{scenario.controller} does not answer its first observation within {outcome.fault['deadline']} s; does "
+            "it flush its output after each line? docs/controllers.md has the protocol"
+        )
 
 
 class CampaignSession:

@@ -22,6 +22,7 @@ _SEARCH_STEPS = 6_000  # budget of a first look, before the witness is known
 _PROOF_STEPS = 60_000  # budget in which a failing run may close its loop
 _SLOWER = 8  # a Python controller takes microseconds where a compiled one takes nanoseconds: that much less of each
 _PROVE_AT_MOST = 24  # failing runs of one verdict and cause that a unit proves and classifies; the rest it counts
+_PROVE_HANGS_AT_MOST = 2  # likewise, for each run that hangs costs a whole deadline, several times
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,7 @@ class _Search:
 
     def _is_to_be_proved(self, verdict: str, outcome: Outcome) -> bool:
         self._failed[verdict, outcome.cause] += 1
-        return self._failed[verdict, outcome.cause] <= _PROVE_AT_MOST
+        return self._failed[verdict, outcome.cause] <= (_PROVE_HANGS_AT_MOST if verdict == "hang" else _PROVE_AT_MOST)
 
     def _scenario(self, draw: Draw) -> Scenario:
         return replace(self._config.scenario, time_step=draw.time_step, seed=draw.seed)

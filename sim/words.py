@@ -36,10 +36,11 @@ def _fault(episode: Episode) -> str:
     within = f" within {evidence['deadline']} s" if "deadline" in evidence else ""
     where = f" in step {evidence['step']}" if episode.verdict != "crash" or "stderr" in evidence else ""
     answer = f", answer {evidence['answer']!r}" if "answer" in evidence else ""
+    partly = f", but {evidence['unfinished']!r} without newline" if "unfinished" in evidence else ""
     last = _list(evidence.get("stderr"))
     said = f"; stderr: {last[-1]}" if last else ""
     flush = "; does it flush its output?" if episode.verdict == "hang" and evidence["step"] == 1 else ""
-    return f"{evidence['error']}{within}{where}{answer}{said}{flush}"
+    return f"{evidence['error']}{within}{where}{answer}{partly}{said}{flush}"
 
 
 def _manner(episode: Episode) -> str:

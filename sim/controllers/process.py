@@ -185,6 +185,9 @@ def observation_line(observation: Observation) -> bytes:
 _encode = json.JSONEncoder(allow_nan=False, check_circular=False, separators=(",", ":")).encode
 
 
+_decode = json.JSONDecoder().decode
+
+
 def _finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
@@ -203,7 +206,7 @@ def read_command(answer: bytes) -> Command:
         Misbehaviour: If it is no command.
     """
     try:
-        found = json.loads(answer)
+        found = _decode(answer.decode())
     except (ValueError, RecursionError):
         raise _no_command("not JSON", answer) from None
     if not isinstance(found, dict):

@@ -27,7 +27,7 @@ _TO_EXIT = 1.0  # s that a program may take to exit after it has closed its outp
 _TO_TIDY_UP = 0.5  # s between SIGTERM and SIGKILL
 
 # Outlives us: whatever ends this process, SIGKILL included, closes the pipe, and the program's group goes too.
-_KEEPER = 'read -r line || kill -KILL -- "-$1"'
+_KEEPER = 'read -r line || kill -s KILL -- "-$1"'  # dash takes no group behind -KILL
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,7 @@ class Program:
         """Hears what comes next; a look at the process itself where nothing does."""
         left = end - time.monotonic()
         if left <= 0.0:
-            partly = {"answer": shown(self._answer)} if self._answer else {}
+            partly = {"unfinished": shown(self._answer)} if self._answer else {}
             raise Misbehaviour("hang", "no answer", {"deadline": seconds, **partly})
         if not self._hear(min(left, _LOOK_AGAIN)) and self._has_exited():
             self._hear(0)

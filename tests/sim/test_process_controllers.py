@@ -1,0 +1,454 @@
+"""Programs as controllers: the protocol, every way to misbehave, and that nothing of them is left behind."""
+
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim import Command, Observation, ProcessController, RunOptions, simulate
+from sim.controllers import CONTROLLERS
+from sim.scenario import Scenario
+from tests.helpers.command_line import worldgen
+from worldgen import InvalidParameter, Pose, Target, World, read_world
+
+BOUNCE_C = Path(__file__).parents[1] / "data" / "controllers" / "bounce.c"
+PYTHON = [sys.executable, "-I", "-S", "-c"]
+SERVE = """
+import json, os, subprocess, sys, time
+def answer(text):
+    print(text, flush=True)
+step = 0
+for line in sys.stdin:
+    if "reset" in json.loads(line):
+        step = 0
+        continue
+    step += 1
+    if step == AT:
+        DO
+    else:
+        answer('{"speed": 0.1, "turn_rate": 0.5}')
+"""
+linux = pytest.mark.skipif(sys.platform != "linux", reason="memory limits of programs are for Linux")
+
+
+def program(do="", at=3):
+    """Command of a program that drives in a circle; if asked to, it does something else in one step of each episode."""
+    return [
+        *PYTHON,
+        SERVE.replace("AT", str(at if do else 0)).replace("DO", (do or "pass").replace("\n", "\n        ")),
+    ]
+
+
+def arena():
+    return World(np.zeros((12, 12), bool), Pose(0.55, 0.55, 0.0), Target(1.05, 1.05, 0.05))
+
+
+def run(command, steps=20, **limits):
+    with ProcessController(command, **limits) as controller:
+        return simulate(arena(), controller, RunOptions(steps=steps))
+
+
+def is_running(process_id):
+    state = subprocess.run(["ps", "-o", "stat=", "-p", str(process_id)], capture_output=True, text=True, check=False)
+    return bool(state.stdout.strip()) and not state.stdout.startswith("Z")
+
+
+def waits_for(condition, seconds):
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.02)
+    return condition()
+
+
+def ends(process_id):
+    return waits_for(lambda: not is_running(process_id), 5.0)
+
+
+@pytest.mark.parametrize(
+    ("do", "error"),
+    [
+        pytest.param("sys.exit(3)", "exit code 3", id="exits-3"),
+        pytest.param("sys.exit(0)", "exit code 0", id="exits-early"),
+        pytest.param("1 / 0", "exit code 1", id="raises"),
+        pytest.param("os.kill(os.getpid(), 11)", "killed by SIGSEGV", id="segfault"),
+        pytest.param("sys.stdout.write('{'); sys.exit(2)", "exit code 2", id="exits-amid-a-line"),
+        pytest.param("os.close(1); time.sleep(60)", "closed its output", id="closes-its-output"),
+    ],
+)
+@pytest.mark.parametrize("step", [1, 5])
+def test_a_program_that_ends_is_a_crash_that_says_how(do, error, step):
+    episode = run(program(do, at=step))
+    assert (episode.verdict, episode.steps) == ("crash", step)
+    assert (episode.evidence["error"], episode.evidence["step"]) == (error, step)
+
+
+def test_a_crash_keeps_the_last_lines_of_stderr_as_plain_text():
+    do = (
+        r"for k in range(9000): print(f'line {k}', file=sys.stderr)"
+        "\n"
+        r"sys.exit('\x1b[31mred\x00\xff ' + 300 * 'x')"
+    )
+    said = run(program(do)).evidence["stderr"]
+    assert said[:4] == ["line 8996", "line 8997", "line 8998", "line 8999"] and said[4] == 200 * "x"
+
+
+@pytest.mark.parametrize("step", [1, 3])
+def test_a_program_that_does_not_answer_hangs(step):
+    episode = run(program("time.sleep(60)", at=step), deadline=0.2, start_deadline=0.5)
+    assert (episode.verdict, episode.steps, episode.evidence["error"]) == ("hang", step, "no answer")
+    assert episode.evidence["deadline"] == (0.5 if step == 1 else 0.2)
+
+
+def test_drips_of_an_answer_do_not_put_off_the_deadline():
+    do = "for _ in range(100):\n    sys.stdout.write(' '); sys.stdout.flush(); time.sleep(0.05)"
+    began = time.monotonic()
+    assert run(program(do), deadline=0.3).verdict == "hang" and time.monotonic() - began < 4.0
+
+
+def test_an_answer_in_drips_that_is_there_in_time_counts():
+    do = """for char in '{"speed": 0.1, "turn_rate": 0.5}' + chr(10):\n    sys.stdout.write(char); sys.stdout.flush()"""
+    assert run(program(do)).verdict in ("stalled", "timeout")
+
+
+@pytest.mark.parametrize(
+    ("said", "error"),
+    [
+        ('{"speed": NaN, "turn_rate": 0}', "speed is not finite"),
+        ('{"speed": 0, "turn_rate": -Infinity}', "turn_rate is not finite"),
+        ('{"speed": 1e999, "turn_rate": 0}', "speed is not finite"),
+        ('{"speed": 1%s, "turn_rate": 0}' % (400 * "0"), "speed is not finite"),
+        ('{"speed": 1%s, "turn_rate": 0}' % (9000 * "0"), "not JSON"),
+        ('{"speed": "1", "turn_rate": 0}', "speed is no number"),
+        ('{"speed": true, "turn_rate": 0}', "speed is no number"),
+        ('{"speed": 0, "turn_rate": null}', "turn_rate is no number"),
+        ('{"speed": 0}', "no turn_rate"),
+        ('{"velocity": 0, "turn_rate": 0}', "no speed"),
+        ('{"speed": 0, "turn_rate": 0, "random_used": true}', "unknown key 'random_used'"),
+        ('{"speed": 0, "turn_rate": 0, "used_random": 1}', "used_random is neither true nor false"),
+        ("[0, 0]", "no object"),
+        ("", "not JSON"),
+        ("full speed ahead", "not JSON"),
+        (60_000 * "[", "not JSON"),
+    ],
+)
+def test_an_answer_that_is_no_command_is_one_verdict(said, error):
+    episode = run([*PYTHON, SERVE.replace("AT", "3").replace("DO", "answer(sys.argv[1])"), said])
+    assert (episode.verdict, episode.steps, episode.evidence["error"]) == ("invalid-command", 3, error)
+    assert episode.evidence["answer"] == (said if len(said) <= 200 else f"{said[:200]}...")
+
+
+def test_binary_garbage_is_no_command():
+    episode = run(program(r"os.write(1, bytes(range(256)).replace(b'\n', b'') + b'\n')"))
+    assert episode.verdict == "invalid-command" and episode.evidence["answer"].isprintable()
+
+
+def test_a_speed_beyond_the_robots_is_clamped_as_any_controllers():
+    fast = program("""answer('{"speed": 9e9, "turn_rate": 0}')""", at=1)
+    assert run(fast, steps=2).path_length == pytest.approx(2.0 * 0.015, abs=0.001)
+
+
+@pytest.mark.parametrize("endless", [False, True])
+def test_a_line_without_end_is_no_command_and_takes_no_memory(endless):
+    do = "while True: os.write(1, 65536 * b'x')" if endless else "os.write(1, 65537 * b'x'); time.sleep(60)"
+    episode = run(program(do))
+    assert episode.evidence["error"] == "a line of more than 65536 bytes" and len(episode.evidence["answer"]) < 250
+
+
+def test_two_lines_for_one_observation_are_one_too_many():
+    line = r'{"speed": 0, "turn_rate": 0}'
+    episode = run(program(f"answer('{line}\\n{line}'); time.sleep(0.05)"))
+    assert (episode.verdict, episode.evidence["error"]) == ("invalid-command", "more than one line")
+
+
+def test_a_program_that_never_reads_and_talks_all_the_time_ends_as_invalid():
+    assert run(["yes", '{"speed": 0, "turn_rate": 0}']).verdict == "invalid-command"
+
+
+def test_a_program_that_never_reads_hangs_however_long_the_run_is():
+    assert run(["sleep", "60"], start_deadline=0.3).verdict == "hang"
+
+
+@linux
+def test_a_program_that_takes_too_much_memory_fails_alone():
+    episode = run(program("hog = bytearray(1 << 30)"), memory_limit=256 << 20)
+    assert (episode.verdict, episode.evidence["stderr"][-1]) == ("crash", "MemoryError")
+
+
+def test_a_program_that_ignores_sigterm_is_killed(tmp_path):
+    (tmp_path / "pid").touch()
+    do = f"open({str(tmp_path / 'pid')!r}, 'w').write(str(os.getpid())); time.sleep(60)"
+    stubborn = program(do)
+    stubborn[-1] = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)" + stubborn[-1]
+    assert run(stubborn, deadline=0.2).verdict == "hang"
+    assert not is_running((tmp_path / "pid").read_text())
+
+
+def test_a_grandchild_that_holds_the_pipes_keeps_nobody_and_is_ended(tmp_path):
+    note = f"open({str(tmp_path / 'pid')!r}, 'w').write(str(child.pid))"
+    do = f"child = subprocess.Popen(['sleep', '60'])\n{note}\nos._exit(4)"
+    began = time.monotonic()
+    episode = run(program(do), deadline=30.0)
+    assert (episode.evidence["error"], episode.evidence["step"]) == ("exit code 4", 3)
+    assert ends((tmp_path / "pid").read_text()) and time.monotonic() - began < 10.0
+
+
+def test_a_program_ends_with_this_process_even_if_that_is_killed(tmp_path):
+    do = f"open({str(tmp_path / 'pid')!r}, 'w').write(str(os.getpid()))\nanswer('')\nwhile True: time.sleep(60)"
+    stubborn = program(do)
+    stubborn[-1] = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)" + stubborn[-1]
+    code = (
+        "import os, sys; from sim.controllers.program import Program; "
+        "print(Program(tuple(sys.argv[1:]), None).ask(b'{}\\n' * 3, 10.0)); os.kill(os.getpid(), 9)"
+    )
+    killed = subprocess.run([sys.executable, "-c", code, *stubborn], check=False)
+    assert killed.returncode == -signal.SIGKILL and ends((tmp_path / "pid").read_text())
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (["./no-such-program"], "there is no controller program './no-such-program'; give its path"),
+        ([str(BOUNCE_C)], "is not executable; chmod"),
+        ([], r"must be a list of words, such as \["),
+        ("./mine --flag", r"must be a list of words, such as \["),
+    ],
+)
+def test_a_program_that_is_not_there_is_refused_with_the_way_out(command, message):
+    with pytest.raises(InvalidParameter, match=message):
+        ProcessController(command)
+
+
+def test_a_file_that_is_no_program_is_refused_when_it_is_started(tmp_path):
+    (tmp_path / "garbage").write_bytes(b"\x00\x01\x02")
+    (tmp_path / "garbage").chmod(0o755)
+    with pytest.raises(
+        InvalidParameter, match="cannot be started: Exec format error; is it a program for this machine"
+    ):
+        run([str(tmp_path / "garbage")])
+
+
+@pytest.mark.parametrize(
+    ("limits", "message"),
+    [
+        ({"deadline": 0.0}, r"deadline=0.0 s is outside 0.001 to 3600 s"),
+        ({"start_deadline": float("nan")}, "start_deadline=nan s is outside"),
+        ({"memory_limit": 1000}, "memory_limit=1000 is outside 1048576 to 2\\*\\*62 bytes, or None"),
+    ],
+)
+def test_limits_out_of_range_are_refused(limits, message):
+    with pytest.raises(InvalidParameter, match=message):
+        ProcessController(["sh"], **limits)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("cmd:", "names no program; write cmd:./mine --flag"),
+        ("cmd+deadline=0.2", "is no command; write cmd:./mine --flag"),
+        ("cmd+dedline=1:sh", "no option 'dedline', but deadline, start, memory"),
+        ("cmd+deadline=soon:sh", "deadline='soon' is no number; write seconds"),
+        ("cmd+memory=lots:sh", "memory='lots' is no size; write it like 512M or 4G"),
+        ("cmd:sh 'x", "No closing quotation; quote it as for a shell"),
+    ],
+)
+def test_a_command_line_that_cannot_be_read_is_refused(name, message):
+    with pytest.raises(InvalidParameter, match=message):
+        CONTROLLERS.get(name)
+
+
+def test_a_command_line_is_split_as_a_shell_would_and_carries_its_limits():
+    found = CONTROLLERS.get("cmd+deadline=0.2+start=3+memory=512M:sh -c 'a b' c=d,e+f")
+    assert found.command == ("sh", "-c", "a b", "c=d,e+f")
+    assert (found.limits.deadline, found.limits.start_deadline, found.limits.memory) == (0.2, 3.0, 512 << 20)
+    assert CONTROLLERS.get("cmd+memory=none:sh").limits.memory is None
+
+
+def test_of_a_command_line_only_what_stands_before_the_colon_varies_the_run():
+    scenario = Scenario.parse("cmd+memory=1G+motion=endpoint+time_step=0.03:./mine a+noise --url=x:y+b")
+    assert scenario.controller == "cmd+memory=1G:./mine a+noise --url=x:y+b"
+    assert (scenario.motion, scenario.time_step) == ("endpoint", 0.03)
+    assert Scenario.parse(scenario.label("swept", 0.015)) == scenario
+
+
+def heard(tmp_path, steps):
+    """What a program is told in two episodes, line by line, and how often it was started."""
+    log = tmp_path / "log"
+    code = SERVE.replace("AT", "0").replace('if "reset"', "open(sys.argv[1], 'a').write(line)\n    if \"reset\"")
+    with ProcessController(
+        [*PYTHON, f"open(__import__('sys').argv[1], 'a').write('start\\n')\n{code}", str(log)]
+    ) as one:
+        for _ in range(2):
+            simulate(arena(), one, RunOptions(steps=steps))
+    return log.read_text().splitlines()
+
+
+def test_one_program_serves_many_episodes_and_hears_of_each(tmp_path):
+    lines = heard(tmp_path, steps=2)
+    reset = '{"worldgen":1,"reset":{"time_step":0.015,"top_speed":2.0}}'
+    assert [line if "reset" in line or line == "start" else "" for line in lines] == ["start", *(2 * [reset, "", ""])]
+
+
+def test_a_program_is_told_what_a_python_controller_sees_to_the_last_bit(tmp_path):
+    class Listens:
+        """Notes what it sees."""
+
+        def reset(self):
+            self.seen = []
+            return ()
+
+        def act(self, observation, memory):
+            self.seen.append(observation)
+            return Command(0.1, 0.5), memory
+
+    simulate(arena(), listens := Listens(), RunOptions(steps=20))
+    told = [json.loads(line) for line in heard(tmp_path, steps=20)[2:22]]
+    assert [tuple(line) for line in told] == 20 * [Observation._fields]
+    assert [tuple(line.values()) for line in told] == [tuple(seen) for seen in listens.seen]
+
+
+def test_after_a_failure_the_next_episode_has_a_program_of_its_own(tmp_path):
+    do = f"open({str(tmp_path / 'log')!r}, 'a').write('x')\nsys.exit(1)"
+    with ProcessController(program(do)) as controller:
+        verdicts = [simulate(arena(), controller, RunOptions(steps=9)).verdict for _ in range(3)]
+    assert verdicts == 3 * ["crash"] and (tmp_path / "log").read_text() == "xxx"
+
+
+def test_a_program_that_serves_one_episode_and_ends_is_started_for_each():
+    once = SERVE.replace("AT", "0").replace(
+        "step = 0\n        continue", "step += 1000\n        assert step < 2000\n        continue"
+    )
+    with ProcessController([*PYTHON, once]) as controller:
+        assert {simulate(arena(), controller, RunOptions(steps=3)).verdict for _ in range(3)} <= {"timeout", "stalled"}
+
+
+def test_a_program_that_repeats_itself_for_ever_stalls_for_nothing_is_known_of_its_memory():
+    episode = run(program(), steps=2000)
+    assert (episode.verdict, episode.steps) == ("stalled", 2000)
+
+
+def test_randomness_that_was_used_is_fresh_in_the_next_step(tmp_path):
+    code = """import json, sys
+for line in sys.stdin:
+    seen = json.loads(line)
+    if "random" in seen:
+        print(seen["random"], file=sys.stderr)
+        print(json.dumps({"speed": "x" if len(sys.argv) > 9 else 0, "turn_rate": 0, "used_random": True}), flush=True)
+        sys.argv.append("")
+"""
+    drawn = run([*PYTHON, code, *"1234"]).evidence["stderr"]
+    assert len(drawn) == len(set(drawn)) == 5
+
+
+def test_an_interrupted_run_leaves_no_answer_for_the_next(monkeypatch):
+    with ProcessController(program()) as controller:
+        simulate(arena(), controller, RunOptions(steps=3))
+        running = controller._program
+        monkeypatch.setattr(running, "_receive", interrupt)
+        with pytest.raises(KeyboardInterrupt):
+            simulate(arena(), controller, RunOptions(steps=3))
+        assert running.stopped and simulate(arena(), controller, RunOptions(steps=3)).steps == 3
+
+
+def interrupt(*_):
+    raise KeyboardInterrupt
+
+
+def test_a_program_in_c_drives_as_the_same_rule_in_python(tmp_path):
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("there is no C compiler here (cc, gcc): the protocol is not tried from C")
+    subprocess.run([compiler, "-O2", "-Wall", "-Werror", "-o", tmp_path / "bounce", BOUNCE_C], check=True)
+    world = worldgen("maze", "--size", 20, "--seed", 7, "--out", tmp_path / "w.grid")
+    assert world.code == 0
+    with ProcessController([str(tmp_path / "bounce")]) as in_c:
+        found = simulate(read_world(tmp_path / "w.grid"), in_c, RunOptions(steps=1000), record=True)
+    expected = simulate(read_world(tmp_path / "w.grid"), Bounces(), RunOptions(steps=1000), record=True).trace
+    assert np.array_equal(found.trace.states[: len(expected.states), :4], expected.states[:, :4])
+
+
+class Bounces:
+    """The rule of bounce.c."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        wait = 10.0 if observation.bump else max(memory[0] - 1.0, 0.0)
+        turn = 1.5 if observation.bump else 0.0
+        if wait == 0.0:
+            turn = observation.target_heading - observation.heading
+        return Command(observation.top_speed, turn / observation.time_step), (wait,)
+
+
+FAULTY = """#!{python} -IS
+import json, sys
+for line in sys.stdin:
+    seen = json.loads(line)
+    if "reset" not in seen:
+        if seen["bump"]:
+            print(f"at {{id(seen)}}", file=sys.stderr)
+            {fault}
+        print(json.dumps({{"speed": 1.0, "turn_rate": 0.3}}), flush=True)
+"""
+
+
+def faulty(folder, fault):
+    path = folder / "faulty"
+    path.write_text(FAULTY.format(python=sys.executable, fault=fault))
+    path.chmod(0o755)
+    return f"cmd+deadline=0.2:{path}"
+
+
+def test_a_campaign_finds_shrinks_and_replays_the_crash_of_a_program(tmp_path):
+    options = ("--units", 1, "--examples", 80, "--seed", 1, "--workers", 1, "--out", tmp_path / "out", "--json")
+    result = worldgen("fuzz", "--controller", faulty(tmp_path, "1 / 0"), "--family", "features", *options)
+    found = {failure["class"]: failure for failure in json.loads(result.out)["failures"]}
+    assert result.code == 1 and "crash-exit-1-ZeroDivisionError" in found
+    failure = read_world(Path(found["crash-exit-1-ZeroDivisionError"]["file"])).failure
+    assert failure.details["one_minimal"] and failure.evidence["stderr"][-1] == "ZeroDivisionError: division by zero"
+    assert worldgen("replay", tmp_path / "out").code == 0
+
+
+def test_a_hang_is_found_and_replayed(tmp_path):
+    controller = faulty(tmp_path, "import time; time.sleep(60)")
+    options = ("--units", 1, "--examples", 8, "--seed", 1, "--workers", 1, "--no-shrink", "--family", "features")
+    result = worldgen("fuzz", "--controller", controller, *options, "--out", tmp_path / "out")
+    assert result.code == 1 and (tmp_path / "out" / "hang.grid").exists()
+    assert "hang confirmed" in worldgen("replay", tmp_path / "out" / "hang.grid").out
+
+
+def test_a_replay_without_the_program_says_what_is_missing(tmp_path):
+    options = ("--units", 1, "--examples", 8, "--seed", 1, "--workers", 1, "--no-shrink", "--family", "features")
+    assert worldgen("fuzz", "--controller", faulty(tmp_path, "1 / 0"), *options, "--out", tmp_path / "out").code == 1
+    (tmp_path / "faulty").unlink()
+    CONTROLLERS._loaded.clear()
+    result = worldgen("replay", tmp_path / "out")
+    assert result.code == 1 and "there is no controller program" in result.out and "Traceback" not in result.err
+
+
+def test_a_program_that_never_answers_is_told_before_the_search(tmp_path):
+    result = worldgen("fuzz", "--controller", "cmd+start=0.2:sleep 60", "--out", tmp_path / "out")
+    assert result.code == 2 and "does it flush its output after each line?" in result.err
+
+
+def test_ctrl_c_in_a_campaign_leaves_no_program(tmp_path):
+    note = f"open({str(tmp_path / 'pids')!r}, 'a').write(str(__import__('os').getpid()) + chr(10))"
+    command = [sys.executable, "-c", "from worldgen.cli.main import main; main()", "fuzz", "--workers", "2"]
+    options = ["--controller", faulty(tmp_path, note), "--budget", "10m", "--out", str(tmp_path / "out")]
+    with subprocess.Popen([*command, *options], stderr=subprocess.PIPE) as campaign:
+        try:
+            assert waits_for(lambda: len(pids(tmp_path)) >= 3, 60)  # that of the first try, and the workers'
+        finally:
+            campaign.send_signal(signal.SIGINT)
+            campaign.communicate(timeout=30)
+    assert campaign.returncode == 130 and all(ends(process_id) for process_id in pids(tmp_path))
+
+
+def pids(folder):
+    return set((folder / "pids").read_text().split()) if (folder / "pids").exists() else set()
