@@ -398,11 +398,11 @@ for line in sys.stdin:
 """
 
 
-def faulty(folder, fault):
+def faulty(folder, fault, limits=""):
     path = folder / "faulty"
     path.write_text(FAULTY.format(python=sys.executable, fault=fault))
     path.chmod(0o755)
-    return f"cmd+deadline=0.2:{path}"
+    return f"cmd{limits}:{path}"
 
 
 def test_a_campaign_finds_shrinks_and_replays_the_crash_of_a_program(tmp_path):
@@ -416,7 +416,7 @@ def test_a_campaign_finds_shrinks_and_replays_the_crash_of_a_program(tmp_path):
 
 
 def test_a_hang_is_found_and_replayed(tmp_path):
-    controller = faulty(tmp_path, "import time; time.sleep(60)")
+    controller = faulty(tmp_path, "import time; time.sleep(60)", "+deadline=0.3")
     options = ("--units", 1, "--examples", 8, "--seed", 1, "--workers", 1, "--no-shrink", "--family", "features")
     result = worldgen("fuzz", "--controller", controller, *options, "--out", tmp_path / "out")
     assert result.code == 1 and (tmp_path / "out" / "hang.grid").exists()

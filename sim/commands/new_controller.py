@@ -1,0 +1,115 @@
+"""``worldgen new-controller``: a working example to begin from."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.errors import InvalidParameter, OutputError
+
+__all__ = ["new_controller"]
+
+EXAMPLES = (
+    "\b\n  worldgen new-controller mine --kind python\n"
+    "  worldgen new-controller my-robot --kind process --out robots/\n"
+    "  worldgen new-controller fast --kind compiled --out fast.py --force"
+)
+KINDS = ("compiled", "python", "process")
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("name")
+@click.option(
+    "--kind",
+    type=click.Choice(KINDS),
+    default="python",
+    show_default=True,
+    help="A function that numba compiles, a Python class, or a program of its own that speaks JSON lines.",
+)
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR|FILE", help="Where to write [default: ./NAME.py].")
+@json_option
+@force_option
+def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force: bool) -> None:
+    """Write a working, commented controller to begin from.
+
+    All three kinds drive by the same rule: to the target, and after a bump away from the wall for a while. The
+    compiled one takes millions of steps a second and its loops are proved; the Python class takes a hundred thousand
+    and its loops are proved too; the process may be in any language and hide anything, so it is at most stalled.
+    """
+    import importlib.resources
+
+    word = _word(name)
+    path = _place(out, word, kind)
+    text = importlib.resources.files("sim.examples").joinpath(f"{kind}.py").read_text(encoding="utf-8")
+    write_bytes(path, _renamed(text, word).encode(), force=force)
+    if kind == "process":
+        path.chmod(path.stat().st_mode | 0o111 & ~_umask())
+    controller = _reference(path, word, kind)
+    if as_json:
+        emit_json({"file": str(path), "kind": kind, "controller": controller})
+        return
+    note(f"wrote {path}; next:")
+    click.echo("worldgen maze --size 30 --seed 7 --out w.grid")
+    click.echo(f"worldgen run w.grid --controller {_quoted(controller)} --trail run.png")
+    click.echo(f"worldgen fuzz --controller {_quoted(controller)} --budget 30s --out failures/")
+
+
+def _word(name: str) -> str:
+    """The name as Python takes it."""
+    import keyword
+
+    word = name.replace("-", "_")
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", word) or keyword.iskeyword(word) or keyword.issoftkeyword(word):
+        raise InvalidParameter(
+            f"{name!r} is no name for a controller; take up to 64 letters, digits, - and _, a letter first, "
+            "and no word of Python's own, such as my-robot"
+        )
+    return word
+
+
+def _place(out: Path | None, word: str, kind: str) -> Path:
+    if out is None:
+        return Path(f"{word}.py")
+    if out.is_dir():
+        return out / f"{word}.py"
+    if kind != "process" and out.suffix != ".py":
+        raise OutputError(f"{out} is no folder that is there, and no .py file; make the folder, or name a .py file")
+    return out
+
+
+def _renamed(text: str, word: str) -> str:
+    """The example under another name, without the notes to our own linter."""
+    text = re.sub(r"  # noqa: .*", "", text)
+    return re.sub(r"\bExample\b", _title(word), re.sub(r"\bexample\b", word, text))
+
+
+def _title(word: str) -> str:
+    """The name of a class: ``MyRobot`` for ``my_robot``."""
+    return "".join(part[:1].upper() + part[1:] for part in word.split("_"))
+
+
+def _reference(path: Path, word: str, kind: str) -> str:
+    """How ``--controller`` names it."""
+    import shlex
+
+    place = str(path) if path.is_absolute() or str(path).startswith((".", "~")) else f"./{path}"
+    if kind == "process":
+        return f"cmd:{shlex.quote(place)}"
+    return f"{place}:{_title(word) if kind == 'python' else word}"
+
+
+def _quoted(controller: str) -> str:
+    import shlex
+
+    return shlex.quote(controller)
+
+
+def _umask() -> int:
+    import os
+
+    umask = os.umask(0)
+    os.umask(umask)
+    return umask

@@ -1,0 +1,76 @@
+"""Serves a Python controller as a program: ``python -m sim.host ./mine.py:Robot``.
+
+Behind ``cmd:`` it gives a Python class what a program has: a deadline for each step, a memory limit, a process of its
+own. A class that hangs is then a ``hang``, where in our own process it would hang us; its loops are no longer proved.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+from typing import Any, BinaryIO
+
+from sim.controllers import CONTROLLERS, Command, CompiledController, Observation, ProcessController, PythonController
+from worldgen.errors import InvalidParameter, WorldgenError
+
+__all__ = ["serve"]
+
+
+def serve(controller: PythonController, lines: BinaryIO, answers: BinaryIO) -> None:
+    """Answers observations until there are no more.
+
+    Args:
+        controller: Whoever raises ends this process, as a program that crashes.
+        lines: The protocol's lines.
+        answers: Where the commands go; what the controller prints goes to stderr.
+    """
+    memory: tuple[float, ...] = ()
+    with contextlib.redirect_stdout(sys.stderr):
+        for line in lines:
+            message = json.loads(line)
+            if "reset" in message:
+                memory = controller.reset()
+                continue
+            command, memory = controller.act(_observation(message), memory)
+            answers.write(_answer(Command(*command)))
+            answers.flush()
+
+
+def _observation(message: dict[str, Any]) -> Observation:
+    seen: dict[str, Any] = {name: tuple(item) if isinstance(item, list) else item for name, item in message.items()}
+    return Observation(**seen)
+
+
+def _answer(command: Command) -> bytes:
+    """As it is, nan and infinity included: what is wrong with it, the reader says."""
+    answer: dict[str, Any] = {"speed": float(command.speed), "turn_rate": float(command.turn_rate)}
+    if command.used_random:
+        answer["used_random"] = True
+    return json.dumps(answer).encode() + b"\n"
+
+
+def _load(arguments: list[str]) -> PythonController:
+    if len(arguments) != 1:
+        raise InvalidParameter(f"python -m sim.host takes one controller, such as ./mine.py:Robot, not {arguments}")
+    found = CONTROLLERS.get(arguments[0])
+    if isinstance(found, CompiledController | ProcessController):
+        raise InvalidParameter(f"{arguments[0]} is no Python class; give it to --controller as it is")
+    return found
+
+
+def main() -> None:
+    """Serves the controller that the command line names, in version 1 of the protocol."""
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            controller = _load(sys.argv[1:])
+    except WorldgenError as error:
+        sys.exit(f"sim.host: {error}")
+    serve(controller, sys.stdin.buffer, answers)
+
+
+if __name__ == "__main__":
+    main()
