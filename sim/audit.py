@@ -26,7 +26,7 @@ DEFAULT_TOLERANCE = 1e-6  # m
 LEAST_TOLERANCE = 1e-9  # m: the audit's own precision
 SPEED_TOLERANCE = 1e-6  # share of the speed by which a move may be too fast
 _SLACK = 1 / 256  # of a cell
-_FURTHEST = 1e9  # cells
+_FURTHEST = 1e9  # m, and cells
 _LATEST = 1e12  # s
 
 
@@ -62,8 +62,8 @@ class Trajectory:
         if not (times.ndim == x.ndim == y.ndim == 1 and len(times) == len(x) == len(y)):
             return -1, "trajectory: times, x and y must be flat arrays of one length"
         if len(times) < 2:
-            return -1, f"{len(times)} sample{'' if len(times) == 1 else 's'} make no trajectory; give at least two"
-        for name, values, most in (("t", times, _LATEST), ("x", x, math.inf), ("y", y, math.inf)):
+            return -1, f"a trajectory has at least two samples, not {len(times)}; give more"
+        for name, values, most in (("t", times, _LATEST), ("x", x, _FURTHEST), ("y", y, _FURTHEST)):
             with np.errstate(invalid="ignore"):
                 wrong = np.flatnonzero(~(np.isfinite(values) & (np.abs(values) <= most)))
             if len(wrong):
@@ -93,6 +93,7 @@ class Finding:
         begin: s.
         end: s.
         sample: Number of the last sample at or before the worst place, from 0.
+        speed: m/s; of a ``jump``, at worst: ``inf`` if it took no time.
     """
 
     kind: str
@@ -104,6 +105,7 @@ class Finding:
     begin: float
     end: float
     sample: int
+    speed: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -172,22 +174,16 @@ def audit(
     _check("tolerance", tolerance, LEAST_TOLERANCE)
     _check("slack", slack, 0.0)
     size = world.cell_size
-    far = np.flatnonzero(np.maximum(np.abs(trajectory.x), np.abs(trajectory.y)) / size > _FURTHEST)
-    if len(far):
-        raise InvalidParameter(f"sample {far[0]} is more than 1e9 cells of {size:g} m away; give metres")
+    _check_places(trajectory, size)
     way = Way(world, trajectory.times, trajectory.x, trajectory.y)
     result = scan(way, world.robot_radius / size, tolerance / size, straight=straight)
-    findings = [
-        finding for kind, hits in result.hits.items() for finding in _findings(kind, hits, way, trajectory, size)
-    ]
+    findings = [finding for kind, hits in result.hits.items() for finding in _findings(kind, hits, way, size)]
     findings += _jumps(world, trajectory, slack)
-    off = math.dist((trajectory.x[0], trajectory.y[0]), (world.start.x, world.start.y))
-    strange = off > max(tolerance, slack)
-    if strange and from_start:
-        t, x, y = float(trajectory.times[0]), float(trajectory.x[0]), float(trajectory.y[0])
-        findings.append(Finding("start", t, x, y, off, None, t, t, 0))
+    elsewhere = _elsewhere(world, trajectory, max(tolerance, slack))
+    if from_start:
+        findings += elsewhere
     findings.sort(key=lambda finding: (finding.begin, finding.sample, KINDS.index(finding.kind)))
-    return _report(world, trajectory, way, result, findings, off if strange and not from_start else 0.0)
+    return _report(world, trajectory, way, result, findings, [] if from_start else elsewhere)
 
 
 def _check(name: str, value: float, least: float) -> None:
@@ -195,7 +191,14 @@ def _check(name: str, value: float, least: float) -> None:
         raise InvalidParameter(f"{name}={value} m is out of range; give metres, at least {least:g}")
 
 
-def _findings(kind: str, hits: Hits, way: Way, trajectory: Trajectory, unit: float) -> list[Finding]:
+def _check_places(trajectory: Trajectory, size: float) -> None:
+    with np.errstate(over="ignore"):
+        far = np.flatnonzero(np.maximum(np.abs(trajectory.x), np.abs(trajectory.y)) / size > _FURTHEST)
+    if len(far):
+        raise InvalidParameter(f"sample {far[0]} is more than 1e9 cells of {size:g} m away; give metres")
+
+
+def _findings(kind: str, hits: Hits, way: Way, unit: float) -> list[Finding]:
     t, x, y = way.place(hits.worst)
     begin, end = way.place(hits.begin)[0], way.place(hits.end)[0]
     columns = (t, x, y, hits.depth * unit, hits.ix, hits.iy, begin, end, np.floor(hits.worst).astype(int))
@@ -203,6 +206,13 @@ def _findings(kind: str, hits: Hits, way: Way, trajectory: Trajectory, unit: flo
         Finding(kind, t, x, y, depth, (ix, iy), begin, end, sample)
         for t, x, y, depth, ix, iy, begin, end, sample in zip(*(column.tolist() for column in columns), strict=True)
     ]
+
+
+def _elsewhere(world: World, trajectory: Trajectory, allowed: float) -> list[Finding]:
+    """The first sample, if it is further than ``allowed`` m from the world's start."""
+    t, x, y = float(trajectory.times[0]), float(trajectory.x[0]), float(trajectory.y[0])
+    away = math.dist((x, y), (world.start.x, world.start.y))
+    return [Finding("start", t, x, y, away, None, t, t, 0)] if away > allowed else []
 
 
 def _jumps(world: World, trajectory: Trajectory, slack: float) -> list[Finding]:
@@ -218,16 +228,25 @@ def _jumps(world: World, trajectory: Trajectory, slack: float) -> list[Finding]:
         at = int(worst)
         t, x, y = float(trajectory.times[at]), float(trajectory.x[at]), float(trajectory.y[at])
         span = float(trajectory.times[int(begin)]), float(trajectory.times[int(end)])
-        jumps.append(Finding("jump", t, x, y, float(depth), None, *span, at))
+        lasts = t - float(trajectory.times[at - 1])
+        speed = float(steps[at - 1]) / lasts if lasts > 0.0 else math.inf
+        jumps.append(Finding("jump", t, x, y, float(depth), None, *span, at, speed))
     return jumps
 
 
-def _report(world: World, trajectory: Trajectory, way: Way, result: Scan, findings: list[Finding], off: float) -> Audit:
+def _report(
+    world: World,
+    trajectory: Trajectory,
+    way: Way,
+    result: Scan,
+    findings: list[Finding],
+    elsewhere: list[Finding],
+) -> Audit:
     size, times = world.cell_size, trajectory.times
-    notes = []
-    if off > 0.0:
-        x, y = float(trajectory.x[0]), float(trajectory.y[0])
-        notes.append(f"the first sample ({x:.6g}, {y:.6g}) m is {off:.6g} m away from the world's start")
+    notes = [
+        f"the first sample ({found.x:.6g}, {found.y:.6g}) m is {found.depth:.6g} m away from the world's start"
+        for found in elsewhere
+    ]
     if world.is_dynamic and times[0] != 0.0:
         notes.append(f"the first sample is at {times[0]:.9g} s, and the world changes in seconds from 0 on")
     depth = result.shaved_depth * size

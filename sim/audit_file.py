@@ -119,8 +119,8 @@ def _slow(
             raise FormatError(f"no table: {error}; write plain numbers", line=line, source=source) from None
         if len(fields) <= max(places):
             raise FormatError(
-                f"{len(fields)} fields, and the header puts a number into field {max(places) + 1}; complete the line, "
-                "or leave it out",
+                f"the line ends after field {len(fields)}, and the header has t, x or y in field {max(places) + 1}; "
+                "complete it, or leave it out",
                 line=line,
                 source=source,
             )
@@ -130,10 +130,12 @@ def _slow(
 
 def _number(name: str, text: str, line: int, source: str) -> float:
     try:
+        if "_" in text:  # a number for Python alone
+            raise ValueError
         return float(text)
     except ValueError:
         raise FormatError(
-            f"{name} {text.strip()[:40]!r} is no number; write one such as 1.25, or leave the line out",
+            f"{name} {text.strip()[:40]!r} is no number; write one such as 1.25, with a point, or leave the line out",
             line=line,
             source=source,
         ) from None

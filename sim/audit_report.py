@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 
 import numpy as np
@@ -82,7 +83,8 @@ def _words(world: World, finding: Finding) -> str:
     if finding.kind == "outside":
         return f"the centre is up to {depth} outside the grid"
     if finding.kind == "jump":
-        return f"up to {depth} further in one step than {world.robot_speed:g} m/s allow"
+        speed = f"at {finding.speed:.6g} m/s" if finding.speed < math.inf else "in no time, at infinite speed"
+        return f"up to {depth} further in one step than {world.robot_speed:g} m/s allow, {speed}"
     return f"the first sample is {depth} away from the world's start"
 
 

@@ -21,7 +21,9 @@ PATH = click.Path(path_type=Path)
 @click.command(epilog=EXAMPLES)
 @click.argument("world_path", type=PATH, metavar="WORLD")
 @click.argument("trajectory_path", type=PATH, metavar="TRAJECTORY.csv")
-@click.option("--tolerance", type=float, metavar="M", help="Cut of the disc, m, that is not reported [default: 1e-6].")
+@click.option(
+    "--tolerance", type=float, default=1e-6, show_default=True, metavar="M", help="Cut of the disc, m, left unreported."
+)
 @click.option(
     "--slack", type=float, metavar="M", help="How much further than its speed a step may be, m [default: cell / 256]."
 )
@@ -33,7 +35,7 @@ PATH = click.Path(path_type=Path)
 def audit(
     world_path: Path,
     trajectory_path: Path,
-    tolerance: float | None,
+    tolerance: float,
     slack: float | None,
     straight: bool,
     from_start: bool,
@@ -41,15 +43,12 @@ def audit(
     as_json: bool,
     force: bool,
 ) -> None:
-    """Was a trajectory, recorded in any simulator, possible in this world?
+    """Say whether a trajectory, recorded in any simulator, was possible in a world.
 
-    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; the world's frame: x right, y up); - is stdin. Reported
-    are walls that the centre went through (tunnel) or the disc cut into (overlap), ways outside the grid, jumps faster
-    than the robot's speed, and touched fire. docs/audit.md describes findings, JSON and conversions.
-
-    Exit code 0 if it was possible, 1 if not.
+    TRAJECTORY.csv has a header with columns t, x, y (s, m, m; x right, y up); - is stdin. Reported are walls that the
+    centre went through (tunnel) or the disc cut into (overlap), ways outside the grid, jumps faster than the robot, and
+    touched fire; docs/audit.md tells more. Exit code 0 if it was possible, 1 if not.
     """
-    from sim.audit import DEFAULT_TOLERANCE
     from sim.audit import audit as audit_trajectory
     from sim.audit_file import read_trajectory
     from sim.audit_report import as_json as plain
@@ -57,17 +56,16 @@ def audit(
     from worldgen.files import check_output
     from worldgen.grid_file import read_world
 
+    if picture is not None and picture.suffix != ".png":
+        raise click.UsageError(f"--picture {picture}: name a .png file")
     if picture is not None:
-        if picture.suffix != ".png":
-            raise click.UsageError(f"--picture {picture}: name a .png file")
         check_output(picture, force)
     world, trajectory = read_world(world_path), read_trajectory(trajectory_path)
-    allowed = DEFAULT_TOLERANCE if tolerance is None else tolerance
     result = audit_trajectory(
-        world, trajectory, tolerance=allowed, slack=slack, straight=straight, from_start=from_start
+        world, trajectory, tolerance=tolerance, slack=slack, straight=straight, from_start=from_start
     )
     if as_json:
-        emit_json(plain(result, allowed))
+        emit_json(plain(result, tolerance))
     else:
         click.echo("\n".join(as_lines(world, result)))
     if picture is not None:

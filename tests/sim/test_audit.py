@@ -1,0 +1,452 @@
+"""Audits: a recorded trajectory was possible in a world, or it is said where, when and by how much it was not."""
+
+import io
+import itertools
+import json
+import math
+import sys
+from dataclasses import replace
+from importlib import resources
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from fuzz.failure import scenario_of
+from sim import simulate
+from sim.audit import Trajectory, audit
+from sim.audit_file import parse_trajectory
+from tests.helpers.audit_referee import second_opinion
+from tests.helpers.command_line import worldgen
+from tests.helpers.drawn_worlds import changing_worlds, drawn, still_worlds
+from worldgen import FormatError, InvalidParameter, Pose, Timeline, World, generate, read_world, write_world
+from worldgen.timeline import CellState, Event
+
+FREE, SOLID, BURNING = CellState
+ROOM = drawn("......... ......... ......... ...S.G... ......... ......... .........", radius=0.3, cell_size=1.0)
+
+
+def path(*samples):
+    """A trajectory of samples (t, x, y)."""
+    return Trajectory(*np.array(samples, float).T)
+
+
+def room(*events, walls=(), **changes):
+    """The empty room of 9 x 7 cells of 1 m, disc 0.3 m, with some walls and events."""
+    solid = ROOM.walls.copy()
+    for ix, iy in walls:
+        solid[iy, ix] = True
+    return replace(ROOM, walls=solid, timeline=Timeline.of([Event(*event) for event in events]), **changes)
+
+
+def small_room(size, walls=()):
+    """The same room with cells of another size, m."""
+    start, target = Pose(size, size), replace(ROOM.target, x=size, y=size)
+    return room(walls=walls, start=start, target=target, cell_size=size, robot_radius=0.3 * size)
+
+
+def kinds(world, *samples, **options):
+    options = {"straight": True, "slack": 100.0, **options}
+    return [finding.kind for finding in audit(world, path(*samples), **options).findings]
+
+
+def only(world, *samples, **options):
+    (finding,) = audit(world, path(*samples), **{"straight": True, "slack": 100.0, **options}).findings
+    return finding
+
+
+def recorded(episode, *, corners=False):
+    """An episode as a recording of its steps' ends; with the corners inside steps, at times by their length."""
+    trace, step = episode.trace, episode.trace.time_step
+    times = np.arange(len(trace.x)) * step
+    if not corners:
+        return Trajectory(times, trace.x, trace.y)
+    driven = np.cumsum(np.hypot(np.diff(trace.path_x, prepend=trace.x[0]), np.diff(trace.path_y, prepend=trace.y[0])))
+    last = np.searchsorted(trace.path_step, np.arange(len(trace.x)), side="right") - 1
+    before = np.concatenate([[0.0], driven[last]])[trace.path_step]
+    length = driven[last][trace.path_step] - before
+    share = np.where(length > 0.0, (driven - before) / np.where(length > 0.0, length, 1.0), 1.0)
+    fine = np.where(trace.path_step > 0, (trace.path_step - 1 + share) * step, 0.0)
+    fine[last] = times
+    return Trajectory(fine, trace.path_x, trace.path_y)
+
+
+@st.composite
+def recordings(draw, worlds):
+    """A world, and a wild trajectory in and around it: on corners, on faces, anywhere; some samples at one time."""
+    world = draw(worlds)
+    side, count = world.cell_size, draw(st.integers(2, 8))
+    grain = draw(st.sampled_from([1, 2, 50]))
+
+    def places(cells):
+        reach = st.integers(-grain, (cells + 1) * grain)
+        return [round(n * side / grain, 9) for n in draw(st.lists(reach, min_size=count, max_size=count))]
+
+    steps = draw(st.lists(st.integers(0, 3), min_size=count, max_size=count))
+    return world, Trajectory(np.cumsum(steps) / 4.0, places(world.width), places(world.height))
+
+
+@given(recordings(still_worlds() | changing_worlds()))
+def test_clearance_and_depths_are_those_that_shapely_measures(recording):
+    world, trajectory = recording
+    result, opinion = audit(world, trajectory, straight=True), second_opinion(world, trajectory)
+    assert result.clearance == pytest.approx(opinion.clearance, abs=1e-9)
+    for kind, depth in opinion.depth.items():
+        found = max((finding.depth for finding in result.findings if finding.kind == kind), default=0.0)
+        assert found == pytest.approx(depth if depth > 2e-6 else found, abs=1e-9)
+        assert found == 0.0 or depth > 0.9e-6
+
+
+@given(recordings(still_worlds() | changing_worlds()))
+def test_every_move_that_shapely_sees_inside_a_wall_is_in_a_finding(recording):
+    world, trajectory = recording
+    result, opinion = audit(world, trajectory, straight=True), second_opinion(world, trajectory)
+    for kind, moves in (("tunnel", opinion.inside), ("outside", opinion.beyond)):
+        spans = [(finding.begin, finding.end) for finding in result.findings if finding.kind == kind]
+        for begin, end in ((trajectory.times[move], trajectory.times[move + 1]) for move in moves):
+            assert any(low <= end + 1e-9 and high >= begin - 1e-9 for low, high in spans)
+        assert moves or all(finding.depth <= 2e-7 or on_a_face(world, finding) for finding in result.findings
+                            if finding.kind == kind)  # fmt: skip
+
+
+def on_a_face(world, finding):
+    """Whether the centre is between two cells, where shapely sees the inside of neither."""
+    return any(abs(place / world.cell_size - round(place / world.cell_size)) < 1e-6 for place in (finding.x, finding.y))
+
+
+@given(recordings(still_worlds() | changing_worlds()))
+def test_a_finding_names_a_place_of_the_trajectory_and_its_distance_to_the_cell(recording):
+    world, trajectory = recording
+    for finding in audit(world, trajectory, straight=True).findings:
+        assert finding.begin <= finding.t <= finding.end
+        if finding.kind in ("overlap", "burned"):
+            (ix, iy), side = finding.cell, world.cell_size
+            dx = 0.0 if ix in (-1, world.width) else max(ix * side - finding.x, 0.0, finding.x - (ix + 1) * side)
+            dy = 0.0 if iy in (-1, world.height) else max(iy * side - finding.y, 0.0, finding.y - (iy + 1) * side)
+            assert ix in (-1, world.width) or iy in (-1, world.height) or finding.depth == pytest.approx(
+                world.robot_radius - math.hypot(dx, dy), abs=1e-9)  # fmt: skip
+
+
+def test_through_a_wall_is_a_tunnel_from_face_to_face():
+    found = [f for f in audit(room(walls=[(4, 3)]), path((0, 2.5, 3.5), (4, 6.5, 3.5))).findings if f.kind == "tunnel"]
+    assert [(f.begin, f.end, f.t, f.x, f.y, f.depth, f.cell) for f in found] == [(1.5, 2.5, 2.0, 4.5, 3.5, 0.5, (4, 3))]
+
+
+def test_three_walls_in_one_step_are_three_tunnels():
+    world = room(walls=[(2, 3), (4, 3), (6, 3)], robot_radius=0.01)
+    assert kinds(world, (0, 0.5, 3.5), (1, 8.5, 3.5)).count("tunnel") == 3
+
+
+def test_a_wall_of_many_cells_is_one_tunnel():
+    assert kinds(room(walls=[(3, 3), (4, 3), (5, 3)]), (0, 0.5, 3.4), (1, 8.5, 3.6)).count("tunnel") == 1
+
+
+@pytest.mark.parametrize("size", [1.0, 0.1, 0.3])
+def test_along_the_face_of_a_wall_the_centre_is_in_no_wall(size):
+    world = small_room(size, [(2, 3), (3, 3), (4, 3)])
+    samples = [(t, round(t * size, 9), round(4 * size, 9)) for t in range(1, 8)]
+    assert kinds(world, *samples) == ["overlap"]
+
+
+@pytest.mark.parametrize("size", [1.0, 0.1, 0.3])
+def test_along_the_face_between_two_solid_cells_the_centre_is_in_the_wall(size):
+    world = small_room(size, [(4, 3), (4, 2)])
+    found = [
+        f
+        for f in audit(world, path((0, size, round(3 * size, 9)), (4, 7 * size, round(3 * size, 9)))).findings
+        if f.kind == "tunnel"
+    ]
+    assert [f.depth for f in found] == [pytest.approx(0.5 * size)]
+
+
+def test_a_line_through_the_corner_of_a_cell_is_no_tunnel():
+    assert kinds(room(walls=[(4, 3)]), (0, 3.0, 3.0), (1, 5.0, 5.0)) == ["overlap"]
+
+
+def test_of_two_lines_a_billionth_apart_the_one_inside_is_a_tunnel():
+    world = room(walls=[(4, 3)])
+    assert "tunnel" in kinds(world, (0, 2.5, 3.0 + 1e-10), (1, 6.5, 3.0 + 1e-10))
+    assert "tunnel" not in kinds(world, (0, 2.5, 3.0 - 1e-10), (1, 6.5, 3.0 - 1e-10))
+
+
+def test_a_cell_that_falls_shut_behind_the_robot_is_no_tunnel_and_one_that_falls_on_it_is():
+    drive = ((0, 2.5, 3.5), (4, 6.5, 3.5))  # the centre is in cell 4 from 1.5 to 2.5 s
+    assert "tunnel" not in kinds(room((2.5, 4, 3, SOLID)), *drive)
+    assert "tunnel" in kinds(room((2.499, 4, 3, SOLID)), *drive)
+    assert "tunnel" not in kinds(room((1.5, 4, 3, FREE), walls=[(4, 3)]), *drive)
+    assert "tunnel" in kinds(room((1.501, 4, 3, FREE), walls=[(4, 3)]), *drive)
+
+
+def test_an_event_parts_a_step_at_its_very_time():
+    found = only(room((1.0, 4, 3, SOLID), (1.25, 4, 3, FREE)), (0, 3.5, 3.5), (2, 4.1, 3.5))
+    assert (found.kind, found.begin, found.end, found.t) == ("overlap", 1.0, 1.25, 1.25)
+    assert found.depth == pytest.approx(0.3 + 3.875 - 4.0)
+
+
+def test_a_cell_that_is_solid_time_and_again_is_a_finding_each_time():
+    world = room(*[(float(t), 4, 3, SOLID if t % 2 else FREE) for t in range(1, 9)])
+    assert kinds(world, (0, 3.9, 3.5), (10, 3.9, 3.5)) == ["overlap"] * 4
+
+
+def test_a_touched_fire_is_burned_by_how_deep_the_disc_is_in_it():
+    found = only(room((1.0, 4, 3, BURNING)), (0, 3.8, 3.5), (2, 3.8, 3.5))
+    assert (found.kind, found.begin, found.end, found.cell) == ("burned", 1.0, 2.0, (4, 3))
+    assert found.depth == pytest.approx(0.1)
+
+
+def test_what_burned_before_the_robot_came_does_it_no_harm():
+    assert kinds(room((0.0, 4, 3, BURNING), (1.0, 4, 3, FREE)), (0, 2.5, 3.5), (1, 3.5, 3.5), (2, 6.5, 3.5)) == []
+
+
+def test_an_overlap_is_radius_less_distance_and_counts_beyond_the_tolerance():
+    world = room(walls=[(4, 3)])
+    assert only(world, (0, 1.5, 2.8), (1, 7.5, 2.8)).depth == pytest.approx(0.1, abs=1e-12)
+    assert kinds(world, (0, 1.5, 2.8), (1, 7.5, 2.8), tolerance=0.1001) == []
+    assert kinds(world, (0, 1.5, 2.7 + 1e-8), (1, 7.5, 2.7 + 1e-8)) == []
+
+
+def test_an_overlap_begins_and_ends_where_the_disc_meets_the_wall():
+    found = only(room(walls=[(4, 3)]), (0, 1.5, 2.76), (6, 7.5, 2.76), tolerance=1e-9)
+    reach = math.sqrt(0.3**2 - 0.24**2)
+    assert (found.begin, found.end) == pytest.approx((2.5 - reach, 3.5 + reach), abs=1e-6)
+
+
+@pytest.mark.parametrize("count", [3, 200_000])
+def test_a_long_slide_along_a_wall_is_one_finding(count):
+    world = room(walls=[(ix, 3) for ix in range(9)])
+    x = np.linspace(1.0, 8.0, count)
+    (found,) = audit(world, Trajectory(np.arange(count) * 10.0, x, np.full(count, 2.9))).findings
+    assert (found.kind, found.begin, found.end) == ("overlap", 0.0, 10.0 * (count - 1))
+    assert found.depth == pytest.approx(0.2) and found.t == 0.0
+
+
+def test_two_cuts_with_a_clear_stretch_between_are_two_findings():
+    world = room(walls=[(2, 3), (6, 3)])
+    assert [f.cell for f in audit(world, path((0, 1.0, 2.8), (8, 8.0, 2.8))).findings] == [(2, 3), (6, 3)]
+
+
+def test_beyond_the_grid_is_outside_by_its_distance_and_the_border_is_inside():
+    found = [f for f in audit(ROOM, path((0, 8.0, 3.5), (4, 10.0, 3.5), (8, 8.0, 3.5))).findings if f.kind == "outside"]
+    assert [(f.begin, f.end, f.t, f.depth) for f in found] == [(2.0, 6.0, 4.0, 1.0)]
+    assert "outside" not in kinds(small_room(0.1), (0, 0.5, 0.5), (1, 0.9, 0.7))
+
+
+def test_faster_than_the_robot_is_a_jump_by_what_is_too_far():
+    found = only(ROOM, (0, 1.5, 3.5), (1, 3.5, 3.5), (2, 6.5, 3.5), (3, 7.5, 3.5), slack=0.0)
+    assert (found.kind, found.begin, found.end, found.t, found.x) == ("jump", 1.0, 2.0, 2.0, 6.5)
+    assert found.depth == pytest.approx(1.0) and found.speed == pytest.approx(3.0)
+
+
+def test_two_places_at_one_time_are_a_jump_at_infinite_speed():
+    found = only(ROOM, (0, 1.5, 3.5), (0, 2.5, 3.5), (9, 2.5, 3.5), slack=0.0)
+    assert (found.kind, found.depth, found.speed) == ("jump", 1.0, math.inf)
+
+
+def test_rounded_places_may_be_a_little_too_far_apart():
+    drive = ((0, 1.5, 3.5), (1, 3.503, 3.5))
+    assert kinds(ROOM, *drive, slack=None) == [] and kinds(ROOM, *drive, slack=0.002) == ["jump"]
+
+
+def test_another_start_is_a_note_or_a_finding():
+    elsewhere = path((0, 2.5, 3.5), (1, 2.5, 3.5))
+    result = audit(ROOM, elsewhere)
+    assert result.ok and "1 m away from the world's start" in result.notes[0]
+    (found,) = audit(ROOM, elsewhere, from_start=True).findings
+    assert (found.kind, found.depth) == ("start", 1.0)
+
+
+def test_a_corner_cut_between_clear_close_samples_is_a_note_unless_the_robot_went_straight():
+    round_it = [(4.0 + 0.301 * math.cos(angle), 3.0 + 0.301 * math.sin(angle)) for angle in np.radians([200, 250])]
+    trajectory = path((0, 3.6, 3.2), (1, *round_it[0]), (2, *round_it[1]), (3, 4.3, 2.6))
+    result = audit(room(walls=[(4, 3)]), trajectory)
+    assert result.ok and result.shaved == 1
+    assert result.shaved_depth == pytest.approx(0.3 - 0.301 * math.cos(math.radians(25.0)), abs=1e-9)
+    assert "--straight" in result.notes[-1]
+    assert [f.kind for f in audit(room(walls=[(4, 3)]), trajectory, straight=True).findings] == ["overlap"]
+
+
+def test_a_cut_between_samples_further_apart_than_the_radius_counts():
+    assert kinds(room(walls=[(4, 3)]), (0, 3.5, 3.0), (1, 4.4, 2.6), straight=False) == ["overlap"]
+
+
+@given(recordings(still_worlds()))
+def test_the_target_is_reached_when_the_line_enters_its_disc(recording):
+    world, trajectory = recording
+    reached = audit(world, trajectory).reached
+    fine = np.linspace(trajectory.times[0], trajectory.times[-1], 2001)
+    where = [np.interp(fine, trajectory.times, values) for values in (trajectory.x, trajectory.y)]
+    near = np.hypot(where[0] - world.target.x, where[1] - world.target.y) <= world.target.radius * (1 - 1e-9)
+    assert not near.any() or (reached is not None and reached <= fine[near][0] + 1e-9)
+
+
+def test_figures_are_length_duration_and_arrival():
+    result = audit(ROOM, path((0, 3.5, 3.5), (1, 5.45 - 1.0, 3.5), (3, 5.45, 3.5)))
+    assert (result.path_length, result.duration, result.samples) == (pytest.approx(1.95), 3.0, 3)
+    assert result.reached == pytest.approx(3.0) and result.clearance == pytest.approx(3.5)
+
+
+@pytest.mark.parametrize("family", ["maze", "trap", "corridor"])
+@pytest.mark.parametrize("controller", ["turn-left", "turn-random"])
+def test_what_swept_drives_is_possible(family, controller):
+    for seed in range(4):
+        world = generate(family, seed=seed)
+        episode = simulate(world, controller, steps=2000, seed=seed, record=True)
+        assert audit(world, recorded(episode), from_start=True).findings == ()
+        result = audit(world, recorded(episode, corners=True), straight=True)
+        assert result.findings == () and result.clearance >= world.robot_radius - 1e-9
+        assert (result.reached is not None) == (episode.verdict == "reached")
+
+
+@pytest.mark.parametrize("name", ["thesis-1-back-off", "thesis-2-back-off", "thesis-2-slide", "thesis-1-slide"])
+def test_a_tunnel_of_stepped_is_found_in_the_same_step(name):
+    world = read_world(resources.files("corpora") / "thesis-faults" / f"{name}.grid")
+    record, options = scenario_of(world)
+    episode = simulate(world, record.controller, options, record=True)
+    assert_same_step(world, episode)
+
+
+def test_a_tunnel_of_endpoint_is_found_in_the_same_step():
+    seen = 0
+    for family, seed in itertools.product(("corridor", "maze", "trap"), range(8)):
+        world = generate(family, seed=seed)
+        episode = simulate(world, "turn-left", motion="endpoint", time_step=0.3, steps=1500, record=True)
+        if episode.verdict == "tunnel":
+            assert_same_step(world, episode)
+            seen += 1
+    assert seen >= 5
+
+
+def assert_same_step(world, episode):
+    assert episode.verdict == "tunnel"
+    step, trajectory = episode.evidence["step"], recorded(episode)
+    begin, end = trajectory.times[step - 1], trajectory.times[step]
+    tunnels = [f for f in audit(world, trajectory).findings if f.kind in ("tunnel", "outside")]
+    assert any(finding.begin <= end and finding.end >= begin for finding in tunnels)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("", 1, "no column 't'"),
+        ("time,x,y\n0,1,1\n", 1, r"the header \(time, x, y\) has no column 't'"),
+        ("t,x,y,x\n0,1,1,1\n", 1, "two columns 'x'"),
+        ("t,x,y\n", None, "at least two samples, not 0"),
+        ("t,x,y\n0,1,1\n", None, "at least two samples, not 1"),
+        ("t,x,y\n0,1,1\n\n1,1\n", 4, "the line ends after field 2"),
+        ("t,x,y\n0,1,1\n1,one,1\n", 3, "x 'one' is no number"),
+        ("t;x;y\n0;1;1\n1;1,5;1\n", 3, "with a point"),
+        ("t,x,y\n0,1,1\n1,1_0,1\n", 3, "x '1_0' is no number"),
+        ('t,x,y\n0,1,1\n1,"1,1\n', 3, "no table"),
+        ("t,x,y\n\n0,1,1\n1,nan,1\n", 4, "x = nan is no number of metres"),
+        ("t,x,y\n0,1,1\ninf,1,1\n", 3, "t = inf is no number of seconds"),
+        ("t,x,y\n0,1,1\n1,1,-1e300\n", 3, "or too large"),
+        ("t,x,y\n0,1,1\n\n2,1,1\n1.5,1,1\n", 5, "t = 1.5 s comes after 2.0 s; sort"),
+    ],
+)
+def test_a_recording_that_cannot_be_read_is_named_with_its_line(text, line, message):
+    with pytest.raises(FormatError, match=message) as raised:
+        parse_trajectory(text, "bad.csv")
+    assert raised.value.line == line
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t,x,y,heading\n0,1.5,2,0.1\n0.5,3,4,nan\n",
+        "y;t;note;x\n2;0;a;1.5\n4;0.5;;3\n",
+        "t\tx\ty\n0\t1.5\t2\n0.5\t3\t4\n",
+        "\n# T, X , Y\n\n0, 1.5, 2\n\n  0.5, 3, 4",
+        't,x,y\r\n0,1.5,2\r\n"0.5","3","4"\r\n',
+        "t,x,y\r0,1.5,2\r0.5,3,4\r",
+    ],
+)
+def test_columns_go_by_name_whatever_stands_between(text):
+    read = parse_trajectory(text, "good.csv")
+    assert [list(values) for values in (read.times, read.x, read.y)] == [[0.0, 0.5], [1.5, 3.0], [2.0, 4.0]]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [({"tolerance": 0.0}, "tolerance=0.0 m is out of range"), ({"tolerance": math.nan}, "tolerance=nan"),
+     ({"slack": -1.0}, "slack=-1.0 m is out of range")],
+)  # fmt: skip
+def test_options_out_of_range_are_refused(options, message):
+    with pytest.raises(InvalidParameter, match=message):
+        audit(ROOM, path((0, 1, 1), (1, 1, 1)), **options)
+
+
+def test_places_beyond_all_cells_are_refused():
+    tiny = World(ROOM.walls, replace(ROOM.start, x=0.0, y=0.0), replace(ROOM.target, x=0.0, y=0.0), cell_size=1e-300)
+    with pytest.raises(InvalidParameter, match="sample 0 is more than 1e9 cells"):
+        audit(tiny, path((0, 1, 1), (1, 1, 1)))
+
+
+@pytest.fixture
+def files(tmp_path):
+    write_world(room(walls=[(5, 3)]), tmp_path / "w.grid")
+    (tmp_path / "clean.csv").write_bytes(b"\xef\xbb\xbft,x,y\r\n0,3.5,3.5\r\n1,3.5,5.0\r\n")
+    (tmp_path / "bad.csv").write_text("t,x,y\n0,3.5,3.5\n2,7.5,3.5\n3,7.5,3.5\n")
+    return tmp_path
+
+
+def test_the_command_says_possible_and_ends_with_0(files):
+    result = worldgen("audit", files / "w.grid", files / "clean.csv")
+    assert result.code == 0 and result.out.startswith("possible: 2 samples, 1 s, 1.5 m, target not reached; least ")
+
+
+def test_the_command_says_what_was_not_possible_and_ends_with_1(files):
+    result = worldgen("audit", files / "w.grid", files / "bad.csv")
+    assert result.code == 1
+    assert [line.split()[0] for line in result.out.splitlines()] == ["overlap", "tunnel", "not"]
+    assert (
+        "tunnel 0.75 to 1.25 s: the centre is up to 0.5 m deep in cell (5, 3), at t = 1 s, (5.5, 3.5) m" in result.out
+    )
+    assert "not possible, 1 tunnel, 1 overlap: 3 samples" in result.out
+
+
+def test_json_has_the_promised_keys(files):
+    result = worldgen("audit", files / "w.grid", files / "bad.csv", "--json")
+    found = json.loads(result.out)
+    assert result.code == 1 and found["ok"] is False
+    assert set(found) == {
+        "ok", "findings", "notes", "samples", "reached", "path_length", "duration", "clearance", "nearest", "shaved",
+        "shaved_depth", "tolerance",
+    }  # fmt: skip
+    tunnel = found["findings"][1]
+    assert tunnel == {"kind": "tunnel", "t": 1.0, "x": 5.5, "y": 3.5, "depth": 0.5, "cell": [5, 3], "t_begin": 0.75,
+                      "t_end": 1.25, "sample": 0}  # fmt: skip
+
+
+def test_a_minus_reads_from_stdin(files, monkeypatch):
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO((files / "bad.csv").read_bytes())))
+    assert worldgen("audit", files / "w.grid", "-").code == 1
+
+
+def test_the_picture_marks_the_tunnel(files):
+    out = files / "a.png"
+    result = worldgen("audit", files / "w.grid", files / "bad.csv", "--picture", out)
+    drawn_pixels = np.asarray(Image.open(out).convert("RGB")).reshape(-1, 3)
+    clean = worldgen("audit", files / "w.grid", files / "clean.csv", "--picture", files / "b.png")
+    clean_pixels = np.asarray(Image.open(files / "b.png").convert("RGB")).reshape(-1, 3)
+    purple = np.array([0xCC, 0x79, 0xA7])
+    assert (result.code, clean.code) == (1, 0)
+    assert (drawn_pixels == purple).all(axis=1).any() and not (clean_pixels == purple).all(axis=1).any()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["{}/w.grid", "{}/none.csv"], "none.csv: cannot be read"),
+        (["{}/none.grid", "{}/bad.csv"], "none.grid"),
+        (["{}/w.grid", "{}"], "cannot be read"),
+        (["{}/w.grid", "{}/bad.csv", "--picture", "a.svg"], "name a .png file"),
+        (["{}/w.grid", "{}/bad.csv", "--tolerance", "0"], "at least 1e-09"),
+        (["{}/w.grid", "{}/w.grid"], "no column 't'"),
+    ],
+)
+def test_bad_input_is_one_line(files, arguments, message):
+    result = worldgen("audit", *(text.format(files) for text in arguments))
+    assert result.code == 2 and message in result.err and "Traceback" not in result.err
