@@ -7,6 +7,7 @@ import math
 import sys
 from dataclasses import replace
 from importlib import resources
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,7 +18,7 @@ from PIL import Image
 
 from fuzz.failure import scenario_of
 from sim import simulate
-from sim.audit import Trajectory, audit
+from sim.audit import KINDS, Trajectory, audit
 from sim.audit_file import parse_trajectory
 from tests.helpers.audit_referee import second_opinion
 from tests.helpers.command_line import worldgen
@@ -418,6 +419,12 @@ def test_json_has_the_promised_keys(files):
     tunnel = found["findings"][1]
     assert tunnel == {"kind": "tunnel", "t": 1.0, "x": 5.5, "y": 3.5, "depth": 0.5, "cell": [5, 3], "t_begin": 0.75,
                       "t_end": 1.25, "sample": 0}  # fmt: skip
+
+
+def test_the_page_names_every_key_and_kind(files):
+    page = (Path(__file__).parents[2] / "docs" / "audit.md").read_text(encoding="utf-8")
+    found = json.loads(worldgen("audit", files / "w.grid", files / "bad.csv", "--json").out)
+    assert all(f"`{name}`" in page for name in (*found, *found["findings"][0], *KINDS))
 
 
 def test_a_minus_reads_from_stdin(files, monkeypatch):
