@@ -6,6 +6,7 @@ import math
 from collections import Counter
 
 import numpy as np
+import numpy.typing as npt
 
 from sim.audit import KINDS, Audit, Finding, Trajectory
 from worldgen import render
@@ -14,10 +15,12 @@ from worldgen.world import World
 
 __all__ = ["as_json", "as_lines", "draw"]
 
+Floats = npt.NDArray[np.float64]
+
 _MOST_LINES = 40
 _MOST_MARKS = 400  # of a kind; more hide the picture
 _MARKS: dict[str, MarkKind] = {"tunnel": "tunnel", "outside": "tunnel", "overlap": "overlap", "burned": "overlap"}
-_POINTS_PER_CELL = 32  # of a drawn line: finer than a pixel in any picture
+_SHARE_OF_A_PIXEL = 0.125  # points of the way that are nearer are drawn as one
 _NOUNS = {
     "tunnel": ("tunnel", "tunnels"), "overlap": ("overlap", "overlaps"), "outside": ("way outside", "ways outside"),
     "jump": ("jump", "jumps"), "burned": ("touch of fire", "touches of fire"), "start": ("other start", "other starts"),
@@ -107,28 +110,31 @@ def _figures(world: World, audit: Audit) -> str:
 
 
 def draw(world: World, trajectory: Trajectory, audit: Audit, name: str) -> bytes:
-    """The world, the trajectory and the findings, as the bytes of a PNG file."""
+    """The world, the trajectory and the findings, as the bytes of a PNG file; what is outside stands on the border."""
+    frame = render.Frame.of(world)
+    beside = 0.5 * frame.band / frame.scale
+    width, height = world.width * world.cell_size + beside, world.height * world.cell_size + beside
     marks = []
     for kind, mark in _MARKS.items():
-        own = [finding for finding in audit.findings if finding.kind == kind]
-        marks += [render.Mark(*_on_map(world, finding.x, finding.y), mark) for finding in own[:_MOST_MARKS]]
-    x, y = _drawable(world, trajectory)
-    return render.draw_png(world, trail=render.Trail(x, y, None, marks), title=f"{name}: {_verdict(audit)}")
-
-
-def _on_map(world: World, x: float, y: float) -> tuple[float, float]:
-    """The place, or the nearest one that is just beside the map."""
-    side = 0.4 * world.cell_size
-    width, height = world.width * world.cell_size, world.height * world.cell_size
-    return min(max(x, -side), width + side), min(max(y, -side), height + side)
-
-
-def _drawable(world: World, trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
-    """The way without points that no picture tells apart, and without what is far off the map."""
-    side, size = 0.4 * world.cell_size, (world.width * world.cell_size, world.height * world.cell_size)
-    x, y = (np.clip(v, -side, s + side) for v, s in zip((trajectory.x, trajectory.y), size, strict=True))
-    grain = max(size) / max(world.width, world.height) / _POINTS_PER_CELL
-    cells = np.round(np.stack([x, y]) / grain)
-    fresh = np.concatenate([[True], (np.diff(cells, axis=1) != 0).any(axis=0)])
+        own = [finding for finding in audit.findings if finding.kind == kind][:_MOST_MARKS]
+        places = [(min(max(at.x, -beside), width), min(max(at.y, -beside), height)) for at in own]
+        marks += [render.Mark(x, y, mark) for x, y in places]
+    x, y = _cut_off(trajectory.x, trajectory.y, (-beside, width), (-beside, height))
+    grain = _SHARE_OF_A_PIXEL / frame.scale
+    pixels = np.round(np.stack([x, y]) / grain)
+    fresh = np.concatenate([[True], (np.diff(pixels, axis=1) != 0).any(axis=0)])
     fresh[-1] = True
-    return x[fresh], y[fresh]
+    return render.draw_png(
+        world, trail=render.Trail(x[fresh], y[fresh], None, marks), title=f"{name}: {_verdict(audit)}"
+    )
+
+
+def _cut_off(x: Floats, y: Floats, x_range: tuple[float, float], y_range: tuple[float, float]) -> tuple[Floats, Floats]:
+    """The way with points where it crosses the lines of a box's sides; what is outside runs along the sides."""
+    places = [np.arange(len(x), dtype=np.float64)]
+    for values, ends in ((x, x_range), (y, y_range)):
+        for end in ends:
+            rows = np.flatnonzero((values[:-1] < end) != (values[1:] < end))
+            places.append(rows + (end - values[rows]) / (values[rows + 1] - values[rows]))
+    at, samples = np.sort(np.concatenate(places)), places[0]
+    return np.clip(np.interp(at, samples, x), *x_range), np.clip(np.interp(at, samples, y), *y_range)
