@@ -69,12 +69,14 @@ class LazyGroup(click.Group):
 
 # One line per command of our own, so that --help need not import them; tests hold it against the commands.
 _SUMMARY = {
+    "audit": "Say whether a trajectory, recorded in any simulator, was possible in a world.",
     "compare": "Run controllers in many worlds and print one table of times, failures, best and worst.",
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
     "find": "Find a world in which given controllers have given outcomes, or come as near as the budget allows.",
     "export": "Write a world in another program's format.",
     "fuzz": "Search for worlds in which a controller fails; prove, shrink and save what is found.",
     "import": "Read a foreign map and place start and target.",
+    "new-controller": "Write a working, commented controller to begin from.",
     "replay": "Run saved failures again and compare verdict, evidence, trace digest and certificate.",
     "run": "Run a controller in a world and say how it ends.",
     "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
