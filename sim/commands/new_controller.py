@@ -52,7 +52,7 @@ def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force:
         emit_json({"file": str(path), "kind": kind, "controller": controller})
         return
     note(f"wrote {path}; next:")
-    click.echo("worldgen maze --size 30 --seed 7 --out w.grid")
+    click.echo("worldgen trap --size 20 --seed 4 --out w.grid")
     click.echo(f"worldgen run w.grid --controller {_quoted(controller)} --trail run.png")
     click.echo(f"worldgen fuzz --controller {_quoted(controller)} --budget 30s --out failures/")
 

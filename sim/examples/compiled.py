@@ -16,7 +16,7 @@ from sim.kernels import layout
 Floats = npt.NDArray[np.float64]
 
 TURN = 1.5  # rad, counter-clockwise, after each bump
-PATIENCE = 10.0  # steps for which it drives on before it looks at the target again
+PATIENCE = 20.0  # steps for which it drives on before it looks at the target again
 WAITING = 0  # what stands where in the memory: the steps still to drive on
 
 

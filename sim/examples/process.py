@@ -15,7 +15,7 @@ import sys
 from typing import Any
 
 TURN = 1.5  # rad, counter-clockwise, after each bump
-PATIENCE = 10  # steps for which it drives on before it looks at the target again
+PATIENCE = 20  # steps for which it drives on before it looks at the target again
 
 
 class Robot:

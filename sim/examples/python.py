@@ -16,7 +16,7 @@ class Example:
     """Drives to the target; after a bump turns away and drives straight on for a while."""
 
     turn: float = 1.5  # rad, counter-clockwise, after each bump
-    patience: int = 10  # steps for which it drives on before it looks at the target again
+    patience: int = 20  # steps for which it drives on before it looks at the target again
 
     def reset(self) -> tuple[float, ...]:
         """Memory at the start of a run: here the steps still to drive on."""

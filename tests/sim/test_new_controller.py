@@ -52,8 +52,8 @@ def test_all_three_kinds_drive_the_same_way(tmp_path):
 def test_the_lines_that_are_printed_work_as_they_are(kind, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     lines = [shlex.split(line) for line in make("mine", "--kind", kind).splitlines()]
-    assert [line[:2] for line in lines] == [["worldgen", command] for command in ("maze", "run", "fuzz")]
-    assert worldgen(*lines[0][1:]).code == 0 and worldgen(*lines[1][1:]).code == 1
+    assert [line[:2] for line in lines] == [["worldgen", command] for command in ("trap", "run", "fuzz")]
+    assert worldgen(*lines[0][1:]).code == 0 and worldgen(*lines[1][1:]).code == 0
     assert (tmp_path / "run.png").exists()
 
 
