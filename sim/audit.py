@@ -180,8 +180,7 @@ def audit(
     findings = [finding for kind, hits in result.hits.items() for finding in _findings(kind, hits, way, size)]
     findings += _jumps(world, trajectory, slack)
     elsewhere = _elsewhere(world, trajectory, max(tolerance, slack))
-    if from_start:
-        findings += elsewhere
+    findings += elsewhere if from_start else []
     findings.sort(key=lambda finding: (finding.begin, finding.sample, KINDS.index(finding.kind)))
     return _report(world, trajectory, way, result, findings, [] if from_start else elsewhere)
 

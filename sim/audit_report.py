@@ -13,7 +13,7 @@ from worldgen import render
 from worldgen.render.overlay import MarkKind
 from worldgen.world import World
 
-__all__ = ["as_json", "as_lines", "draw"]
+__all__ = ["as_lines", "as_object", "draw"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -27,7 +27,7 @@ _NOUNS = {
 }  # fmt: skip
 
 
-def as_json(audit: Audit, tolerance: float) -> dict[str, object]:
+def as_object(audit: Audit, tolerance: float) -> dict[str, object]:
     """What ``--json`` prints."""
     t, x, y = audit.nearest
     return {

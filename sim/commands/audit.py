@@ -51,8 +51,7 @@ def audit(
     """
     from sim.audit import audit as audit_trajectory
     from sim.audit_file import read_trajectory
-    from sim.audit_report import as_json as plain
-    from sim.audit_report import as_lines, draw
+    from sim.audit_report import as_lines, as_object, draw
     from worldgen.files import check_output
     from worldgen.grid_file import read_world
 
@@ -65,7 +64,7 @@ def audit(
         world, trajectory, tolerance=tolerance, slack=slack, straight=straight, from_start=from_start
     )
     if as_json:
-        emit_json(plain(result, tolerance))
+        emit_json(as_object(result, tolerance))
     else:
         click.echo("\n".join(as_lines(world, result)))
     if picture is not None:

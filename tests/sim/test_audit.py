@@ -77,17 +77,21 @@ def recorded(episode, *, corners=False):
 
 @st.composite
 def recordings(draw, worlds):
-    """A world, and a wild trajectory in and around it: on corners, on faces, anywhere; some samples at one time."""
+    """A world and a trajectory: wild ones in and around the grid, short walks in it; some samples at one time."""
     world = draw(worlds)
-    side, count = world.cell_size, draw(st.integers(2, 8))
-    grain = draw(st.sampled_from([1, 2, 50]))
+    side, grain = world.cell_size, draw(st.sampled_from([1, 2, 50]))
+    count, stride = draw(st.integers(2, 5)), draw(st.sampled_from([None, 1, 25]))
 
     def places(cells):
-        reach = st.integers(-grain, (cells + 1) * grain)
-        return [round(n * side / grain, 9) for n in draw(st.lists(reach, min_size=count, max_size=count))]
+        if stride is None:
+            reach = st.integers(-grain, (cells + 1) * grain)
+            return [round(draw(reach) * side / grain, 9) for _ in range(count)]
+        first, steps = draw(st.integers(0, 50 * cells)), st.integers(-stride, stride)
+        walk = np.cumsum([first, *(draw(steps) for _ in range(count - 1))])
+        return np.round(np.clip(walk, 0, 50 * cells) * side / 50, 9)
 
-    steps = draw(st.lists(st.integers(0, 3), min_size=count, max_size=count))
-    return world, Trajectory(np.cumsum(steps) / 4.0, places(world.width), places(world.height))
+    waits = draw(st.lists(st.integers(0, 3), min_size=count, max_size=count))
+    return world, Trajectory(np.cumsum(waits) / 4.0, places(world.width), places(world.height))
 
 
 @given(recordings(still_worlds() | changing_worlds()))
@@ -136,6 +140,16 @@ def test_through_a_wall_is_a_tunnel_from_face_to_face():
     assert [(f.begin, f.end, f.t, f.x, f.y, f.depth, f.cell) for f in found] == [(1.5, 2.5, 2.0, 4.5, 3.5, 0.5, (4, 3))]
 
 
+def test_a_tunnel_is_as_deep_as_the_centre_is_from_the_nearest_face():
+    found = audit(room(walls=[(4, 3)]), path((0, 3.0, 2.4), (1, 5.5, 4.9)), straight=True).findings
+    deepest = next(finding for finding in found if finding.kind == "tunnel")
+    assert (deepest.depth, deepest.x, deepest.y) == pytest.approx((0.3, 4.3, 3.7))
+
+
+def test_a_long_step_that_only_ends_near_a_wall_is_looked_at():
+    assert kinds(room(walls=[(5, 3)], robot_radius=0.1), (0, 2.95, 3.5), (1, 4.95, 3.5)) == ["overlap"]
+
+
 def test_three_walls_in_one_step_are_three_tunnels():
     world = room(walls=[(2, 3), (4, 3), (6, 3)], robot_radius=0.01)
     assert kinds(world, (0, 0.5, 3.5), (1, 8.5, 3.5)).count("tunnel") == 3
@@ -167,6 +181,10 @@ def test_a_line_through_the_corner_of_a_cell_is_no_tunnel():
     assert kinds(room(walls=[(4, 3)]), (0, 3.0, 3.0), (1, 5.0, 5.0)) == ["overlap"]
 
 
+def test_a_centre_that_touches_a_wall_and_goes_back_is_in_no_wall():
+    assert kinds(room(walls=[(4, 3)]), (0, 2.5, 3.5), (1, 4.0, 3.5), (2, 2.5, 3.5)) == ["overlap"]
+
+
 def test_of_two_lines_a_billionth_apart_the_one_inside_is_a_tunnel():
     world = room(walls=[(4, 3)])
     assert "tunnel" in kinds(world, (0, 2.5, 3.0 + 1e-10), (1, 6.5, 3.0 + 1e-10))
@@ -179,6 +197,15 @@ def test_a_cell_that_falls_shut_behind_the_robot_is_no_tunnel_and_one_that_falls
     assert "tunnel" in kinds(room((2.499, 4, 3, SOLID)), *drive)
     assert "tunnel" not in kinds(room((1.5, 4, 3, FREE), walls=[(4, 3)]), *drive)
     assert "tunnel" in kinds(room((1.501, 4, 3, FREE), walls=[(4, 3)]), *drive)
+
+
+def test_a_cell_that_opens_at_the_time_of_a_sample_is_open_for_it():
+    world = room((1.0, 4, 3, FREE), walls=[(4, 3)])
+    assert kinds(world, (0, 2.5, 3.5), (1, 2.5, 3.5), (1, 4.5, 3.5), (2, 4.5, 3.5)) == []
+
+
+def test_a_cell_that_falls_shut_at_the_time_of_the_last_sample_counts():
+    assert "tunnel" in kinds(room((1.0, 4, 3, SOLID)), (0, 4.5, 3.5), (1, 4.5, 3.5))
 
 
 def test_an_event_parts_a_step_at_its_very_time():
@@ -198,8 +225,20 @@ def test_a_touched_fire_is_burned_by_how_deep_the_disc_is_in_it():
     assert found.depth == pytest.approx(0.1)
 
 
+def test_fire_at_the_edge_burns_a_robot_whose_centre_is_outside():
+    assert "burned" in kinds(room((0.0, 8, 3, BURNING)), (0, 9.2, 3.5), (1, 9.25, 3.5))
+
+
 def test_what_burned_before_the_robot_came_does_it_no_harm():
     assert kinds(room((0.0, 4, 3, BURNING), (1.0, 4, 3, FREE)), (0, 2.5, 3.5), (1, 3.5, 3.5), (2, 6.5, 3.5)) == []
+
+
+@pytest.mark.parametrize("side", [step for step in itertools.product((-1, 0, 1), repeat=2) if any(step)])
+def test_a_wall_on_any_side_is_seen(side):
+    cell = (4 + side[0], 3 + side[1])
+    place = (4.5 + 0.35 * side[0], 3.5 + 0.35 * side[1])
+    found = only(room(walls=[cell]), (0, *place), (1, *place))
+    assert found.cell == cell and found.depth == pytest.approx(0.3 - 0.15 * math.hypot(*side))
 
 
 def test_an_overlap_is_radius_less_distance_and_counts_beyond_the_tolerance():
