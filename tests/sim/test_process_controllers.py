@@ -13,9 +13,10 @@ import pytest
 
 from sim import Command, Observation, ProcessController, RunOptions, simulate
 from sim.controllers import CONTROLLERS
+from sim.examples.python import Example
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
-from worldgen import InvalidParameter, Pose, Target, World, read_world
+from worldgen import InvalidParameter, Pose, Target, World, generate, read_world
 
 BOUNCE_C = Path(__file__).parents[1] / "data" / "controllers" / "bounce.c"
 PYTHON = [sys.executable, "-I", "-S", "-c"]
@@ -363,27 +364,13 @@ def test_a_program_in_c_drives_as_the_same_rule_in_python(tmp_path):
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("there is no C compiler here (cc, gcc): the protocol is not tried from C")
-    subprocess.run([compiler, "-O2", "-Wall", "-Werror", "-o", tmp_path / "bounce", BOUNCE_C], check=True)
-    world = worldgen("maze", "--size", 20, "--seed", 7, "--out", tmp_path / "w.grid")
-    assert world.code == 0
+    built = subprocess.run([compiler, "-O2", "-Wall", "-o", tmp_path / "bounce", BOUNCE_C, "-lm"], check=False)
+    world, options = generate("trap", 4, size=20), RunOptions(steps=1000)
     with ProcessController([str(tmp_path / "bounce")]) as in_c:
-        found = simulate(read_world(tmp_path / "w.grid"), in_c, RunOptions(steps=1000), record=True)
-    expected = simulate(read_world(tmp_path / "w.grid"), Bounces(), RunOptions(steps=1000), record=True).trace
-    assert np.array_equal(found.trace.states[: len(expected.states), :4], expected.states[:, :4])
-
-
-class Bounces:
-    """The rule of bounce.c."""
-
-    def reset(self):
-        return (0.0,)
-
-    def act(self, observation, memory):
-        wait = 10.0 if observation.bump else max(memory[0] - 1.0, 0.0)
-        turn = 1.5 if observation.bump else 0.0
-        if wait == 0.0:
-            turn = observation.target_heading - observation.heading
-        return Command(observation.top_speed, turn / observation.time_step), (wait,)
+        found = simulate(world, in_c, options, record=True)
+    expected = simulate(world, Example(), options, record=True)
+    assert (built.returncode, found.verdict) == (0, "reached")
+    assert np.array_equal(found.trace.states[:, :4], expected.trace.states[:, :4])
 
 
 FAULTY = """#!{python} -IS

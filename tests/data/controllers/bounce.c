@@ -1,7 +1,9 @@
-/* Drives to the target; after a bump turns away for a while. A controller over JSON lines in C, without a library:
+/* Drives to the target; after a bump turns away and drives straight on for a while: the rule that worldgen
+ * new-controller writes, as a controller over JSON lines in plain C.
  *
- *     cc -O2 -o bounce bounce.c && worldgen run w.grid --controller cmd:./bounce
+ *     cc -O2 -o bounce bounce.c -lm && worldgen run w.grid --controller cmd:./bounce
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,17 +20,23 @@ static double number(const char *line, const char *name) {
 
 int main(void) {
     static char line[65536];
-    double wait = 0.0; /* steps for which the robot still drives away from a wall */
+    const double half = acos(-1.0); /* rad: half a turn */
+    int waiting = 0;                /* steps still to drive on */
     while (fgets(line, sizeof line, stdin)) {
         if (strstr(line, "\"reset\":")) { /* a new episode: forget; nothing is answered */
-            wait = 0.0;
+            waiting = 0;
             continue;
         }
-        int bump = strstr(line, "\"bump\":true") != NULL;
-        double turn = bump ? 1.5 : 0.0; /* rad */
-        wait = bump ? 10.0 : wait > 1.0 ? wait - 1.0 : 0.0;
-        if (wait == 0.0)
-            turn = number(line, "\"target_heading\":") - number(line, "\"heading\":");
+        double turn = 0.0; /* rad */
+        if (strstr(line, "\"bump\":true")) {
+            turn = 1.5;
+            waiting = 20;
+        } else if (waiting > 0) {
+            waiting -= 1;
+        } else {
+            turn = fmod(number(line, "\"target_heading\":") - number(line, "\"heading\":") + half, 2 * half);
+            turn += turn < 0.0 ? half : -half;
+        }
         printf("{\"speed\": %.17g, \"turn_rate\": %.17g}\n", number(line, "\"top_speed\":"),
                turn / number(line, "\"time_step\":"));
         fflush(stdout); /* or the line waits in a buffer, and the verdict is hang */
