@@ -250,7 +250,7 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
     case of the binomial", Biometrika 1934.
     """
     controller = CONTROLLERS.get(scenario.controller)
-    if not (isinstance(controller, CompiledController) and (controller.randomised or scenario.thesis.random)):
+    if not (isinstance(controller, CompiledController) and (controller.randomised or scenario.random)):
         return {}
     options, sealed = scenario.options(world), isinstance(world.certificate, Cut)
     options = regardless_of_walls(options) if sealed else options

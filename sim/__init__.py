@@ -2,7 +2,8 @@
 
 Contents, each imported when it is first used:
     simulate: one run and its verdict. Episode, Trace: what comes back. RunOptions: how it is done.
-    Scenario, ThesisOptions: everything about a run except the world; switches of the thesis's simulator.
+    Scenario: everything about a run except the world. RobotOptions, ThesisOptions: dynamics and sensors under
+    the motion models on the lattice; switches of the thesis's simulator.
     CompiledController, PythonController, ProcessController, Observation, Command: bring your own controller.
     CONTROLLERS, MOTIONS: what is registered.
 """
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     )
     from sim.episode import Episode, simulate
     from sim.motion import MOTIONS
+    from sim.robot_options import RobotOptions
     from sim.run_options import RunOptions
     from sim.scenario import Scenario
     from sim.thesis_options import ThesisOptions
@@ -34,6 +36,7 @@ _HOME = {
     ),
     "episode": ("Episode", "simulate"),
     "motion": ("MOTIONS",),
+    "robot_options": ("RobotOptions",),
     "run_options": ("RunOptions",),
     "scenario": ("Scenario",),
     "thesis_options": ("ThesisOptions",),
@@ -43,7 +46,7 @@ _MODULE = {name: f"sim.{module}" for module, names in _HOME.items() for name in 
 
 __all__ = [
     "CONTROLLERS", "MOTIONS", "Command", "CompiledController", "Episode", "Observation", "ProcessController",
-    "PythonController", "RunOptions", "Scenario", "ThesisOptions", "Trace", "simulate",
+    "PythonController", "RobotOptions", "RunOptions", "Scenario", "ThesisOptions", "Trace", "simulate",
 ]  # fmt: skip
 
 

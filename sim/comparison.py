@@ -334,7 +334,7 @@ class _Column:
     def declared_random(self) -> bool:
         """Whether the controller, or the simulator under it, says that it has chance."""
         chance = isinstance(self.controller, CompiledController) and self.controller.randomised
-        return chance or self.scenario.thesis.random
+        return chance or self.scenario.random
 
     def cells(
         self, worlds: Sequence[NamedWorld], seeds: int, steps: int | None, progress: Progress | None
@@ -364,7 +364,7 @@ class _Column:
 
     def _over_seeds(self, world: NamedWorld, options: RunOptions, first: _Look, seeds: int) -> tuple[Run, ...]:
         own = range(options.seed + 1, options.seed + seeds)
-        if not first.draws and not self.scenario.thesis.random:
+        if not first.draws and not self.scenario.random:
             return (first.run, *(replace(first.run, seed=seed) for seed in own))
         return (first.run, *(self._look(world, replace(options, seed=seed)).run for seed in own))
 

@@ -12,8 +12,7 @@ from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.outcome import BY_THE_CONTROLLER, Outcome, Runnable
-from sim.run_options import MAX_RECORDED, RunOptions, step_budget
-from sim.thesis_options import ThesisOptions
+from sim.run_options import MAX_RECORDED, RunOptions, step_budget, switch_sets
 from sim.thesis_run import ThesisRun
 from sim.trace import Trace, state_digest
 from worldgen.errors import InvalidParameter
@@ -87,24 +86,21 @@ def simulate(
 
 
 def _options(world: World, settings: Mapping[str, Value]) -> RunOptions:
-    """Options from single settings: those of a run, and the switches of the thesis's simulator."""
+    """Options from single settings: those of a run, and those of its motion model."""
     own = {name: value for name, value in settings.items() if name in ("motion", "steps", "time_step", "seed")}
-    thesis = ThesisOptions.of({name: value for name, value in settings.items() if name not in own})
+    rest = {name: value for name, value in settings.items() if name not in own}
     time_step = own.get("time_step", RunOptions.time_step)
     budget = step_budget(world, float(time_step)) if isinstance(time_step, int | float) else 1
-    return RunOptions(**{"steps": budget, **own}, thesis=thesis)  # type: ignore[arg-type]
+    switches = switch_sets(str(own.get("motion", RunOptions.motion)), rest) if rest else {}
+    return RunOptions(**{"steps": budget, **own}, **switches)  # type: ignore[arg-type]
 
 
 def prepare(world: World, controller: str | Controller, options: RunOptions) -> Runnable:
     """Packs a scenario for its motion model's kernel; see :func:`simulate`."""
     found = CONTROLLERS.get(controller) if isinstance(controller, str) else controller
     motion = MOTIONS.get(options.motion)
+    switch_sets(motion.name, options.robot.changed() if motion.kernel == THESIS else options.thesis.changed())
     if motion.kernel != THESIS:
-        if options.thesis != ThesisOptions():
-            raise InvalidParameter(
-                f"{', '.join(options.thesis.changed())}: switches of the thesis's simulator mean nothing to motion "
-                f"{motion.name!r}; take stepped, or leave them out"
-            )
         return LatticeRun(world, found, options)
     if not isinstance(found, CompiledController) or not found.thesis_rule:
         raise InvalidParameter(

@@ -15,12 +15,13 @@ from sim.controllers.base import CompiledController, Controller, compiled_act, n
 from sim.controllers.program import Misbehaviour
 from sim.kernels import layout
 from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
-from sim.kernels.lattice_episode import Arena, lattice_episode
+from sim.kernels.lattice_episode import Arena, Robot, lattice_episode, new_robot
 from sim.kernels.lattice_sense import heading_table
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
-from sim.packing import disc_numbers, event_step, start_overlaps
+from sim.packing import disc_numbers, event_time, start_overlaps
 from sim.python_loop import PythonLoop
+from sim.robot_options import SIGNALS
 from sim.run_options import RunOptions, check_step_length
 from sim.trace import Trace
 from worldgen.jit import kernel
@@ -67,8 +68,9 @@ def _episode_kernel() -> Any:
     rows = numba.int64[:, ::1]
     table = numba.int32[:, ::1]
     arena = types.NamedTuple((bytes_2d, table, table, rows, ints, bytes_2d), Arena)
+    robot = types.NamedTuple((ints, floats, rows, ints, floats), Robot)
     act = types.FunctionType(numba.void(floats, floats, floats))
-    return kernel(python, signature=numba.void(arena, ints, floats, act, floats, ints, floats, rows))
+    return kernel(python, signature=numba.void(arena, ints, floats, act, floats, robot, rows, rows))
 
 
 class LatticeRun:
@@ -104,7 +106,11 @@ class LatticeRun:
         within = min(within, Fraction(4 * MAX_SIDE * UNIT))  # already more than any world
         settings[layout.SET_TARGET_SQ] = math.floor(within * within)
         settings[layout.SET_MOTION] = motion_code
-        settings[layout.SET_SENSES] = senses_of(self.controller)
+        robot = self.options.robot
+        settings[layout.SET_SENSES] = senses_of(self.controller) & ~(0 if robot.beams else layout.SENSE_BEAMS)
+        settings[layout.SET_BEAMS], settings[layout.SET_SENSOR_CELLS] = robot.beams, robot.sensor_cells
+        settings[layout.SET_SIGNAL] = SIGNALS.index(robot.signal)
+        settings[layout.SET_PLAIN_SENSOR] = int(robot.plain_sensor)
         settings[layout.SET_SEED] = np.uint64(self.options.seed).astype(np.int64)
 
     def _fill_scales(self, tolerance: float) -> None:
@@ -116,8 +122,26 @@ class LatticeRun:
         scales[layout.SCALE_TIME_STEP] = step
         scales[layout.SCALE_TOP_SPEED] = world.robot_speed
         scales[layout.SCALE_TOLERANCE] = tolerance * UNIT
+        self._fill_robot_scales()
         if isinstance(self.controller, CompiledController):
             scales[layout.SCALE_START_SPEED] = min(self.controller.start_speed, world.robot_speed)
+
+    def _fill_robot_scales(self) -> None:
+        """Dynamics and sensors; an option that is off becomes a limit that nothing reaches."""
+        scales, robot, step = self.scales, self.options.robot, self.options.time_step
+        gain = step * scales[layout.SCALE_SPEED] * layout.SPEED_UNIT
+        scales[layout.SCALE_TURN_LIMIT] = robot.turn_limit or math.inf
+        scales[layout.SCALE_GAIN] = max(1.0, robot.acceleration * gain) if robot.acceleration else math.inf
+        scales[layout.SCALE_LOSS] = max(1.0, robot.friction * gain) if robot.friction else math.inf
+        scales[layout.SCALE_WALL_FRICTION], scales[layout.SCALE_SLIP] = robot.wall_friction, robot.slip
+        scales[layout.SCALE_ODOMETRY_NOISE] = robot.odometry_noise
+        unit = scales[layout.SCALE_METRES]
+        scales[layout.SCALE_SENSOR_RANGE] = robot.sensor_range / unit if robot.sensor_range else math.inf
+        scales[layout.SCALE_SENSOR_FIELD] = _units(robot.sensor_field or 2 * math.pi) / 2
+        scales[layout.SCALE_SENSOR_NOISE] = robot.sensor_noise
+        scales[layout.SCALE_BEAM_RANGE] = robot.beam_range / unit
+        scales[layout.SCALE_BEAM_FIELD] = _units(robot.beam_field or 2 * math.pi)
+        scales[layout.SCALE_BEAM_NOISE], scales[layout.SCALE_BEAM_DROPOUT] = robot.beam_noise, robot.beam_dropout
 
     def _clearance_table(self) -> npt.NDArray[np.int32]:
         """Distances to cells that are ever not free; of no rows where the masks reach as far as the fastest step."""
@@ -143,43 +167,65 @@ class LatticeRun:
 
     @property
     def last_event_step(self) -> int:
-        """Step at whose beginning the world changes for the last time; 0 if it never does."""
-        return int(self._events[-1, 0]) if len(self._events) else 0
+        """Step in which the world changes for the last time; 0 if it never does."""
+        return int(self._events[-1, layout.EVENT_STEP]) if len(self._events) else 0
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
         self.settings[layout.SET_STEPS], self.settings[layout.SET_DIGEST] = steps, int(digest)
-        self.settings[layout.SET_FIND_LOOP] = int(find_loop)
+        # who reads the clock never comes back to a state, and neither does a robot with noise
+        timeless = not (self.settings[layout.SET_SENSES] & layout.SENSE_TIME or self.options.robot.random)
+        self.settings[layout.SET_FIND_LOOP] = int(find_loop and timeless)
+        if isinstance(self.controller, CompiledController):
+            return self._run_compiled(self.controller, steps, record)
+        loop = PythonLoop(self.controller, self._arena(), self.settings, self.scales)
+        loop.run(steps, record=record)
+        recording = loop.recording() if record else None
+        return self._outcome(loop.robot, recording, loop.complete, loop.fault)
+
+    def _arena(self) -> Arena:
+        """The world before the first event."""
         visited = np.zeros(self._cells.shape, np.uint8)
         visited[self._cell_of(layout.SET_Y, 0), self._cell_of(layout.SET_X, 1)] = 1
-        arena = Arena(self._cells.copy(), self._near.copy(), self._clearance, self._events, _headings(), visited)
-        if isinstance(self.controller, CompiledController):
-            return self._run_compiled(self.controller, arena, steps, record)
-        loop = PythonLoop(self.controller, arena, self.settings, self.scales)
-        loop.run(steps, find_loop=find_loop, record=record)
-        rows = np.stack(loop.rows) if record and loop.rows else None
-        return self._outcome(loop.counts, loop.sums, rows, loop.complete, loop.fault)
+        near = self._near.copy() if len(self._events) else self._near
+        return Arena(self._cells.copy(), near, self._clearance, self._events, _headings(), visited)
 
     def _cell_of(self, setting: int, axis: int) -> int:
         """Row or column of the start."""
         return int(min(self.settings[setting] // UNIT, self._cells.shape[axis] - 1))
 
-    def _run_compiled(self, controller: CompiledController, arena: Arena, steps: int, record: bool) -> Outcome:
+    def _run_compiled(self, controller: CompiledController, steps: int, record: bool) -> Outcome:
+        nothing = np.zeros((0, 1), np.int64)
+        robot, fault = self._episode(controller, nothing, nothing)
+        if not record:
+            return self._outcome(robot, None, fault=fault)
+        done, points = int(robot.counts[layout.OUT_STEPS]), int(robot.counts[layout.OUT_POINTS])
+        rows = np.zeros((done + 1, layout.ROW_STATE + robot.state.size), np.int64)
+        path = np.zeros((points, layout.POINT_SIZE), np.int64)
+        robot, fault = self._episode(controller, rows, path)
+        return self._outcome(robot, (rows, path), fault=fault)
+
+    def _episode(self, controller: CompiledController, rows: Ints, path: Ints) -> tuple[Robot, Misbehaviour | None]:
+        """One run of the kernel, and what the controller raised."""
         memory = np.array(controller.memory, np.float64)
-        counts, sums = np.zeros(layout.OUT_SIZE, np.int64), np.zeros(layout.SUM_SIZE)
-        width = layout.ROW_STATE + layout.STATE_MEMORY + memory.size
-        rows = np.zeros((steps + 1 if record else 0, width), np.int64)
+        robot = new_robot(memory.size, self._events)
         act = compiled_act(controller.act)
         fault = None
         try:
-            _episode_kernel()(arena, self.settings, self.scales, act, memory, counts, sums, rows)
+            _episode_kernel()(self._arena(), self.settings, self.scales, act, memory, robot, rows, path)
         except (ArithmeticError, LookupError, ValueError, TypeError) as error:  # raised in the compiled controller
             fault = Misbehaviour("crash", f"{type(error).__name__}: {error}")
-        return self._outcome(counts, sums, rows[: counts[layout.OUT_STEPS] + 1] if record else None, fault=fault)
+        return robot, fault
 
     def _outcome(
-        self, counts: Ints, sums: Floats, rows: Ints | None, complete: bool = True, fault: Misbehaviour | None = None
+        self,
+        robot: Robot,
+        recording: tuple[Ints, Ints] | None,
+        complete: bool = True,
+        fault: Misbehaviour | None = None,
     ) -> Outcome:
+        counts = robot.counts
+
         def cell(first: int) -> tuple[int, int]:
             return int(counts[first]), int(counts[first + 1])
 
@@ -187,7 +233,7 @@ class LatticeRun:
             ending=fault.verdict if fault else _ENDINGS[int(counts[layout.OUT_ENDING])],
             steps=int(counts[layout.OUT_STEPS]),
             period=int(counts[layout.OUT_PERIOD]),
-            path_length=float(sums[layout.SUM_PATH]) * float(self.scales[layout.SCALE_METRES]),
+            path_length=float(robot.sums[layout.SUM_PATH]) * float(self.scales[layout.SCALE_METRES]),
             collisions=int(counts[layout.OUT_COLLISIONS]),
             digest=f"{int(counts[layout.OUT_DIGEST]) & (2**64 - 1):016x}",
             last_new_cell=int(counts[layout.OUT_LAST_NEW_CELL]),
@@ -196,35 +242,55 @@ class LatticeRun:
             hit_state=CellState(int(counts[layout.OUT_HIT_STATE])).word,
             overlap_step=int(counts[layout.OUT_OVERLAP_STEP]),
             overlap_cell=cell(layout.OUT_OVERLAP_IX),
-            random_draws=int(counts[layout.OUT_DRAWS]),
+            random_draws=int(robot.state[layout.STATE_DRAWS]),
             complete=complete,
             fault={"error": fault.error, **fault.evidence} if fault else {},
-            trace=None if rows is None else self._trace(rows, complete),
+            trace=None if recording is None else self._trace(*recording, complete),
         )
 
-    def _trace(self, rows: Ints, complete: bool) -> Trace:
+    def _trace(self, rows: Ints, path: Ints, complete: bool) -> Trace:
         """The recorded rows in metres and radians."""
-        states = rows[:, layout.ROW_STATE :]
-        side = self.world.cell_size
-        used = rows[:, layout.ROW_CORNERS]
-        points = np.zeros((len(rows), 3, 2), np.int64)
-        points[:, 0], points[:, 1] = rows[:, 2:4], rows[:, 4:6]
-        points[:, 2] = states[:, :2]
-        keep = np.stack([used > 0, used > 1, np.ones(len(rows), bool)], axis=1)
+        states, side = rows[:, layout.ROW_STATE :], self.world.cell_size
         turned = states[:, layout.STATE_HEADING]
+        way = np.concatenate([[[0, 0, states[0, layout.STATE_X], states[0, layout.STATE_Y]]], path])
         return Trace(
             time_step=self.options.time_step,
             x=_metres(states[:, layout.STATE_X], side),
             y=_metres(states[:, layout.STATE_Y], side),
             heading=np.where(turned > TURN // 2, turned - TURN, turned) * float(self.scales[layout.SCALE_RADIANS]),
             bump=rows[:, layout.ROW_BUMP] != 0,
-            path_x=_metres(points[keep][:, 0], side),
-            path_y=_metres(points[keep][:, 1], side),
-            path_step=np.repeat(np.arange(len(rows)), keep.sum(axis=1)),
-            words=rows[1:].view(np.uint64),
+            path_x=_metres(way[:, layout.POINT_X], side),
+            path_y=_metres(way[:, layout.POINT_Y], side),
+            path_step=way[:, layout.POINT_STEP].copy(),
+            path_share=way[:, layout.POINT_TIME] / layout.TIME_UNIT,
+            words=_words(rows, path),
             states=np.ascontiguousarray(states).view(np.uint64),
             complete=complete,
         )
+
+
+def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:
+    """What the digest runs over: of each step the contact, the points of its path, and the state after it."""
+    steps = np.concatenate([np.arange(1, len(rows)), path[:, layout.POINT_STEP], np.arange(1, len(rows))])
+    kinds = np.repeat([0, 1, 2], [len(rows) - 1, len(path), len(rows) - 1])
+    order = np.lexsort((np.arange(len(steps)), kinds, steps))
+    width = np.array([1, 3, rows.shape[1] - 1])[kinds]
+    starts = np.zeros(len(steps) + 1, np.int64)
+    starts[1:] = np.cumsum(width[order])
+    places = np.empty(len(steps), np.int64)
+    places[order] = starts[:-1]
+    words = np.empty(starts[-1], np.int64)
+    words[places[kinds == 0]] = rows[1:, layout.ROW_BUMP]
+    for k, column in enumerate((layout.POINT_X, layout.POINT_Y, layout.POINT_TIME)):
+        words[places[kinds == 1] + k] = path[:, column]
+    for k in range(rows.shape[1] - 1):
+        words[places[kinds == 2] + k] = rows[1:, layout.ROW_STATE + k]
+    return words.view(np.uint64)
+
+
+def _units(radians: float) -> float:
+    """An angle in heading units; a whole turn exactly."""
+    return TURN * (radians / (2 * math.pi))
 
 
 def _metres(units: Ints, cell_size: float) -> Floats:
@@ -236,6 +302,9 @@ def _metres(units: Ints, cell_size: float) -> Floats:
 
 
 def _event_rows(world: World, time_step: float) -> Ints:
-    """Events as (step, ix, iy, state): an event counts from the beginning of the step in which it falls."""
-    rows = [(event_step(event, time_step), event.ix, event.iy, int(event.state)) for event in world.timeline]
-    return np.array(rows, np.int64).reshape(-1, 4)
+    """Events as the kernel takes them, sorted by time."""
+    rows = [
+        (*event_time(event, time_step, layout.TIME_UNIT), event.ix, event.iy, int(event.state))
+        for event in world.timeline
+    ]
+    return np.array(rows, np.int64).reshape(-1, layout.EVENT_SIZE)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import clear_distance_sq, exact, radius_in_cells
 from worldgen.timeline import Event
 from worldgen.world import MAX_SIDE, World
 
-__all__ = ["disc_numbers", "event_step", "start_overlaps"]
+__all__ = ["disc_numbers", "event_step", "event_time", "start_overlaps"]
 
 _NEVER = 2**62  # a step that no run gets to
 
@@ -38,3 +39,13 @@ def start_overlaps(world: World) -> InvalidWorld:
 def event_step(event: Event, time_step: float) -> int:
     """The step at whose beginning an event counts: that in which it falls, at least the first."""
     return min(max(1, math.ceil(exact(event.time) / exact(time_step))), _NEVER)
+
+
+def event_time(event: Event, time_step: float, unit: int) -> tuple[int, int]:
+    """The step in which an event falls, from 1, and its time in that step, in ``unit``ths of it, rounded.
+
+    One that falls between two steps belongs to the later one.
+    """
+    steps = exact(event.time) / exact(time_step)
+    whole, rest = divmod(math.floor(steps * unit + Fraction(1, 2)), unit)
+    return min(whole + 1, _NEVER), rest

@@ -18,7 +18,7 @@ from sim.controllers.base import Command, Memory, Observation, PythonController
 from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour
 from sim.kernels import layout
-from sim.kernels.lattice_episode import Arena, advance, apply_events, begin, hash_row, obey
+from sim.kernels.lattice_episode import Arena, advance, begin, hash_step, new_robot, obey
 from sim.kernels.lattice_sense import sense
 
 __all__ = ["PythonLoop"]
@@ -28,7 +28,7 @@ Floats = npt.NDArray[np.float64]
 
 
 class PythonLoop:
-    """One episode; read ``counts``, ``sums``, ``rows``, ``complete`` and ``fault`` after :meth:`run`.
+    """One episode; read ``robot``, ``complete`` and ``fault``, and :meth:`recording`, after :meth:`run`.
 
     Args:
         controller: What runs.
@@ -39,14 +39,16 @@ class PythonLoop:
 
     def __init__(self, controller: PythonController, arena: Arena, settings: Ints, scales: Floats) -> None:
         self._controller, self._arena, self._settings, self._scales = controller, arena, settings, scales
-        self.counts, self.sums = np.zeros(layout.OUT_SIZE, np.int64), np.zeros(layout.SUM_SIZE)
-        self.rows: list[Ints] = []
+        self.robot = new_robot(0, arena.events)
         self.complete = True
         self.fault: Misbehaviour | None = None
-        self._chain, self._event = np.zeros((4, 2), np.int64), 0
-        self._observation, self._command = np.zeros(layout.OBS_SIZE), np.zeros(layout.CMD_SIZE)
+        self._rows: list[Ints] = []
+        self._path: list[Ints] = []
+        self._event = 0
+        self._observation = np.full(layout.OBS_SIZE + settings[layout.SET_BEAMS], np.nan)
+        self._command = np.zeros(layout.CMD_SIZE)
 
-    def run(self, steps: int, *, find_loop: bool, record: bool) -> None:
+    def run(self, steps: int, *, record: bool) -> None:
         """Runs the episode; whatever the controller raises ends it as a crash, its exit from Python included.
 
         What it prints goes to stderr, so that stdout stays data. A program's memory cannot be seen: its run is not
@@ -55,77 +57,88 @@ class PythonLoop:
         if isinstance(self._controller, ProcessController):
             self.complete = False
             self._controller.start()  # outside the guard: a program that is not there is nobody's crash
-            self._guarded(steps, False, record)
+            self._settings[layout.SET_FIND_LOOP] = 0
+            self._guarded(steps, record)
             return
         hidden = _hidden_state(self._controller)
         with contextlib.redirect_stdout(sys.stderr):
-            self._guarded(steps, find_loop, record)
+            self._guarded(steps, record)
         self.complete = hidden is not None and _hidden_state(self._controller) == hidden
 
-    def _guarded(self, steps: int, find_loop: bool, record: bool) -> None:
+    def recording(self) -> tuple[Ints, Ints]:
+        """The states as rows, and the points of the path, as the compiled episode writes them."""
+        width = layout.ROW_STATE + self.robot.state.size
+        path = np.concatenate(self._path) if self._path else np.zeros((0, layout.POINT_SIZE), np.int64)
+        return np.array(self._rows, np.int64).reshape(-1, width), path
+
+    def _guarded(self, steps: int, record: bool) -> None:
         try:
             memory = _flat(self._controller.reset())
-            state = np.zeros(layout.STATE_MEMORY + len(memory), np.int64)
-            begin(self._settings, self._scales, state, self.counts, self.sums)
-            state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
-            self._loop(memory, state, steps, find_loop, record)
+            self.robot = new_robot(len(memory), self._arena.events)
+            begin(self._settings, self._scales, self.robot)
+            self._remember(memory)
+            self._loop(memory, steps, record)
         except Misbehaviour as fault:
             self.fault = fault
         except (Exception, SystemExit) as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             text = re.sub(r"0x[0-9a-fA-F]+", "0x...", f"{type(error).__name__}: {error}")
             self.fault = Misbehaviour("crash", text.encode("utf-8", "replace").decode())
 
-    def _loop(self, memory: Memory, state: Ints, steps: int, find_loop: bool, record: bool) -> None:
-        counts, quiet = self.counts, int(self._arena.events[-1, 0]) if len(self._arena.events) else 0
+    def _remember(self, memory: Memory) -> None:
+        self.robot.state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
+
+    def _loop(self, memory: Memory, steps: int, record: bool) -> None:
+        robot, counts, events = self.robot, self.robot.counts, self._arena.events
+        quiet = int(events[-1, layout.EVENT_STEP]) if len(events) else 0
+        find_loop, hashed = bool(self._settings[layout.SET_FIND_LOOP]), bool(self._settings[layout.SET_DIGEST])
         if record:
-            self.rows.append(np.concatenate([np.zeros(layout.ROW_STATE, np.int64), state]))
+            self._rows.append(np.concatenate([np.zeros(layout.ROW_STATE, np.int64), robot.state]))
         anchor, power, period, touching = b"", 1, 0, False
         for step in range(1, steps + 1):
             counts[layout.OUT_STEPS] = step
-            row, memory = self._step(memory, state, step)
-            bumped = bool(row[layout.ROW_BUMP])
+            count, bumped, memory = self._step(memory, step)
             counts[layout.OUT_COLLISIONS] += bumped and not touching
             touching = bumped
-            hash_row(row, counts)
+            if hashed:
+                hash_step(robot, count, bumped)
             if record:
-                self.rows.append(row)
+                self._record(step, count, bumped)
             if counts[layout.OUT_ENDING] != layout.LIMIT:
                 break
             if find_loop and step > quiet:
                 period += 1
-                now = state.tobytes()
+                now = robot.state.tobytes()
                 if now == anchor:
                     counts[layout.OUT_ENDING], counts[layout.OUT_PERIOD] = layout.LOOP, period
                     break
                 if period == power:
                     anchor, power, period = now, 2 * power, 0
-        counts[layout.OUT_DRAWS] = state[layout.STATE_DRAWS]
 
-    def _step(self, memory: Memory, state: Ints, step: int) -> tuple[Ints, Memory]:
-        arena, settings, scales, counts = self._arena, self._settings, self._scales, self.counts
-        if self._event < len(arena.events) and arena.events[self._event, 0] <= step:
-            self._event = apply_events(arena, settings, step, self._event, state, counts)
-        points, normal = 0, (0.0, 0.0)
-        if counts[layout.OUT_ENDING] == layout.LIMIT:
-            points, *contact = advance(arena, settings, scales, step, state, self._chain, counts, self.sums)
-            normal = (contact[0], contact[1])
-        if counts[layout.OUT_ENDING] == layout.LIMIT:
-            pose = (int(state[0]), int(state[1]), int(state[2]))
-            draws = int(state[layout.STATE_DRAWS])
-            sense(arena.cells, settings, scales, pose, normal, draws, self._observation)
+    def _step(self, memory: Memory, step: int) -> tuple[int, bool, Memory]:
+        """One step: points of its path, whether a wall was touched, and the memory after it."""
+        arena, settings, scales, robot = self._arena, self._settings, self._scales, self.robot
+        self._event, count, *normal = advance(arena, settings, scales, step, self._event, robot)
+        if robot.counts[layout.OUT_ENDING] == layout.LIMIT:
+            contact = (normal[0], normal[1])
+            sense(
+                arena.cells, arena.headings, settings, scales, robot.state, robot.odometry, contact, step,
+                self._observation,
+            )  # fmt: skip
             command, after = self._controller.act(Observation.of(self._observation), memory)
             memory = _flat(after, len(memory))
-            self._obey(Command(*command), state)
-            state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
-        row = np.zeros(layout.ROW_STATE + state.size, np.int64)
-        row[layout.ROW_BUMP] = normal != (0.0, 0.0)
-        row[layout.ROW_CORNERS] = max(points - 1, 0)
-        for k in range(max(points - 1, 0)):
-            row[layout.ROW_CORNER_1 + 2 * k : layout.ROW_CORNER_1 + 2 * k + 2] = self._chain[k]
-        row[layout.ROW_STATE :] = state
-        return row, memory
+            self._obey(Command(*command), step)
+            self._remember(memory)
+        return count, normal != [0.0, 0.0], memory
 
-    def _obey(self, command: Command, state: Ints) -> None:
+    def _record(self, step: int, count: int, bumped: bool) -> None:
+        self._rows.append(np.concatenate([[int(bumped)], self.robot.state]))
+        points = np.empty((count, layout.POINT_SIZE), np.int64)
+        points[:, layout.POINT_STEP] = step
+        points[:, layout.POINT_TIME] = self.robot.chain[:count, 2]
+        points[:, layout.POINT_X : layout.POINT_Y + 1] = self.robot.chain[:count, :2]
+        self._path.append(points)
+
+    def _obey(self, command: Command, step: int) -> None:
         try:
             self._command[:] = (
                 float(command.speed),
@@ -133,9 +146,9 @@ class PythonLoop:
                 float(bool(command.used_random)),
             )
         except (TypeError, ValueError):
-            self.counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
+            self.robot.counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
             return
-        obey(self._scales, self._command, state, self.counts)
+        obey(self._settings, self._scales, self._command, step, self.robot)
 
 
 def _hidden_state(controller: Any) -> bytes | None:

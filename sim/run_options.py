@@ -6,9 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from typing import Any
 
 from sim.motion import MOTIONS
-from sim.motion.base import Motion
+from sim.motion.base import THESIS, Motion
+from sim.robot_options import RobotOptions
 from sim.thesis_options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
@@ -22,6 +24,8 @@ __all__ = [
     "RunOptions",
     "check_step_length",
     "step_budget",
+    "switch_class",
+    "switch_sets",
 ]
 
 DEFAULT_TIME_STEP = 0.015  # s: the thesis's
@@ -44,6 +48,7 @@ class RunOptions:
         time_step: Duration of a step, s, 0.001 to 10.
         seed: Seed of the run's random numbers.
         thesis: Switches of the motion model ``stepped``.
+        robot: Dynamics and sensors under the other motion models.
     """
 
     motion: str = "swept"
@@ -51,6 +56,7 @@ class RunOptions:
     time_step: float = DEFAULT_TIME_STEP
     seed: int = 0
     thesis: ThesisOptions = field(default_factory=ThesisOptions)
+    robot: RobotOptions = field(default_factory=RobotOptions)
 
     def __post_init__(self) -> None:
         if not 1 <= self.steps <= MAX_STEPS:
@@ -71,7 +77,7 @@ class RunOptions:
 
     def parameters(self) -> dict[str, Value]:
         """What a failure file stores beside motion and seed: the switches that are not at their default."""
-        return {"steps": self.steps, "time_step": self.time_step, **self.thesis.changed()}
+        return {"steps": self.steps, "time_step": self.time_step, **self.thesis.changed(), **self.robot.changed()}
 
     @classmethod
     def of(cls, motion: str, seed: int, parameters: Mapping[str, Value]) -> RunOptions:
@@ -87,7 +93,33 @@ class RunOptions:
             raise InvalidParameter(f"run parameter steps={steps!r} must be an int")
         if type(time_step) not in (int, float):
             raise InvalidParameter(f"run parameter time_step={time_step!r} must be a float")
-        return cls(motion, steps, time_step, seed, ThesisOptions.of(switches))  # type: ignore[arg-type]
+        return cls(motion, steps, time_step, seed, **switch_sets(motion, switches))  # type: ignore[arg-type]
+
+
+def switch_class(motion: str) -> type[ThesisOptions] | type[RobotOptions]:
+    """The set of options that goes with a motion model.
+
+    Raises:
+        InvalidParameter: If no motion model has that name.
+    """
+    return ThesisOptions if MOTIONS.get(motion).kernel == THESIS else RobotOptions
+
+
+def switch_sets(motion: str, values: Mapping[str, Value]) -> dict[str, Any]:
+    """Named options as the arguments ``thesis`` and ``robot`` of :class:`RunOptions`.
+
+    Raises:
+        InvalidParameter: If no motion model has that name, or it has no such option.
+    """
+    own = switch_class(motion)
+    other = RobotOptions if own is ThesisOptions else ThesisOptions
+    strange = [name for name in values if name not in own.names() and name in other.names()]
+    if strange:
+        where = "swept or endpoint" if own is ThesisOptions else "stepped"
+        raise InvalidParameter(
+            f"option {strange[0]!r} means nothing to motion {motion!r}; take --motion {where}, or leave it out"
+        )
+    return {"thesis" if own is ThesisOptions else "robot": own.of(values)}
 
 
 def check_step_length(world: World, time_step: float, shortest: Fraction) -> None:

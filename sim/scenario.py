@@ -6,8 +6,9 @@ import re
 from dataclasses import dataclass, field, replace
 
 from sim.controllers.process import is_process_name
-from sim.run_options import RunOptions, step_budget
-from sim.thesis_options import REPAIRS, ThesisOptions, parse_value
+from sim.robot_options import RobotOptions
+from sim.run_options import RunOptions, step_budget, switch_class, switch_sets
+from sim.thesis_options import REPAIRS, ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value, World
 
@@ -28,6 +29,7 @@ class Scenario:
         time_step: s.
         seed: Of the run's random numbers.
         thesis: Switches of the motion model ``stepped``.
+        robot: Dynamics and sensors under the other motion models.
     """
 
     controller: str
@@ -35,11 +37,12 @@ class Scenario:
     time_step: float = RunOptions.time_step
     seed: int = 0
     thesis: ThesisOptions = field(default_factory=ThesisOptions)
+    robot: RobotOptions = field(default_factory=RobotOptions)
 
     @classmethod
     def of(cls, controller: str, options: RunOptions) -> Scenario:
         """A controller and everything in a run's options but the budget."""
-        return cls(controller, options.motion, options.time_step, options.seed, options.thesis)
+        return cls(controller, options.motion, options.time_step, options.seed, options.thesis, options.robot)
 
     @classmethod
     def parse(
@@ -48,8 +51,8 @@ class Scenario:
         """Reads a controller with variations: ``thesis-1``, ``thesis-1+noise+sensor_range=50``, ``mine+motion=swept``.
 
         Args:
-            text: Name, then ``+option`` or ``+option=value`` as often as wanted: ``motion``, ``time_step``, the
-                switches of :class:`ThesisOptions`, and ``repaired`` for its three repairs. Of a program they stand
+            text: Name, then ``+option`` or ``+option=value`` as often as wanted: ``motion``, ``time_step``, and
+                the motion model's options, :class:`ThesisOptions` or :class:`RobotOptions`. Of a program they stand
                 before the colon: ``cmd+motion=endpoint:./mine``.
             motion: Motion model, unless the text names one.
             time_step: s, likewise.
@@ -59,17 +62,20 @@ class Scenario:
             InvalidParameter: If the text names no controller, or a variation is unknown or out of range.
         """
         controller, variations = _split(text.strip())
-        values: dict[str, Value] = {}
+        given: list[tuple[str, str | None]] = []
         for variation in variations:
             name, equals, value = variation[1:].partition("=")
-            given: str | None = value.strip() if equals else None
-            if name == "motion" and given:
-                motion = given
-            elif name in ("time_step", "time-step") and given:
-                time_step = _seconds(given)
+            said: str | None = value.strip() if equals else None
+            if name == "motion" and said:
+                motion = said
+            elif name in ("time_step", "time-step") and said:
+                time_step = _seconds(said)
             else:
-                values |= parse_value(name, given)
-        return cls(controller, motion, time_step, seed, ThesisOptions.of(values))
+                given.append((name, said))
+        values: dict[str, Value] = {}
+        for name, said in given:
+            values |= _parsed(motion, name, said)
+        return cls(controller, motion, time_step, seed, **(switch_sets(motion, values) if values else {}))
 
     def label(self, motion: str | None = None, time_step: float | None = None) -> str:
         """The scenario as :meth:`parse` reads it, without the seed.
@@ -78,7 +84,7 @@ class Scenario:
             motion: Motion model that need not be said.
             time_step: s, likewise.
         """
-        changed = self.thesis.changed()
+        changed = self.thesis.changed() | self.robot.changed()
         name, colon, command = self.controller, "", ""
         if is_process_name(name):
             name, colon, command = name.partition(":")
@@ -98,7 +104,12 @@ class Scenario:
     def options(self, world: World, steps: int | None = None) -> RunOptions:
         """Options with a budget: ``steps``, or what the world's witness gives."""
         budget = step_budget(world, self.time_step) if steps is None else steps
-        return RunOptions(self.motion, budget, self.time_step, self.seed, self.thesis)
+        return RunOptions(self.motion, budget, self.time_step, self.seed, self.thesis, self.robot)
+
+    @property
+    def random(self) -> bool:
+        """Whether the simulator itself draws random numbers."""
+        return self.thesis.random or self.robot.random
 
     def with_seed(self, seed: int) -> Scenario:
         """The same with another seed."""
@@ -116,9 +127,22 @@ def _split(text: str) -> tuple[str, list[str]]:
     variations = re.findall(_VARIATION, head)
     if "".join(["cmd", *variations]) != head:  # as it is, it will be refused with the way out
         return text, []
-    of_the_run = [one for one in variations if one[1:].partition("=")[0] in ("motion", "time_step", "time-step")]
+    own = ("motion", "time_step", *RobotOptions.names())
+    of_the_run = [one for one in variations if one[1:].partition("=")[0].replace("-", "_") in own]
     of_the_program = [one for one in variations if one not in of_the_run]
     return "".join(["cmd", *of_the_program, colon, command]), of_the_run
+
+
+def _parsed(motion: str, name: str, text: str | None) -> dict[str, Value]:
+    """One option as written; one of another motion model's gets a sentence that says so."""
+    own = switch_class(motion)
+    other = RobotOptions if own is ThesisOptions else ThesisOptions
+    plain = name.replace("-", "_")
+    if plain not in (*own.names(), *own.TOGETHER) and plain in (*other.names(), *other.TOGETHER):
+        return switch_sets(
+            motion, {plain: True} if plain in other.names() else dict.fromkeys(other.TOGETHER[plain], True)
+        )
+    return own.parse(name, text)
 
 
 def _seconds(text: str) -> float:

@@ -5,16 +5,15 @@ The defaults are the program as it was. ``docs/thesis.md`` says of each where it
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
+from typing import ClassVar
 
+from sim.switches import Switches
 from worldgen.errors import InvalidParameter
-from worldgen.world import Value
 
-__all__ = ["ARBITERS", "REPAIRS", "SIGNALS", "ThesisOptions", "parse_value"]
+__all__ = ["ARBITERS", "REPAIRS", "SIGNALS", "ThesisOptions"]
 
 ARBITERS = ("A0", "A1", "A2", "A3", "A4", "A5", "A6", "interruptible")
 SIGNALS = ("open", "weakened", "blocked")
@@ -22,7 +21,7 @@ REPAIRS = ("repair_slide", "repair_back_off", "repair_corner")
 
 
 @dataclass(frozen=True)
-class ThesisOptions:
+class ThesisOptions(Switches):
     """How the motion model ``stepped`` and the thesis's robot work; a failure stores what is not at its default.
 
     Args:
@@ -70,16 +69,26 @@ class ThesisOptions:
     map_scale: int = 1
     draws: tuple[float, ...] = ()
 
+    RANGES: ClassVar[Mapping[str, tuple[float, float, str]]] = {
+        "sensor_range": (36, 1000, " px"),
+        "collide_ticks": (0, 1000, " ticks"),
+        "drive_ticks": (0, 1000, " ticks"),
+        "acceleration": (0, 1e6, " m/s2"),
+        "friction": (0, 1e6, " m/s2"),
+        "wall_friction": (0, 1, ""),
+        "slip": (0, 1, ""),
+        "sensor_field": (0, 2 * math.pi, " rad"),
+        "sensor_noise": (0, 1, ""),
+        "map_scale": (1, 100, " cells"),
+    }
+    CHOICES: ClassVar[Mapping[str, tuple[str, ...]]] = {"arbiter": ARBITERS, "signal": SIGNALS}
+    EXAMPLES: ClassVar[Mapping[str, str]] = {"draws": "0.25:0.5"}
+    TOGETHER: ClassVar[Mapping[str, tuple[str, ...]]] = {"repaired": REPAIRS}
+
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not all(0.0 <= draw < 1.0 for draw in self.draws):
             raise InvalidParameter("draws hold a number outside [0, 1); give numbers as a random generator makes them")
-        for name, (low, high, unit) in _RANGES.items():
-            value = getattr(self, name)
-            if not (math.isfinite(value) and low <= value <= high):
-                raise InvalidParameter(f"{name}={value:g} is outside {low:g} to {high:g}{unit}; give one between")
-        for name, choices in _CHOICES.items():
-            if getattr(self, name) not in choices:
-                raise InvalidParameter(f"{name}={getattr(self, name)!r} is not one of {', '.join(choices)}")
 
     @property
     def repaired(self) -> bool:
@@ -90,89 +99,3 @@ class ThesisOptions:
     def random(self) -> bool:
         """Whether the simulator itself draws random numbers, so that no state can come back."""
         return self.slip > 0.0 or self.sensor_noise > 0.0
-
-    def changed(self) -> dict[str, Value]:
-        """The options that are not at their default, in order of declaration."""
-        values = {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) != f.default}
-        return values | ({"draws": list(self.draws)} if self.draws else {})
-
-    @classmethod
-    def of(cls, values: Mapping[str, Value]) -> ThesisOptions:
-        """Options from names and values of the right types.
-
-        Raises:
-            InvalidParameter: If a name is unknown or a value has the wrong type.
-        """
-        known = {f.name: f.default for f in fields(cls)}
-        for name, value in values.items():
-            if name not in known:
-                raise InvalidParameter(f"option {name!r} is unknown; known: {', '.join(known)}")
-            default = known[name]
-            if name == "draws":
-                _check_draws(value)
-            elif type(value) is not type(default) and not (isinstance(default, float) and type(value) is int):
-                raise InvalidParameter(f"option {name}={value!r} must be a {type(default).__name__}")
-        return cls(**{name: _as_type(known[name], value) for name, value in values.items()})
-
-
-def _check_draws(value: Value) -> None:
-    if not isinstance(value, list) or not all(type(draw) in (int, float) for draw in value):
-        raise InvalidParameter("option draws must be a list of numbers")
-
-
-def _as_type(default: Any, value: Any) -> Any:
-    if isinstance(default, tuple):
-        return tuple(map(float, value))
-    return float(value) if isinstance(default, float) else value
-
-
-_RANGES: dict[str, tuple[float, float, str]] = {
-    "sensor_range": (36, 1000, " px"),
-    "collide_ticks": (0, 1000, " ticks"),
-    "drive_ticks": (0, 1000, " ticks"),
-    "acceleration": (0, 1e6, " m/s2"),
-    "friction": (0, 1e6, " m/s2"),
-    "wall_friction": (0, 1, ""),
-    "slip": (0, 1, ""),
-    "sensor_field": (0, 2 * math.pi, " rad"),
-    "sensor_noise": (0, 1, ""),
-    "map_scale": (1, 100, " cells"),
-}
-_EXAMPLES = {"draws": "0.25:0.5"}
-_WORDS = {int: "whole number", float: "number", str: "word", tuple: "list of numbers"}
-_CHOICES = {"arbiter": ARBITERS, "signal": SIGNALS}
-
-
-def parse_value(name: str, text: str | None) -> dict[str, Value]:
-    """One option as it is written on the command line.
-
-    Args:
-        name: Of the option, with dashes or underscores; ``repaired`` stands for the three repairs.
-        text: Its value; ``None`` for a flag.
-
-    Raises:
-        InvalidParameter: If the option is unknown, or the text is no value for it.
-    """
-    name = name.replace("-", "_")
-    if name == "repaired" and text is None:
-        return dict.fromkeys(REPAIRS, True)
-    known: dict[str, Any] = {f.name: f.default for f in fields(ThesisOptions)}
-    if name not in known:
-        close = difflib.get_close_matches(name, [*known, "motion", "time_step", "repaired"], n=1)
-        hint = f"did you mean {close[0]!r}? " if close else ""
-        raise InvalidParameter(
-            f"option {name!r} is unknown; {hint}known: motion, time_step, repaired, {', '.join(known)}"
-        )
-    kind = type(known[name])
-    if kind is bool:
-        words = {None: True, "true": True, "false": False}
-        if text not in words:
-            raise InvalidParameter(f"option {name}={text!r} is neither true nor false; write +{name} to switch it on")
-        return {name: words[text]}
-    if text is None:
-        raise InvalidParameter(f"option {name!r} needs a value; write +{name}={_EXAMPLES.get(name, known[name])}")
-    try:
-        return {name: [float(word) for word in text.split(":")] if kind is tuple else kind(text)}
-    except ValueError:
-        example = _EXAMPLES.get(name, known[name])
-        raise InvalidParameter(f"option {name}={text!r} is no {_WORDS[kind]}; write one like {example}") from None

@@ -268,6 +268,7 @@ class ThesisRun:
             path_x=x,
             path_y=y,
             path_step=np.arange(len(rows)),
+            path_share=np.minimum(np.arange(len(rows)), 1.0),
             words=_digest_words(rows[1:]),
             states=np.ascontiguousarray(rows[:, : at.ROW_MODE + at.MODE_STATE_SIZE]).view(np.uint64),
             complete=not self.options.thesis.random,

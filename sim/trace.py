@@ -30,7 +30,8 @@ class Trace:
         path_x: (m,) m: the polyline that the centre drove, corners inside steps included.
         path_y: (m,) m.
         path_step: (m,) int64: step in which each point was reached; never falls.
-        words: (n, k) uint64: what the digest runs over, a row a step.
+        path_share: (m,) when in that step, 0 to 1: its share that was over.
+        words: uint64, in any shape: what the digest runs over.
         states: (n + 1, k) uint64: the complete state, what a recurrence repeats.
         complete: Whether ``states`` is really all that decides the future (a controller may hide memory).
     """
@@ -43,6 +44,7 @@ class Trace:
     path_x: Floats
     path_y: Floats
     path_step: npt.NDArray[np.int64]
+    path_share: Floats
     words: Words
     states: Words
     complete: bool

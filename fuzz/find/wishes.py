@@ -75,7 +75,7 @@ class Wish:
         """Whether the outcome is one of many runs."""
         controller = CONTROLLERS.get(self.scenario.controller)
         chance = isinstance(controller, CompiledController) and controller.randomised
-        return chance or self.scenario.thesis.random
+        return chance or self.scenario.random
 
     @property
     def steps(self) -> int:

@@ -24,6 +24,7 @@ __all__ = [
     "Memory",
     "Observation",
     "PythonController",
+    "check_senses",
     "compiled_act",
     "senses_of",
 ]
@@ -49,12 +50,22 @@ class Observation(NamedTuple):
     random: float
     time_step: float
     top_speed: float
+    time: float
+    odometry_x: float
+    odometry_y: float
+    odometry_heading: float
+    beams: tuple[float, ...]
 
     @classmethod
     def of(cls, array: npt.NDArray[np.float64]) -> Observation:
         """Reads the flat array that kernels fill."""
         values = array.tolist()
-        return cls(values[layout.OBS_BUMP] != 0.0, *values[1:])
+        size = layout.OBS_SIZE
+        return cls._make((values[layout.OBS_BUMP] != 0.0, *values[1:size], tuple(values[size:])))
+
+
+DEFAULT_SENSES = tuple(name for name in Observation._fields if name != "time")
+"""What a controller senses that does not say what it looks at: all but the clock, which no loop can outlast."""
 
 
 class Command(NamedTuple):
@@ -84,7 +95,8 @@ class CompiledController:
         thesis_rule: 1, 2 or 3 if ``stepped`` runs the thesis's own robot in its place, else 0.
         randomised: Whether it uses random numbers.
         senses: Names of the fields of :class:`Observation` that it looks at; the others may be nan. Without
-            names it gets all, and a step takes up to twice as long.
+            names it gets all but ``time``, and a step takes up to twice as long. Who looks at ``time`` never comes
+            back to a state, so no loop is proved.
 
     Raises:
         InvalidParameter: If there is no such sense.
@@ -96,21 +108,31 @@ class CompiledController:
     start_speed: float = 0.0
     thesis_rule: int = 0
     randomised: bool = False
-    senses: tuple[str, ...] = Observation._fields
+    senses: tuple[str, ...] = DEFAULT_SENSES
 
     def __post_init__(self) -> None:
-        unknown = sorted(set(self.senses) - set(Observation._fields))
-        if unknown:
-            raise InvalidParameter(
-                f"controller {self.name!r} has a sense {unknown[0]!r}; there are {', '.join(Observation._fields)}"
-            )
+        check_senses(self.name, self.senses)
+
+
+def check_senses(name: str, senses: tuple[str, ...]) -> None:
+    """Refuses names of senses that there are not.
+
+    Raises:
+        InvalidParameter: If there is one.
+    """
+    unknown = sorted(set(senses) - set(Observation._fields))
+    if unknown:
+        raise InvalidParameter(
+            f"controller {name!r} has a sense {unknown[0]!r}; there are {', '.join(Observation._fields)}"
+        )
 
 
 class PythonController(Protocol):
     """A controller as a Python class; make it a frozen dataclass and keep all its state in ``memory``.
 
     ``memory`` is a tuple of numbers. A loop is only proved for a controller that keeps to this; one that
-    changes itself is at most ``stalled`` or ``timeout``.
+    changes itself is at most ``stalled`` or ``timeout``. An attribute ``senses`` may name what it looks at, as for
+    a :class:`CompiledController`.
     """
 
     def reset(self) -> Memory:
@@ -132,13 +154,20 @@ _COSTLY_SENSES = {
     "target_heading": layout.SENSE_TARGET_HEADING,
     "target_distance": layout.SENSE_TARGET_DISTANCE,
     "random": layout.SENSE_RANDOM,
+    "time": layout.SENSE_TIME,
+    "odometry_x": layout.SENSE_ODOMETRY,
+    "odometry_y": layout.SENSE_ODOMETRY,
+    "odometry_heading": layout.SENSE_ODOMETRY,
+    "beams": layout.SENSE_BEAMS,
 }
 
 
 def senses_of(controller: Controller) -> int:
-    """The ``SENSE_`` bits of what a controller looks at: for one in Python, everything."""
-    names = controller.senses if isinstance(controller, CompiledController) else Observation._fields
-    return sum(bit for name, bit in _COSTLY_SENSES.items() if name in names)
+    """The ``SENSE_`` bits of what a controller looks at."""
+    bits = 0
+    for name in getattr(controller, "senses", DEFAULT_SENSES):
+        bits |= _COSTLY_SENSES.get(name, 0)
+    return bits
 
 
 @functools.cache

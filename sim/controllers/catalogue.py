@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sim.controllers.base import CompiledController, Controller, PythonController
+from sim.controllers.base import CompiledController, Controller, PythonController, check_senses
 from sim.controllers.process import ProcessController, is_process_name
 from worldgen.errors import InvalidParameter
 from worldgen.registry import Registry
@@ -41,6 +41,7 @@ def _accept(name: str, thing: Any) -> Controller:
             f"controller {name!r} has no {' and no '.join(missing)}; it needs reset() -> memory and "
             "act(observation, memory) -> (command, memory), or be a CompiledController"
         )
+    check_senses(name, tuple(getattr(made, "senses", ())))
     controller: PythonController = made
     return controller
 

@@ -57,6 +57,8 @@ class ProcessController:
         InvalidParameter: If a limit is out of range, or there is no such program.
     """
 
+    senses = Observation._fields
+
     def __init__(
         self,
         command: Sequence[str],

@@ -1,8 +1,8 @@
 """Whole episodes on the pose lattice: move, sense, act, until something is decided.
 
-One step: the events that are due, then the move at the commanded drive, then sensing, then the controller,
-whose turn takes effect at once and whose speed drives the next step. A Python controller runs through the
-same pieces one call at a time (:mod:`sim.episode`).
+One step: the move at the speed of the wheels, with the events that fall into it each at its time, then sensing,
+then the controller, whose turn takes effect at once and whose speed drives the next step. A Python controller
+runs through the same pieces one call at a time (:mod:`sim.python_loop`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.kernels import layout
-from sim.kernels._jit import allocating_kernel, kernel
+from sim.kernels._jit import allocating_kernel, kernel, rare_kernel
 from sim.kernels.geometry import (
     mark_near,
     pose_is_clear,
@@ -24,11 +24,19 @@ from sim.kernels.geometry import (
     segment_point_within,
     window_is_free,
 )
-from sim.kernels.lattice_motion import endpoint_move, round_away, swept_move
-from sim.kernels.lattice_sense import displacement, sense
-from sim.kernels.layout import BURNING, SOLID, TURN, UNIT
+from sim.kernels.lattice_motion import MOST_POINTS, endpoint_move, round_away, swept_move
+from sim.kernels.lattice_sense import (
+    NOISE_SLIP,
+    NOISE_TURN,
+    NOISE_WAY,
+    displacement,
+    noise_channel,
+    noise_draw,
+    sense,
+)
+from sim.kernels.layout import BURNING, SOLID, SPEED_UNIT, SWEPT, TIME_UNIT, TURN, UNIT
 
-__all__ = ["Arena", "advance", "apply_events", "begin", "hash_row", "lattice_episode", "obey"]
+__all__ = ["Arena", "Robot", "advance", "begin", "hash_step", "lattice_episode", "new_robot", "obey", "write_step"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -45,7 +53,7 @@ class Arena(NamedTuple):
         near: (height, width) int32, :func:`sim.kernels.geometry.near_masks` of ``cells``.
         clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no rows where
             the masks reach as far as any step.
-        events: (n, 4) int64, rows (step, ix, iy, state), sorted by step.
+        events: (n, EVENT_SIZE) int64, sorted by step and time.
         headings: (65536,) int64, :func:`sim.kernels.lattice_sense.heading_table`.
         visited: (height, width) uint8, cells that the centre has been in.
     """
@@ -58,62 +66,102 @@ class Arena(NamedTuple):
     visited: npt.NDArray[np.uint8]
 
 
+class Robot(NamedTuple):
+    """The robot and what is reported of it.
+
+    Args:
+        state: (STATE_MEMORY + memory,) int64, ``STATE_``.
+        odometry: (3,) x and y, lattice units, and heading, heading units, as the robot measured them.
+        chain: (n, 3) int64, path of the last step: x, y, time in the step.
+        counts: (OUT_SIZE,) int64, ``OUT_``.
+        sums: (SUM_SIZE,) ``SUM_``.
+    """
+
+    state: Ints
+    odometry: Floats
+    chain: Ints
+    counts: Ints
+    sums: Floats
+
+
+def new_robot(memory: int, events: Ints) -> Robot:
+    """A robot with so many numbers of memory, and room for the path of a step with the most events."""
+    most = int(np.bincount(events[:, layout.EVENT_STEP] - events[0, layout.EVENT_STEP]).max()) if len(events) else 0
+    return Robot(
+        np.zeros(layout.STATE_MEMORY + memory, np.int64),
+        np.zeros(3),
+        np.zeros((MOST_POINTS * (most + 1), 3), np.int64),
+        np.zeros(layout.OUT_SIZE, np.int64),
+        np.zeros(layout.SUM_SIZE),
+    )
+
+
 @kernel
-def _drive(units: float) -> int:
-    """Whole lattice units of a step, never more than asked for, so that nobody outruns the top speed."""
-    whole = int(math.floor(abs(units) + 1e-9))
-    return whole if units >= 0.0 else -whole
+def _speed(asked: float) -> int:
+    """Whole units of speed, never more than asked for, so that nobody outruns the top speed."""
+    whole = int(math.floor(abs(asked) + 1e-9))
+    return whole if asked >= 0.0 else -whole
+
+
+@kernel
+def _drive(speed: int) -> int:
+    """Whole lattice units that a speed drives in a step."""
+    return speed // SPEED_UNIT if speed >= 0 else -(-speed // SPEED_UNIT)
 
 
 @allocating_kernel
-def begin(settings: Ints, scales: Floats, state: Ints, counts: Ints, sums: Floats) -> None:
+def begin(settings: Ints, scales: Floats, robot: Robot) -> None:
     """Sets state and reports to the start of an episode."""
+    state, counts = robot.state, robot.counts
     counts[:] = 0
-    sums[:] = 0.0
+    robot.sums[:] = 0.0
     counts[layout.OUT_HIT_STEP], counts[layout.OUT_OVERLAP_STEP] = -1, -1
     counts[layout.OUT_DIGEST] = np.int64(_HASH_START)
     state[layout.STATE_X], state[layout.STATE_Y] = settings[layout.SET_X], settings[layout.SET_Y]
     state[layout.STATE_HEADING] = settings[layout.SET_HEADING]
-    speed = scales[layout.SCALE_START_SPEED] * scales[layout.SCALE_SPEED]
-    state[layout.STATE_DRIVE], state[layout.STATE_DRAWS] = _drive(speed), 0
+    speed = scales[layout.SCALE_START_SPEED] * scales[layout.SCALE_SPEED] * SPEED_UNIT
+    state[layout.STATE_SPEED], state[layout.STATE_DRAWS] = _speed(speed), 0
+    for k in range(3):
+        robot.odometry[k] = float(state[layout.STATE_X + k])
 
 
-@kernel
-def apply_events(arena: Arena, settings: Ints, step: int, first: int, state: Ints, counts: Ints) -> int:
-    """Applies the events due at ``step``; an event that catches the robot ends the run as BURNED.
+@rare_kernel
+def _apply_events(arena: Arena, settings: Ints, step: int, first: int, robot: Robot) -> int:
+    """Applies all events of one time; one that catches the robot ends the run as BURNED.
 
     Returns:
         Index of the next event.
     """
-    while first < arena.events.shape[0] and arena.events[first, 0] <= step:
-        ix, iy, new = arena.events[first, 1], arena.events[first, 2], arena.events[first, 3]
-        arena.cells[iy, ix] = np.uint8(new)
+    events, counts = arena.events, robot.counts
+    time = events[first, layout.EVENT_TIME]
+    while (
+        first < events.shape[0]
+        and events[first, layout.EVENT_STEP] == step
+        and events[first, layout.EVENT_TIME] == time
+    ):
+        ix, iy = events[first, layout.EVENT_IX], events[first, layout.EVENT_IY]
+        arena.cells[iy, ix] = np.uint8(events[first, layout.EVENT_STATE])
         mark_near(arena.cells, arena.near, ix, iy)
         first += 1
     clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
-    x, y = state[layout.STATE_X], state[layout.STATE_Y]
+    x, y = robot.state[layout.STATE_X], robot.state[layout.STATE_Y]
     for caught in (SOLID, BURNING):
         if not pose_is_clear(arena.cells, caught, clear_sq, reach, x, y):
             _, ix, iy = segment_first_not_clear(arena.cells, caught, clear_sq, reach, (x, y, x, y))
             counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STATE] = layout.BURNED, caught
-            counts[layout.OUT_HIT_STEP], counts[layout.OUT_HIT_SEGMENT] = step, 0
+            counts[layout.OUT_HIT_STEP] = step
             counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
             break
     return first
 
 
-@kernel
+@rare_kernel
 def _judge_segment(
-    arena: Arena,
-    settings: Ints,
-    scales: Floats,
-    step: int,
-    ends: tuple[int, int, int, int],
-    counts: Ints,
-    sums: Floats,
+    arena: Arena, settings: Ints, scales: Floats, step: int, ends: tuple[int, int, int, int], robot: Robot
 ) -> None:
     """Notes walls that a segment of an unsafe motion model cuts: deepest cut, first overlap, first tunnel."""
     px, py, qx, qy = ends
+    counts, sums = robot.counts, robot.sums
     reach = settings[layout.SET_REACH]
     radius = math.sqrt(float(settings[layout.SET_CLEAR_SQ]))
     for iy in range(
@@ -138,33 +186,35 @@ def _judge_segment(
 
 @kernel
 def _judge_path(
-    arena: Arena,
-    settings: Ints,
-    scales: Floats,
-    step: int,
-    state: Ints,
-    chain: Ints,
-    points: int,
-    free: bool,
-    counts: Ints,
-    sums: Floats,
+    arena: Arena, settings: Ints, scales: Floats, step: int, rows: tuple[int, int], free: bool, robot: Robot
 ) -> None:
-    """What the path of one step meant: fire, walls, target, length; ``free`` if nothing is near it."""
+    """What a piece of a step's path meant: fire, walls, target, length; and puts the robot at its end.
+
+    Args:
+        arena: Surroundings.
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        step: Number of the step.
+        rows: First row of the chain, and the one after the last; none if the robot stands.
+        free: Whether nothing is near the path.
+        robot: The robot.
+    """
+    state, counts, sums = robot.state, robot.counts, robot.sums
     clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
     x, y = state[layout.STATE_X], state[layout.STATE_Y]
-    swept = settings[layout.SET_MOTION] == layout.SWEPT
+    swept = settings[layout.SET_MOTION] == SWEPT
     fire = arena.events.shape[0] > 0
-    for k in range(max(points, 1)):
-        qx, qy = (chain[k, 0], chain[k, 1]) if points > 0 else (x, y)
+    for k in range(rows[0], max(rows[1], rows[0] + 1)):
+        qx, qy = (robot.chain[k, 0], robot.chain[k, 1]) if k < rows[1] else (x, y)
         ends = (x, y, qx, qy)
         if fire and not free and counts[layout.OUT_ENDING] == layout.LIMIT:
             burnt, ix, iy = segment_first_not_clear(arena.cells, BURNING, clear_sq, reach, ends)
             if burnt:
                 counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STATE] = layout.BURNED, BURNING
-                counts[layout.OUT_HIT_STEP], counts[layout.OUT_HIT_SEGMENT] = step, k
+                counts[layout.OUT_HIT_STEP] = step
                 counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
         if not swept and not free and segment_first_not_clear(arena.cells, SOLID, clear_sq, reach, ends)[0]:
-            _judge_segment(arena, settings, scales, step, ends, counts, sums)
+            _judge_segment(arena, settings, scales, step, ends, robot)
         if counts[layout.OUT_ENDING] == layout.LIMIT:
             tx, ty, within = (
                 settings[layout.SET_TARGET_X],
@@ -189,80 +239,201 @@ def _nothing_near(arena: Arena, reach: int, ends: tuple[int, int, int, int], dis
 
 
 @kernel
-def advance(
+def _move(
     arena: Arena,
     settings: Ints,
     scales: Floats,
     step: int,
-    state: Ints,
-    chain: Ints,
-    counts: Ints,
-    sums: Floats,
+    part: tuple[int, int],
+    during: tuple[int, int],
+    count: int,
+    robot: Robot,
 ) -> tuple[int, float, float]:
-    """Moves the robot by its commanded drive and judges the path.
+    """Moves the robot by a part of a step, in which the world stands still, and judges the path.
+
+    Args:
+        arena: Surroundings.
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        step: Number of the step.
+        part: Displacement, lattice units.
+        during: When the part begins and ends, ``TIME_UNIT``ths of the step.
+        count: Rows of the chain that are filled.
+        robot: The robot.
 
     Returns:
-        Points of ``chain`` that were used, and the normal of the contact (0, 0 for none).
+        Rows of the chain that are filled then, and the normal of the contact (0, 0 for none).
     """
-    x, y, drive = state[layout.STATE_X], state[layout.STATE_Y], state[layout.STATE_DRIVE]
+    state, chain = robot.state, robot.chain
+    dx, dy = part
+    ends = (state[layout.STATE_X], state[layout.STATE_Y], dx, dy)
     clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
-    dx, dy = displacement(arena.headings, state[layout.STATE_HEADING], drive)
-    points, nx, ny = 0, 0.0, 0.0
-    if _nothing_near(arena, reach, (x, y, x + dx, y + dy), abs(drive)):
-        free = True
-        if drive != 0:
-            chain[0, 0], chain[0, 1] = x + dx, y + dy
-            points = 1
+    nx, ny, before = 0.0, 0.0, count
+    free = _nothing_near(
+        arena, reach, (ends[0], ends[1], ends[0] + dx, ends[1] + dy), abs(_drive(state[layout.STATE_SPEED]))
+    )
+    if free:
+        if dx != 0 or dy != 0:
+            chain[count, 0], chain[count, 1], chain[count, 2] = ends[0] + dx, ends[1] + dy, during[1]
+            count += 1
+    elif settings[layout.SET_MOTION] == SWEPT:
+        span = (float(during[0]) / TIME_UNIT, float(during[1]) / TIME_UNIT)
+        friction = scales[layout.SCALE_WALL_FRICTION]
+        count, nx, ny = swept_move(arena.cells, clear_sq, reach, ends, span, friction, chain, count)
     else:
-        free = False
-        if settings[layout.SET_MOTION] == layout.SWEPT:
-            points, nx, ny = swept_move(arena.cells, clear_sq, reach, x, y, dx, dy, chain)
-        else:
-            points, nx, ny = endpoint_move(arena.cells, clear_sq, reach, x, y, dx, dy, chain)
-    _judge_path(arena, settings, scales, step, state, chain, points, free, counts, sums)
+        count, nx, ny = endpoint_move(arena.cells, clear_sq, reach, ends, chain, count)
+    _judge_path(arena, settings, scales, step, (before, count), free, robot)
+    return count, nx, ny
+
+
+@kernel
+def _share(whole: int, time: int) -> int:
+    """What of a displacement is covered by a time in the step, lattice units."""
+    return round_away(float(whole) * (float(time) / TIME_UNIT))
+
+
+@rare_kernel
+def _move_through_events(
+    arena: Arena, settings: Ints, scales: Floats, step: int, way: tuple[int, int], event: int, robot: Robot
+) -> tuple[int, int, float, float]:
+    """Moves the robot by a step's displacement, the events of the step each at its time.
+
+    ``endpoint`` looks at the world where a step ends only: there all events come first.
+
+    Returns:
+        Index of the next event, rows of the chain that are filled, and the normal of the last contact.
+    """
+    events, counts = arena.events, robot.counts
+    count, nx, ny, gone, now = 0, 0.0, 0.0, (0, 0), 0
+    while event < events.shape[0] and events[event, layout.EVENT_STEP] == step:
+        time = events[event, layout.EVENT_TIME]
+        if settings[layout.SET_MOTION] == SWEPT and time > now:
+            there = (_share(way[0], time), _share(way[1], time))
+            part = (there[0] - gone[0], there[1] - gone[1])
+            count, px, py = _move(arena, settings, scales, step, part, (now, time), count, robot)
+            if px != 0.0 or py != 0.0:
+                nx, ny = px, py
+            gone, now = there, time
+            if counts[layout.OUT_ENDING] != layout.LIMIT:
+                return event, count, nx, ny
+        event = _apply_events(arena, settings, step, event, robot)
+        if counts[layout.OUT_ENDING] != layout.LIMIT:
+            return event, count, nx, ny
+    if now < TIME_UNIT:
+        part = (way[0] - gone[0], way[1] - gone[1])
+        count, px, py = _move(arena, settings, scales, step, part, (now, TIME_UNIT), count, robot)
+        if px != 0.0 or py != 0.0:
+            nx, ny = px, py
+    return event, count, nx, ny
+
+
+@rare_kernel
+def _measure(settings: Ints, scales: Floats, headings: Ints, step: int, way: tuple[int, int], robot: Robot) -> None:
+    """Adds a displacement to the odometry as the robot measures it: its length a little wrong, its direction too."""
+    noise = scales[layout.SCALE_ODOMETRY_NOISE]
+    turned = int(math.floor(robot.odometry[2] + 0.5)) - robot.state[layout.STATE_HEADING]
+    along, across = float(headings[turned % TURN]) / (1 << 30), float(headings[(turned - TURN // 4) % TURN]) / (1 << 30)
+    wrong = 1.0 + noise * (2.0 * noise_draw(settings, noise_channel(step, NOISE_WAY)) - 1.0)
+    robot.odometry[0] += wrong * (along * way[0] - across * way[1])
+    robot.odometry[1] += wrong * (across * way[0] + along * way[1])
+
+
+@kernel
+def advance(
+    arena: Arena, settings: Ints, scales: Floats, step: int, event: int, robot: Robot
+) -> tuple[int, int, float, float]:
+    """Moves the robot for one step, with the events that fall into it, and judges the path.
+
+    Returns:
+        Index of the next event, rows of the chain that are filled, and the normal of the contact (0, 0 for none).
+    """
+    state, counts = robot.state, robot.counts
+    x, y, drive = state[layout.STATE_X], state[layout.STATE_Y], _drive(state[layout.STATE_SPEED])
+    slip = scales[layout.SCALE_SLIP]
+    if slip > 0.0:
+        lost = slip * noise_draw(settings, noise_channel(step, NOISE_SLIP))
+        drive = _speed(float(drive) * (1.0 - lost))
+    way = displacement(arena.headings, state[layout.STATE_HEADING], drive)
+    if event < arena.events.shape[0] and arena.events[event, layout.EVENT_STEP] == step:
+        event, count, nx, ny = _move_through_events(arena, settings, scales, step, way, event, robot)
+    else:
+        count, nx, ny = _move(arena, settings, scales, step, way, (0, TIME_UNIT), 0, robot)
+    if scales[layout.SCALE_ODOMETRY_NOISE] > 0.0:
+        moved = (state[layout.STATE_X] - x, state[layout.STATE_Y] - y)
+        _measure(settings, scales, arena.headings, step, moved, robot)
+    counts[layout.OUT_POINTS] += count
     jx, jy = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
     if 0 <= jx < arena.visited.shape[1] and 0 <= jy < arena.visited.shape[0] and arena.visited[jy, jx] == 0:
         arena.visited[jy, jx] = 1
         counts[layout.OUT_LAST_NEW_CELL] = step
-    return points, nx, ny
+    return event, count, nx, ny
 
 
 @kernel
-def obey(scales: Floats, command: Floats, state: Ints, counts: Ints) -> None:
+def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robot) -> None:
     """Applies a command: the turn now, the speed in the next step; clamps both, refuses nan and infinities."""
+    state = robot.state
     speed, rate = command[layout.CMD_SPEED], command[layout.CMD_TURN_RATE]
     if not (math.isfinite(speed) and math.isfinite(rate)):
-        counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
+        robot.counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
         return
-    top = scales[layout.SCALE_TOP_SPEED]
-    speed = min(max(speed, -top), top)
-    turn = min(max(rate * scales[layout.SCALE_TURN], -float(TURN // 2)), float(TURN // 2))
-    state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + round_away(turn)) % TURN
-    state[layout.STATE_DRIVE] = _drive(speed * scales[layout.SCALE_SPEED])
+    top, limit = scales[layout.SCALE_TOP_SPEED], scales[layout.SCALE_TURN_LIMIT]
+    rate = min(max(rate, -limit), limit)
+    turn = round_away(min(max(rate * scales[layout.SCALE_TURN], -float(TURN // 2)), float(TURN // 2)))
+    state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + turn) % TURN
+    noise = scales[layout.SCALE_ODOMETRY_NOISE]
+    if noise > 0.0:
+        wrong = 1.0 + noise * (2.0 * noise_draw(settings, noise_channel(step, NOISE_TURN)) - 1.0)
+        robot.odometry[2] += wrong * turn
+    wanted = _speed(min(max(speed, -top), top) * scales[layout.SCALE_SPEED] * SPEED_UNIT)
+    state[layout.STATE_SPEED] = _next_speed(state[layout.STATE_SPEED], wanted, scales)
     if command[layout.CMD_DRAW] != 0.0:
         state[layout.STATE_DRAWS] += 1
 
 
 @kernel
-def hash_row(row: Ints, counts: Ints) -> None:
-    """Adds one row of the trace to the digest."""
-    digest = np.uint64(counts[layout.OUT_DIGEST])
-    for word in row:
-        digest = (digest ^ np.uint64(word)) * _HASH_PRIME
-    counts[layout.OUT_DIGEST] = np.int64(digest)
+def _next_speed(now: int, wanted: int, scales: Floats) -> int:
+    """Speed after a step: as wanted, or as near as the wheels' gain and the floor's friction allow."""
+    gain, loss = scales[layout.SCALE_GAIN], scales[layout.SCALE_LOSS]
+    if gain == math.inf and loss == math.inf:
+        return wanted
+    if (wanted >= 0) != (now >= 0) and abs(now) > loss:  # it must come to a stand first
+        return now - int(loss) if now > 0 else now + int(loss)
+    if (wanted >= 0) != (now >= 0):
+        now = 0
+    if abs(wanted) > abs(now) + gain:
+        return now + int(gain) if wanted > 0 else now - int(gain)
+    if abs(wanted) < abs(now) - loss:
+        return now - int(loss) if now > 0 else now + int(loss)
+    return wanted
 
 
 @kernel
-def _write_row(state: Ints, chain: Ints, points: int, bumped: bool, row: Ints) -> None:
-    row[layout.ROW_BUMP] = 1 if bumped else 0
-    corners = max(points - 1, 0)
-    row[layout.ROW_CORNERS] = corners
-    for k in range(2):
-        used = k < corners
-        row[layout.ROW_CORNER_1 + 2 * k] = chain[k, 0] if used else 0
-        row[layout.ROW_CORNER_1 + 2 * k + 1] = chain[k, 1] if used else 0
-    for k in range(state.size):
-        row[layout.ROW_STATE + k] = state[k]
+def _hash(digest: Any, word: int) -> Any:
+    return (digest ^ np.uint64(word)) * _HASH_PRIME
+
+
+@rare_kernel
+def hash_step(robot: Robot, count: int, bumped: bool) -> None:
+    """Adds a step to the digest: whether a wall was touched, the points of its path, the state after it."""
+    digest = _hash(np.uint64(robot.counts[layout.OUT_DIGEST]), 1 if bumped else 0)
+    for k in range(count):
+        digest = _hash(_hash(_hash(digest, robot.chain[k, 0]), robot.chain[k, 1]), robot.chain[k, 2])
+    for k in range(robot.state.size):
+        digest = _hash(digest, robot.state[k])
+    robot.counts[layout.OUT_DIGEST] = np.int64(digest)
+
+
+@rare_kernel
+def write_step(robot: Robot, step: int, count: int, bumped: bool, rows: Ints, path: Ints) -> None:
+    """Writes a step into a recording: its state, and the points of its path after those of the steps before."""
+    rows[step, layout.ROW_BUMP] = 1 if bumped else 0
+    for k in range(robot.state.size):
+        rows[step, layout.ROW_STATE + k] = robot.state[k]
+    first = robot.counts[layout.OUT_POINTS] - count
+    for k in range(count):
+        path[first + k, layout.POINT_STEP], path[first + k, layout.POINT_TIME] = step, robot.chain[k, 2]
+        path[first + k, layout.POINT_X], path[first + k, layout.POINT_Y] = robot.chain[k, 0], robot.chain[k, 1]
 
 
 @kernel
@@ -273,16 +444,74 @@ def _same(one: Ints, other: Ints) -> bool:
     return k == one.size
 
 
-@allocating_kernel
-def lattice_episode(
+@kernel
+def _is_again(robot: Robot, anchor: Ints, brent: Ints) -> bool:
+    """Whether the state is the anchor's; R. P. Brent's next anchor, if one is due.
+
+    Args:
+        robot: The robot.
+        anchor: A state to come back to; changed.
+        brent: (2,) steps from the anchor to the next one, and steps since it; changed.
+    """
+    brent[1] += 1
+    if _same(robot.state, anchor):
+        return True
+    if brent[1] == brent[0]:
+        for k in range(anchor.size):
+            anchor[k] = robot.state[k]
+        brent[0], brent[1] = 2 * brent[0], 0
+    return False
+
+
+@kernel
+def _run(
     arena: Arena,
     settings: Ints,
     scales: Floats,
     act: Any,
-    memory: Floats,
-    counts: Ints,
-    sums: Floats,
-    trace: Ints,
+    memory: tuple[Floats, Ints],
+    robot: Robot,
+    given: tuple[Floats, Floats],
+    look: tuple[Ints, Ints],
+    recording: tuple[Ints, Ints],
+) -> None:
+    """All steps of an episode; the arrays are made beforehand, so that the loop counts no references."""
+    state, counts = robot.state, robot.counts
+    observation, command = given
+    quiet = arena.events[arena.events.shape[0] - 1, layout.EVENT_STEP] if arena.events.shape[0] > 0 else 0
+    event, touching = 0, False
+    hashed, find_loop = settings[layout.SET_DIGEST] != 0, settings[layout.SET_FIND_LOOP] != 0
+    for step in range(1, settings[layout.SET_STEPS] + 1):
+        counts[layout.OUT_STEPS] = step
+        event, count, nx, ny = advance(arena, settings, scales, step, event, robot)
+        bumped = nx != 0.0 or ny != 0.0
+        if bumped and not touching:
+            counts[layout.OUT_COLLISIONS] += 1
+        touching = bumped
+        x, y = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
+        inside = 0 <= x < arena.cells.shape[1] and 0 <= y < arena.cells.shape[0]
+        if counts[layout.OUT_ENDING] == layout.LIMIT and inside:
+            sense(arena.cells, arena.headings, settings, scales, state, robot.odometry, (nx, ny), step, observation)
+            for k in range(command.size):
+                command[k] = 0.0
+            act(observation, memory[0], command)
+            obey(settings, scales, command, step, robot)
+        for k in range(memory[1].size):
+            state[layout.STATE_MEMORY + k] = memory[1][k]
+        if hashed:
+            hash_step(robot, count, bumped)
+        if step < recording[0].shape[0]:
+            write_step(robot, step, count, bumped, recording[0], recording[1])
+        if counts[layout.OUT_ENDING] != layout.LIMIT:
+            break
+        if find_loop and step > quiet and _is_again(robot, look[0], look[1]):
+            counts[layout.OUT_ENDING], counts[layout.OUT_PERIOD] = layout.LOOP, look[1][1]
+            break
+
+
+@allocating_kernel
+def lattice_episode(
+    arena: Arena, settings: Ints, scales: Floats, act: Any, memory: Floats, robot: Robot, rows: Ints, path: Ints
 ) -> None:
     """Runs one episode.
 
@@ -292,63 +521,18 @@ def lattice_episode(
         scales: ``SCALE_``.
         act: Compiled controller, ``act(observation, memory, command)``.
         memory: Its memory, at the state of its reset.
-        counts: Filled, ``OUT_``.
-        sums: Filled, ``SUM_``.
-        trace: (steps + 1, ROW_STATE + STATE_MEMORY + len(memory)) for a recording, or with 0 rows.
+        robot: :func:`new_robot`; filled.
+        rows: (steps + 1, ROW_STATE + STATE_MEMORY + len(memory)) for a recording, or with 0 rows.
+        path: (points, POINT_SIZE) for a recording, with room for all points of the path after the start.
 
     Recurrence of the complete state is looked for with R. P. Brent, "An improved Monte Carlo factorization
     algorithm", BIT 1980, once the last event is over.
     """
     words = memory.view(np.int64)
-    state = np.zeros(layout.STATE_MEMORY + memory.size, np.int64)
-    anchor = np.zeros_like(state)
-    row = np.zeros(layout.ROW_STATE + state.size, np.int64)
-    chain = np.zeros((4, 2), np.int64)
-    observation, command = np.full(layout.OBS_SIZE, np.nan), np.zeros(layout.CMD_SIZE)
-    begin(settings, scales, state, counts, sums)
-    state[layout.STATE_MEMORY :] = words
-    if trace.shape[0] > 0:
-        trace[0, layout.ROW_STATE :] = state
-    quiet = arena.events[arena.events.shape[0] - 1, 0] if arena.events.shape[0] > 0 else 0
-    event, power, period, touching = 0, 1, 0, False
-    hashed = settings[layout.SET_DIGEST] != 0
-    for step in range(1, settings[layout.SET_STEPS] + 1):
-        counts[layout.OUT_STEPS] = step
-        if event < arena.events.shape[0] and arena.events[event, 0] <= step:
-            event = apply_events(arena, settings, step, event, state, counts)
-        points, nx, ny = 0, 0.0, 0.0
-        if counts[layout.OUT_ENDING] == layout.LIMIT:
-            points, nx, ny = advance(arena, settings, scales, step, state, chain, counts, sums)
-        bumped = nx != 0.0 or ny != 0.0
-        if bumped and not touching:
-            counts[layout.OUT_COLLISIONS] += 1
-        touching = bumped
-        pose = (state[layout.STATE_X], state[layout.STATE_Y], state[layout.STATE_HEADING])
-        inside = 0 <= pose[0] // UNIT < arena.cells.shape[1] and 0 <= pose[1] // UNIT < arena.cells.shape[0]
-        if counts[layout.OUT_ENDING] == layout.LIMIT and inside:
-            sense(arena.cells, settings, scales, pose, (nx, ny), state[layout.STATE_DRAWS], observation)
-            for k in range(command.size):
-                command[k] = 0.0
-            act(observation, memory, command)
-            obey(scales, command, state, counts)
-        for k in range(words.size):
-            state[layout.STATE_MEMORY + k] = words[k]
-        if hashed or step < trace.shape[0]:
-            _write_row(state, chain, points, bumped, row)
-            if hashed:
-                hash_row(row, counts)
-            if step < trace.shape[0]:
-                trace[step, :] = row
-        if counts[layout.OUT_ENDING] != layout.LIMIT:
-            break
-        if settings[layout.SET_FIND_LOOP] != 0 and step > quiet:
-            period += 1
-            if _same(state, anchor):
-                counts[layout.OUT_ENDING], counts[layout.OUT_PERIOD] = layout.LOOP, period
-                break
-            if period == power:
-                anchor[:] = state
-                power, period = 2 * power, 0
-    counts[layout.OUT_DRAWS] = state[layout.STATE_DRAWS]
-    counts[layout.OUT_X], counts[layout.OUT_Y] = state[layout.STATE_X], state[layout.STATE_Y]
-    counts[layout.OUT_HEADING] = state[layout.STATE_HEADING]
+    observation, command = np.full(layout.OBS_SIZE + settings[layout.SET_BEAMS], np.nan), np.zeros(layout.CMD_SIZE)
+    begin(settings, scales, robot)
+    robot.state[layout.STATE_MEMORY :] = words
+    if rows.shape[0] > 0:
+        rows[0, layout.ROW_STATE :] = robot.state
+    anchor, brent = np.zeros_like(robot.state), np.array([1, 0], np.int64)
+    _run(arena, settings, scales, act, (memory, words), robot, (observation, command), (anchor, brent), (rows, path))

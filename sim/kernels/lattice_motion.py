@@ -13,14 +13,16 @@ import numpy.typing as npt
 
 from sim.kernels._jit import kernel
 from sim.kernels.geometry import cell_state, pose_is_clear, segment_first_not_clear
-from sim.kernels.layout import SOLID, UNIT
+from sim.kernels.layout import SOLID, TIME_UNIT, UNIT
 
-__all__ = ["endpoint_move", "first_contact", "round_away", "swept_move"]
+__all__ = ["MOST_POINTS", "endpoint_move", "first_contact", "round_away", "swept_move"]
 
 Cells = npt.NDArray[np.uint8]
 Chain = npt.NDArray[np.int64]
 
-_TRIES = 3  # straight pieces a step may have: the move and two slides (face, then corner)
+_TRIES = 3  # straight pieces a move may have: ahead and two slides (face, then corner)
+MOST_POINTS = _TRIES
+"""Points that one move may add to a path."""
 
 
 @kernel
@@ -119,26 +121,44 @@ def _step_aside(
 
 
 @kernel
+def _append(chain: Chain, count: int, x: int, y: int, time: float) -> int:
+    """Adds a point to a chain; the number of its points then."""
+    chain[count, 0], chain[count, 1] = x, y
+    chain[count, 2] = int(math.floor(time * TIME_UNIT + 0.5))
+    return count + 1
+
+
+@kernel
 def swept_move(
-    cells: Cells, clear_sq: int, reach: int, x: int, y: int, dx: int, dy: int, chain: Chain
+    cells: Cells,
+    clear_sq: int,
+    reach: int,
+    ends: tuple[int, int, int, int],
+    during: tuple[float, float],
+    wall_friction: float,
+    chain: Chain,
+    count: int,
 ) -> tuple[int, float, float]:
-    """Moves a disc by (dx, dy), stopping at walls and sliding along them.
+    """Moves a disc, stopping at walls and sliding along them.
 
     Args:
         cells: (height, width) cell states.
         clear_sq: Squared clear distance, lattice units squared.
         reach: Its root, rounded up.
-        x: Start, a clear lattice pose.
-        y: Likewise.
-        dx: Displacement, lattice units.
-        dy: Likewise.
-        chain: (4, 2) int64, filled with the clear lattice points of the path after the start.
+        ends: Start, a clear lattice pose, and displacement, lattice units: x, y, dx, dy.
+        during: When the move begins and ends, in shares of the step.
+        wall_friction: Share of a slide that the wall takes, 0 to 1.
+        chain: (n, 3) int64; rows x, y, time in the step are filled with the clear lattice points of the path
+            after the start.
+        count: Rows that are already filled; at most ``MOST_POINTS`` follow.
 
     Returns:
-        Number of points in ``chain`` (0: not moved), and the normal of the last contact (0, 0: none).
+        Rows filled then, and the normal of the last contact (0, 0: none).
     """
+    x, y, dx, dy = ends
+    now, end = during
     radius = math.sqrt(float(clear_sq))
-    count, normal_x, normal_y = 0, 0.0, 0.0
+    normal_x, normal_y = 0.0, 0.0
     for attempt in range(_TRIES):
         if dx == 0 and dy == 0:
             break
@@ -148,16 +168,15 @@ def swept_move(
         else:
             free, qx, qy = _step_aside(cells, clear_sq, reach, (x, y, x + dx, y + dy), normal_x, normal_y)
         if free:
-            chain[count, 0], chain[count, 1] = qx, qy
-            count += 1
+            count = _append(chain, count, qx, qy, end)
             break
         t, nx, ny = first_contact(cells, radius, reach, x, y, dx, dy)
         if t > 1.0:
             t, nx, ny = 1.0, -float(dx), -float(dy)  # a touch that only exact arithmetic sees
         qx, qy = _stop_before(cells, clear_sq, reach, x, y, dx, dy, t)
+        now += (end - now) * t
         if qx != x or qy != y:
-            chain[count, 0], chain[count, 1] = qx, qy
-            count += 1
+            count = _append(chain, count, qx, qy, now)
             x, y = qx, qy
         left_x, left_y = (1.0 - t) * dx, (1.0 - t) * dy
         into = (left_x * nx + left_y * ny) / (nx * nx + ny * ny)
@@ -166,23 +185,23 @@ def swept_move(
         if attempt > 0 and left_x * normal_x + left_y * normal_y < 0.0:
             normal_x, normal_y = nx, ny
             break  # wedged: the second wall pushes back into the first
-        dx, dy = round_away(left_x), round_away(left_y)
+        dx, dy = round_away((1.0 - wall_friction) * left_x), round_away((1.0 - wall_friction) * left_y)
         normal_x, normal_y = nx, ny
     return count, normal_x, normal_y
 
 
 @kernel
 def endpoint_move(
-    cells: Cells, clear_sq: int, reach: int, x: int, y: int, dx: int, dy: int, chain: Chain
+    cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], chain: Chain, count: int
 ) -> tuple[int, float, float]:
-    """Moves a disc by (dx, dy) if it is clear where the move ends, else not at all.
+    """Moves a disc if it is clear where the move ends, else not at all.
 
     What lies between is not looked at, as in most small simulators: a fast robot passes through walls.
     Arguments and result as :func:`swept_move`.
     """
+    x, y, dx, dy = ends
     if dx == 0 and dy == 0:
-        return 0, 0.0, 0.0
+        return count, 0.0, 0.0
     if pose_is_clear(cells, SOLID, clear_sq, reach, x + dx, y + dy):
-        chain[0, 0], chain[0, 1] = x + dx, y + dy
-        return 1, 0.0, 0.0
-    return 0, -float(dx), -float(dy)
+        return _append(chain, count, x + dx, y + dy, 1.0), 0.0, 0.0
+    return count, -float(dx), -float(dy)

@@ -11,12 +11,15 @@ from sim.kernels import layout
 from sim.kernels._jit import kernel
 from sim.kernels.fdlibm import atan
 from sim.kernels.geometry import cell_state
+from sim.kernels.lattice_rays import beam_heading, ray_distance, walls_on_the_way
 from sim.kernels.layout import FREE, TURN, UNIT
 
 __all__ = [
     "displacement",
     "heading_of",
     "heading_table",
+    "noise_channel",
+    "noise_draw",
     "random_draw",
     "sense",
     "signal_heading",
@@ -26,6 +29,9 @@ __all__ = [
 Cells = npt.NDArray[np.uint8]
 
 _SCALE_BITS = 30  # the table holds round(cos * 2**30): 10 nm over a 10 m step
+_MOST_HALVINGS = 1000
+_POSE = (layout.OBS_X, layout.OBS_Y, layout.OBS_HEADING)
+_APART = 0x5DEECE66D1CE4E5B  # makes the simulator's own stream of a seed another than the controller's
 _PER_RADIAN = TURN / (2.0 * math.pi)
 
 
@@ -84,6 +90,33 @@ def turn_towards(heading: int, target: int) -> int:
 
 
 @kernel
+def random_draw(seed: int, index: int) -> float:
+    """Draw number ``index`` (from 0) of the stream of a seed: SplitMix64's top 53 bits, in [0, 1)."""
+    z = np.uint64(seed) + np.uint64(index + 1) * np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    z = z ^ (z >> np.uint64(31))
+    return float(z >> np.uint64(11)) * 2.0**-53
+
+
+# Channels of the simulator's own random numbers in one step; each number is drawn for itself alone.
+NOISE_SLIP, NOISE_WAY, NOISE_TURN, NOISE_SIGNAL, NOISE_BEAMS = 0, 1, 2, 8, 1024
+_CHANNELS = 4096
+
+
+@kernel
+def noise_channel(step: int, channel: int) -> int:
+    """Number of the random draw of a channel in a step."""
+    return step * _CHANNELS + channel
+
+
+@kernel
+def noise_draw(settings: npt.NDArray[np.int64], draw: int) -> float:
+    """One of the simulator's own random numbers, in [0, 1), apart from those that the controller gets."""
+    return random_draw(settings[layout.SET_SEED] ^ _APART, draw)
+
+
+@kernel
 def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, heading: int) -> int:
     """Heading to the strongest of the nine cells round the robot: to its centre, or to the target in it.
 
@@ -108,30 +141,107 @@ def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, h
 
 
 @kernel
-def random_draw(seed: int, index: int) -> float:
-    """Draw number ``index`` (from 0) of the stream of a seed: SplitMix64's top 53 bits, in [0, 1)."""
-    z = np.uint64(seed) + np.uint64(index + 1) * np.uint64(0x9E3779B97F4A7C15)
-    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    z = z ^ (z >> np.uint64(31))
-    return float(z >> np.uint64(11)) * 2.0**-53
+def _in_field(dx: int, dy: int, heading: int, half_field: float) -> bool:
+    """Whether a direction lies in the sensor's field, which reaches as far to either side of the heading."""
+    return half_field >= TURN // 2 or abs(turn_towards(heading, heading_of(dx, dy, heading))) <= half_field
+
+
+@kernel
+def _reading(
+    cells: Cells,
+    settings: npt.NDArray[np.int64],
+    scales: npt.NDArray[np.float64],
+    place: tuple[int, int],
+    shift: tuple[int, int, int],
+    draw: int,
+) -> float:
+    """Strength of the signal at a place, 0 where none comes: 1 / (1 + squared distance in cells), less what walls take.
+
+    Args:
+        cells: Cell states.
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        place: x, y, lattice units.
+        shift: Direction from the robot to where the signal is looked for, and the robot's heading.
+        draw: Number of the random draw of the noise.
+    """
+    x, y = place
+    target_x, target_y = settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y]
+    dx, dy = target_x - x, target_y - y
+    away_sq = float(dx * dx + dy * dy)
+    longest = scales[layout.SCALE_SENSOR_RANGE]
+    if away_sq > longest * longest or not _in_field(shift[0], shift[1], shift[2], scales[layout.SCALE_SENSOR_FIELD]):
+        return 0.0
+    value = 1.0 / (1.0 + away_sq / float(UNIT * UNIT))
+    if settings[layout.SET_SIGNAL] != layout.OPEN:
+        walls = walls_on_the_way(cells, x, y, target_x, target_y)
+        if walls > 0:
+            value = (
+                0.0 if settings[layout.SET_SIGNAL] == layout.BLOCKED or walls > _MOST_HALVINGS else value / 2.0**walls
+            )
+    noise = scales[layout.SCALE_SENSOR_NOISE]
+    return value if noise == 0.0 else value * (1.0 + noise * (2.0 * noise_draw(settings, draw) - 1.0))
+
+
+@kernel
+def _strongest_cell(
+    cells: Cells,
+    settings: npt.NDArray[np.int64],
+    scales: npt.NDArray[np.float64],
+    pose: tuple[int, int, int],
+    step: int,
+) -> int:
+    """As :func:`signal_heading`, for a sensor with other limits; the own heading where it sees nothing."""
+    x, y, heading = pose
+    ix, iy, middle, sees = x // UNIT, y // UNIT, UNIT // 2, settings[layout.SET_SENSOR_CELLS]
+    target_x, target_y = settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y]
+    best, best_x, best_y = 0.0, x, y
+    for place in range(-1, (2 * sees + 1) * (2 * sees + 1)):
+        jx = ix if place < 0 else ix + place % (2 * sees + 1) - sees
+        jy = iy if place < 0 else iy + sees - place // (2 * sees + 1)
+        home = jx == target_x // UNIT and jy == target_y // UNIT
+        at_x, at_y = (target_x, target_y) if home else (jx * UNIT + middle, jy * UNIT + middle)
+        if (place >= 0 and jx == ix and jy == iy) or cell_state(cells, jx, jy) != FREE:
+            continue
+        value = _reading(
+            cells,
+            settings,
+            scales,
+            (at_x, at_y),
+            (at_x - x, at_y - y, heading),
+            noise_channel(step, NOISE_SIGNAL + 1 + place + 1),
+        )
+        if value > best:
+            best, best_x, best_y = value, at_x, at_y
+    return heading_of(best_x - x, best_y - y, heading)
 
 
 @kernel
 def sense(
     cells: Cells,
+    headings: npt.NDArray[np.int64],
     settings: npt.NDArray[np.int64],
     scales: npt.NDArray[np.float64],
-    pose: tuple[int, int, int],
+    state: npt.NDArray[np.int64],
+    odometry: npt.NDArray[np.float64],
     contact: tuple[float, float],
-    draws: int,
+    step: int,
     observation: npt.NDArray[np.float64],
 ) -> None:
-    """Fills the observation from the robot's pose (x, y, heading) and the normal of its last contact.
+    """Fills the observation: of the senses that cost time only those in ``SET_SENSES``.
 
-    Of the senses that cost time only those in ``SET_SENSES`` are filled.
+    Args:
+        cells: Cell states.
+        headings: :func:`heading_table`.
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        state: The robot's state.
+        odometry: Its pose as it measured it: x and y, lattice units, and heading, heading units.
+        contact: Normal of its last contact; 0, 0 for none.
+        step: Number of the step.
+        observation: (OBS_SIZE + beams,), filled.
     """
-    x, y, heading = pose
+    x, y, heading = state[layout.STATE_X], state[layout.STATE_Y], state[layout.STATE_HEADING]
     radians, metres, senses = scales[layout.SCALE_RADIANS], scales[layout.SCALE_METRES], settings[layout.SET_SENSES]
     bumped = contact[0] != 0.0 or contact[1] != 0.0
     observation[layout.OBS_BUMP] = 1.0 if bumped else 0.0
@@ -146,14 +256,56 @@ def sense(
             observation[layout.OBS_BUMP_BEARING] = turn_towards(heading, wall) * radians
     target_x, target_y = settings[layout.SET_TARGET_X], settings[layout.SET_TARGET_Y]
     dx, dy = target_x - x, target_y - y
-    if senses & (layout.SENSE_SIGNAL | layout.SENSE_TARGET_DISTANCE) != 0:
-        away = math.sqrt(float(dx * dx + dy * dy))
-        observation[layout.OBS_SIGNAL] = 1.0 / (1.0 + away * away / float(UNIT * UNIT))
-        observation[layout.OBS_TARGET_DISTANCE] = away * metres
-    if senses & layout.SENSE_SIGNAL_HEADING != 0:
-        strongest = signal_heading(cells, x, y, target_x, target_y, heading)
-        observation[layout.OBS_SIGNAL_HEADING] = turn_towards(0, strongest) * radians
+    if senses & layout.SENSE_TARGET_DISTANCE != 0:
+        observation[layout.OBS_TARGET_DISTANCE] = math.sqrt(float(dx * dx + dy * dy)) * metres
     if senses & layout.SENSE_TARGET_HEADING != 0:
         observation[layout.OBS_TARGET_HEADING] = turn_towards(0, heading_of(dx, dy, heading)) * radians
+    if senses & layout.SENSE_SIGNAL != 0:
+        observation[layout.OBS_SIGNAL] = _reading(
+            cells, settings, scales, (x, y), (dx, dy, heading), noise_channel(step, NOISE_SIGNAL)
+        )
+    if senses & layout.SENSE_SIGNAL_HEADING != 0:
+        if settings[layout.SET_PLAIN_SENSOR] != 0:
+            strongest = signal_heading(cells, x, y, target_x, target_y, heading)
+        else:
+            strongest = _strongest_cell(cells, settings, scales, (x, y, heading), step)
+        observation[layout.OBS_SIGNAL_HEADING] = turn_towards(0, strongest) * radians
     if senses & layout.SENSE_RANDOM != 0:
-        observation[layout.OBS_RANDOM] = random_draw(settings[layout.SET_SEED], draws)
+        observation[layout.OBS_RANDOM] = random_draw(settings[layout.SET_SEED], state[layout.STATE_DRAWS])
+    if senses & layout.SENSE_TIME != 0:
+        observation[layout.OBS_TIME] = step * scales[layout.SCALE_TIME_STEP]
+    if senses & layout.SENSE_ODOMETRY != 0:
+        if scales[layout.SCALE_ODOMETRY_NOISE] > 0.0:
+            observation[layout.OBS_ODOMETRY_X] = odometry[0] * metres
+            observation[layout.OBS_ODOMETRY_Y] = odometry[1] * metres
+            observation[layout.OBS_ODOMETRY_HEADING] = turn_towards(0, int(math.floor(odometry[2] + 0.5))) * radians
+        else:
+            for k in range(3):
+                observation[layout.OBS_ODOMETRY_X + k] = observation[_POSE[k]]
+    if senses & layout.SENSE_BEAMS != 0:
+        _sense_beams(cells, headings, settings, scales, (x, y, heading), step, observation)
+
+
+@kernel
+def _sense_beams(
+    cells: Cells,
+    headings: npt.NDArray[np.int64],
+    settings: npt.NDArray[np.int64],
+    scales: npt.NDArray[np.float64],
+    pose: tuple[int, int, int],
+    step: int,
+    observation: npt.NDArray[np.float64],
+) -> None:
+    """Fills in the range beams, m; a beam that meets nothing, or is lost, gives its longest distance."""
+    x, y, heading = pose
+    beams, longest, metres = settings[layout.SET_BEAMS], scales[layout.SCALE_BEAM_RANGE], scales[layout.SCALE_METRES]
+    noise, dropout = scales[layout.SCALE_BEAM_NOISE], scales[layout.SCALE_BEAM_DROPOUT]
+    for beam in range(beams):
+        towards = beam_heading(heading, beam, beams, scales[layout.SCALE_BEAM_FIELD])
+        distance = ray_distance(cells, headings, x, y, towards, longest)
+        if noise > 0.0:
+            wrong = 2.0 * noise_draw(settings, noise_channel(step, NOISE_BEAMS + beam)) - 1.0
+            distance = min(distance * (1.0 + noise * wrong), longest)
+        if dropout > 0.0 and noise_draw(settings, noise_channel(step, 2 * NOISE_BEAMS + beam)) < dropout:
+            distance = longest
+        observation[layout.OBS_SIZE + beam] = distance * metres

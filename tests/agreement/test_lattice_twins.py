@@ -58,12 +58,12 @@ def test_random_draws_are_those_of_the_stream(seed, index):
 def test_swept_moves_equal_their_python_twin(data, moves):
     cells = (np.frombuffer(data, np.uint8).reshape(8, 8) < 40).astype(np.uint8)
     cells[3:5, 3:5] = 0
-    pose, chains = (4 * UNIT, 4 * UNIT), (np.zeros((4, 2), np.int64), np.zeros((4, 2), np.int64))
+    pose, chains = (4 * UNIT, 4 * UNIT), (np.zeros((4, 3), np.int64), np.zeros((4, 3), np.int64))
     for dx, dy in moves:
-        one = lattice_motion.swept_move(cells, 500_000, 708, *pose, dx, dy, chains[0])
-        two = plain(lattice_motion.swept_move)(cells, 500_000, 708, *pose, dx, dy, chains[1])
+        one = lattice_motion.swept_move(cells, 500_000, 708, (*pose, dx, dy), (0.0, 1.0), 0.0, chains[0], 0)
+        two = plain(lattice_motion.swept_move)(cells, 500_000, 708, (*pose, dx, dy), (0.0, 1.0), 0.0, chains[1], 0)
         assert one == two and chains[0].tolist() == chains[1].tolist()
-        pose = tuple(chains[0][one[0] - 1].tolist()) if one[0] else pose
+        pose = tuple(chains[0][one[0] - 1, :2].tolist()) if one[0] else pose
 
 
 @given(st.binary(min_size=80, max_size=80))

@@ -48,10 +48,10 @@ def test_no_segment_of_a_swept_move_cuts_a_wall(room, moves):
     clear_sq, reach = numbers(radius)
     if not pose_is_clear(cells, SOLID, clear_sq, reach, x, y):
         return
-    walls, chain = solid_union(cells), np.zeros((4, 2), np.int64)
+    walls, chain = solid_union(cells), np.zeros((4, 3), np.int64)
     for dx, dy in moves:
-        count, _, _ = swept_move(cells, clear_sq, reach, x, y, dx, dy, chain)
-        path = [(x, y), *map(tuple, chain[:count].tolist())]
+        count, _, _ = swept_move(cells, clear_sq, reach, (x, y, dx, dy), (0.0, 1.0), 0.0, chain, 0)
+        path = [(x, y), *map(tuple, chain[:count, :2].tolist())]
         x, y = path[-1]
         line = shapely.LineString(path) if count else shapely.Point(path[0])
         assert line.distance(walls) >= float(radius) * UNIT - 1e-6
@@ -75,11 +75,11 @@ def test_the_disc_slides_along_a_flat_wall_without_losing_way():
     cells = np.zeros((SIDE, SIDE), np.uint8)
     cells[5, :] = 1
     clear_sq, reach = numbers(Fraction(7, 10))
-    chain = np.zeros((4, 2), np.int64)
+    chain = np.zeros((4, 3), np.int64)
     x, y = 2 * UNIT, 5 * UNIT - reach
     for _ in range(10):
-        count, normal_x, normal_y = swept_move(cells, clear_sq, reach, x, y, 200, 200, chain)
-        x, y = chain[count - 1].tolist()
+        count, normal_x, normal_y = swept_move(cells, clear_sq, reach, (x, y, 200, 200), (0.0, 1.0), 0.0, chain, 0)
+        x, y = chain[count - 1, :2].tolist()
         assert (normal_x, normal_y < 0) == (0.0, True)
     assert (x, y) == (2 * UNIT + 10 * 200, 5 * UNIT - reach)
 
@@ -92,9 +92,9 @@ def test_the_disc_passes_a_diagonal_gap_only_if_it_fits():
     moved = {}
     for tenths in (4, 6):
         clear_sq, reach = numbers(Fraction(tenths, 10))
-        chain = np.zeros((4, 2), np.int64)
+        chain = np.zeros((4, 3), np.int64)
         x, y = 5 * UNIT + UNIT // 2, 3 * UNIT - 100
-        count, _, _ = swept_move(cells, clear_sq, reach, x, y, 0, 3 * UNIT, chain)
+        count, _, _ = swept_move(cells, clear_sq, reach, (x, y, 0, 3 * UNIT), (0.0, 1.0), 0.0, chain, 0)
         moved[tenths] = (chain[count - 1, 1] if count else y) > 5 * UNIT
     assert moved == {4: True, 6: False}
 
@@ -102,14 +102,14 @@ def test_the_disc_passes_a_diagonal_gap_only_if_it_fits():
 def test_a_robot_wedged_in_a_corner_stays_there():
     cells = np.zeros((SIDE, SIDE), np.uint8)
     clear_sq, reach = numbers(Fraction(7, 10))
-    chain = np.zeros((4, 2), np.int64)
-    assert swept_move(cells, clear_sq, reach, reach, reach, -500, -300, chain)[0] == 0
+    chain = np.zeros((4, 3), np.int64)
+    assert swept_move(cells, clear_sq, reach, (reach, reach, -500, -300), (0.0, 1.0), 0.0, chain, 0)[0] == 0
 
 
 def test_a_very_long_move_stops_at_the_first_wall():
     cells = np.zeros((SIDE, 300), np.uint8)
     cells[:, 250] = 1
     clear_sq, reach = numbers(Fraction(7, 10))
-    chain = np.zeros((4, 2), np.int64)
-    count, _, _ = swept_move(cells, clear_sq, reach, UNIT, 5 * UNIT, 299 * UNIT, 0, chain)
-    assert (count, chain[0].tolist()) == (1, [250 * UNIT - reach, 5 * UNIT])
+    chain = np.zeros((4, 3), np.int64)
+    count, _, _ = swept_move(cells, clear_sq, reach, (UNIT, 5 * UNIT, 299 * UNIT, 0), (0.0, 1.0), 0.0, chain, 0)
+    assert (count, chain[0, :2].tolist()) == (1, [250 * UNIT - reach, 5 * UNIT])

@@ -4,48 +4,68 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim import RunOptions, Scenario, ThesisOptions, simulate
+from sim import RobotOptions, RunOptions, Scenario, ThesisOptions, simulate
 from worldgen import InvalidParameter, generate
+
+STEPPED = {"motion": "stepped"}
 
 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("thesis-1", Scenario("thesis-1")),
-        ("thesis-1+noise", Scenario("thesis-1", thesis=ThesisOptions(noise=True))),
-        ("thesis-1+sensor-range=50+arbiter=A2", Scenario("thesis-1", thesis=ThesisOptions(50, arbiter="A2"))),
-        ("thesis-1+noise=false", Scenario("thesis-1")),
+        ("thesis-1", Scenario("thesis-1", "stepped")),
+        ("thesis-1+noise", Scenario("thesis-1", "stepped", thesis=ThesisOptions(noise=True))),
+        (
+            "thesis-1+sensor-range=50+arbiter=A2",
+            Scenario("thesis-1", "stepped", thesis=ThesisOptions(50, arbiter="A2")),
+        ),
+        ("thesis-1+noise=false", Scenario("thesis-1", "stepped")),
         ("mine+motion=endpoint+time_step=0.1", Scenario("mine", "endpoint", 0.1)),
-        ("./a+b/mine.py:Robot", Scenario("./a+b/mine.py:Robot")),
-        ("./a+b/mine.py:Robot+motion=stepped", Scenario("./a+b/mine.py:Robot", "stepped")),
+        ("mine+slip=0.1+motion=swept", Scenario("mine", "swept", robot=RobotOptions(slip=0.1))),
+        ("mine+motion=swept+beams=36", Scenario("mine", "swept", robot=RobotOptions(beams=36))),
+        ("./a+b/mine.py:Robot", Scenario("./a+b/mine.py:Robot", "stepped")),
+        ("./a+b/mine.py:Robot+motion=swept", Scenario("./a+b/mine.py:Robot", "swept")),
     ],
 )
 def test_a_controller_with_variations_is_read(text, expected):
-    assert Scenario.parse(text) == expected
+    assert Scenario.parse(text, **STEPPED) == expected
 
 
 def test_repaired_stands_for_the_three_repairs():
-    thesis = Scenario.parse("thesis-1+repaired").thesis
+    thesis = Scenario.parse("thesis-1+repaired", **STEPPED).thesis
     assert thesis.repaired and thesis == ThesisOptions(repair_slide=True, repair_back_off=True, repair_corner=True)
 
 
+THESIS = st.builds(
+    ThesisOptions,
+    sensor_range=st.integers(36, 1000),
+    noise=st.booleans(),
+    repair_slide=st.booleans(),
+    repair_corner=st.booleans(),
+    repair_back_off=st.booleans(),
+    slip=st.floats(0, 1),
+    signal=st.sampled_from(["open", "blocked"]),
+    draws=st.lists(st.floats(0, 0.999)).map(tuple),
+)
+ROBOT = st.builds(
+    RobotOptions,
+    turn_limit=st.floats(0, 100),
+    acceleration=st.floats(0, 100),
+    odometry_noise=st.floats(0, 1),
+    signal=st.sampled_from(["open", "weakened"]),
+    beams=st.integers(0, 1000),
+    beam_range=st.floats(0.1, 100),
+)
+
+
 @given(
-    st.builds(
-        ThesisOptions,
-        sensor_range=st.integers(36, 1000),
-        noise=st.booleans(),
-        repair_slide=st.booleans(),
-        repair_corner=st.booleans(),
-        repair_back_off=st.booleans(),
-        slip=st.floats(0, 1),
-        signal=st.sampled_from(["open", "blocked"]),
-        draws=st.lists(st.floats(0, 0.999)).map(tuple),
-    ),
-    st.sampled_from(["swept", "stepped"]),
+    st.builds(lambda thesis: ("stepped", {"thesis": thesis}), THESIS)
+    | st.builds(lambda motion, robot: (motion, {"robot": robot}), st.sampled_from(["swept", "endpoint"]), ROBOT),
     st.floats(0.001, 10),
 )
-def test_a_label_reads_back(thesis, motion, time_step):
-    scenario = Scenario("thesis-2", motion, time_step, thesis=thesis)
+def test_a_label_reads_back(switches, time_step):
+    motion, sets = switches
+    scenario = Scenario("thesis-2", motion, time_step, **sets)
     assert Scenario.parse(scenario.label("swept", 0.015)) == scenario
 
 
@@ -68,7 +88,7 @@ def test_a_label_reads_back(thesis, motion, time_step):
 )
 def test_a_wrong_variation_gets_a_sentence(text, message):
     with pytest.raises(InvalidParameter, match=message):
-        Scenario.parse(text)
+        Scenario.parse(text, **STEPPED)
 
 
 def test_a_failure_file_stores_only_what_was_switched():
@@ -79,5 +99,5 @@ def test_a_failure_file_stores_only_what_was_switched():
 
 
 def test_switches_of_the_thesis_mean_nothing_to_another_motion_model():
-    with pytest.raises(InvalidParameter, match="noise: switches of the thesis's simulator mean nothing"):
+    with pytest.raises(InvalidParameter, match="'noise' means nothing to motion 'swept'; take --motion stepped"):
         simulate(generate("trap", seed=1), "thesis-1", motion="swept", noise=True)

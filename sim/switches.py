@@ -1,0 +1,110 @@
+"""Sets of named options: checked when made, stored where they are not at their default, read from text."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Self
+
+from worldgen.errors import InvalidParameter
+from worldgen.world import Value
+
+__all__ = ["Switches"]
+
+_WORDS = {int: "whole number", float: "number", str: "word", tuple: "list of numbers"}
+
+
+@dataclass(frozen=True)
+class Switches:
+    """Base of option sets: dataclasses of booleans, numbers, words and tuples of numbers, each with a default."""
+
+    RANGES: ClassVar[Mapping[str, tuple[float, float, str]]] = {}
+    """Least and greatest value of each number, and its unit, to be put behind it."""
+    CHOICES: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    """The words that each option may be."""
+    EXAMPLES: ClassVar[Mapping[str, str]] = {}
+    """Texts that show how an option is written, where its default does not."""
+    TOGETHER: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    """Names that switch on several options."""
+
+    def __post_init__(self) -> None:
+        for name, (low, high, unit) in self.RANGES.items():
+            value = getattr(self, name)
+            if not (math.isfinite(value) and low <= value <= high):
+                raise InvalidParameter(f"{name}={value:g} is outside {low:g} to {high:g}{unit}; give one between")
+        for name, choices in self.CHOICES.items():
+            if getattr(self, name) not in choices:
+                raise InvalidParameter(f"{name}={getattr(self, name)!r} is not one of {', '.join(choices)}")
+
+    def changed(self) -> dict[str, Value]:
+        """The options that are not at their default, in order of declaration."""
+        values = {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) != f.default}
+        return {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """The options' names."""
+        return tuple(f.name for f in fields(cls))
+
+    @classmethod
+    def of(cls, values: Mapping[str, Value]) -> Self:
+        """Options from names and values of the right types.
+
+        Raises:
+            InvalidParameter: If a name is unknown or a value has the wrong type.
+        """
+        known = {f.name: f.default for f in fields(cls)}
+        for name, value in values.items():
+            if name not in known:
+                raise InvalidParameter(f"option {name!r} is unknown; known: {', '.join(known)}")
+            default = known[name]
+            if isinstance(default, tuple):
+                if not isinstance(value, list) or not all(type(number) in (int, float) for number in value):
+                    raise InvalidParameter(f"option {name} must be a list of numbers")
+            elif type(value) is not type(default) and not (isinstance(default, float) and type(value) is int):
+                raise InvalidParameter(f"option {name}={value!r} must be a {type(default).__name__}")
+        return cls(**{name: _as_type(known[name], value) for name, value in values.items()})
+
+    @classmethod
+    def parse(cls, name: str, text: str | None) -> dict[str, Value]:
+        """One option as it is written on the command line.
+
+        Args:
+            name: Of the option, with dashes or underscores, or of several that are switched on together.
+            text: Its value; ``None`` for a flag.
+
+        Raises:
+            InvalidParameter: If the option is unknown, or the text is no value for it.
+        """
+        name = name.replace("-", "_")
+        if name in cls.TOGETHER and text is None:
+            return dict.fromkeys(cls.TOGETHER[name], True)
+        known: dict[str, Any] = {f.name: f.default for f in fields(cls)}
+        if name not in known:
+            names = ["motion", "time_step", *cls.TOGETHER, *known]
+            close = difflib.get_close_matches(name, names, n=1)
+            hint = f"did you mean {close[0]!r}? " if close else ""
+            raise InvalidParameter(f"option {name!r} is unknown; {hint}known: {', '.join(names)}")
+        kind = type(known[name])
+        if kind is bool:
+            words = {None: True, "true": True, "false": False}
+            if text not in words:
+                raise InvalidParameter(
+                    f"option {name}={text!r} is neither true nor false; write +{name} to switch it on"
+                )
+            return {name: words[text]}
+        example = cls.EXAMPLES.get(name, known[name])
+        if text is None:
+            raise InvalidParameter(f"option {name!r} needs a value; write +{name}={example}")
+        try:
+            return {name: [float(word) for word in text.split(":")] if kind is tuple else kind(text)}
+        except ValueError:
+            raise InvalidParameter(f"option {name}={text!r} is no {_WORDS[kind]}; write one like {example}") from None
+
+
+def _as_type(default: Any, value: Any) -> Any:
+    if isinstance(default, tuple):
+        return tuple(map(float, value))
+    return float(value) if isinstance(default, float) else value
