@@ -59,10 +59,11 @@ def is_solid_at(world: World, ix: int, iy: int, earliest: float, latest: float) 
     return state == CellState.SOLID
 
 
-def step_path(trace: Trace, step: int) -> shapely.LineString:
-    """The path of one step, from the state before it, m."""
+def step_path(trace: Trace, step: int, since: float = 0.0) -> shapely.LineString:
+    """The path of one step, m: from the last point that was reached when its share ``since`` was over."""
     first = int(np.searchsorted(trace.path_step, step, side="left"))
     last = int(np.searchsorted(trace.path_step, step, side="right"))
+    first += int(np.searchsorted(trace.path_share[first:last], since + 1e-9, side="right"))
     points = np.stack([trace.path_x[first - 1 : last], trace.path_y[first - 1 : last]], axis=1)
     return shapely.LineString(points if len(points) > 1 else np.repeat(points, 2, axis=0))
 

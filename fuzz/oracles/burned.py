@@ -19,9 +19,10 @@ def object_to_burned(world: World, trace: Trace, evidence: Mapping[str, Value], 
     if not 1 <= step <= trace.steps or cell is None:
         return "the evidence names no step and cell of this run"
     changes = [event for event in world.timeline if (event.ix, event.iy) == cell]
-    known = [event.state for event in changes if event.time <= step * trace.time_step + 1e-9]
-    if not known or known[-1].word != state or known[-1] == CellState.FREE:
+    known = [event for event in changes if event.time <= step * trace.time_step + 1e-9]
+    if not known or known[-1].state.word != state or known[-1].state == CellState.FREE:
         return f"cell {cell} is not {state} in step {step}"
-    gap = float(step_path(trace, step).distance(cell_box(world, *cell)))
+    since = known[-1].time / trace.time_step - (step - 1) if motion.exact_events else 0.0
+    gap = float(step_path(trace, step, max(since, 0.0)).distance(cell_box(world, *cell)))
     far = gap > world.robot_radius * (1 + 1e-9)
     return f"the robot stays {gap:g} m away from cell {cell} in step {step}" if far else ""

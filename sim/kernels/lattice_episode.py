@@ -397,10 +397,8 @@ def _next_speed(now: int, wanted: int, scales: Floats) -> int:
     gain, loss = scales[layout.SCALE_GAIN], scales[layout.SCALE_LOSS]
     if gain == math.inf and loss == math.inf:
         return wanted
-    if (wanted >= 0) != (now >= 0) and abs(now) > loss:  # it must come to a stand first
-        return now - int(loss) if now > 0 else now + int(loss)
-    if (wanted >= 0) != (now >= 0):
-        now = 0
+    if (wanted > 0 and now < 0) or (wanted < 0 and now > 0):
+        wanted = 0  # it must come to a stand first
     if abs(wanted) > abs(now) + gain:
         return now + int(gain) if wanted > 0 else now - int(gain)
     if abs(wanted) < abs(now) - loss:

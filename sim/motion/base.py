@@ -25,6 +25,7 @@ class Motion:
         code: The kernel's number for it.
         overlap_tolerance: Cut of the disc into a wall, in cells, that is not reported as ``overlap``.
         summary: One line for people.
+        exact_events: Whether events count at their time inside a step, else from the beginning of that step.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Motion:
     code: int
     overlap_tolerance: float
     summary: str
+    exact_events: bool = False
 
 
 def _accept(name: str, thing: Any) -> Motion:

@@ -1,0 +1,99 @@
+"""Range beams and lines of sight against shapely, and against the functions they were compiled from."""
+
+import math
+
+import numpy as np
+import shapely
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from sim.kernels.lattice_rays import beam_heading, ray_distance, walls_on_the_way
+from sim.kernels.lattice_sense import heading_table
+from sim.kernels.layout import TURN, UNIT
+
+SIDE = 8
+HEADINGS = heading_table()
+FREE_PLACE = st.tuples(st.integers(0, SIDE * UNIT - 1), st.integers(0, SIDE * UNIT - 1))
+ROUND = st.integers(0, TURN - 1) | st.sampled_from([k * TURN // 8 for k in range(8)])
+
+
+def plain(kernel):
+    return getattr(kernel, "py_func", kernel)
+
+
+@st.composite
+def rooms(draw):
+    cells = np.frombuffer(draw(st.binary(min_size=SIDE * SIDE, max_size=SIDE * SIDE)), np.uint8)
+    return (cells.reshape(SIDE, SIDE) < draw(st.sampled_from([5, 40, 90]))).astype(np.uint8)
+
+
+def boxes(cells):
+    padded = np.pad(cells, 1, constant_values=1)
+    return [shapely.box((ix - 1) * UNIT, (iy - 1) * UNIT, ix * UNIT, iy * UNIT) for iy, ix in np.argwhere(padded)]
+
+
+@settings(max_examples=200)
+@given(rooms(), FREE_PLACE, ROUND, st.floats(0.5, 12.0))
+def test_a_beam_is_as_long_as_shapely_says(cells, place, heading, cells_far):
+    x, y = place
+    cells[y // UNIT, x // UNIT] = 0
+    assume(shapely.union_all(boxes(cells)).distance(shapely.Point(x, y)) > 1)
+    longest = cells_far * UNIT
+    found = ray_distance(cells, HEADINGS, x, y, heading, longest)
+    assert found == plain(ray_distance)(cells, HEADINGS, x, y, heading, longest)
+    angle = heading / TURN * 2 * math.pi
+    ray = shapely.LineString([(x, y), (x + longest * math.cos(angle), y + longest * math.sin(angle))])
+    inner = [box.buffer(-1e-3, join_style="mitre") for box in boxes(cells)]  # what a ray only grazes is not met
+    outer = [box.buffer(1e-3, join_style="mitre") for box in boxes(cells)]
+    nearest, farthest = (
+        min(
+            (shapely.Point(x, y).distance(ray.intersection(box)) for box in grown if ray.intersects(box)),
+            default=longest,
+        )
+        for grown in (outer, inner)
+    )
+    assert nearest - 1e-2 <= found <= farthest + 1e-2
+
+
+@given(rooms(), FREE_PLACE, st.integers(0, TURN - 1))
+def test_a_beam_that_goes_through_no_corner_agrees_to_a_billionth_of_a_metre(cells, place, heading):
+    x, y = place
+    cells[y // UNIT, x // UNIT] = 0
+    angle = heading / TURN * 2 * math.pi
+    far = 20.0 * UNIT
+    ray = shapely.LineString([(x, y), (x + far * math.cos(angle), y + far * math.sin(angle))])
+    walls = shapely.union_all(boxes(cells))
+    corners = shapely.MultiPoint([(i * UNIT, j * UNIT) for i in range(SIDE + 1) for j in range(SIDE + 1)])
+    assume(ray.distance(corners) > 1e-3 and walls.distance(shapely.Point(x, y)) > 1)
+    metres = 0.1 / UNIT
+    expected = shapely.Point(x, y).distance(ray.intersection(walls)) * metres
+    # the table's directions are rounded to 2**-30, a nanometre at one metre
+    assert abs(ray_distance(cells, HEADINGS, x, y, heading, far) * metres - expected) <= 2e-9
+
+
+def test_a_beam_does_not_pass_between_two_cells_that_touch_at_a_corner():
+    cells = np.zeros((SIDE, SIDE), np.uint8)
+    cells[4, 3] = cells[3, 4] = 1
+    start = (int(3.5 * UNIT), int(3.5 * UNIT))
+    assert ray_distance(cells, HEADINGS, *start, TURN // 8, 9999.0) == (UNIT / 2) / (float(HEADINGS[TURN // 8]) / 2**30)
+    cells[4, 3] = 0
+    assert ray_distance(cells, HEADINGS, *start, TURN // 8, 3000.0) == 3000.0
+
+
+def test_beams_are_spread_over_their_field():
+    assert [beam_heading(100, k, 4, float(TURN)) for k in range(4)] == [100 + k * TURN // 4 for k in range(4)]
+    assert [beam_heading(0, k, 3, TURN / 2) for k in range(3)] == [-TURN // 4, 0, TURN // 4]
+    assert beam_heading(7, 0, 1, TURN / 2) == 7
+
+
+@given(rooms(), FREE_PLACE, FREE_PLACE)
+def test_walls_on_the_way_are_the_cells_whose_inside_the_line_meets(cells, one, other):
+    found = walls_on_the_way(cells, *one, *other)
+    assert found == plain(walls_on_the_way)(cells, *one, *other)
+    line = shapely.LineString([one, other]) if one != other else shapely.Point(one)
+    ends = {(x // UNIT, y // UNIT) for x, y in (one, other)}
+    solid = [(ix, iy) for iy, ix in np.argwhere(cells) if (ix, iy) not in ends]
+    grid = [shapely.box(ix * UNIT, iy * UNIT, (ix + 1) * UNIT, (iy + 1) * UNIT) for ix, iy in solid]
+    sure = sum(line.intersection(box.buffer(-1e-3, join_style="mitre")).length > 1e-2 for box in grid)
+    possible = sum(line.intersects(box.buffer(1e-3, join_style="mitre")) for box in grid)
+    assert sure <= found <= possible
