@@ -22,7 +22,11 @@ from worldgen import generate
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
-SHORTER = {"--units 1": "--units 1 --no-shrink --workers 1", "cmd:python ": f"cmd:{sys.executable} "}
+SHORTER = {
+    "--units 1": "--units 1 --no-shrink --workers 1",
+    "other.py --units 1": "other.py --units 1 --examples 40",
+    "cmd:python ": f"cmd:{sys.executable} ",
+}
 DIGEST = re.compile(", trace [0-9a-f]{16}$")
 
 
@@ -78,10 +82,10 @@ def put_in_the_bug(path):
 
 def test_the_bug_of_the_document_is_found(folder, monkeypatch):
     monkeypatch.chdir(folder)
-    CliRunner().invoke(new_controller, ["other", "--kind", "process", "--force"], catch_exceptions=False)
-    put_in_the_bug(Path("other.py"))
+    CliRunner().invoke(new_controller, ["buggy", "--kind", "process"], catch_exceptions=False)
+    put_in_the_bug(Path("buggy.py"))
     options = ("--units", 1, "--examples", 80, "--seed", 1, "--workers", 1, "--no-shrink")
-    found = worldgen("fuzz", "--controller", "cmd:./other.py", *options, "--out", "bug").out
+    found = worldgen("fuzz", "--controller", "cmd:./buggy.py", *options, "--out", "bug").out
     kind = re.search(r"class (crash-\S+),", TEXT)[1]
     assert "crash (exit code 1 in step" in found and f"class {kind}" in found
 
