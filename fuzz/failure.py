@@ -139,7 +139,7 @@ def failure_of(
     options = scenario.options(world)
     longer = replace(options, steps=steps or max(options.steps, fewest_steps))
     episode, wrong = judge(world, scenario.controller, longer)
-    if episode.verdict in ("stalled", "timeout"):
+    if episode.verdict in ("stalled", "timeout") and longer != options:
         episode, wrong = judge(world, scenario.controller, options)
     else:
         options = longer

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from fuzz.failure import certified, failure_of, regardless_of_walls, walled_off
 from fuzz.lanes import SEALED, Draw, combined, explore, lane_strategy
-from sim.controllers import CONTROLLERS, CompiledController
+from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from sim.episode import prepare
 from sim.outcome import Outcome
 from sim.run_options import RunOptions, step_budget
@@ -94,6 +94,8 @@ class _Search:
         self.compiled = isinstance(self._controller, CompiledController)
         self._failed: Counter[tuple[str, str]] = Counter()
         self._proof_steps = _PROOF_STEPS if self.compiled else _PROOF_STEPS // _SLOWER
+        if isinstance(self._controller, ProcessController):  # of which no loop can be proved
+            self._proof_steps = 0
 
     def visit(self, draw: Draw) -> None:
         """Runs one scenario; a failure is proved, classified and kept if it is the smallest of its class."""

@@ -20,6 +20,8 @@ from worldgen.world import Value, Witness, World
 
 __all__ = ["Episode", "prepare", "simulate"]
 
+_RECORDED_AT_ONCE = 100_000  # steps, 30 MB: what slow controllers have recorded before it is known whether it is needed
+
 
 @dataclass(frozen=True)
 class Episode:
@@ -76,10 +78,12 @@ def simulate(
     elif settings:
         raise InvalidParameter(f"give options or {', '.join(settings)}, not both")
     run = prepare(world, controller, options)
-    outcome = run.run(options.steps, find_loop=True, record=False)
+    found = CONTROLLERS.get(controller) if isinstance(controller, str) else controller
+    at_once = record and options.steps <= _RECORDED_AT_ONCE and not isinstance(found, CompiledController)
+    outcome = run.run(options.steps, find_loop=True, record=at_once)
     if outcome.ending == "loop":
         return _loop(run, world, outcome, options, record)
-    if record:
+    if record and outcome.trace is None:
         _check_recordable(outcome.steps)
         outcome = run.run(outcome.steps, find_loop=False, record=True)
     return _decided(run, world, outcome, options)

@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 PROTOCOL_VERSION = 1
-_OPTIONS = ("deadline", "start", "memory", "motion", "time_step")  # the last two are the scenario's to read
+_OPTIONS = ("deadline", "start", "memory")
 
 _NAME = re.compile(r"cmd(?P<options>(?:\+[^:+]*)*):(?P<command>.*)", re.DOTALL)
 _SIZE = re.compile(r"(?P<number>\d+)(?P<unit>[kMGT]?)")
@@ -45,7 +45,8 @@ class ProcessController:
     after each failure. It and all that it started end with :meth:`close`, with this object, and with this
     process, however that ends. Two threads need two of these.
 
-    Its memory cannot be seen, so a run that repeats for ever is ``stalled`` or ``timeout``, never ``loop``.
+    Its memory cannot be seen, so a run that repeats for ever is ``stalled`` or ``timeout``, never ``loop``; and so it
+    may as well see the clock.
 
     Args:
         command: Program and arguments; no shell is involved.
@@ -56,6 +57,8 @@ class ProcessController:
     Raises:
         InvalidParameter: If a limit is out of range, or there is no such program.
     """
+
+    senses = Observation._fields
 
     senses = Observation._fields
 
@@ -100,7 +103,7 @@ class ProcessController:
                 settings["memory_limit"] = _bytes(value)
             else:
                 raise InvalidParameter(
-                    f"controller {name!r}: no option {key!r}, but {', '.join(_OPTIONS)}; write {_EXAMPLE}"
+                    f"controller {name!r}: no option {key!r}, but {', '.join(_OPTIONS)} and the run's; write {_EXAMPLE}"
                 )
         return cls(_words(name, parts["command"]), **settings)
 

@@ -252,7 +252,7 @@ def test_limits_out_of_range_are_refused(limits, message):
     [
         ("cmd:", "names no program; write cmd:./mine --flag"),
         ("cmd+deadline=0.2", "is no command; write cmd:./mine --flag"),
-        ("cmd+dedline=1:sh", "no option 'dedline', but deadline, start, memory"),
+        ("cmd+dedline=1:sh", "no option .dedline., but deadline, start, memory and the run.s"),
         ("cmd+deadline=soon:sh", "deadline='soon' is no number; write seconds"),
         ("cmd+memory=lots:sh", "memory='lots' is no size; write it like 512M or 4G"),
         ("cmd:sh 'x", "No closing quotation; quote it as for a shell"),
