@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,7 +11,7 @@ from fuzz.commands._options import Duration
 from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option
 
 if TYPE_CHECKING:
-    from fuzz.find import Find, Found, Wish
+    from fuzz.find import Find, FindConfig, Result, Wish
     from worldgen.world import Pose, Value
 
 __all__ = ["find"]
@@ -64,26 +64,29 @@ def find(
 ) -> None:
     r"""Find a world in which given controllers have given outcomes, or come as near as the budget allows.
 
-    An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang), never (loop or
-    stalled), or fails (anything but reached). Behind reached, or loop, stand steps, or the period: reached@330,
-    reached@300..400, reached@<400, reached@4.95s, loop@104. For a controller with randomness it is the outcome
-    of 19 of 20 seeds, and their median time.
+    An outcome is a verdict (reached, loop, stalled, timeout, tunnel, overlap, burned, crash, hang, invalid-command),
+    never (loop or stalled; with chance also timeout), or fails (anything but reached). Behind reached, or loop,
+    stand steps, or the period: reached@330, reached@300..400, reached@<400, reached@4.95s, loop@104. Of a
+    controller with chance, 19 of 20 seeds are to do so, or their median time counts.
 
-    The target of what is written can be reached. Exit code 0 if every outcome is as wanted, else 1.
+    The target of what is written can be reached. Exit code 0 if every outcome is as wanted, else 1. Ctrl-C writes
+    the nearest until then, exit code 130.
     """
     import os
 
     from fuzz.find import Find, FindConfig, parse_wishes
     from sim.run_options import RunOptions
     from worldgen.files import check_output
-    from worldgen.grid_file import read_world, write_world
+    from worldgen.grid_file import read_world
 
-    if budget is not None and units is not None:
-        raise click.UsageError("give --budget or --units, not both")
-    if begin is not None and families:
-        raise click.UsageError("give --from or --family, not both")
-    if no_edit and not families:
-        raise click.UsageError("--no-edit leaves worlds as a family makes them; name one with --family")
+    for contradiction, reason in (
+        (budget is not None and units is not None, "give --budget or --units, not both"),
+        (begin is not None and bool(families), "give --from or --family, not both"),
+        (no_edit and not families, "--no-edit leaves worlds as a family makes them; name one with --family"),
+        (no_edit and symmetric, "give --no-edit or --symmetric, not both: to mirror is to edit"),
+    ):
+        if contradiction:
+            raise click.UsageError(reason)
     step = RunOptions(time_step=RunOptions.time_step if time_step is None else time_step).time_step
     wishes = parse_wishes(",".join(outcomes), motion=motion, time_step=step)
     config = FindConfig(
@@ -103,18 +106,34 @@ def find(
     search = Find(
         config, units=units, seconds=None if units else budget or 30.0, workers=workers or os.cpu_count() or 1
     )
-    stopped = False
+    stopped = _watch(search, out, force)
+    _report(search, wishes, out, as_json)
+    raise SystemExit(130 if stopped else 0 if search.best is not None and search.best.distance == 0.0 else 1)
+
+
+def _watch(search: Find, out: Path, force: bool) -> bool:
+    """Searches, and writes the nearest world however that ends; returns whether Ctrl-C ended it."""
+    from concurrent.futures.process import BrokenProcessPool
+
+    from worldgen.errors import OutputError
+    from worldgen.grid_file import write_world
+
+    stopped, broken = False, None
     try:
         for found in search.run():
             note(f"unit {found.unit}: off by {found.distance:.4g}")
     except KeyboardInterrupt:
         stopped = True
-    if search.best is None:
-        note("no world with a reachable target was met; give more time, or another --family")
-    else:
+    except BrokenProcessPool as error:
+        broken = error
+    if search.best is not None:
         write_world(search.best.world, out, force=force)
-    _report(search, search.best, wishes, out, as_json)
-    raise SystemExit(130 if stopped else 0 if search.best is not None and search.best.distance == 0.0 else 1)
+    if broken is not None:
+        kept = f"the nearest world until then is in {out}" if search.best else "no world had been met until then"
+        raise OutputError(
+            f"a worker process died, perhaps killed by a controller or for want of memory; {kept}; try --workers 1"
+        ) from broken
+    return stopped
 
 
 def _parameters(families: tuple[str, ...], settings: tuple[str, ...]) -> dict[str, Value]:
@@ -150,26 +169,27 @@ def _pose(text: str) -> Pose:
     return Pose(x, y, heading)
 
 
-def _try_out(config: Any) -> None:
-    """One short run, so that a name, an option or a start pose that does not fit shows before the search."""
-    from dataclasses import replace
-
+def _try_out(config: FindConfig) -> None:
+    """A drawn world and one short run, so that what does not fit shows before the search."""
     import numpy as np
 
-    from fuzz.find.layout import Layout
+    from fuzz.find import draw
     from sim.episode import prepare
     from worldgen.world import Pose, Target, World
 
+    drawn = draw(config)
     arena = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.65, 0.65, 0.05))
     if config.begin is not None:
-        arena = config.begin if config.start is None else replace(config.begin, start=config.start)
-        Layout.of(arena, mirror=config.mirror)
+        arena = drawn
     for wish in config.wishes:
         options = wish.scenario.options(arena, 2)
         prepare(arena, wish.scenario.controller, options).run(2, find_loop=False, record=False, digest=False)
 
 
-def _report(search: Find, best: Found | None, wishes: tuple[Wish, ...], out: Path, as_json: bool) -> None:
+def _report(search: Find, wishes: tuple[Wish, ...], out: Path, as_json: bool) -> None:
+    best = search.best
+    if best is None:
+        note("no world with a reachable target was met; give more time, or another --family")
     if as_json:
         emit_json(
             {
@@ -183,9 +203,11 @@ def _report(search: Find, best: Found | None, wishes: tuple[Wish, ...], out: Pat
                     {
                         "controller": wish.scenario.label(),
                         "wanted": wish.text,
+                        "budget": wish.steps,
                         "verdict": result.verdict,
                         "steps": result.steps,
                         "reached": result.share,
+                        "seeds": result.seeds,
                         "distance": result.distance,
                     }
                     for wish, result in zip(wishes, best.results if best else (), strict=best is not None)
@@ -196,8 +218,16 @@ def _report(search: Find, best: Found | None, wishes: tuple[Wish, ...], out: Pat
     if best is None:
         return
     for wish, result in zip(wishes, best.results, strict=True):
-        number = f"@{result.steps:g}" if result.verdict in ("reached", "loop") else ""
-        share = f", {result.share:.0%} of the seeds arrive" if wish.randomised else ""
         off = "as wanted" if result.distance == 0.0 else f"off by {result.distance:.4g}"
-        click.echo(f"{wish.scenario.label()}: wanted {wish.text}, got {result.verdict}{number}{share}: {off}")
+        click.echo(f"{wish.scenario.label()}: wanted {wish.text}, got {_got(wish, result)}: {off}")
     click.echo(f"{search.tried} worlds in {search.done} units; wrote {out}")
+
+
+def _got(wish: Wish, result: Result) -> str:
+    """An outcome in words: ``reached@330``, ``stalled in 20000 steps``, ``timeout, 10% of 20 seeds arrive``."""
+    if result.seeds > 1:
+        words = f"{result.verdict}@{result.steps:g}" if result.verdict == "reached" else result.verdict
+        return f"{words}, {result.share:.0%} of {result.seeds} seeds arrive"
+    if result.verdict in ("reached", "loop"):
+        return f"{result.verdict}@{result.steps:g}"
+    return f"{result.verdict} in {wish.steps} steps" if result.verdict in ("stalled", "timeout") else result.verdict

@@ -3,9 +3,10 @@
 Contents:
     parse_wishes, Wish: what is wanted.
     FindConfig, Find, Found: the search, unit by unit, and what it came to.
+    draw: a world that it might look at first, to see whether there is one.
 """
 
-from fuzz.find.search import Find, FindConfig, Found, find_unit
+from fuzz.find.search import Find, FindConfig, Found, draw, find_unit
 from fuzz.find.wishes import Result, Wish, parse_wishes
 
-__all__ = ["Find", "FindConfig", "Found", "Result", "Wish", "find_unit", "parse_wishes"]
+__all__ = ["Find", "FindConfig", "Found", "Result", "Wish", "draw", "find_unit", "parse_wishes"]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import time
-from collections.abc import Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor, wait
+from concurrent.futures import TimeoutError as NotYet
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
-from typing import Any
+from multiprocessing.synchronize import Event
 
 from fuzz.features import LAYOUT_BYTES, decode_world
 from fuzz.find.layout import Layout
@@ -19,7 +21,7 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Certificate, Pose, Provenance, Value, World
 
-__all__ = ["VERSION", "Find", "FindConfig", "Found", "find_unit"]
+__all__ = ["VERSION", "Find", "FindConfig", "Found", "draw", "find_unit"]
 
 VERSION = 1  # goes up whenever equal seeds find another world than before
 
@@ -27,6 +29,9 @@ _SAMPLES = 200  # layouts drawn in a unit before it climbs
 _CLIMBS = 1500  # edits tried in a unit
 _MEMORY = 40  # steps back that an edit may be compared with, instead of with the last
 _WAITING = 1  # units that wait for a worker, so that none is idle
+_GRACE = 5.0  # s that a worker gets to hand in what it has; a run under way is not broken off
+
+_Work = tuple["Found | None", int]
 
 
 @dataclass(frozen=True)
@@ -75,36 +80,56 @@ class Found:
     @property
     def distance(self) -> float:
         """Sum over the wishes; 0 if all are fulfilled."""
-        return sum(result.distance for result in self.results)
+        return _distance(self.results)
 
     def rank(self) -> tuple[float, int]:
         """The smaller the better: near first, then few solid cells."""
         return self.distance, self.world.solid_cells
 
 
+def _distance(results: tuple[Result, ...]) -> float:
+    return sum(result.distance for result in results)
+
+
 @dataclass(frozen=True)
 class _Candidate:
     layout: Layout
     world: World
-    distance: float
+    distance: float = 0.0
     provenance: Provenance | None = None
+    results: tuple[Result, ...] = ()
+    certificate: Certificate | None = None
+
+    def rank(self) -> tuple[float, int]:
+        """As :meth:`Found.rank`."""
+        return self.distance, self.world.solid_cells
+
+
+def _never() -> bool:
+    return False
 
 
 class _Unit:
-    """One unit's work: counts its runs, keeps its best proved candidate."""
+    """One unit's work: counts the worlds it tries, keeps its best proved candidate.
 
-    def __init__(self, config: FindConfig, number: int) -> None:
-        self.config, self.number = config, number
+    Args:
+        config: What is looked for.
+        number: Decides all chance, together with the seed.
+        stopped: Asked before each world; once it says so, the unit ends with what it has, at least one world.
+    """
+
+    def __init__(self, config: FindConfig, number: int, stopped: Callable[[], bool] = _never) -> None:
+        self.config, self.number, self._stopped = config, number, stopped
         self.rng = RandomStream(config.seed).child("find", number)
         self.tried = 0
         self.best: _Candidate | None = None
-        self._certificate: Certificate | None = None
+        self._cheap_first = sorted(config.wishes, key=lambda wish: wish.cost)
 
     def distance(self, world: World, most: float) -> float:
         """Sum of the wishes' distances; more than ``most`` as soon as that is certain."""
         self.tried += 1
         total = 0.0
-        for wish in self.config.wishes:
+        for wish in self._cheap_first:
             try:
                 total += wish.look(world).distance
             except InvalidWorld:
@@ -114,15 +139,20 @@ class _Unit:
         return total
 
     def keep(self, candidate: _Candidate) -> None:
-        """Keeps a candidate that is nearer than the best, or simpler, if its target can be reached."""
-        best = self.best
-        if best is not None and (candidate.distance, candidate.world.solid_cells) >= (
-            best.distance, best.world.solid_cells,
-        ):  # fmt: skip
+        """Keeps a candidate that is nearer than the best, or simpler, if its loops and its witness can be proved."""
+        if self.best is not None and candidate.rank() >= self.best.rank():
             return
         decision = decide(candidate.world)
-        if decision.result == REACHABLE:
-            self.best, self._certificate = candidate, decision.certificate
+        if decision.result != REACHABLE:
+            return
+        results = tuple(wish.look(candidate.world, prove=True) for wish in self.config.wishes)
+        proved = replace(candidate, distance=_distance(results), results=results, certificate=decision.certificate)
+        if self.best is None or proved.rank() < self.best.rank():
+            self.best = proved
+
+    @property
+    def _done(self) -> bool:
+        return self.best is not None and (self.best.distance == 0.0 or self._stopped())
 
     def run(self) -> Found | None:
         """Samples, climbs, simplifies."""
@@ -132,12 +162,12 @@ class _Unit:
             if sampled is not None:
                 limit = self.best.distance if self.best else float("inf")
                 self.keep(replace(sampled, distance=self.distance(sampled.world, limit)))
-            if self.best is not None and self.best.distance == 0.0:
+            if self._done:
                 break
         if self.best is not None and config.edit:
             self._climb(self.best)
             self._simplify()
-        return self._found()
+        return self.found()
 
     def _climb(self, first: _Candidate) -> None:
         """Late acceptance: an edit is taken if it is no worse than what was held some steps ago.
@@ -146,6 +176,8 @@ class _Unit:
         """
         held, past = first, [first.distance] * _MEMORY
         for step in range(_CLIMBS):
+            if self._done:
+                return
             layout = held.layout.edited(self.rng)
             for _ in range(self.rng.below(2)):
                 layout = layout.edited(self.rng) if layout is not None else None
@@ -157,31 +189,30 @@ class _Unit:
             if distance <= bar:
                 held = _Candidate(layout, world, distance)
                 self.keep(held)
-                if self.best is not None and self.best.distance == 0.0:
-                    return
             past[step % _MEMORY] = held.distance
 
     def _simplify(self) -> None:
         """Takes away what the outcome does not need."""
-        again = self.best is not None and self.best.distance == 0.0
-        while again and self.best is not None:
-            again = False
-            for layout in self.best.layout.simpler():
+        before = None
+        while self.best is not None and self.best.distance == 0.0 and self.best is not before:
+            before = self.best
+            for layout in before.layout.simpler():
+                if self._stopped():
+                    return
                 world = layout.world()
-                if world.solid_cells < self.best.world.solid_cells and self.distance(world, 0.0) == 0.0:
-                    before = self.best
-                    self.keep(_Candidate(layout, world, 0.0))
-                    again = self.best is not before
-                    if again:
+                if world.solid_cells < before.world.solid_cells and self.distance(world, 0.0) == 0.0:
+                    self.keep(_Candidate(layout, world))
+                    if self.best is not before:
                         break
 
-    def _found(self) -> Found | None:
-        if self.best is None:
+    def found(self) -> Found | None:
+        """The best until now."""
+        best = self.best
+        if best is None:
             return None
-        results = tuple(wish.look(self.best.world) for wish in self.config.wishes)
-        provenance = self.best.provenance or self._provenance()
-        world = replace(self.best.world, certificate=self._certificate, provenance=provenance, failure=None)
-        return Found(world, results, self.number)
+        provenance = best.provenance or self._provenance()
+        world = replace(best.world, certificate=best.certificate, provenance=provenance, failure=None)
+        return Found(world, best.results, self.number)
 
     def _provenance(self) -> Provenance:
         config = self.config
@@ -204,36 +235,52 @@ def find_unit(config: FindConfig, number: int) -> tuple[Found | None, int]:
 
 
 def _sample(config: FindConfig, rng: RandomStream) -> _Candidate | None:
-    """A layout to look at; its provenance is that of a family as long as nothing was changed."""
-    provenance = None
+    """A layout to look at, or ``None`` where the draw comes to none."""
     try:
-        if config.begin is not None:
-            world = config.begin
-        elif config.families:
-            world, provenance = _of_family(rng.choice(config.families), dict(config.params), rng)
-        else:
-            world = decode_world(bytes(rng.below(256) for _ in range(LAYOUT_BYTES)))
-        if config.start is not None:
-            world, provenance = replace(world, start=config.start), None
-        layout = Layout.of(world, mirror=config.mirror, fixed_target=config.fixed_target, leash=config.leash)
+        return _drawn(config, rng)
     except (InvalidWorld, InvalidParameter):
         return None
+
+
+def draw(config: FindConfig) -> World:
+    """A world that the search might look at first.
+
+    Raises:
+        InvalidWorld, InvalidParameter: If as many draws as a unit makes come to none; that of the last.
+    """
+    rng = RandomStream(config.seed).child("draw", 0)
+    for _ in range(_SAMPLES - 1):
+        sampled = _sample(config, rng)
+        if sampled is not None:
+            return sampled.world
+    return _drawn(config, rng).world
+
+
+def _drawn(config: FindConfig, rng: RandomStream) -> _Candidate:
+    """A layout to look at; its provenance is that of a family as long as nothing was changed."""
+    provenance = None
+    if config.begin is not None:
+        world = config.begin
+    elif config.families:
+        world, provenance = _of_family(rng.choice(config.families), dict(config.params), rng)
+    else:
+        world = decode_world(bytes(rng.below(256) for _ in range(LAYOUT_BYTES)))
+    if config.start is not None:
+        world, provenance = replace(world, start=config.start), None
+    layout = Layout.of(world, mirror=config.mirror, fixed_target=config.fixed_target, leash=config.leash)
     if config.mirror:
         world, provenance = layout.world(), None
-    elif world.timeline:
-        return _Candidate(layout, world, 0.0, provenance)
-    if config.begin is not None:
-        provenance = None
-    return _Candidate(layout, world, 0.0, provenance)
+    return _Candidate(layout, world, provenance=provenance)
 
 
 def _of_family(name: str, fixed: dict[str, Value], rng: RandomStream) -> tuple[World, Provenance]:
     """A world of a family as ``worldgen FAMILY --seed`` makes it, not proved yet."""
     family = FAMILIES.get(name)
+    own = {parameter.name for parameter in family.parameters}
     params: dict[str, Value] = {
         parameter.name: rng.choice(parameter.choices) for parameter in family.parameters if parameter.choices
     }
-    complete = family.complete(params | fixed)
+    complete = family.complete(params | {name: value for name, value in fixed.items() if name in own})
     seed = rng.next64() >> 1
     return family.build(stream_for(seed, family.name, 0), **complete), Provenance(name, family.version, seed, complete)
 
@@ -244,7 +291,7 @@ class Find:
     Args:
         config: What is looked for.
         units: Amount of work; the result then depends on the seed alone.
-        seconds: Stop handing out work after this time; ignored if ``units`` is given.
+        seconds: End after this time; ignored if ``units`` is given.
         workers: Processes; 1 works in this one.
 
     Iterating over :meth:`run` does the work and yields each better world; ``best`` keeps the last of them.
@@ -253,51 +300,128 @@ class Find:
     def __init__(
         self, config: FindConfig, *, units: int | None = None, seconds: float | None = None, workers: int = 1
     ) -> None:
-        self.config, self.units, self.seconds, self.workers = config, units, seconds, workers
+        self.config, self.units, self.workers = config, units, workers
+        self._seconds = float("inf") if units is not None or seconds is None else seconds
+        self._end = float("inf")
         self.best: Found | None = None
         self.done = 0
         self.tried = 0
 
     def run(self) -> Iterator[Found]:
-        """Searches until a world has every outcome exactly, or the budget is spent."""
-        started = time.monotonic()
-        results = self._serially(started) if self.workers == 1 else self._in_parallel(started)
-        for found, tried in results:
-            self.done += 1
-            self.tried += tried
-            if found is not None and (self.best is None or found.rank() < self.best.rank()):
-                self.best = found
-                yield found
-            if self.best is not None and self.best.distance == 0.0:
-                return
+        """Searches until a world has every outcome exactly, or the budget is spent.
 
-    def _enough(self, unit: int, started: float) -> bool:
-        if self.units is not None:
-            return unit >= self.units
-        return self.seconds is not None and time.monotonic() - started >= self.seconds
+        Raises:
+            KeyboardInterrupt: After Ctrl-C, when ``best`` holds what the units under way had found.
+        """
+        self._end = time.monotonic() + self._seconds
+        results = self._serially() if self.workers == 1 else self._in_parallel()
+        with contextlib.closing(results):
+            for found, tried in results:
+                self.done += 1
+                self.tried += tried
+                if found is not None and (self.best is None or found.rank() < self.best.rank()):
+                    self.best = found
+                    yield found
+                if self.best is not None and self.best.distance == 0.0:
+                    return
 
-    def _serially(self, started: float) -> Iterator[tuple[Found | None, int]]:
-        unit = 0
-        while not self._enough(unit, started):
-            yield find_unit(self.config, unit)
-            unit += 1
+    def _enough(self, unit: int) -> bool:
+        return (self.units is not None and unit >= self.units) or (unit > 0 and self._late())
 
-    def _in_parallel(self, started: float) -> Iterator[tuple[Found | None, int]]:
+    def _late(self) -> bool:
+        return time.monotonic() >= self._end
+
+    def _serially(self) -> Generator[_Work]:
+        number = 0
+        while not self._enough(number):
+            unit = _Unit(self.config, number, self._late)
+            try:
+                found = unit.run()
+            except KeyboardInterrupt:
+                yield unit.found(), unit.tried
+                raise
+            yield found, unit.tried
+            number += 1
+
+    def _in_parallel(self) -> Generator[_Work]:
         """Results in order of unit numbers, so that they do not depend on the workers."""
-        pool = ProcessPoolExecutor(self.workers, mp_context=get_context("spawn"), initializer=_worker_start)
-        waiting: list[Future[Any]] = []
-        unit = 0
+        context = get_context("spawn")
+        stop = context.Event()
+        pool = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_worker_start, initargs=(stop,))
+        waiting: list[Future[_Work]] = []
+        number = 0
         try:
             while True:
-                while len(waiting) < self.workers + _WAITING and not self._enough(unit, started):
-                    waiting.append(pool.submit(find_unit, self.config, unit))
-                    unit += 1
+                while len(waiting) < self.workers + _WAITING and not self._enough(number):
+                    with _deaf():
+                        waiting.append(pool.submit(_worker_unit, self.config, number))
+                    number += 1
                 if not waiting:
                     return
-                yield waiting.pop(0).result()
+                yield self._result(waiting[0], stop)
+                del waiting[0]
+        except KeyboardInterrupt:
+            yield from _handed_in(waiting, stop)
+            raise
         finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+            _end(pool, waiting, stop)
+
+    def _result(self, unit: Future[_Work], stop: Event) -> _Work:
+        """Waits for a unit; tells all to stop when the time is over."""
+        try:
+            left = self._end - time.monotonic()
+            return unit.result(None if left == float("inf") else max(left, 0.0))
+        except NotYet:
+            stop.set()
+            return unit.result()
 
 
-def _worker_start() -> None:
+def _handed_in(waiting: list[Future[_Work]], stop: Event) -> Iterator[_Work]:
+    """What the units under way have, from those that answer."""
+    stop.set()
+    under_way = [unit for unit in waiting if not unit.cancel()]
+    wait(under_way, _GRACE)
+    waiting.clear()
+    for unit in under_way:
+        if unit.done() and unit.exception() is None:
+            yield unit.result()
+
+
+def _end(pool: ProcessPoolExecutor, waiting: list[Future[_Work]], stop: Event) -> None:
+    """Ends the processes, also those that a controller holds up."""
+    stop.set()
+    wait([unit for unit in waiting if not unit.cancel()], _GRACE)
+    processes = list((getattr(pool, "_processes", None) or {}).values())  # shutdown forgets them
+    pool.shutdown(wait=False, cancel_futures=True)
+    for process in processes:
+        process.terminate()
+
+
+@contextlib.contextmanager
+def _deaf() -> Iterator[None]:
+    """Processes that are started meanwhile are deaf to Ctrl-C from their first moment: they inherit it."""
+    try:
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    except ValueError:  # not in the main thread, where no Ctrl-C arrives anyway
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class _Worker:
+    """What a worker process knows."""
+
+    stop: Event | None = None
+
+
+def _worker_start(stop: Event) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the driver decides when a search ends
+    _Worker.stop = stop
+
+
+def _worker_unit(config: FindConfig, number: int) -> _Work:
+    unit = _Unit(config, number, _never if _Worker.stop is None else _Worker.stop.is_set)
+    return unit.run(), unit.tried

@@ -8,19 +8,22 @@ import statistics
 from dataclasses import dataclass
 
 from sim.controllers import CONTROLLERS, CompiledController
-from sim.episode import prepare
+from sim.episode import prepare, simulate
 from sim.outcome import BY_THE_CONTROLLER
+from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
 __all__ = ["SEEDS", "Result", "Wish", "parse_wishes"]
 
-SEEDS = 20  # runs of a controller with randomness
+SEEDS = 20  # runs of a controller with chance
 _SHARE = 0.05  # of the seeds that may do otherwise: one of twenty
 _OTHERWISE = 2.0  # distance of a run that ends in another way altogether
 _BROKEN = 3.0  # distance of a run that breaks through a wall, burns or crashes, where that is not wanted
 _UNTIMED_STEPS = 20_000
+_TIMED_STEPS = 1_000  # at least, where a latest arrival is wanted
+_LATE = 3  # times the steps that are wanted: so long a run may take
 
 _GROUPS = {
     "never": ("loop", "stalled"),
@@ -37,19 +40,30 @@ _RANGE = re.compile(
 
 @dataclass(frozen=True)
 class Result:
-    """How a controller did: in one run, or over the seeds of one with randomness.
+    """How a controller did: in one run, or over the seeds of one with chance.
 
     Args:
         verdict: The run's; of several runs the most frequent.
-        steps: Until the target; over seeds the median, ``inf`` where most do not arrive. Of a ``loop`` the period.
+        steps: Until the run's end, of a ``loop`` its period; over seeds the median until the target, ``inf`` where
+            most do not arrive.
         share: Of the runs that arrived.
         distance: From what was wanted, 0 if it is that.
+        seeds: How many runs it tells of.
     """
 
     verdict: str
     steps: float
     share: float
     distance: float
+    seeds: int = 1
+
+
+@dataclass(frozen=True)
+class _Run:
+    verdict: str
+    steps: int  # of a loop its period
+    distance: float
+    chance: bool  # whether another seed may do otherwise
 
 
 @dataclass(frozen=True)
@@ -71,49 +85,83 @@ class Wish:
     high: float | None = None
 
     @property
-    def randomised(self) -> bool:
-        """Whether the outcome is one of many runs."""
+    def says_chance(self) -> bool:
+        """Whether the controller, or the simulator under it, is known to draw random numbers."""
         controller = CONTROLLERS.get(self.scenario.controller)
         chance = isinstance(controller, CompiledController) and controller.randomised
-        return chance or self.scenario.random
+        return chance or self.scenario.thesis.random
+
+    @property
+    def cost(self) -> int:
+        """The larger the longer a look takes: one compiled run, many, or those of a controller in Python."""
+        if not isinstance(CONTROLLERS.get(self.scenario.controller), CompiledController):
+            return 2
+        return int(self.says_chance)
 
     @property
     def steps(self) -> int:
         """Budget of a run, in steps."""
-        timed = [bound for bound in (self.low, self.high) if bound is not None and self.verdicts == ("reached",)]
-        return max(int(3 * max(timed)), 1000) if timed else _UNTIMED_STEPS
+        latest = int(_LATE * (self.high or self.low or 0))
+        return max(latest, _TIMED_STEPS if self._timed and self.high is not None else _UNTIMED_STEPS)
 
-    def look(self, world: World) -> Result:
-        """Runs the controller in a world.
+    @property
+    def _timed(self) -> bool:
+        return self.verdicts == ("reached",) and (self.low is not None or self.high is not None)
+
+    def look(self, world: World, *, prove: bool = False) -> Result:
+        """Runs the controller in a world; one that draws random numbers there, with :data:`SEEDS` seeds.
+
+        Args:
+            world: Where.
+            prove: Whether to prove a loop that the kernel claims. Only a controller that hides memory can come out
+                otherwise, but the proof records the run.
 
         Raises:
             InvalidWorld: If the robot cannot stand at the start.
         """
-        if not self.randomised:
-            return self._one(world, self.scenario)
-        runs = [self._one(world, self.scenario.with_seed(seed)) for seed in range(SEEDS)]
+        first = self._run(world, 0, prove)
+        if first.chance:
+            return self._over_seeds([first, *(self._run(world, seed, prove) for seed in range(1, SEEDS))])
+        if self.says_chance:  # but drew nothing, so that every seed does the same
+            return self._over_seeds([first] * SEEDS)
+        return Result(first.verdict, first.steps, float(first.verdict == "reached"), first.distance)
+
+    def _run(self, world: World, seed: int, prove: bool) -> _Run:
+        scenario = self.scenario.with_seed(seed)
+        options = scenario.options(world, self.steps)
+        outcome = prepare(world, scenario.controller, options).run(
+            options.steps, find_loop=True, record=False, digest=False
+        )
+        chance = outcome.random_draws > 0 or scenario.thesis.random
+        verdict, steps = outcome.verdict, outcome.steps
+        if verdict == "loop":
+            verdict, steps = self._proved(world, options) if prove else ("loop", outcome.period)
+        return _Run(verdict, steps, self._distance(verdict, steps, chance or self.says_chance), chance)
+
+    def _proved(self, world: World, options: RunOptions) -> tuple[str, int]:
+        episode = simulate(world, self.scenario.controller, options)
+        period = episode.evidence.get("period")
+        return episode.verdict, period if episode.verdict == "loop" and isinstance(period, int) else episode.steps
+
+    def _over_seeds(self, runs: list[_Run]) -> Result:
+        """The outcome of many runs: nearly all as wanted and none through walls, or the median time as wanted."""
         verdicts = [run.verdict for run in runs]
         verdict = max(_VERDICTS, key=verdicts.count)
-        share = verdicts.count("reached") / SEEDS
+        share = verdicts.count("reached") / len(runs)
         steps = statistics.median(run.steps if run.verdict == "reached" else math.inf for run in runs)
-        broken = sum(run.verdict not in (*self.verdicts, "reached", "loop", "stalled", "timeout") for run in runs)
-        if self.verdicts == ("reached",) and (self.low is not None or self.high is not None):
-            return Result(verdict, steps, share, self._off(steps) if math.isfinite(steps) else _OTHERWISE - share)
-        fitting = sum(run.verdict in self.verdicts for run in runs) / SEEDS
-        missing = max(1.0 - _SHARE - fitting, 0.0)
-        return Result(verdict, steps, share, (missing + broken / SEEDS) * _OTHERWISE)
+        if self._timed:
+            distance = self._off(steps) if math.isfinite(steps) else _OTHERWISE - share
+        else:
+            fitting = sum(run.distance == 0.0 for run in runs) / len(runs)
+            broken = sum(run.distance == _BROKEN for run in runs) / len(runs)
+            distance = (max(1.0 - _SHARE - fitting, 0.0) + broken) * _OTHERWISE
+        return Result(verdict, steps, share, distance, len(runs))
 
-    def _one(self, world: World, scenario: Scenario) -> Result:
-        run = prepare(world, scenario.controller, scenario.options(world, self.steps))
-        outcome = run.run(self.steps, find_loop=True, record=False, digest=False)
-        verdict = outcome.verdict
-        number = outcome.period if verdict == "loop" else outcome.steps
-        return Result(verdict, number, float(verdict == "reached"), self._distance(verdict, number))
-
-    def _distance(self, verdict: str, number: int) -> float:
-        if verdict in self.verdicts:
+    def _distance(self, verdict: str, number: int, chance: bool) -> float:
+        """Of one run; where there is chance, no state need come back, and never means only: not in the budget."""
+        if verdict in self.verdicts or (chance and verdict == "timeout" and self.verdicts == _GROUPS["never"]):
             return self._off(number)
-        if verdict not in ("reached", "loop", "stalled", "timeout"):
+        if verdict not in ("reached", *_GROUPS["never"], "timeout"):
             return _BROKEN
         if verdict == "reached":  # the later the nearer to never
             return _OTHERWISE - min(number / self.steps, 1.0)
@@ -132,9 +180,9 @@ def parse_wishes(text: str, *, motion: str = "swept", time_step: float = Scenari
     """Reads ``CONTROLLER=OUTCOME, ...``.
 
     Args:
-        text: Each outcome a verdict, ``never`` (loop or stalled) or ``fails`` (anything but reached); behind
-            ``reached`` or ``loop`` an ``@`` and steps (of a loop: its period): ``330``, ``300..400``, ``<400``,
-            ``>400``; an ``s`` behind a number makes it seconds.
+        text: Each outcome a verdict, ``never`` (loop or stalled; with chance also timeout) or ``fails`` (anything
+            but reached); behind ``reached`` or ``loop`` an ``@`` and steps (of a loop: its period): ``330``,
+            ``300..400``, ``<400``, ``>400``; an ``s`` behind a number makes it seconds.
         motion: Motion model of controllers that do not name one.
         time_step: s, likewise.
 
@@ -142,8 +190,7 @@ def parse_wishes(text: str, *, motion: str = "swept", time_step: float = Scenari
         InvalidParameter: If the text is no such list.
     """
     parts = [part.strip() for part in text.split(",")]
-    wishes = tuple(_parse_wish(part, motion, time_step) for part in parts)
-    return tuple(sorted(wishes, key=lambda wish: wish.randomised))  # the cheap ones first
+    return tuple(_parse_wish(part, motion, time_step) for part in parts)
 
 
 def _parse_wish(part: str, motion: str, time_step: float) -> Wish:
