@@ -27,6 +27,7 @@ _TO_EXIT = 1.0  # s that a program may take to exit after it has closed its outp
 _TO_TIDY_UP = 0.5  # s between SIGTERM and SIGKILL
 
 # Outlives us: whatever ends this process, SIGKILL included, closes the pipe, and the program's group goes too.
+_SHELL = "/bin/sh"
 _KEEPER = 'read -r line || kill -s KILL -- "-$1"'  # dash takes no group behind -KILL
 
 
@@ -89,30 +90,9 @@ class Program:
     """
 
     def __init__(self, command: tuple[str, ...], memory: int | None) -> None:
-        file = find_program(command)
-        try:
-            self._process = subprocess.Popen(
-                command,
-                executable=file,
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                bufsize=0,
-                start_new_session=True,
-            )
-        except (OSError, ValueError) as error:
-            reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-            raise InvalidParameter(
-                f"controller program {command[0]!r} cannot be started: {reason}; is it a program for this machine, "
-                "or a script that begins with #! and its interpreter?"
-            ) from error
-        self._keeper = subprocess.Popen(
-            ["/bin/sh", "-c", _KEEPER, "worldgen-keeper", str(self._process.pid)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
+        self._process = _started(command, find_program(command))
+        self.stopped, self._group_ended, self._ended = False, False, False  # the last: stdout is at its end
+        self._keeper: subprocess.Popen[bytes] | None = None
         self._stdin, self._stdout, self._stderr = (
             pipe.fileno() for pipe in (self._process.stdin, self._process.stdout, self._process.stderr) if pipe
         )
@@ -122,9 +102,12 @@ class Program:
         self._poll.register(self._stdout, select.POLLIN)
         self._poll.register(self._stderr, select.POLLIN)
         self._answer, self._said = bytearray(), bytearray()
-        self._ended = False  # stdout is at its end
-        self.stopped = False
-        self._limit_memory(memory)
+        try:
+            self._keeper = _keeper_of(self._process.pid)
+            self._limit_memory(memory)
+        except BaseException:
+            self.stop()
+            raise
 
     def _limit_memory(self, memory: int | None) -> None:
         import resource  # noqa: PLC0415 - POSIX only
@@ -136,9 +119,8 @@ class Program:
         except ProcessLookupError:  # it has ended, as its first answer will show
             return
         except (OSError, ValueError) as error:
-            self.stop()
             raise InvalidParameter(
-                f"the memory limit of {memory} bytes cannot be set: {error}; name another"
+                f"the memory limit of {memory} bytes cannot be set: {error}; name another, or none"
             ) from error
 
     @property
@@ -221,22 +203,23 @@ class Program:
     def _wait(self, end: float, seconds: float) -> None:
         """Hears what comes next; a look at the process itself where nothing does."""
         left = end - time.monotonic()
-        if left <= 0.0:
-            partly = {"unfinished": shown(self._answer)} if self._answer else {}
-            raise Misbehaviour("hang", "no answer", {"deadline": seconds, **partly})
-        if not self._hear(min(left, _LOOK_AGAIN)) and self._has_exited():
+        if self._hear(min(max(left, 0.0), _LOOK_AGAIN)):
+            return  # even if it is late: perhaps it was us who had no time to look
+        if self._has_exited():
             self._hear(0)
             self._ended = True
+        elif left <= 0.0:
+            partly = {"unfinished": shown(self._answer)} if self._answer else {}
+            raise Misbehaviour("hang", "no answer", {"deadline": seconds, **partly})
 
     def _hear(self, seconds: float) -> bool:
-        """Reads what is there within that time, a chunk of each pipe; whether there was anything."""
-        events = self._poll.poll(seconds * 1000.0)
-        for pipe, _ in events:
-            if pipe == self._stdin:
-                continue
-            data = self._read(pipe)
+        """Reads what is there within that time, a chunk of each pipe; whether stdout, or its end, is heard."""
+        heard = False
+        for pipe, _ in self._poll.poll(seconds * 1000.0):
+            data = None if pipe == self._stdin else self._read(pipe)
             if data is None:
                 continue
+            heard = heard or pipe == self._stdout
             if not data:
                 self._poll.unregister(pipe)
                 self._ended = self._ended or pipe == self._stdout
@@ -246,7 +229,7 @@ class Program:
             else:
                 self._said += data
                 del self._said[:-_KEPT]
-        return bool(events)
+        return heard
 
     def _read(self, pipe: int) -> bytes | None:
         try:
@@ -269,7 +252,7 @@ class Program:
         """How it ended, told by its exit code or signal."""
         if not self._exits_within(_TO_EXIT):
             return Misbehaviour("crash", "closed its output")
-        self._kill(signal.SIGKILL)
+        self._end_group()
         code = self._process.wait()
         if code >= 0:
             return Misbehaviour("crash", f"exit code {code}")
@@ -304,28 +287,62 @@ class Program:
         if self.stopped:
             return
         self.stopped = True
-        if self._process.returncode is None:
-            if not self._has_exited():
-                self._kill(signal.SIGTERM)
-                self._exits_within(_TO_TIDY_UP)
-            self._kill(signal.SIGKILL)
-            self._process.wait()
+        if not self._has_exited():
+            self._kill(signal.SIGTERM)
+            self._exits_within(_TO_TIDY_UP)
+        self._end_group()
+        self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
             if pipe is not None:
                 pipe.close()
-        self._dismiss_keeper()
-
-    def _dismiss_keeper(self) -> None:
-        try:
+        if self._keeper is not None:
             self._keeper.communicate(b"done\n")
-        except OSError:  # it was killed
-            self._keeper.wait()
+
+    def _end_group(self) -> None:
+        """Ends whatever it started and left behind; before it is reaped, since until then nobody else has its number."""
+        if not self._group_ended:
+            self._kill(signal.SIGKILL)
+        self._group_ended = True
 
     def _kill(self, number: signal.Signals) -> None:
         try:
             os.killpg(self._process.pid, number)
         except (ProcessLookupError, PermissionError):  # none is left; on macOS also: only the dead are left
             return
+
+
+def _started(command: tuple[str, ...], file: str) -> subprocess.Popen[bytes]:
+    try:
+        return subprocess.Popen(
+            command,
+            executable=file,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            bufsize=0,
+            start_new_session=True,
+        )
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise InvalidParameter(
+            f"controller program {command[0]!r} cannot be started: {reason}; is it a program for this machine, "
+            "or a script that begins with #! and its interpreter?"
+        ) from error
+
+
+def _keeper_of(group: int) -> subprocess.Popen[bytes]:
+    try:
+        return subprocess.Popen(
+            [_SHELL, "-c", _KEEPER, "worldgen-keeper", str(group)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise InvalidParameter(
+            f"{_SHELL} cannot be started, which ends a controller's program if this process is killed: {error.strerror}"
+        ) from error
 
 
 def _plain(data: bytes | bytearray) -> str:

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim import Command, Observation, ProcessController, RunOptions, simulate
+from fuzz.signature import failure_class
+from sim import Command, Episode, Observation, ProcessController, RunOptions, simulate
 from sim.controllers import CONTROLLERS
 from sim.examples.python import Example
 from sim.scenario import Scenario
@@ -112,6 +113,21 @@ def test_drips_of_an_answer_do_not_put_off_the_deadline():
     assert run(program(do), deadline=0.3).verdict == "hang" and time.monotonic() - began < 4.0
 
 
+def test_a_flood_of_stderr_does_not_put_off_the_deadline():
+    began = time.monotonic()
+    assert run(program("while True: os.write(2, 9000 * b'x')"), deadline=0.3).verdict == "hang"
+    assert time.monotonic() - began < 4.0
+
+
+def test_an_answer_that_is_there_when_we_look_late_counts(monkeypatch):
+    with ProcessController(program(), deadline=0.1) as controller:
+        simulate(arena(), controller, RunOptions(steps=3))
+        late = controller._program
+        send = late._send
+        monkeypatch.setattr(late, "_send", lambda *order: (send(*order), time.sleep(0.2)))
+        assert simulate(arena(), controller, RunOptions(steps=3)).verdict == "stalled"
+
+
 def test_an_answer_in_drips_that_is_there_in_time_counts():
     do = """for char in '{"speed": 0.1, "turn_rate": 0.5}' + chr(10):\n    sys.stdout.write(char); sys.stdout.flush()"""
     assert run(program(do)).verdict in ("stalled", "timeout")
@@ -201,11 +217,11 @@ def test_a_grandchild_that_holds_the_pipes_keeps_nobody_and_is_ended(tmp_path):
 
 def test_a_program_ends_with_this_process_even_if_that_is_killed(tmp_path):
     do = f"open({str(tmp_path / 'pid')!r}, 'w').write(str(os.getpid()))\nanswer('')\nwhile True: time.sleep(60)"
-    stubborn = program(do)
+    stubborn = program(do, at=1)
     stubborn[-1] = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)" + stubborn[-1]
     code = (
         "import os, sys; from sim.controllers.program import Program; "
-        "print(Program(tuple(sys.argv[1:]), None).ask(b'{}\\n' * 3, 10.0)); os.kill(os.getpid(), 9)"
+        "print(Program(tuple(sys.argv[1:]), None).ask(b'{}\\n', 10.0)); os.kill(os.getpid(), 9)"
     )
     killed = subprocess.run([sys.executable, "-c", code, *stubborn], check=False)
     assert killed.returncode == -signal.SIGKILL and ends((tmp_path / "pid").read_text())
@@ -402,6 +418,23 @@ def test_a_campaign_finds_shrinks_and_replays_the_crash_of_a_program(tmp_path):
     failure = read_world(Path(found["crash-exit-1-ZeroDivisionError"]["file"])).failure
     assert failure.details["one_minimal"] and failure.evidence["stderr"][-1] == "ZeroDivisionError: division by zero"
     assert worldgen("replay", tmp_path / "out").code == 0
+
+
+@pytest.mark.parametrize(
+    ("verdict", "evidence", "kind"),
+    [
+        ("crash", {"error": "exit code 3"}, "crash-exit-3"),
+        ("crash", {"error": "exit code 1", "stderr": ["at step 3", "KeyError: 'x'"]}, "crash-exit-1-KeyError"),
+        ("crash", {"error": "killed by SIGSEGV", "stderr": ["oops"]}, "crash-SIGSEGV"),
+        ("crash", {"error": "closed its output"}, "crash"),
+        ("crash", {"error": "ValueError: math domain error"}, "crash-ValueError"),
+        ("hang", {"error": "no answer"}, "hang"),
+        ("invalid-command", {"error": "unknown key '../x'"}, "invalid-command-unknown-key"),
+        ("invalid-command", {}, "invalid-command"),
+    ],
+)
+def test_failures_of_a_controller_are_classed_by_what_it_did(verdict, evidence, kind):
+    assert failure_class(arena(), Episode(verdict, 1, 0.015, 0.0, 0, "", evidence)) == kind
 
 
 def test_a_hang_is_found_and_replayed(tmp_path):
