@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -11,7 +12,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController, Controller, compiled_act, numba_config, senses_of
+from sim.controllers.base import CompiledController, Controller, compiled_act, numba_config, robot_for, senses_of
 from sim.controllers.program import Misbehaviour
 from sim.kernels import layout
 from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
@@ -82,7 +83,8 @@ class LatticeRun:
     """
 
     def __init__(self, world: World, controller: Controller, options: RunOptions) -> None:
-        self.world, self.controller, self.options = world, controller, options
+        robot = robot_for(controller, options.robot)
+        self.world, self.controller, self.options = world, controller, replace(options, robot=robot)
         check_step_length(world, options.time_step, Fraction(1, UNIT))
         motion = MOTIONS.get(options.motion)
         self._cells = world.walls.astype(np.uint8)

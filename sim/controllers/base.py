@@ -14,6 +14,7 @@ import numpy.typing as npt
 from numba.core.errors import NumbaError, NumbaWarning
 
 from sim.kernels import layout
+from sim.robot_options import RobotOptions
 from worldgen.errors import InvalidParameter
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "PythonController",
     "check_senses",
     "compiled_act",
+    "robot_for",
     "senses_of",
 ]
 
@@ -33,6 +35,7 @@ Act: TypeAlias = Callable[[npt.NDArray[np.float64], npt.NDArray[np.float64], npt
 Memory: TypeAlias = tuple[float, ...]
 
 numba_config: Any = numba.config
+_PLAIN = RobotOptions()
 
 
 class Observation(NamedTuple):
@@ -97,6 +100,8 @@ class CompiledController:
         senses: Names of the fields of :class:`Observation` that it looks at; the others may be nan. Without
             names it gets all but ``time``, and a step takes up to twice as long. Who looks at ``time`` never comes
             back to a state, so no loop is proved.
+        needs: Options of the robot without which it cannot work, such as ``RobotOptions(beams=36)``; a run that says
+            otherwise has its way.
 
     Raises:
         InvalidParameter: If there is no such sense.
@@ -109,6 +114,7 @@ class CompiledController:
     thesis_rule: int = 0
     randomised: bool = False
     senses: tuple[str, ...] = DEFAULT_SENSES
+    needs: RobotOptions = _PLAIN
 
     def __post_init__(self) -> None:
         check_senses(self.name, self.senses)
@@ -131,8 +137,8 @@ class PythonController(Protocol):
     """A controller as a Python class; make it a frozen dataclass and keep all its state in ``memory``.
 
     ``memory`` is a tuple of numbers. A loop is only proved for a controller that keeps to this; one that
-    changes itself is at most ``stalled`` or ``timeout``. An attribute ``senses`` may name what it looks at, as for
-    a :class:`CompiledController`.
+    changes itself is at most ``stalled`` or ``timeout``. Attributes ``senses`` and ``needs`` may say what it looks at
+    and which robot it needs, as for a :class:`CompiledController`.
     """
 
     def reset(self) -> Memory:
@@ -160,6 +166,12 @@ _COSTLY_SENSES = {
     "odometry_heading": layout.SENSE_ODOMETRY,
     "beams": layout.SENSE_BEAMS,
 }
+
+
+def robot_for(controller: Controller, robot: RobotOptions) -> RobotOptions:
+    """A run's robot, with what the controller needs where the run leaves the default."""
+    needs: RobotOptions = getattr(controller, "needs", _PLAIN)
+    return RobotOptions.of({**needs.changed(), **robot.changed()})
 
 
 def senses_of(controller: Controller) -> int:
