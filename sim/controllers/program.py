@@ -299,7 +299,7 @@ class Program:
             self._keeper.communicate(b"done\n")
 
     def _end_group(self) -> None:
-        """Ends whatever it started and left behind; before it is reaped, since after that others may have its number."""
+        """Ends whatever it started and left behind; before it is reaped, as after that its number may be another's."""
         if not self._group_ended:
             self._kill(signal.SIGKILL)
         self._group_ended = True
