@@ -2,6 +2,7 @@
 
 Contents, each imported when it is first used:
     simulate: one run and its verdict. Episode, Trace: what comes back. RunOptions: how it is done.
+    simulate_many, Runs: many runs at once, results in arrays.
     Scenario: everything about a run except the world. RobotOptions, ThesisOptions: dynamics and sensors under
     the motion models on the lattice; switches of the thesis's simulator.
     CompiledController, PythonController, ProcessController, Observation, Command: bring your own controller.
@@ -14,6 +15,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from sim.batch import Runs, simulate_many
     from sim.controllers import (
         CONTROLLERS,
         Command,
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from sim.trace import Trace
 
 _HOME = {
+    "batch": ("Runs", "simulate_many"),
     "controllers": (
         "CONTROLLERS", "Command", "CompiledController", "Observation", "ProcessController", "PythonController",
     ),
@@ -46,7 +49,8 @@ _MODULE = {name: f"sim.{module}" for module, names in _HOME.items() for name in 
 
 __all__ = [
     "CONTROLLERS", "MOTIONS", "Command", "CompiledController", "Episode", "Observation", "ProcessController",
-    "PythonController", "RobotOptions", "RunOptions", "Scenario", "ThesisOptions", "Trace", "simulate",
+    "PythonController", "RobotOptions", "RunOptions", "Runs", "Scenario", "ThesisOptions", "Trace", "simulate",
+    "simulate_many",
 ]  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.outcome import BY_THE_CONTROLLER, Outcome, Runnable
-from sim.run_options import MAX_RECORDED, RunOptions, step_budget, switch_sets
+from sim.run_options import MAX_RECORDED, RunOptions, options_of, switch_sets
 from sim.thesis_run import ThesisRun
 from sim.trace import Trace, state_digest
 from worldgen.errors import InvalidParameter
@@ -74,7 +74,7 @@ def simulate(
         InvalidWorld: If the robot cannot stand at the start.
     """
     if options is None:
-        options = _options(world, settings)
+        options = options_of(world, settings)
     elif settings:
         raise InvalidParameter(f"give options or {', '.join(settings)}, not both")
     run = prepare(world, controller, options)
@@ -87,16 +87,6 @@ def simulate(
         _check_recordable(outcome.steps)
         outcome = run.run(outcome.steps, find_loop=False, record=True)
     return _decided(run, world, outcome, options)
-
-
-def _options(world: World, settings: Mapping[str, Value]) -> RunOptions:
-    """Options from single settings: those of a run, and those of its motion model."""
-    own = {name: value for name, value in settings.items() if name in ("motion", "steps", "time_step", "seed")}
-    rest = {name: value for name, value in settings.items() if name not in own}
-    time_step = own.get("time_step", RunOptions.time_step)
-    budget = step_budget(world, float(time_step)) if isinstance(time_step, int | float) else 1
-    switches = switch_sets(str(own.get("motion", RunOptions.motion)), rest) if rest else {}
-    return RunOptions(**{"steps": budget, **own}, **switches)  # type: ignore[arg-type]
 
 
 def prepare(world: World, controller: str | Controller, options: RunOptions) -> Runnable:

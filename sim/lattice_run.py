@@ -16,7 +16,7 @@ from sim.controllers.base import CompiledController, Controller, compiled_act, n
 from sim.controllers.program import Misbehaviour
 from sim.kernels import layout
 from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
-from sim.kernels.lattice_episode import Arena, Robot, lattice_episode, new_robot
+from sim.kernels.lattice_episode import Arena, Robot, Room, lattice_batch, lattice_episode, new_robot, new_room
 from sim.kernels.lattice_sense import heading_table
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
@@ -36,7 +36,7 @@ from worldgen.lattice import (
     metres_to_lattice,
 )
 from worldgen.timeline import CellState
-from worldgen.world import MAX_SIDE, World
+from worldgen.world import MAX_SIDE, Pose, World
 
 __all__ = ["LatticeRun"]
 
@@ -59,19 +59,23 @@ def _headings() -> Ints:
 
 
 @functools.cache
-def _episode_kernel() -> Any:
-    """The episode kernel, typed for any compiled controller, so that it compiles once for all of them."""
-    python = getattr(lattice_episode, "py_func", lattice_episode)
+def _typed(function: Any) -> Any:
+    """An episode kernel, typed for any compiled controller, so that it compiles once for all of them."""
+    python = getattr(function, "py_func", function)
     if numba_config.DISABLE_JIT:
         return python
     types: Any = numba.types
     ints, floats, bytes_2d = numba.int64[::1], numba.float64[::1], numba.uint8[:, ::1]
-    rows = numba.int64[:, ::1]
-    table = numba.int32[:, ::1]
+    rows, table = numba.int64[:, ::1], numba.int32[:, ::1]
     arena = types.NamedTuple((bytes_2d, table, table, rows, ints, bytes_2d), Arena)
     robot = types.NamedTuple((ints, floats, rows, ints, floats), Robot)
+    room = types.NamedTuple((floats, ints, floats, floats, ints, ints), Room)
     act = types.FunctionType(numba.void(floats, floats, floats))
-    return kernel(python, signature=numba.void(arena, ints, floats, act, floats, robot, rows, rows))
+    one = (arena, ints, floats, act, floats, room, robot, rows, rows)
+    two: Any = types.UniTuple
+    many = (arena, two(arena, 2), ints, floats, act, floats, two(room, 2), two(robot, 2), rows, ints, rows, rows)
+    arguments = one if function is lattice_episode else (*many, numba.float64[:, ::1])
+    return kernel(python, signature=numba.void(*arguments), allocates=False)
 
 
 class LatticeRun:
@@ -100,8 +104,7 @@ class LatticeRun:
         world, settings = self.world, self.settings
         clear_sq, reach = disc_numbers(world)
         settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH] = clear_sq, reach
-        settings[layout.SET_X], settings[layout.SET_Y] = self._clear_start(clear_sq, reach)
-        settings[layout.SET_HEADING] = heading_to_lattice(world.start.heading)
+        settings[layout.SET_X : layout.SET_HEADING + 1] = self.start_of(world.start)
         settings[layout.SET_TARGET_X] = metres_to_lattice(world.target.x, world.cell_size)
         settings[layout.SET_TARGET_Y] = metres_to_lattice(world.target.y, world.cell_size)
         within = in_cells(world.target.radius, world.cell_size) * UNIT
@@ -156,16 +159,20 @@ class LatticeRun:
         chessboard_clearance(ever, table)
         return table
 
-    def _clear_start(self, clear_sq: int, reach: int) -> tuple[int, int]:
-        """The lattice point nearest to the start that is clear, among the nine next to it."""
-        world = self.world
-        x = metres_to_lattice(world.start.x, world.cell_size)
-        y = metres_to_lattice(world.start.y, world.cell_size)
+    def start_of(self, pose: Pose) -> tuple[int, int, int]:
+        """A start on the lattice: heading, and the clear point nearest to the place, among the nine next to it.
+
+        Raises:
+            InvalidWorld: If none of them is clear of walls.
+        """
+        side, settings = self.world.cell_size, self.settings
+        x, y = metres_to_lattice(pose.x, side), metres_to_lattice(pose.y, side)
+        clear_sq, reach = int(settings[layout.SET_CLEAR_SQ]), int(settings[layout.SET_REACH])
         near = sorted(((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)), key=lambda d: (d[0] ** 2 + d[1] ** 2, d))
         for dx, dy in near:
             if pose_is_clear(self._cells, layout.SOLID, clear_sq, reach, x + dx, y + dy):
-                return x + dx, y + dy
-        raise start_overlaps(world)
+                return x + dx, y + dy, heading_to_lattice(pose.heading)
+        raise start_overlaps(replace(self.world, start=pose))
 
     @property
     def last_event_step(self) -> int:
@@ -175,15 +182,46 @@ class LatticeRun:
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
         self.settings[layout.SET_STEPS], self.settings[layout.SET_DIGEST] = steps, int(digest)
-        # who reads the clock never comes back to a state, and neither does a robot with noise
-        timeless = not (self.settings[layout.SET_SENSES] & layout.SENSE_TIME or self.options.robot.random)
-        self.settings[layout.SET_FIND_LOOP] = int(find_loop and timeless)
+        self.settings[layout.SET_FIND_LOOP] = int(find_loop and self._can_loop)
         if isinstance(self.controller, CompiledController):
             return self._run_compiled(self.controller, steps, record)
         loop = PythonLoop(self.controller, self._arena(), self.settings, self.scales)
         loop.run(steps, record=record)
         recording = loop.recording() if record else None
         return self._outcome(loop.robot, recording, loop.complete, loop.fault)
+
+    @property
+    def _can_loop(self) -> bool:
+        """Who reads the clock never comes back to a state, and neither does a robot with noise."""
+        return not (self.settings[layout.SET_SENSES] & layout.SENSE_TIME or self.options.robot.random)
+
+    def run_many(
+        self, controller: CompiledController, starts: Ints, seeds: npt.NDArray[np.uint64], *, digest: bool
+    ) -> tuple[Ints, Floats]:
+        """Runs many episodes in one call of the kernel; several threads may do so at once.
+
+        Args:
+            controller: The controller of this run.
+            starts: (n, 3) :meth:`start_of`.
+            seeds: (n,).
+            digest: Whether to work out the traces' digests.
+
+        Returns:
+            (n, OUT_SIZE) int64 ``OUT_``, and (n, SUM_SIZE) ``SUM_``.
+        """
+        settings = self.settings.copy()
+        settings[layout.SET_STEPS], settings[layout.SET_DIGEST] = self.options.steps, int(digest)
+        settings[layout.SET_FIND_LOOP] = int(self._can_loop)
+        counts, sums = np.zeros((len(seeds), layout.OUT_SIZE), np.int64), np.zeros((len(seeds), layout.SUM_SIZE))
+        memory, act = np.array(controller.memory, np.float64), compiled_act(controller.act)
+        rooms = tuple(new_room(memory.size, self.options.robot.beams) for _ in range(2))
+        robots = tuple(new_robot(memory.size, self._events) for _ in range(2))
+        arenas = (self._arena(), self._arena())
+        _typed(lattice_batch)(
+            self._arena(), arenas, settings, self.scales, act, memory, rooms, robots, starts, seeds.view(np.int64),
+            np.zeros((0, 1), np.int64), counts, sums,
+        )  # fmt: skip
+        return counts, sums
 
     def _arena(self) -> Arena:
         """The world before the first event."""
@@ -210,11 +248,11 @@ class LatticeRun:
     def _episode(self, controller: CompiledController, rows: Ints, path: Ints) -> tuple[Robot, Misbehaviour | None]:
         """One run of the kernel, and what the controller raised."""
         memory = np.array(controller.memory, np.float64)
-        robot = new_robot(memory.size, self._events)
+        robot, room = new_robot(memory.size, self._events), new_room(memory.size, self.options.robot.beams)
         act = compiled_act(controller.act)
         fault = None
         try:
-            _episode_kernel()(self._arena(), self.settings, self.scales, act, memory, robot, rows, path)
+            _typed(lattice_episode)(self._arena(), self.settings, self.scales, act, memory, room, robot, rows, path)
         except (ArithmeticError, LookupError, ValueError, TypeError) as error:  # raised in the compiled controller
             fault = Misbehaviour("crash", f"{type(error).__name__}: {error}")
         return robot, fault

@@ -23,6 +23,7 @@ __all__ = [
     "MAX_STEPS",
     "RunOptions",
     "check_step_length",
+    "options_of",
     "step_budget",
     "switch_class",
     "switch_sets",
@@ -147,3 +148,17 @@ def step_budget(world: World, time_step: float = DEFAULT_TIME_STEP) -> int:
         return _STEPS_WITHOUT_WITNESS
     wanted = math.ceil(BUDGET_FACTOR * exact(world.certificate.duration) / exact(time_step))
     return min(max(wanted, _FEWEST_STEPS), MAX_STEPS)
+
+
+def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
+    """Options from single settings: those of a run, and those of its motion model.
+
+    Raises:
+        InvalidParameter: If a name or a value is unknown or out of range.
+    """
+    own = {name: value for name, value in settings.items() if name in ("motion", "steps", "time_step", "seed")}
+    rest = {name: value for name, value in settings.items() if name not in own}
+    time_step = own.get("time_step", DEFAULT_TIME_STEP)
+    budget = step_budget(world, float(time_step)) if isinstance(time_step, int | float) else 1
+    switches = switch_sets(str(own.get("motion", RunOptions.motion)), rest) if rest else {}
+    return RunOptions(**{"steps": budget, **own}, **switches)  # type: ignore[arg-type]

@@ -11,7 +11,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels._jit import kernel
+from sim.kernels._jit import kernel, rare_kernel
 from sim.kernels.layout import SOLID, UNIT
 
 __all__ = [
@@ -60,7 +60,7 @@ def point_box_distance_sq(x: int, y: int, ix: int, iy: int) -> int:
     return dx * dx + dy * dy
 
 
-@kernel
+@rare_kernel
 def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y: int) -> bool:
     """Whether the disc at (x, y) is clear of every cell in ``state``, exactly."""
     if x < 0 or y < 0 or x > cells.shape[1] * UNIT or y > cells.shape[0] * UNIT:
@@ -111,7 +111,7 @@ def segment_box_is_clear(clear_sq: int, px: int, py: int, qx: int, qy: int, ix: 
     return apart or not (above and below)
 
 
-@kernel
+@rare_kernel
 def segment_first_not_clear(
     cells: Cells, state: int, clear_sq: int, reach: int, ends: tuple[int, int, int, int]
 ) -> tuple[bool, int, int]:
@@ -144,7 +144,7 @@ def segment_first_not_clear(
     return False, 0, 0
 
 
-@kernel
+@rare_kernel
 def segment_crosses_box(px: int, py: int, qx: int, qy: int, ix: int, iy: int) -> bool:
     """Whether a segment, or a point where p = q, meets the open inside of a cell, exactly."""
     left, low = ix * UNIT - px, iy * UNIT - py
@@ -159,7 +159,7 @@ def segment_crosses_box(px: int, py: int, qx: int, qy: int, ix: int, iy: int) ->
     return (above and below) or (dx == 0 and dy == 0)
 
 
-@kernel
+@rare_kernel
 def segment_box_depth(radius: float, px: int, py: int, qx: int, qy: int, ix: int, iy: int) -> float:
     """How deep the disc swept from p to q cuts a cell, lattice units; 0 if it does not.
 
@@ -196,7 +196,7 @@ def segment_point_within(px: int, py: int, qx: int, qy: int, x: int, y: int, wit
     return across * across <= float(within_sq) * float(length_sq)
 
 
-@kernel
+@rare_kernel
 def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
     """Fills ``table`` with the chessboard distance, in cells, from each cell to the nearest one not free.
 
@@ -225,7 +225,7 @@ def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
             table[iy, ix] = near
 
 
-@kernel
+@rare_kernel
 def mark_near(cells: Cells, near: npt.NDArray[np.int32], ix: int, iy: int) -> None:
     """Notes in the masks of the cells around what a cell is now; a cell outside the grid counts as solid."""
     taken = cell_state(cells, ix, iy) != 0
@@ -235,7 +235,7 @@ def mark_near(cells: Cells, near: npt.NDArray[np.int32], ix: int, iy: int) -> No
             near[jy, jx] = near[jy, jx] | bit if taken else near[jy, jx] & ~bit
 
 
-@kernel
+@rare_kernel
 def near_masks(cells: Cells, near: npt.NDArray[np.int32]) -> None:
     """Fills ``near`` with the cells that are not free among the 25 around each cell: bits in rows from the lowest."""
     height, width = cells.shape

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.kernels import layout
-from sim.kernels._jit import allocating_kernel, kernel, rare_kernel
+from sim.kernels._jit import kernel, rare_kernel
 from sim.kernels.geometry import (
     mark_near,
     pose_is_clear,
@@ -36,7 +36,20 @@ from sim.kernels.lattice_sense import (
 )
 from sim.kernels.layout import BURNING, SOLID, SPEED_UNIT, SWEPT, TIME_UNIT, TURN, UNIT
 
-__all__ = ["Arena", "Robot", "advance", "begin", "hash_step", "lattice_episode", "new_robot", "obey", "write_step"]
+__all__ = [
+    "Arena",
+    "Robot",
+    "Room",
+    "advance",
+    "begin",
+    "hash_step",
+    "lattice_batch",
+    "lattice_episode",
+    "new_robot",
+    "new_room",
+    "obey",
+    "write_step",
+]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -84,6 +97,26 @@ class Robot(NamedTuple):
     sums: Floats
 
 
+class Room(NamedTuple):
+    """What an episode works with, made beforehand, so that kernels make no arrays.
+
+    Args:
+        memory: The controller's memory.
+        words: The same bits as int64.
+        observation: (OBS_SIZE + beams,) what the controller sees.
+        command: (CMD_SIZE,) what it asks for.
+        anchor: A state to come back to.
+        brent: (2,) int64, steps from the anchor to the next one, and steps since it.
+    """
+
+    memory: Floats
+    words: Ints
+    observation: Floats
+    command: Floats
+    anchor: Ints
+    brent: Ints
+
+
 def new_robot(memory: int, events: Ints) -> Robot:
     """A robot with so many numbers of memory, and room for the path of a step with the most events."""
     most = int(np.bincount(events[:, layout.EVENT_STEP] - events[0, layout.EVENT_STEP]).max()) if len(events) else 0
@@ -94,6 +127,25 @@ def new_robot(memory: int, events: Ints) -> Robot:
         np.zeros(layout.OUT_SIZE, np.int64),
         np.zeros(layout.SUM_SIZE),
     )
+
+
+def new_room(memory: int, beams: int) -> Room:
+    """Room for a controller with so many numbers of memory, and so many range beams."""
+    values = np.zeros(memory)
+    return Room(
+        values,
+        values.view(np.int64),
+        np.full(layout.OBS_SIZE + beams, np.nan),
+        np.zeros(layout.CMD_SIZE),
+        np.zeros(layout.STATE_MEMORY + memory, np.int64),
+        np.zeros(2, np.int64),
+    )
+
+
+@kernel
+def _whole(value: int) -> int:
+    """A number as such: numba takes a bare 0 for a type of its own, and would compile all that gets it twice."""
+    return value
 
 
 @kernel
@@ -109,12 +161,14 @@ def _drive(speed: int) -> int:
     return speed // SPEED_UNIT if speed >= 0 else -(-speed // SPEED_UNIT)
 
 
-@allocating_kernel
+@rare_kernel
 def begin(settings: Ints, scales: Floats, robot: Robot) -> None:
     """Sets state and reports to the start of an episode."""
     state, counts = robot.state, robot.counts
-    counts[:] = 0
-    robot.sums[:] = 0.0
+    for k in range(counts.size):
+        counts[k] = 0
+    for k in range(robot.sums.size):
+        robot.sums[k] = 0.0
     counts[layout.OUT_HIT_STEP], counts[layout.OUT_OVERLAP_STEP] = -1, -1
     counts[layout.OUT_DIGEST] = np.int64(_HASH_START)
     state[layout.STATE_X], state[layout.STATE_Y] = settings[layout.SET_X], settings[layout.SET_Y]
@@ -303,27 +357,23 @@ def _move_through_events(
     Returns:
         Index of the next event, rows of the chain that are filled, and the normal of the last contact.
     """
-    events, counts = arena.events, robot.counts
-    count, nx, ny, gone, now = 0, 0.0, 0.0, (0, 0), 0
-    while event < events.shape[0] and events[event, layout.EVENT_STEP] == step:
-        time = events[event, layout.EVENT_TIME]
-        if settings[layout.SET_MOTION] == SWEPT and time > now:
-            there = (_share(way[0], time), _share(way[1], time))
+    events, counts, exact = arena.events, robot.counts, settings[layout.SET_MOTION] == SWEPT
+    count, now, gone = _whole(0), _whole(0), (_whole(0), _whole(0))
+    nx, ny = 0.0, 0.0
+    while now < TIME_UNIT:
+        due = event < events.shape[0] and events[event, layout.EVENT_STEP] == step
+        until = events[event, layout.EVENT_TIME] if due and exact else _whole(TIME_UNIT)
+        if until > now and not (due and not exact):
+            there = way if until == TIME_UNIT else (_share(way[0], until), _share(way[1], until))
             part = (there[0] - gone[0], there[1] - gone[1])
-            count, px, py = _move(arena, settings, scales, step, part, (now, time), count, robot)
+            count, px, py = _move(arena, settings, scales, step, part, (now, until), count, robot)
             if px != 0.0 or py != 0.0:
                 nx, ny = px, py
-            gone, now = there, time
-            if counts[layout.OUT_ENDING] != layout.LIMIT:
-                return event, count, nx, ny
-        event = _apply_events(arena, settings, step, event, robot)
+            gone, now = there, until
+        if due and counts[layout.OUT_ENDING] == layout.LIMIT:
+            event = _apply_events(arena, settings, step, event, robot)
         if counts[layout.OUT_ENDING] != layout.LIMIT:
-            return event, count, nx, ny
-    if now < TIME_UNIT:
-        part = (way[0] - gone[0], way[1] - gone[1])
-        count, px, py = _move(arena, settings, scales, step, part, (now, TIME_UNIT), count, robot)
-        if px != 0.0 or py != 0.0:
-            nx, ny = px, py
+            break
     return event, count, nx, ny
 
 
@@ -357,7 +407,8 @@ def advance(
     if event < arena.events.shape[0] and arena.events[event, layout.EVENT_STEP] == step:
         event, count, nx, ny = _move_through_events(arena, settings, scales, step, way, event, robot)
     else:
-        count, nx, ny = _move(arena, settings, scales, step, way, (0, TIME_UNIT), 0, robot)
+        whole = (_whole(0), _whole(TIME_UNIT))
+        count, nx, ny = _move(arena, settings, scales, step, way, whole, _whole(0), robot)
     if scales[layout.SCALE_ODOMETRY_NOISE] > 0.0:
         moved = (state[layout.STATE_X] - x, state[layout.STATE_Y] - y)
         _measure(settings, scales, arena.headings, step, moved, robot)
@@ -443,73 +494,66 @@ def _same(one: Ints, other: Ints) -> bool:
 
 
 @kernel
-def _is_again(robot: Robot, anchor: Ints, brent: Ints) -> bool:
-    """Whether the state is the anchor's; R. P. Brent's next anchor, if one is due.
-
-    Args:
-        robot: The robot.
-        anchor: A state to come back to; changed.
-        brent: (2,) steps from the anchor to the next one, and steps since it; changed.
-    """
-    brent[1] += 1
-    if _same(robot.state, anchor):
+def _is_again(robot: Robot, room: Room) -> bool:
+    """Whether the state is the anchor's; sets R. P. Brent's next anchor, if one is due."""
+    room.brent[1] += 1
+    if _same(robot.state, room.anchor):
         return True
-    if brent[1] == brent[0]:
-        for k in range(anchor.size):
-            anchor[k] = robot.state[k]
-        brent[0], brent[1] = 2 * brent[0], 0
+    if room.brent[1] == room.brent[0]:
+        for k in range(room.anchor.size):
+            room.anchor[k] = robot.state[k]
+        room.brent[0], room.brent[1] = 2 * room.brent[0], 0
     return False
 
 
 @kernel
-def _run(
+def _step(
+    arena: Arena, settings: Ints, scales: Floats, act: Any, room: Room, robot: Robot, step: int, event: int
+) -> tuple[int, int, bool]:
+    """One step: move, sense, act.
+
+    Returns:
+        Index of the next event, rows of the chain that are filled, and whether a wall was touched.
+    """
+    state, counts = robot.state, robot.counts
+    counts[layout.OUT_STEPS] = step
+    event, count, nx, ny = advance(arena, settings, scales, step, event, robot)
+    x, y = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
+    inside = 0 <= x < arena.cells.shape[1] and 0 <= y < arena.cells.shape[0]
+    if counts[layout.OUT_ENDING] == layout.LIMIT and inside:
+        sense(arena.cells, arena.headings, settings, scales, state, robot.odometry, (nx, ny), step, room.observation)
+        for k in range(room.command.size):
+            room.command[k] = 0.0
+        act(room.observation, room.memory, room.command)
+        obey(settings, scales, room.command, step, robot)
+    for k in range(room.words.size):
+        state[layout.STATE_MEMORY + k] = room.words[k]
+    return event, count, nx != 0.0 or ny != 0.0
+
+
+@rare_kernel
+def _set_out(settings: Ints, scales: Floats, memory: Floats, room: Room, robot: Robot) -> None:
+    """Puts a robot at its start, with its memory at reset."""
+    begin(settings, scales, robot)
+    for k in range(memory.size):
+        room.memory[k] = memory[k]
+        robot.state[layout.STATE_MEMORY + k] = room.words[k]
+    for k in range(room.anchor.size):
+        room.anchor[k] = 0
+    room.brent[0], room.brent[1] = 1, 0
+
+
+@rare_kernel
+def lattice_episode(
     arena: Arena,
     settings: Ints,
     scales: Floats,
     act: Any,
-    memory: tuple[Floats, Ints],
+    memory: Floats,
+    room: Room,
     robot: Robot,
-    given: tuple[Floats, Floats],
-    look: tuple[Ints, Ints],
-    recording: tuple[Ints, Ints],
-) -> None:
-    """All steps of an episode; the arrays are made beforehand, so that the loop counts no references."""
-    state, counts = robot.state, robot.counts
-    observation, command = given
-    quiet = arena.events[arena.events.shape[0] - 1, layout.EVENT_STEP] if arena.events.shape[0] > 0 else 0
-    event, touching = 0, False
-    hashed, find_loop = settings[layout.SET_DIGEST] != 0, settings[layout.SET_FIND_LOOP] != 0
-    for step in range(1, settings[layout.SET_STEPS] + 1):
-        counts[layout.OUT_STEPS] = step
-        event, count, nx, ny = advance(arena, settings, scales, step, event, robot)
-        bumped = nx != 0.0 or ny != 0.0
-        if bumped and not touching:
-            counts[layout.OUT_COLLISIONS] += 1
-        touching = bumped
-        x, y = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
-        inside = 0 <= x < arena.cells.shape[1] and 0 <= y < arena.cells.shape[0]
-        if counts[layout.OUT_ENDING] == layout.LIMIT and inside:
-            sense(arena.cells, arena.headings, settings, scales, state, robot.odometry, (nx, ny), step, observation)
-            for k in range(command.size):
-                command[k] = 0.0
-            act(observation, memory[0], command)
-            obey(settings, scales, command, step, robot)
-        for k in range(memory[1].size):
-            state[layout.STATE_MEMORY + k] = memory[1][k]
-        if hashed:
-            hash_step(robot, count, bumped)
-        if step < recording[0].shape[0]:
-            write_step(robot, step, count, bumped, recording[0], recording[1])
-        if counts[layout.OUT_ENDING] != layout.LIMIT:
-            break
-        if find_loop and step > quiet and _is_again(robot, look[0], look[1]):
-            counts[layout.OUT_ENDING], counts[layout.OUT_PERIOD] = layout.LOOP, look[1][1]
-            break
-
-
-@allocating_kernel
-def lattice_episode(
-    arena: Arena, settings: Ints, scales: Floats, act: Any, memory: Floats, robot: Robot, rows: Ints, path: Ints
+    rows: Ints,
+    path: Ints,
 ) -> None:
     """Runs one episode.
 
@@ -518,7 +562,8 @@ def lattice_episode(
         settings: See :mod:`sim.kernels.layout`, ``SET_``.
         scales: ``SCALE_``.
         act: Compiled controller, ``act(observation, memory, command)``.
-        memory: Its memory, at the state of its reset.
+        memory: Its memory at reset; not changed.
+        room: :func:`new_room`.
         robot: :func:`new_robot`; filled.
         rows: (steps + 1, ROW_STATE + STATE_MEMORY + len(memory)) for a recording, or with 0 rows.
         path: (points, POINT_SIZE) for a recording, with room for all points of the path after the start.
@@ -526,11 +571,136 @@ def lattice_episode(
     Recurrence of the complete state is looked for with R. P. Brent, "An improved Monte Carlo factorization
     algorithm", BIT 1980, once the last event is over.
     """
-    words = memory.view(np.int64)
-    observation, command = np.full(layout.OBS_SIZE + settings[layout.SET_BEAMS], np.nan), np.zeros(layout.CMD_SIZE)
-    begin(settings, scales, robot)
-    robot.state[layout.STATE_MEMORY :] = words
+    _set_out(settings, scales, memory, room, robot)
     if rows.shape[0] > 0:
-        rows[0, layout.ROW_STATE :] = robot.state
-    anchor, brent = np.zeros_like(robot.state), np.array([1, 0], np.int64)
-    _run(arena, settings, scales, act, (memory, words), robot, (observation, command), (anchor, brent), (rows, path))
+        for k in range(robot.state.size):
+            rows[0, layout.ROW_STATE + k] = robot.state[k]
+    counts = robot.counts
+    quiet = arena.events[arena.events.shape[0] - 1, layout.EVENT_STEP] if arena.events.shape[0] > 0 else 0
+    event, touching = _whole(0), False
+    hashed, find_loop = settings[layout.SET_DIGEST] != 0, settings[layout.SET_FIND_LOOP] != 0
+    for step in range(1, settings[layout.SET_STEPS] + 1):
+        event, count, bumped = _step(arena, settings, scales, act, room, robot, step, event)
+        if bumped and not touching:
+            counts[layout.OUT_COLLISIONS] += 1
+        touching = bumped
+        if hashed:
+            hash_step(robot, count, bumped)
+        if step < rows.shape[0]:
+            write_step(robot, step, count, bumped, rows, path)
+        if counts[layout.OUT_ENDING] != layout.LIMIT:
+            break
+        if find_loop and step > quiet and _is_again(robot, room):
+            counts[layout.OUT_ENDING], counts[layout.OUT_PERIOD] = layout.LOOP, room.brent[1]
+            break
+
+
+@rare_kernel
+def _lone_step(
+    arena: Arena, settings: Ints, scales: Floats, act: Any, room: Room, robot: Robot, step: int, event: int
+) -> int:
+    """:func:`_step` as a call of its own; the index of the next event."""
+    return _step(arena, settings, scales, act, room, robot, step, event)[0]
+
+
+@rare_kernel
+def _renew(arena: Arena, fresh: Arena, settings: Ints) -> None:
+    """Sets an arena back to what it was before the first event."""
+    if arena.events.shape[0] > 0:
+        for iy in range(fresh.cells.shape[0]):
+            for ix in range(fresh.cells.shape[1]):
+                arena.cells[iy, ix] = fresh.cells[iy, ix]
+                arena.near[iy, ix] = fresh.near[iy, ix]
+    for iy in range(arena.visited.shape[0]):
+        for ix in range(arena.visited.shape[1]):
+            arena.visited[iy, ix] = 0
+    x, y = settings[layout.SET_X] // UNIT, settings[layout.SET_Y] // UNIT
+    arena.visited[min(y, arena.visited.shape[0] - 1), min(x, arena.visited.shape[1] - 1)] = 1
+
+
+@rare_kernel
+def _entry_of(
+    arenas: tuple[Arena, Arena],
+    settings: Ints,
+    scales: Floats,
+    act: Any,
+    rooms: tuple[Room, Room],
+    robots: tuple[Robot, Robot],
+    period: int,
+) -> int:
+    """First step after the last event whose state comes back ``period`` steps later, found by two equal robots.
+
+    Both are at their start; the second sets out ``period`` steps before the first.
+    """
+    events, (slow, fast) = arenas[0].events, robots
+    quiet = events[events.shape[0] - 1, layout.EVENT_STEP] if events.shape[0] > 0 else 0
+    step, event_slow, event_fast = _whole(0), _whole(0), _whole(0)
+    for ahead in range(1, period + 1):
+        event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, ahead, event_fast)
+    while step < quiet or not _same(slow.state, fast.state):
+        step += 1
+        event_slow = _lone_step(arenas[0], settings, scales, act, rooms[0], slow, step, event_slow)
+        event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, step + period, event_fast)
+    return step
+
+
+@rare_kernel
+def lattice_batch(
+    fresh: Arena,
+    arenas: tuple[Arena, Arena],
+    settings: Ints,
+    scales: Floats,
+    act: Any,
+    memory: Floats,
+    rooms: tuple[Room, Room],
+    robots: tuple[Robot, Robot],
+    starts: Ints,
+    seeds: Ints,
+    nothing: Ints,
+    counts: Ints,
+    sums: Floats,
+) -> None:
+    """Runs many episodes of one controller in one world.
+
+    A recurrence is counted as :func:`sim.simulate` counts it: up to the end of its first period.
+
+    Args:
+        fresh: Surroundings before the first event; not changed.
+        arenas: Two copies of them, to be used.
+        settings: ``SET_``; start, seed, steps and the search for loops are changed and set back.
+        scales: ``SCALE_``.
+        act: Compiled controller.
+        memory: Its memory at reset.
+        rooms: Two, to be used.
+        robots: Likewise.
+        starts: (n, 3) x, y, heading, lattice units.
+        seeds: (n,) bits of uint64s.
+        nothing: (0, 1) int64.
+        counts: (n, OUT_SIZE), filled.
+        sums: (n, SUM_SIZE), filled.
+    """
+    steps, find_loop = settings[layout.SET_STEPS], settings[layout.SET_FIND_LOOP]
+    robot = robots[0]
+    for n in range(seeds.size):
+        for k in range(3):
+            settings[layout.SET_X + k] = starts[n, k]
+        settings[layout.SET_SEED] = seeds[n]
+        period = _whole(-1)
+        while True:  # a second time for a loop, up to the end of its first period
+            _renew(arenas[0], fresh, settings)
+            lattice_episode(arenas[0], settings, scales, act, memory, rooms[0], robot, nothing, nothing)
+            if period > 0 or robot.counts[layout.OUT_ENDING] != layout.LOOP:
+                break
+            period = robot.counts[layout.OUT_PERIOD]
+            for which in range(2):
+                _renew(arenas[which], fresh, settings)
+                _set_out(settings, scales, memory, rooms[which], robots[which])
+            settings[layout.SET_STEPS] = period + _entry_of(arenas, settings, scales, act, rooms, robots, period)
+            settings[layout.SET_FIND_LOOP] = 0
+        if period > 0:
+            robot.counts[layout.OUT_ENDING], robot.counts[layout.OUT_PERIOD] = layout.LOOP, period
+        settings[layout.SET_STEPS], settings[layout.SET_FIND_LOOP] = steps, find_loop
+        for k in range(counts.shape[1]):
+            counts[n, k] = robot.counts[k]
+        for k in range(sums.shape[1]):
+            sums[n, k] = robot.sums[k]

@@ -11,7 +11,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels._jit import kernel
+from sim.kernels._jit import kernel, rare_kernel
 from sim.kernels.geometry import cell_state, pose_is_clear, segment_first_not_clear
 from sim.kernels.layout import SOLID, TIME_UNIT, UNIT
 
@@ -49,7 +49,7 @@ def _contact_with_corner(radius_sq: float, mx: float, my: float, dx: float, dy: 
     return max(0.0, (-approach - math.sqrt(inside)) / a)
 
 
-@kernel
+@rare_kernel
 def first_contact(
     cells: Cells, radius: float, reach: int, x: int, y: int, dx: int, dy: int
 ) -> tuple[float, float, float]:
@@ -128,7 +128,7 @@ def _append(chain: Chain, count: int, x: int, y: int, time: float) -> int:
     return count + 1
 
 
-@kernel
+@rare_kernel
 def swept_move(
     cells: Cells,
     clear_sq: int,
@@ -190,7 +190,7 @@ def swept_move(
     return count, normal_x, normal_y
 
 
-@kernel
+@rare_kernel
 def endpoint_move(
     cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], chain: Chain, count: int
 ) -> tuple[int, float, float]:

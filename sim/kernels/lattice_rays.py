@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels._jit import kernel
+from sim.kernels._jit import kernel, rare_kernel
 from sim.kernels.geometry import cell_state
 from sim.kernels.layout import SOLID, TURN, UNIT
 
@@ -28,7 +28,7 @@ def _next_line(place: int, cell: int, direction: float) -> float:
     return _FAR
 
 
-@kernel
+@rare_kernel
 def ray_distance(cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, heading: int, longest: float) -> float:
     """Distance from a place to the first solid cell in a direction, lattice units; ``longest`` if that is nearer.
 
@@ -65,7 +65,7 @@ def ray_distance(cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, 
                 return at
 
 
-@kernel
+@rare_kernel
 def walls_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
     """How many solid cells the straight line between two places goes through, its ends' cells not counted.
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.kernels import layout
-from sim.kernels._jit import kernel
+from sim.kernels._jit import kernel, rare_kernel
 from sim.kernels.fdlibm import atan
 from sim.kernels.geometry import cell_state
 from sim.kernels.lattice_rays import beam_heading, ray_distance, walls_on_the_way
@@ -62,7 +62,7 @@ def displacement(table: npt.NDArray[np.int64], heading: int, distance: int) -> t
     return dx, dy
 
 
-@kernel
+@rare_kernel
 def heading_of(dx: int, dy: int, otherwise: int) -> int:
     """Heading, in units, of the vector (dx, dy); ``otherwise`` for the zero vector.
 
@@ -116,7 +116,7 @@ def noise_draw(settings: npt.NDArray[np.int64], draw: int) -> float:
     return random_draw(settings[layout.SET_SEED] ^ _APART, draw)
 
 
-@kernel
+@rare_kernel
 def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, heading: int) -> int:
     """Heading to the strongest of the nine cells round the robot: to its centre, or to the target in it.
 
@@ -146,7 +146,7 @@ def _in_field(dx: int, dy: int, heading: int, half_field: float) -> bool:
     return half_field >= TURN // 2 or abs(turn_towards(heading, heading_of(dx, dy, heading))) <= half_field
 
 
-@kernel
+@rare_kernel
 def _reading(
     cells: Cells,
     settings: npt.NDArray[np.int64],
@@ -183,7 +183,7 @@ def _reading(
     return value if noise == 0.0 else value * (1.0 + noise * (2.0 * noise_draw(settings, draw) - 1.0))
 
 
-@kernel
+@rare_kernel
 def _strongest_cell(
     cells: Cells,
     settings: npt.NDArray[np.int64],
@@ -286,7 +286,7 @@ def sense(
         _sense_beams(cells, headings, settings, scales, (x, y, heading), step, observation)
 
 
-@kernel
+@rare_kernel
 def _sense_beams(
     cells: Cells,
     headings: npt.NDArray[np.int64],

@@ -1,0 +1,251 @@
+"""Many runs in one call: worlds x controllers x starts x seeds, over all cores, results in arrays."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers import CONTROLLERS, CompiledController, Controller
+from sim.episode import Episode, simulate
+from sim.kernels import layout
+from sim.lattice_run import LatticeRun
+from sim.motion import MOTIONS
+from sim.motion.base import LATTICE
+from sim.run_options import RunOptions, options_of
+from worldgen.errors import InvalidParameter
+from worldgen.world import Pose, Value, World
+
+__all__ = ["VERDICTS", "Runs", "simulate_many"]
+
+VERDICTS = (
+    "reached", "loop", "stalled", "timeout", "tunnel", "overlap", "burned", "crash", "hang", "invalid-command",
+)  # fmt: skip
+"""The verdict of each number in :attr:`Runs.verdict`."""
+
+_MOST_AT_ONCE = 256  # runs in one call of the kernel, so that all cores have something to do
+_CODE = {verdict: np.int8(code) for code, verdict in enumerate(VERDICTS)}
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """Results of many runs; every array is of shape (n,), one entry a run.
+
+    Args:
+        world: int64, index of the world.
+        controller: int64, index of the controller.
+        start: int64, index of the start.
+        seed: uint64.
+        verdict: int8, index into :data:`VERDICTS`.
+        steps: int64, as :attr:`sim.Episode.steps`.
+        time: s.
+        path_length: m.
+        collisions: int64.
+        digest: uint64, the trace's digest; 0 if it was not asked for.
+        names: Of the controllers.
+    """
+
+    world: Ints
+    controller: Ints
+    start: Ints
+    seed: npt.NDArray[np.uint64]
+    verdict: npt.NDArray[np.int8]
+    steps: Ints
+    time: Floats
+    path_length: Floats
+    collisions: Ints
+    digest: npt.NDArray[np.uint64]
+    names: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.verdict)
+
+    @property
+    def verdicts(self) -> npt.NDArray[np.str_]:
+        """(n,) the verdicts in words."""
+        return np.array(VERDICTS)[self.verdict]
+
+    @property
+    def reached(self) -> npt.NDArray[np.bool_]:
+        """(n,) whether the target was reached."""
+        found: npt.NDArray[np.bool_] = self.verdict == _CODE["reached"]
+        return found
+
+    def to_numpy(self) -> npt.NDArray[Any]:
+        """One structured array, a field for each array here; pandas and others read it as a table."""
+        columns = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "names"}
+        table = np.zeros(len(self), [(name, column.dtype) for name, column in columns.items()])
+        for name, column in columns.items():
+            table[name] = column
+        return table
+
+    def __repr__(self) -> str:
+        lines = [f"{len(self)} runs, {int(self.steps.sum()):,} steps"]
+        for index, name in enumerate(self.names):
+            own = self.controller == index
+            counts = Counter(self.verdict[own].tolist())
+            words = ", ".join(f"{VERDICTS[code]} {count}" for code, count in sorted(counts.items()))
+            times = self.time[own & self.reached]
+            median = f"; median time {np.median(times):.3f} s" if len(times) else ""
+            lines.append(f"  {name}: {words}{median}")
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class _Job:
+    """Runs of one controller in one world: rows of the results."""
+
+    world: World
+    controller: Controller
+    rows: range
+    starts: tuple[Pose, ...]
+    options: RunOptions
+
+
+def simulate_many(
+    worlds: World | Sequence[World],
+    controllers: str | Controller | Sequence[str | Controller],
+    *,
+    seeds: int | Sequence[int] = 1,
+    starts: Sequence[Pose] | None = None,
+    digest: bool = False,
+    workers: int | None = None,
+    **settings: Value,
+) -> Runs:
+    """Runs every controller in every world from every start with every seed.
+
+    The results are those of :func:`sim.simulate`, bit for bit, in any order and with any number of workers: by
+    world, then controller, start, and seed. Compiled controllers run on all cores; others one after the other.
+
+    Args:
+        worlds: One or many.
+        controllers: Names, or controllers themselves.
+        seeds: Seeds, or how many, from 0.
+        starts: Poses to start from, in every world; without them each world's own.
+        digest: Whether to work out the traces' digests.
+        workers: Threads; without a number as many as there are cores.
+        **settings: As for :func:`sim.simulate`: ``motion="endpoint", steps=5000, beams=36``.
+
+    Raises:
+        InvalidParameter: If there is nothing to run, or a name or an option is unknown.
+        InvalidWorld: If the robot cannot stand at a start.
+    """
+    found = [worlds] if isinstance(worlds, World) else list(worlds)
+    named = [controllers] if isinstance(controllers, str) or not isinstance(controllers, Sequence) else controllers
+    drivers = [CONTROLLERS.get(one) if isinstance(one, str) else one for one in named]
+    numbers = np.array(range(seeds) if isinstance(seeds, int) else list(seeds), np.uint64)
+    poses = None if starts is None else tuple(starts)
+    if not found or not drivers or not len(numbers) or poses == ():
+        raise InvalidParameter("nothing to run; give at least one world, one controller, one start and one seed")
+    if "seed" in settings:
+        raise InvalidParameter("seed: many runs take seeds=5 or seeds=[3, 8]")
+    places = 1 if poses is None else len(poses)
+    runs = _empty(len(found), [_name(one) for one in named], places, numbers)
+    jobs = list(_jobs(found, drivers, poses, len(numbers), settings))
+    threaded = [job for job in jobs if _is_threaded(job)]
+    with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
+        for _ in pool.map(lambda job: _run_compiled(job, runs, digest), threaded):
+            pass
+    for job in jobs:
+        if not _is_threaded(job):
+            _run_each(job, job.rows, runs, digest)
+    return runs
+
+
+def _name(controller: str | Controller) -> str:
+    if isinstance(controller, str):
+        return controller
+    return str(getattr(controller, "name", type(controller).__name__))
+
+
+def _empty(worlds: int, names: Sequence[str], starts: int, seeds: npt.NDArray[np.uint64]) -> Runs:
+    shape = (worlds, len(names), starts, len(seeds))
+    world, controller, start, seed = (axis.ravel() for axis in np.indices(shape))
+    count = len(world)
+    return Runs(
+        world, controller, start, seeds[seed], np.zeros(count, np.int8), np.zeros(count, np.int64), np.zeros(count),
+        np.zeros(count), np.zeros(count, np.int64), np.zeros(count, np.uint64), tuple(names),
+    )  # fmt: skip
+
+
+def _jobs(
+    worlds: Sequence[World],
+    controllers: Sequence[Controller],
+    poses: tuple[Pose, ...] | None,
+    seeds: int,
+    settings: Mapping[str, Value],
+) -> Iterator[_Job]:
+    first = 0
+    for world, controller in itertools.product(worlds, controllers):
+        starts, options = poses or (world.start,), options_of(world, settings)
+        rows = range(first, first + len(starts) * seeds)
+        first = rows.stop
+        for begin in range(rows.start, rows.stop, _MOST_AT_ONCE):
+            part = range(begin, min(begin + _MOST_AT_ONCE, rows.stop))
+            yield _Job(world, controller, part, starts, options)
+
+
+def _is_threaded(job: _Job) -> bool:
+    return isinstance(job.controller, CompiledController) and MOTIONS.get(job.options.motion).kernel == LATTICE
+
+
+def _run_compiled(job: _Job, runs: Runs, digest: bool) -> None:
+    """Runs a job in one call of the kernel; one by one if the controller raises, to find which do."""
+    controller = job.controller
+    if not isinstance(controller, CompiledController):
+        raise TypeError("only compiled controllers run in a batch")
+    run = LatticeRun(replace(job.world, start=job.starts[0]), controller, job.options)
+    places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
+    rows = slice(job.rows.start, job.rows.stop)
+    try:
+        counts, sums = run.run_many(controller, places[runs.start[rows]], runs.seed[rows], digest=digest)
+    except (ArithmeticError, LookupError, ValueError, TypeError):  # raised in the compiled controller
+        _run_each(job, job.rows, runs, digest)
+        return
+    _fill(runs, rows, counts, sums, job.options.time_step, float(run.scales[layout.SCALE_METRES]), digest)
+
+
+def _fill(runs: Runs, rows: slice, counts: Ints, sums: Floats, time_step: float, metres: float, digest: bool) -> None:
+    """Turns the kernel's reports into results, with the rules of :attr:`sim.outcome.Outcome.verdict`."""
+    ending, steps = counts[:, layout.OUT_ENDING], counts[:, layout.OUT_STEPS]
+    decided = {
+        layout.TUNNEL: "tunnel", layout.BURNED: "burned", layout.INVALID_COMMAND: "invalid-command",
+    }  # fmt: skip
+    confined = counts[:, layout.OUT_LAST_NEW_CELL] <= steps // 2
+    verdict = np.where(confined, _CODE["stalled"], _CODE["timeout"])
+    for code, name in ((layout.LOOP, "loop"), (layout.REACHED, "reached")):
+        verdict = np.where(ending == code, _CODE[name], verdict)
+    verdict = np.where(counts[:, layout.OUT_OVERLAP_STEP] >= 0, _CODE["overlap"], verdict)
+    for code, name in decided.items():
+        verdict = np.where(ending == code, _CODE[name], verdict)
+    runs.verdict[rows], runs.steps[rows] = verdict, steps
+    runs.time[rows] = np.round(steps * time_step, 9)
+    runs.path_length[rows] = sums[:, layout.SUM_PATH] * metres
+    runs.collisions[rows] = counts[:, layout.OUT_COLLISIONS]
+    if digest:
+        runs.digest[rows] = counts[:, layout.OUT_DIGEST].view(np.uint64)
+
+
+def _run_each(job: _Job, rows: range, runs: Runs, digest: bool) -> None:
+    for row in rows:
+        world = replace(job.world, start=job.starts[runs.start[row]])
+        episode = simulate(world, job.controller, replace(job.options, seed=int(runs.seed[row])))
+        _fill_one(runs, row, episode, digest)
+
+
+def _fill_one(runs: Runs, row: int, episode: Episode, digest: bool) -> None:
+    runs.verdict[row], runs.steps[row] = _CODE[episode.verdict], episode.steps
+    runs.time[row], runs.path_length[row] = episode.time, episode.path_length
+    runs.collisions[row] = episode.collisions
+    if digest:
+        runs.digest[row] = int(episode.trace_digest, 16)

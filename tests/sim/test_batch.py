@@ -1,0 +1,98 @@
+"""Many runs at once are the single runs, bit for bit, in any order and with any number of threads."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim import CompiledController, simulate, simulate_many
+from sim.batch import VERDICTS
+from tests.sim.test_episode import GoToTarget, arena, cup
+from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Timeline, generate
+
+FIELDS = ("verdict", "steps", "time", "path_length", "collisions", "digest")
+
+
+def burning():
+    return replace(cup(), timeline=Timeline.of([Event(0.5, 7, 7, CellState.BURNING), Event(0.9, 7, 7, CellState.FREE)]))
+
+
+def single(world, controller, seed, **options):
+    episode = simulate(world, controller, seed=seed, **options)
+    digest = int(episode.trace_digest, 16)
+    return (
+        VERDICTS.index(episode.verdict), episode.steps, episode.time, episode.path_length, episode.collisions, digest,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint", "stepped"])
+def test_many_runs_are_the_single_ones(motion):
+    worlds, names = [cup(), burning(), generate("trap", seed=3)], ["turn-left", "turn-right", "turn-random"]
+    runs = simulate_many(worlds, names, seeds=3, digest=True, motion=motion, steps=3000)
+    assert len(runs) == 27
+    for row in runs.to_numpy():
+        world, name = worlds[row["world"]], names[row["controller"]]
+        found = tuple(row[field].item() for field in FIELDS)
+        assert found == single(world, name, int(row["seed"]), motion=motion, steps=3000)
+
+
+@settings(max_examples=15)
+@given(st.integers(1, 4), st.permutations(range(6)), st.booleans())
+def test_neither_threads_nor_order_change_a_run(workers, order, digest):
+    worlds = [generate("maze", seed=seed, size=14) for seed in range(2)]
+    names, seeds = ("turn-random", "turn-left"), [7, 8, 9, 10, 11, 12]
+    plain = simulate_many(worlds, names, seeds=seeds, steps=400, digest=True, workers=1)
+    mixed = simulate_many(worlds, names, seeds=[seeds[k] for k in order], steps=400, digest=digest, workers=workers)
+    back = np.argsort(np.lexsort((mixed.seed, mixed.controller, mixed.world)))
+    for field in FIELDS[: 6 if digest else 5]:
+        assert (getattr(plain, field)[back] == getattr(mixed, field)).all()
+
+
+def test_starts_are_run_in_every_world():
+    starts = [Pose(0.35, 0.35, 0.0), Pose(0.75, 0.35, 1.0)]
+    runs = simulate_many([arena(16), cup()], "turn-left", starts=starts, steps=500, digest=True)
+    assert runs.start.tolist() == [0, 1, 0, 1]
+    for row, world in enumerate([arena(16), arena(16), cup(), cup()]):
+        moved = replace(world, start=starts[row % 2])
+        assert int(runs.digest[row]) == int(simulate(moved, "turn-left", steps=500).trace_digest, 16)
+
+
+def test_python_controllers_run_too_and_keep_their_names():
+    runs = simulate_many(arena(), [GoToTarget(), "turn-left"], seeds=2, steps=2000)
+    assert runs.names == ("GoToTarget", "turn-left") and runs.verdicts[:2].tolist() == ["reached", "reached"]
+
+
+def test_a_controller_that_raises_in_some_runs_crashes_in_those_alone():
+    def act(observation, memory, command):
+        memory[int(observation[9] * 1.5)] = 1.0  # beyond its memory for draws above 2/3
+        command[2] = 1.0
+
+    runs = simulate_many(arena(), CompiledController("odd", act, (0.0,), randomised=True), seeds=40, steps=1)
+    assert 5 <= (runs.verdicts == "crash").sum() <= 25 and set(runs.verdicts) == {"crash", "stalled"}
+
+
+def test_results_print_themselves_and_convert():
+    runs = simulate_many([arena(), cup()], ["turn-left", "turn-random"], seeds=5, steps=3000)
+    text = repr(runs)
+    assert text.startswith("20 runs, ") and "turn-random: " in text
+    table = runs.to_numpy()
+    assert table.dtype.names[:4] == ("world", "controller", "start", "seed") and len(table) == len(runs) == 20
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"worlds": []}, InvalidParameter, "nothing to run"),
+        ({"seeds": 0}, InvalidParameter, "nothing to run"),
+        ({"starts": []}, InvalidParameter, "nothing to run"),
+        ({"controllers": "turn-lft"}, InvalidParameter, "turn-lft"),
+        ({"seed": 3}, InvalidParameter, "seeds=5"),
+        ({"slipp": 3}, InvalidParameter, "slipp"),
+        ({"starts": [Pose(0.0, 0.0, 0.0)]}, InvalidWorld, "overlaps a wall"),
+    ],
+)
+def test_bad_input_gets_a_sentence(arguments, error, message):
+    with pytest.raises(error, match=message):
+        simulate_many(**{"worlds": arena(), "controllers": "turn-left", **arguments})
