@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzz.find import parse_wishes
+from sim import simulate
 from tests.helpers.command_line import worldgen
 from worldgen import read_world
 from worldgen.errors import InvalidParameter
@@ -186,7 +187,5 @@ def test_the_time_of_a_controller_with_chance_is_the_median_over_the_seeds():
 
 
 def arrival(world, seed):
-    from sim import simulate
-
     episode = simulate(world, "thesis-3", motion="stepped", seed=seed)
     return episode.steps if episode.verdict == "reached" else math.inf
