@@ -1,0 +1,314 @@
+"""Steps a second of the simulator, beside other engines that drive a disc through the same maze.
+
+``python -m benchmarks.simulator`` prints a table, with ``--json`` one object: for each case its rate and its ratio to
+each peer, all from one run. Peers that are not installed are left out, and named: pymunk and mujoco come with pip.
+
+The maze has 60 x 60 cells, the disc a radius of 0.7 cells, a step is 0.3 cells long. The controller is a simple
+reactive one: ahead, and after a bump turn on the spot for 5 to 24 steps. Rates are steps per second of processor
+time, but for those of several threads, which are per second of wall time; the best of all rounds counts. Cases and
+peers take turns in every round, so that other work on the machine hits all alike.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import click
+import numpy as np
+import shapely
+
+from sim import Command, CompiledController, RobotOptions, RunOptions, simulate_many
+from sim.episode import prepare
+from sim.kernels import layout
+from sim.kernels.lattice_episode import new_robot, new_room
+from worldgen import generate
+from worldgen.random_streams import RandomStream
+from worldgen.world import Pose, Target, World
+
+__all__ = ["CASES", "PEERS", "measure"]
+
+STEP = 0.015  # s
+RATE = 12.0  # rad/s while it turns
+Rate = tuple[float, float]  # steps, seconds
+
+
+def _act(observation: Any, memory: Any, command: Any) -> None:
+    if observation[layout.OBS_BUMP] != 0.0:
+        memory[0] = 5.0 + math.floor(observation[layout.OBS_RANDOM] * 20.0)
+        command[layout.CMD_DRAW] = 1.0
+    if memory[0] > 0.0:
+        memory[0] -= 1.0
+        command[layout.CMD_TURN_RATE] = RATE
+    else:
+        command[layout.CMD_SPEED] = 2.0
+
+
+BOUNCER = CompiledController("bouncer", _act, (0.0,), 2.0, randomised=True, senses=("bump", "random"))
+
+
+@dataclass(frozen=True)
+class Bouncer:
+    """The same controller as a Python class."""
+
+    senses = ("bump", "random")
+
+    def reset(self) -> tuple[float, ...]:
+        """No turn to begin with."""
+        return (0.0,)
+
+    def act(self, observation: Any, memory: tuple[float, ...]) -> tuple[Command, tuple[float, ...]]:
+        """Ahead, or on with the turn."""
+        rest = 5.0 + math.floor(observation.random * 20.0) if observation.bump else memory[0]
+        if rest > 0.0:
+            return Command(0.0, RATE, observation.bump), (rest - 1.0,)
+        return Command(2.0, 0.0, observation.bump), (0.0,)
+
+
+def maze(size: int = 60) -> World:
+    """The maze, its target out of everybody's way."""
+    world = generate("maze", seed=3, size=size)
+    return replace(world, target=replace(world.target, radius=1e-6), certificate=None)
+
+
+def hall(side: int) -> World:
+    """A large hall with scattered pillars."""
+    cells = np.zeros((side, side), bool)
+    cells[[0, -1], :] = cells[:, [0, -1]] = True
+    cells[5:-5:10, 5:-5:10] = True
+    middle = side * 0.05
+    return World(cells, Pose(middle + 0.05, middle + 0.05, 0.3), Target(0.3, 0.3, 1e-6))
+
+
+def _run(world: World, controller: Any, steps: int, **switches: Any) -> Callable[[], Rate]:
+    motion = switches.pop("motion", "swept")
+    options = RunOptions(motion, steps, STEP, 5, **switches)
+    run = prepare(world, controller, options)
+
+    def once() -> Rate:
+        begin = time.process_time()
+        outcome = run.run(steps, find_loop=True, record=False, digest=False)
+        return outcome.steps, time.process_time() - begin
+
+    run.run(10, find_loop=True, record=False, digest=False)
+    return once
+
+
+def _many(workers: int) -> Callable[[], Rate]:
+    world = maze()
+
+    def once() -> Rate:
+        begin = time.perf_counter()
+        runs = simulate_many(world, BOUNCER, seeds=512, steps=5_000, workers=workers)
+        return int(runs.steps.sum()), time.perf_counter() - begin
+
+    simulate_many(world, BOUNCER, seeds=1, steps=10)
+    return once
+
+
+def _beams() -> Callable[[], Rate]:
+    eyes = CompiledController("eyes", _act, (0.0,), 2.0, randomised=True, senses=("bump", "random", "beams"))
+    return _run(maze(), eyes, 200_000, robot=RobotOptions(beams=36, beam_range=2.0))
+
+
+CASES: dict[str, Callable[[], Callable[[], Rate]]] = {
+    "swept, compiled controller": lambda: _run(maze(), BOUNCER, 2_000_000),
+    "the same in a 2000 x 2000 world": lambda: _run(hall(2000), BOUNCER, 1_000_000),
+    "the same with 36 beams": _beams,
+    "endpoint, compiled controller": lambda: _run(maze(), BOUNCER, 2_000_000, motion="endpoint"),
+    "stepped, the thesis's robot": lambda: _run(maze(), "turn-random", 500_000, motion="stepped"),
+    "swept, Python class": lambda: _run(maze(), Bouncer(), 20_000),
+    "simulate_many, 1 thread (wall)": lambda: _many(1),
+    "simulate_many, 2 threads (wall)": lambda: _many(2),
+}
+
+
+def _turns(stream: RandomStream) -> Iterator[tuple[float, bool]]:
+    """The controller for peers: heading and whether to drive; it is sent whether a wall was met."""
+    heading, rest = 0.0, 0
+    bumped = yield heading, True
+    while True:
+        if bumped:
+            rest = stream.between(5, 24)
+        if rest > 0:
+            rest, heading = rest - 1, heading + RATE * STEP
+        bumped = yield heading, rest == 0
+
+
+def _boxes(world: World) -> list[tuple[float, float, float, float]]:
+    """Walls as boxes, runs of cells in a row merged, m."""
+    side, found = world.cell_size, []
+    for iy in range(world.height):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], world.walls[iy].astype(np.int8), [0]])))
+        for first, last in zip(edges[::2], edges[1::2], strict=True):
+            found.append((first * side, iy * side, last * side, (iy + 1) * side))
+    return found
+
+
+def _shapely() -> Callable[[], Rate]:
+    world, steps = maze(), 2_000
+    tree = shapely.STRtree([shapely.box(*box) for box in _boxes(world)])
+
+    def once() -> Rate:
+        drive, x, y = _turns(RandomStream(5)), world.start.x, world.start.y
+        heading, ahead = next(drive)
+        begin = time.process_time()
+        for _ in range(steps):
+            bumped = False
+            if ahead:
+                to = x + 0.03 * math.cos(heading), y + 0.03 * math.sin(heading)
+                bumped = len(tree.query(shapely.LineString([(x, y), to]), "dwithin", world.robot_radius)) > 0
+                x, y = (x, y) if bumped else to
+            heading, ahead = drive.send(bumped)  # type: ignore[attr-defined]
+        return steps, time.process_time() - begin
+
+    return once
+
+
+def _pymunk() -> Callable[[], Rate]:
+    pymunk = importlib.import_module("pymunk")
+
+    world, steps = maze(), 20_000
+    space = pymunk.Space()
+    for left, low, right, high in _boxes(world):
+        corners = [(left, low), (right, low), (right, high), (left, high)]
+        space.add(pymunk.Poly(space.static_body, corners))
+    body = pymunk.Body(1.0, math.inf)
+    space.add(body, pymunk.Circle(body, world.robot_radius))
+
+    def once() -> Rate:
+        body.position = world.start.x, world.start.y
+        drive = _turns(RandomStream(5))
+        heading, ahead = next(drive)
+        begin = time.process_time()
+        for _ in range(steps):
+            speed = 2.0 if ahead else 0.0
+            body.velocity = speed * math.cos(heading), speed * math.sin(heading)
+            before = body.position
+            space.step(STEP)
+            bumped = ahead and (body.position - before).length < 0.8 * speed * STEP
+            heading, ahead = drive.send(bumped)  # type: ignore[attr-defined]
+        return steps, time.process_time() - begin
+
+    return once
+
+
+def _mujoco() -> Callable[[], Rate]:
+    mujoco = importlib.import_module("mujoco")
+
+    world, steps = maze(), 5_000
+    geoms = "".join(
+        f'<geom type="box" pos="{(a + c) / 2} {(b + d) / 2} 0" size="{(c - a) / 2} {(d - b) / 2} 0.1"/>'
+        for a, b, c, d in _boxes(world)
+    )
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="{STEP}" gravity="0 0 0"/><worldbody>{geoms}'
+        f'<body pos="{world.start.x} {world.start.y} 0"><joint type="slide" axis="1 0 0"/>'
+        f'<joint type="slide" axis="0 1 0"/><geom type="cylinder" size="{world.robot_radius} 0.1"/>'
+        "</body></worldbody></mujoco>"
+    )
+    data = mujoco.MjData(model)
+
+    def once() -> Rate:
+        mujoco.mj_resetData(model, data)
+        drive = _turns(RandomStream(5))
+        heading, ahead = next(drive)
+        begin = time.process_time()
+        for _ in range(steps):
+            speed = 2.0 if ahead else 0.0
+            data.qvel[:] = speed * math.cos(heading), speed * math.sin(heading)
+            before = data.qpos.copy()
+            mujoco.mj_step(model, data)
+            bumped = ahead and float(np.hypot(*(data.qpos - before))) < 0.8 * speed * STEP
+            heading, ahead = drive.send(bumped)  # type: ignore[attr-defined]
+        return steps, time.process_time() - begin
+
+    return once
+
+
+PEERS: dict[str, Callable[[], Callable[[], Rate]]] = {"pymunk": _pymunk, "mujoco": _mujoco, "shapely": _shapely}
+
+
+def measure(rounds: int) -> tuple[dict[str, float], list[str]]:
+    """Best rate of each case and peer, steps a second, and the peers that are not installed."""
+    ready, absent = {name: make() for name, make in CASES.items()}, []
+    for name, make in PEERS.items():
+        try:
+            ready[name] = make()
+        except ImportError:
+            absent.append(name)
+    best = dict.fromkeys(ready, 0.0)
+    for _ in range(rounds):
+        for name, once in ready.items():
+            steps, seconds = once()
+            best[name] = max(best[name], steps / seconds)
+    return best, absent
+
+
+def _first_call() -> dict[str, float]:
+    """Seconds until a new process has simulated its first step: with an empty cache of kernels, and with a full one."""
+    code = (
+        "from benchmarks.simulator import BOUNCER, maze; from sim.episode import prepare; from sim import RunOptions;"
+        "prepare(maze(), BOUNCER, RunOptions()).run(1, find_loop=True, record=False)"
+    )
+    with tempfile.TemporaryDirectory() as cache:
+        took = []
+        for _ in range(2):
+            begin = time.perf_counter()
+            subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "WORLDGEN_CACHE_DIR": cache})
+            took.append(time.perf_counter() - begin)
+    return {"cold": took[0], "warm": took[1]}
+
+
+def _bytes_per_robot() -> int:
+    arrays = (*new_robot(1, np.zeros((0, layout.EVENT_SIZE), np.int64)), *new_room(1, 0))
+    return sum(array.nbytes for array in arrays)
+
+
+def main() -> None:
+    """Runs all and prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--rounds", type=int, default=5, help="rounds; the best counts (default 5)")
+    arguments = parser.parse_args()
+    rates, absent = measure(arguments.rounds)
+    first = _first_call()
+    peers = [name for name in PEERS if name in rates]
+    cases = {
+        name: {"steps_per_second": rates[name], "ratios": {peer: rates[name] / rates[peer] for peer in peers}}
+        for name in CASES
+    }
+    result = {
+        "cases": cases,
+        "peers": {peer: {"steps_per_second": rates[peer]} for peer in peers},
+        "absent_peers": absent,
+        "first_call_seconds": first,
+        "bytes_per_robot": _bytes_per_robot(),
+    }
+    if arguments.json:
+        click.echo(json.dumps(result))
+        return
+    click.echo("".join([f"{'':36}{'steps/s':>12}", *(f"{'x ' + peer:>12}" for peer in peers)]))
+    for name, case in cases.items():
+        ratios = "".join(f"{case['ratios'][peer]:12.1f}" for peer in peers)
+        click.echo(f"{name:36}{case['steps_per_second']:12,.0f}{ratios}")
+    for peer in peers:
+        click.echo(f"{peer:36}{rates[peer]:12,.0f}")
+    click.echo(f"first step of a new process: {first['cold']:.1f} s cold, {first['warm']:.1f} s warm")
+    click.echo(f"memory per robot: {result['bytes_per_robot']} bytes, and a byte of each cell for where it has been")
+    if absent:
+        click.echo(f"not installed: {', '.join(absent)}")
+
+
+if __name__ == "__main__":
+    main()
