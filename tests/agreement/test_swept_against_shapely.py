@@ -8,6 +8,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.referee import referee
 from sim.kernels.geometry import pose_is_clear, segment_first_not_clear
 from sim.kernels.lattice_motion import swept_move
 from sim.kernels.layout import SOLID, UNIT
@@ -113,3 +114,9 @@ def test_a_very_long_move_stops_at_the_first_wall():
     chain = np.zeros((4, 3), np.int64)
     count, _, _ = swept_move(cells, clear_sq, reach, (UNIT, 5 * UNIT, 299 * UNIT, 0), (0.0, 1.0), 0.0, chain, 0)
     assert (count, chain[0, :2].tolist()) == (1, [250 * UNIT - reach, 5 * UNIT])
+
+
+def test_the_referee_of_the_benchmarks_objects_to_no_move():
+    report = referee(4_000, 3)
+    assert report.moves >= 4_000 and report.contacts > 1_000 and report.pieces > 3_000
+    assert report.cuts == 0 and -1e-6 < report.deepest <= 1e-6

@@ -23,7 +23,10 @@ __all__ = [
     "write_bytes",
 ]
 
-CONTROLLER_HELP = "Name, package.module:name, or ./file.py:name; +option=value varies the run (docs/thesis.md)."
+CONTROLLER_HELP = (
+    "Name, package.module:name, ./file.py:name, or 'cmd:./program --flag'; +option=value varies the run "
+    "(docs/controllers.md)."
+)
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -1,0 +1,155 @@
+"""A foreign referee for swept moves: shapely is asked about every piece of the way of many discs.
+
+``python -m benchmarks.referee`` reports how many moves were tried and how many cut a wall, with ``--json`` as one
+object; ``--moves`` says how many (default 100,000). Rooms are random, from sparse to dense, some with walls one cell
+thick and diagonal gaps; radii go from 0.05 to 6 cells, moves from a lattice unit to 300 cells.
+
+Coordinates are lattice units, whole numbers below 2**20, so that shapely's own rounding stays below a millionth of a
+unit: that is the tolerance, a nanometre where a cell is a metre.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import time
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import click
+import numpy as np
+import shapely
+
+from sim.kernels.geometry import pose_is_clear
+from sim.kernels.lattice_motion import MOST_POINTS, swept_move
+from sim.kernels.layout import SOLID, UNIT
+from worldgen.lattice import clear_distance_sq
+from worldgen.random_streams import RandomStream
+
+__all__ = ["Report", "referee"]
+
+TOLERANCE = 1e-6  # lattice units
+MOVES_A_ROOM = 200
+RADII = tuple(Fraction(k, 20) for k in (1, 5, 9, 10, 13, 14, 15, 20, 27, 40, 70, 120))  # cells
+LENGTHS = (1, 30, 300, 700, 1024, 3000, 20_000, 300 * UNIT)  # lattice units
+
+
+@dataclass
+class Report:
+    """What the referee saw.
+
+    Args:
+        moves: Moves tried.
+        pieces: Straight pieces of their ways.
+        contacts: Moves that a wall stopped or bent.
+        cuts: Pieces that came nearer to a wall than the radius, by more than the tolerance.
+        deepest: How much nearer the worst piece came, lattice units; below 0 it stayed away.
+        seconds: What it took.
+    """
+
+    moves: int = 0
+    pieces: int = 0
+    contacts: int = 0
+    cuts: int = 0
+    deepest: float = -math.inf
+    seconds: float = field(default=0.0)
+
+
+def _room(stream: RandomStream) -> np.ndarray:
+    side = stream.between(8, 24)
+    cells = np.zeros((side, side), np.uint8)
+    for _ in range(stream.between(1, side * side // 6)):
+        ix, iy = stream.below(side), stream.below(side)
+        width, height = (1, stream.between(1, side)) if stream.below(3) == 0 else (stream.between(1, 3),) * 2
+        cells[iy : iy + height, ix : ix + width] = SOLID
+    return cells
+
+
+def _walls(cells: np.ndarray) -> shapely.STRtree:
+    padded = np.pad(cells, 1, constant_values=SOLID)
+    low = (np.argwhere(padded)[:, ::-1] - 1) * UNIT
+    return shapely.STRtree(shapely.box(low[:, 0], low[:, 1], low[:, 0] + UNIT, low[:, 1] + UNIT))
+
+
+def _place(stream: RandomStream, cells: np.ndarray, clear_sq: int, reach: int) -> tuple[int, int] | None:
+    for _ in range(40):
+        x, y = stream.below(cells.shape[1] * UNIT), stream.below(cells.shape[0] * UNIT)
+        if pose_is_clear(cells, SOLID, clear_sq, reach, x, y):
+            return x, y
+    return None
+
+
+def referee(moves: int, seed: int) -> Report:
+    """Tries so many moves.
+
+    Args:
+        moves: At least so many.
+        seed: Of all chance.
+    """
+    stream, report, begin = RandomStream(seed), Report(), time.perf_counter()
+    chain = np.zeros((MOST_POINTS, 3), np.int64)
+    while report.moves < moves:
+        cells, radius = _room(stream), RADII[stream.below(len(RADII))]
+        clear_sq = clear_distance_sq(radius)
+        reach = math.isqrt(clear_sq - 1) + 1
+        place = _place(stream, cells, clear_sq, reach)
+        if place is not None:
+            _drive(stream, cells, clear_sq, reach, place, chain, report)
+    report.seconds = time.perf_counter() - begin
+    return report
+
+
+def _drive(
+    stream: RandomStream,
+    cells: np.ndarray,
+    clear_sq: int,
+    reach: int,
+    place: tuple[int, int],
+    chain: np.ndarray,
+    report: Report,
+) -> None:
+    """Some moves from a place, all asked about at once."""
+    pieces: list[list[tuple[int, int]]] = []
+    x, y = place
+    for _ in range(MOVES_A_ROOM):
+        length, angle = LENGTHS[stream.below(len(LENGTHS))], stream.below(720) * math.pi / 360
+        dx, dy = round(length * math.cos(angle)), round(length * math.sin(angle))
+        count, nx, ny = swept_move(cells, clear_sq, reach, (x, y, dx, dy), (0.0, 1.0), 0.0, chain, 0)
+        for k in range(count):
+            to = int(chain[k, 0]), int(chain[k, 1])
+            pieces.append([(x, y), to])
+            x, y = to
+        report.moves += 1
+        report.contacts += (nx, ny) != (0.0, 0.0)
+    if not pieces:
+        return
+    lines, tree = shapely.linestrings(np.array(pieces, float)), _walls(cells)
+    radius = math.sqrt(clear_sq)
+    which, boxes = tree.query(lines, "dwithin", radius + 1.0)
+    gaps = shapely.distance(lines[which], tree.geometries[boxes])
+    report.pieces += len(pieces)
+    if len(gaps):
+        report.cuts += len(np.unique(which[gaps < radius - TOLERANCE]))
+        report.deepest = max(report.deepest, float(radius - gaps.min()))
+
+
+def main() -> None:
+    """Asks the referee and prints the report."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--moves", type=int, default=100_000, help="how many (default 100,000)")
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    report = referee(arguments.moves, arguments.seed)
+    if arguments.json:
+        click.echo(json.dumps(vars(report)))
+        return
+    click.echo(
+        f"{report.moves:,} moves, {report.contacts:,} of them bent or stopped, {report.pieces:,} straight pieces: "
+        f"{report.cuts} cut a wall; the worst came {report.deepest:.2e} lattice units too near ({report.seconds:.0f} s)"
+    )
+
+
+if __name__ == "__main__":
+    main()
