@@ -6,7 +6,7 @@ Contents:
     draw: a world that it might look at first, to see whether there is one.
 """
 
-from fuzz.find.search import Find, FindConfig, Found, draw, find_unit
+from fuzz.find.search import Find, FindConfig, Found, draw
 from fuzz.find.wishes import Result, Wish, parse_wishes
 
-__all__ = ["Find", "FindConfig", "Found", "Result", "Wish", "draw", "find_unit", "parse_wishes"]
+__all__ = ["Find", "FindConfig", "Found", "Result", "Wish", "draw", "parse_wishes"]

@@ -21,7 +21,7 @@ from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Certificate, Pose, Provenance, Value, World
 
-__all__ = ["VERSION", "Find", "FindConfig", "Found", "draw", "find_unit"]
+__all__ = ["VERSION", "Find", "FindConfig", "Found", "draw"]
 
 VERSION = 1  # goes up whenever equal seeds find another world than before
 
@@ -226,12 +226,6 @@ class _Unit:
         if config.begin is not None and config.begin.provenance is not None:
             params["from"] = config.begin.provenance.family
         return Provenance("find", VERSION, config.seed, params)
-
-
-def find_unit(config: FindConfig, number: int) -> tuple[Found | None, int]:
-    """Does one unit, a pure function of its arguments: the best world it found, and how many it tried."""
-    unit = _Unit(config, number)
-    return unit.run(), unit.tried
 
 
 def _sample(config: FindConfig, rng: RandomStream) -> _Candidate | None:
