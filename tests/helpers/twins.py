@@ -11,7 +11,9 @@ def twin(kernel: Callable[..., Any], made: dict[int, Any] | None = None) -> Call
     plain = getattr(kernel, "py_func", kernel)
     if id(plain) not in made:
         names = dict(plain.__globals__)
-        made[id(plain)] = copy = types.FunctionType(plain.__code__, names, plain.__name__, plain.__defaults__)
+        made[id(plain)] = copy = types.FunctionType(
+            plain.__code__, names, plain.__name__, plain.__defaults__, plain.__closure__
+        )
         for name in plain.__code__.co_names:
             if hasattr(names.get(name), "py_func"):
                 names[name] = twin(names[name], made)

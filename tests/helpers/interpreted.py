@@ -1,0 +1,24 @@
+"""A compiled controller run in plain Python, to compare it with what numba made of it."""
+
+import numpy as np
+
+from sim import Command
+from sim.kernels import layout
+from tests.helpers.twins import twin
+
+
+class Interpreted:
+    """The same controller as a Python class, no kernel of it compiled."""
+
+    def __init__(self, controller):
+        self._act, self._memory = twin(controller.act), controller.memory
+        self.senses, self.needs = controller.senses, controller.needs
+
+    def reset(self):
+        return self._memory
+
+    def act(self, observation, memory):
+        seen = np.array([*observation[: layout.OBS_SIZE], *observation.beams], float)
+        numbers, command = np.array(memory), np.zeros(layout.CMD_SIZE)
+        self._act(seen, numbers, command)
+        return Command(command[0], command[1], bool(command[2])), tuple(numbers.tolist())
