@@ -1,0 +1,1 @@
+"""Controllers from the literature, one file each; ``docs/library.md`` says what each does and where it fails."""

@@ -1,0 +1,48 @@
+"""Angles and points, from ``+ - * /``, ``sqrt`` and fdlibm's functions alone: the same bits on every machine."""
+
+from __future__ import annotations
+
+import math
+
+from sim.kernels._jit import kernel
+from sim.kernels.fdlibm import atan
+
+__all__ = ["angle_of", "distance", "distance_to_way", "wrap"]
+
+
+@kernel
+def wrap(angle: float) -> float:
+    """The same angle in [-pi, pi), rad."""
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+
+
+@kernel
+def angle_of(dx: float, dy: float) -> float:
+    """Direction of the vector (dx, dy), rad; 0 for the zero vector."""
+    if dx == 0.0 and dy == 0.0:
+        return 0.0
+    if abs(dy) <= abs(dx):
+        angle = atan(dy / dx)
+        if dx > 0.0:
+            return angle
+        return angle + math.pi if dy >= 0.0 else angle - math.pi
+    angle = atan(dx / dy)
+    return math.pi / 2.0 - angle if dy > 0.0 else -math.pi / 2.0 - angle
+
+
+@kernel
+def distance(x: float, y: float, to_x: float, to_y: float) -> float:
+    """Distance between two points."""
+    dx, dy = to_x - x, to_y - y
+    return math.sqrt(dx * dx + dy * dy)
+
+
+@kernel
+def distance_to_way(x: float, y: float, from_x: float, from_y: float, to_x: float, to_y: float) -> float:
+    """Distance of a point from a straight way."""
+    dx, dy = to_x - from_x, to_y - from_y
+    length_sq = dx * dx + dy * dy
+    share = 0.0
+    if length_sq > 0.0:
+        share = min(1.0, max(0.0, ((x - from_x) * dx + (y - from_y) * dy) / length_sq))
+    return distance(x, y, from_x + share * dx, from_y + share * dy)
