@@ -1,4 +1,4 @@
-"""The episode loop for a Python controller or a program: the kernel's own pieces, one call at a time."""
+"""The episode loop for a Python controller or a program: the kernel stops in each step, and the controller acts."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from sim.controllers.base import Command, Memory, Observation, PythonController
 from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour
 from sim.kernels import layout
-from sim.kernels.lattice_episode import Arena, advance, begin, hash_step, new_robot, obey
-from sim.kernels.lattice_sense import sense
+from sim.kernels.lattice_episode import Arena, lattice_steps, new_robot, new_room
+from sim.kernels.lattice_motion import MOST_POINTS
 
 __all__ = ["PythonLoop"]
 
@@ -42,11 +42,7 @@ class PythonLoop:
         self.robot = new_robot(0, arena.events)
         self.complete = True
         self.fault: Misbehaviour | None = None
-        self._rows: list[Ints] = []
-        self._path: list[Ints] = []
-        self._event = 0
-        self._observation = np.full(layout.OBS_SIZE + settings[layout.SET_BEAMS], np.nan)
-        self._command = np.zeros(layout.CMD_SIZE)
+        self._rows, self._path = np.zeros((0, 1), np.int64), np.zeros((0, 1), np.int64)
 
     def run(self, steps: int, *, record: bool) -> None:
         """Runs the episode; whatever the controller raises ends it as a crash, its exit from Python included.
@@ -67,88 +63,52 @@ class PythonLoop:
 
     def recording(self) -> tuple[Ints, Ints]:
         """The states as rows, and the points of the path, as the compiled episode writes them."""
-        width = layout.ROW_STATE + self.robot.state.size
-        path = np.concatenate(self._path) if self._path else np.zeros((0, layout.POINT_SIZE), np.int64)
-        return np.array(self._rows, np.int64).reshape(-1, width), path
+        done = int(self.robot.counts[layout.OUT_STEPS]) - (self.fault is not None)
+        written = self._path[: int(self.robot.counts[layout.OUT_POINTS])]
+        return self._rows[: max(done, 0) + 1], written[written[:, layout.POINT_STEP] > 0]
 
     def _guarded(self, steps: int, record: bool) -> None:
         try:
-            memory = _flat(self._controller.reset())
-            self.robot = new_robot(len(memory), self._arena.events)
-            begin(self._settings, self._scales, self.robot)
-            self._remember(memory)
-            self._loop(memory, steps, record)
+            self._episode(_flat(self._controller.reset()), steps, record)
         except Misbehaviour as fault:
             self.fault = fault
         except (Exception, SystemExit) as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             text = re.sub(r"0x[0-9a-fA-F]+", "0x...", f"{type(error).__name__}: {error}")
             self.fault = Misbehaviour("crash", text.encode("utf-8", "replace").decode())
 
-    def _remember(self, memory: Memory) -> None:
-        self.robot.state[layout.STATE_MEMORY :] = np.array(memory, np.float64).view(np.int64)
-
-    def _loop(self, memory: Memory, steps: int, record: bool) -> None:
-        robot, counts, events = self.robot, self.robot.counts, self._arena.events
-        quiet = int(events[-1, layout.EVENT_STEP]) if len(events) else 0
-        find_loop, hashed = bool(self._settings[layout.SET_FIND_LOOP]), bool(self._settings[layout.SET_DIGEST])
+    def _episode(self, memory: Memory, steps: int, record: bool) -> None:
+        """Lets the kernel stop in each step, and the controller act."""
+        events, size = self._arena.events, len(memory)
+        self.robot = robot = new_robot(size, events)
+        room = new_room(size, int(self._settings[layout.SET_BEAMS]))
         if record:
-            self._rows.append(np.concatenate([np.zeros(layout.ROW_STATE, np.int64), robot.state]))
-        anchor, power, period, touching = b"", 1, 0, False
-        for step in range(1, steps + 1):
-            counts[layout.OUT_STEPS] = step
-            count, bumped, memory = self._step(memory, step)
-            counts[layout.OUT_COLLISIONS] += bumped and not touching
-            touching = bumped
-            if hashed:
-                hash_step(robot, count, bumped)
-            if record:
-                self._record(step, count, bumped)
-            if counts[layout.OUT_ENDING] != layout.LIMIT:
-                break
-            if find_loop and step > quiet:
-                period += 1
-                now = robot.state.tobytes()
-                if now == anchor:
-                    counts[layout.OUT_ENDING], counts[layout.OUT_PERIOD] = layout.LOOP, period
-                    break
-                if period == power:
-                    anchor, power, period = now, 2 * power, 0
+            self._rows = np.zeros((steps + 1, layout.ROW_STATE + robot.state.size), np.int64)
+            self._path = np.zeros((MOST_POINTS * (steps + len(events)), layout.POINT_SIZE), np.int64)
+        self._settings[layout.SET_STEPS] = steps
+        start = np.array(memory, np.float64)
+        stops = lattice_steps(self._arena, self._settings, self._scales, start, room, robot, self._rows, self._path)
+        observation, command, kept, act = room.observation, room.command, room.memory, self._controller.act
+        for _ in stops:
+            asked, after = act(Observation.of(observation), memory)
+            memory = after if _is_flat(after, size) else _flat(after, size)
+            if size:
+                kept[:] = memory
+            _write_command(asked, command)
 
-    def _step(self, memory: Memory, step: int) -> tuple[int, bool, Memory]:
-        """One step: points of its path, whether a wall was touched, and the memory after it."""
-        arena, settings, scales, robot = self._arena, self._settings, self._scales, self.robot
-        self._event, count, *normal = advance(arena, settings, scales, step, self._event, robot)
-        if robot.counts[layout.OUT_ENDING] == layout.LIMIT:
-            contact = (normal[0], normal[1])
-            sense(
-                arena.cells, arena.headings, settings, scales, robot.state, robot.odometry, contact, step,
-                self._observation,
-            )  # fmt: skip
-            command, after = self._controller.act(Observation.of(self._observation), memory)
-            memory = _flat(after, len(memory))
-            self._obey(Command(*command), step)
-            self._remember(memory)
-        return count, normal != [0.0, 0.0], memory
 
-    def _record(self, step: int, count: int, bumped: bool) -> None:
-        self._rows.append(np.concatenate([[int(bumped)], self.robot.state]))
-        points = np.empty((count, layout.POINT_SIZE), np.int64)
-        points[:, layout.POINT_STEP] = step
-        points[:, layout.POINT_TIME] = self.robot.chain[:count, 2]
-        points[:, layout.POINT_X : layout.POINT_Y + 1] = self.robot.chain[:count, :2]
-        self._path.append(points)
+def _write_command(asked: Command, command: Floats) -> None:
+    """Writes a command for the kernel; what is no number becomes nan, which the kernel refuses."""
+    speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
+    try:
+        command[layout.CMD_SPEED], command[layout.CMD_TURN_RATE] = float(speed), float(turn_rate)
+        command[layout.CMD_DRAW] = float(bool(used_random))
+    except (TypeError, ValueError):
+        command[layout.CMD_SPEED] = np.nan
 
-    def _obey(self, command: Command, step: int) -> None:
-        try:
-            self._command[:] = (
-                float(command.speed),
-                float(command.turn_rate),
-                float(bool(command.used_random)),
-            )
-        except (TypeError, ValueError):
-            self.robot.counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
-            return
-        obey(self._settings, self._scales, self._command, step, self.robot)
+
+def _is_flat(memory: Any, size: int) -> bool:
+    """Whether a memory is what it should be already, as most are."""
+    return type(memory) is tuple and len(memory) == size and all(type(value) is float for value in memory)
 
 
 def _hidden_state(controller: Any) -> bytes | None:

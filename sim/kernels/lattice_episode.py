@@ -1,20 +1,20 @@
 """Whole episodes on the pose lattice: move, sense, act, until something is decided.
 
 One step: the move at the speed of the wheels, with the events that fall into it each at its time, then sensing,
-then the controller, whose turn takes effect at once and whose speed drives the next step. A Python controller
-runs through the same pieces one call at a time (:mod:`sim.python_loop`).
+then the controller, whose turn takes effect at once and whose speed drives the next step.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from sim.kernels import layout
-from sim.kernels._jit import kernel, rare_kernel
+from sim.kernels._jit import allocating_kernel, kernel, rare_kernel
 from sim.kernels.geometry import (
     mark_near,
     pose_is_clear,
@@ -36,20 +36,7 @@ from sim.kernels.lattice_sense import (
 )
 from sim.kernels.layout import BURNING, SOLID, SPEED_UNIT, SWEPT, TIME_UNIT, TURN, UNIT
 
-__all__ = [
-    "Arena",
-    "Robot",
-    "Room",
-    "advance",
-    "begin",
-    "hash_step",
-    "lattice_batch",
-    "lattice_episode",
-    "new_robot",
-    "new_room",
-    "obey",
-    "write_step",
-]
+__all__ = ["Arena", "Robot", "Room", "lattice_batch", "lattice_episode", "lattice_steps", "new_robot", "new_room"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -106,7 +93,8 @@ class Room(NamedTuple):
         observation: (OBS_SIZE + beams,) what the controller sees.
         command: (CMD_SIZE,) what it asks for.
         anchor: A state to come back to.
-        brent: (2,) int64, steps from the anchor to the next one, and steps since it.
+        brent: (3,) int64, steps from the anchor to the next one, steps since it, and whether the last step
+            touched a wall.
     """
 
     memory: Floats
@@ -138,7 +126,7 @@ def new_room(memory: int, beams: int) -> Room:
         np.full(layout.OBS_SIZE + beams, np.nan),
         np.zeros(layout.CMD_SIZE),
         np.zeros(layout.STATE_MEMORY + memory, np.int64),
-        np.zeros(2, np.int64),
+        np.zeros(3, np.int64),
     )
 
 
@@ -162,7 +150,7 @@ def _drive(speed: int) -> int:
 
 
 @rare_kernel
-def begin(settings: Ints, scales: Floats, robot: Robot) -> None:
+def _begin(settings: Ints, scales: Floats, robot: Robot) -> None:
     """Sets state and reports to the start of an episode."""
     state, counts = robot.state, robot.counts
     for k in range(counts.size):
@@ -389,7 +377,7 @@ def _measure(settings: Ints, scales: Floats, headings: Ints, step: int, way: tup
 
 
 @kernel
-def advance(
+def _advance(
     arena: Arena, settings: Ints, scales: Floats, step: int, event: int, robot: Robot
 ) -> tuple[int, int, float, float]:
     """Moves the robot for one step, with the events that fall into it, and judges the path.
@@ -421,7 +409,7 @@ def advance(
 
 
 @kernel
-def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robot) -> None:
+def _obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robot) -> None:
     """Applies a command: the turn now, the speed in the next step; clamps both, refuses nan and infinities."""
     state = robot.state
     speed, rate = command[layout.CMD_SPEED], command[layout.CMD_TURN_RATE]
@@ -463,7 +451,7 @@ def _hash(digest: Any, word: int) -> Any:
 
 
 @rare_kernel
-def hash_step(robot: Robot, count: int, bumped: bool) -> None:
+def _hash_step(robot: Robot, count: int, bumped: bool) -> None:
     """Adds a step to the digest: whether a wall was touched, the points of its path, the state after it."""
     digest = _hash(np.uint64(robot.counts[layout.OUT_DIGEST]), 1 if bumped else 0)
     for k in range(count):
@@ -474,7 +462,7 @@ def hash_step(robot: Robot, count: int, bumped: bool) -> None:
 
 
 @rare_kernel
-def write_step(robot: Robot, step: int, count: int, bumped: bool, rows: Ints, path: Ints) -> None:
+def _write_step(robot: Robot, step: int, count: int, bumped: bool, rows: Ints, path: Ints) -> None:
     """Writes a step into a recording: its state, and the points of its path after those of the steps before."""
     rows[step, layout.ROW_BUMP] = 1 if bumped else 0
     for k in range(robot.state.size):
@@ -507,6 +495,37 @@ def _is_again(robot: Robot, room: Room) -> bool:
 
 
 @kernel
+def _is_inside(arena: Arena, robot: Robot) -> bool:
+    """Whether the centre is in the grid."""
+    x, y = robot.state[layout.STATE_X] // UNIT, robot.state[layout.STATE_Y] // UNIT
+    return bool(0 <= x < arena.cells.shape[1] and 0 <= y < arena.cells.shape[0])
+
+
+@kernel
+def _move_and_sense(
+    arena: Arena, settings: Ints, scales: Floats, room: Room, robot: Robot, step: int, event: int
+) -> tuple[int, int, float, float]:
+    """The part of a step before the controller acts; result as :func:`_advance`."""
+    robot.counts[layout.OUT_STEPS] = step
+    event, count, nx, ny = _advance(arena, settings, scales, step, event, robot)
+    if robot.counts[layout.OUT_ENDING] == layout.LIMIT and _is_inside(arena, robot):
+        sense(
+            arena.cells, arena.headings, settings, scales, robot.state, robot.odometry, (nx, ny), step,
+            room.observation,
+        )  # fmt: skip
+        for k in range(room.command.size):
+            room.command[k] = 0.0
+    return event, count, nx, ny
+
+
+@kernel
+def _remember(room: Room, robot: Robot) -> None:
+    """Takes the controller's memory into the state."""
+    for k in range(room.words.size):
+        robot.state[layout.STATE_MEMORY + k] = room.words[k]
+
+
+@kernel
 def _step(
     arena: Arena, settings: Ints, scales: Floats, act: Any, room: Room, robot: Robot, step: int, event: int
 ) -> tuple[int, int, bool]:
@@ -515,32 +534,70 @@ def _step(
     Returns:
         Index of the next event, rows of the chain that are filled, and whether a wall was touched.
     """
-    state, counts = robot.state, robot.counts
-    counts[layout.OUT_STEPS] = step
-    event, count, nx, ny = advance(arena, settings, scales, step, event, robot)
-    x, y = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
-    inside = 0 <= x < arena.cells.shape[1] and 0 <= y < arena.cells.shape[0]
-    if counts[layout.OUT_ENDING] == layout.LIMIT and inside:
-        sense(arena.cells, arena.headings, settings, scales, state, robot.odometry, (nx, ny), step, room.observation)
-        for k in range(room.command.size):
-            room.command[k] = 0.0
+    event, count, nx, ny = _move_and_sense(arena, settings, scales, room, robot, step, event)
+    if robot.counts[layout.OUT_ENDING] == layout.LIMIT and _is_inside(arena, robot):
         act(room.observation, room.memory, room.command)
-        obey(settings, scales, room.command, step, robot)
-    for k in range(room.words.size):
-        state[layout.STATE_MEMORY + k] = room.words[k]
+        _obey(settings, scales, room.command, step, robot)
+    _remember(room, robot)
     return event, count, nx != 0.0 or ny != 0.0
+
+
+@kernel
+def _last_event(arena: Arena) -> int:
+    """Step in which the world changes for the last time; 0 if it never does."""
+    events = arena.events
+    return events[events.shape[0] - 1, layout.EVENT_STEP] if events.shape[0] > 0 else _whole(0)
+
+
+@kernel
+def _is_over(
+    settings: Ints,
+    room: Room,
+    robot: Robot,
+    step: int,
+    quiet: int,
+    moved: tuple[int, bool],
+    rows: Ints,
+    path: Ints,
+) -> bool:
+    """Counts, hashes and records a step; whether it was the last one, for a recurrence too.
+
+    Args:
+        settings: ``SET_``.
+        room: The episode's room.
+        robot: The robot after the step.
+        step: Its number.
+        quiet: Step of the last event.
+        moved: Rows of the chain that are filled, and whether a wall was touched.
+        rows: Recorded states, or nothing.
+        path: Likewise.
+    """
+    count, bumped = moved
+    if bumped and room.brent[2] == 0:
+        robot.counts[layout.OUT_COLLISIONS] += 1
+    room.brent[2] = 1 if bumped else 0
+    if settings[layout.SET_DIGEST] != 0:
+        _hash_step(robot, count, bumped)
+    if step < rows.shape[0]:
+        _write_step(robot, step, count, bumped, rows, path)
+    if robot.counts[layout.OUT_ENDING] != layout.LIMIT:
+        return True
+    if settings[layout.SET_FIND_LOOP] != 0 and step > quiet and _is_again(robot, room):
+        robot.counts[layout.OUT_ENDING], robot.counts[layout.OUT_PERIOD] = layout.LOOP, room.brent[1]
+        return True
+    return False
 
 
 @rare_kernel
 def _set_out(settings: Ints, scales: Floats, memory: Floats, room: Room, robot: Robot) -> None:
     """Puts a robot at its start, with its memory at reset."""
-    begin(settings, scales, robot)
+    _begin(settings, scales, robot)
     for k in range(memory.size):
         room.memory[k] = memory[k]
         robot.state[layout.STATE_MEMORY + k] = room.words[k]
     for k in range(room.anchor.size):
         room.anchor[k] = 0
-    room.brent[0], room.brent[1] = 1, 0
+    room.brent[0], room.brent[1], room.brent[2] = 1, 0, 0
 
 
 @rare_kernel
@@ -575,23 +632,37 @@ def lattice_episode(
     if rows.shape[0] > 0:
         for k in range(robot.state.size):
             rows[0, layout.ROW_STATE + k] = robot.state[k]
-    counts = robot.counts
-    quiet = arena.events[arena.events.shape[0] - 1, layout.EVENT_STEP] if arena.events.shape[0] > 0 else 0
-    event, touching = _whole(0), False
-    hashed, find_loop = settings[layout.SET_DIGEST] != 0, settings[layout.SET_FIND_LOOP] != 0
+    quiet, event = _last_event(arena), _whole(0)
     for step in range(1, settings[layout.SET_STEPS] + 1):
         event, count, bumped = _step(arena, settings, scales, act, room, robot, step, event)
-        if bumped and not touching:
-            counts[layout.OUT_COLLISIONS] += 1
-        touching = bumped
-        if hashed:
-            hash_step(robot, count, bumped)
-        if step < rows.shape[0]:
-            write_step(robot, step, count, bumped, rows, path)
-        if counts[layout.OUT_ENDING] != layout.LIMIT:
+        if _is_over(settings, room, robot, step, quiet, (count, bumped), rows, path):
             break
-        if find_loop and step > quiet and _is_again(robot, room):
-            counts[layout.OUT_ENDING], counts[layout.OUT_PERIOD] = layout.LOOP, room.brent[1]
+
+
+@allocating_kernel
+def lattice_steps(
+    arena: Arena, settings: Ints, scales: Floats, memory: Floats, room: Room, robot: Robot, rows: Ints, path: Ints
+) -> Iterator[int]:
+    """The same for a controller that is no compiled function: stops wherever it is to act.
+
+    Arguments as for :func:`lattice_episode`. Before it goes on, ``room.memory`` and ``room.command`` must be what the
+    controller made of ``room.observation``.
+
+    Yields:
+        Number of the step.
+    """
+    _set_out(settings, scales, memory, room, robot)
+    if rows.shape[0] > 0:
+        for k in range(robot.state.size):
+            rows[0, layout.ROW_STATE + k] = robot.state[k]
+    quiet, event = _last_event(arena), _whole(0)
+    for step in range(1, settings[layout.SET_STEPS] + 1):
+        event, count, nx, ny = _move_and_sense(arena, settings, scales, room, robot, step, event)
+        if robot.counts[layout.OUT_ENDING] == layout.LIMIT and _is_inside(arena, robot):
+            yield step
+            _obey(settings, scales, room.command, step, robot)
+        _remember(room, robot)
+        if _is_over(settings, room, robot, step, quiet, (count, nx != 0.0 or ny != 0.0), rows, path):
             break
 
 
@@ -632,8 +703,7 @@ def _entry_of(
 
     Both are at their start; the second sets out ``period`` steps before the first.
     """
-    events, (slow, fast) = arenas[0].events, robots
-    quiet = events[events.shape[0] - 1, layout.EVENT_STEP] if events.shape[0] > 0 else 0
+    (slow, fast), quiet = robots, _last_event(arenas[0])
     step, event_slow, event_fast = _whole(0), _whole(0), _whole(0)
     for ahead in range(1, period + 1):
         event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, ahead, event_fast)
