@@ -18,7 +18,7 @@ from sim.controllers import CONTROLLERS, CompiledController, Controller
 from sim.episode import prepare, simulate
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.run_options import MAX_STEPS, RunOptions
+from sim.run_options import MAX_RECORDED, MAX_STEPS, RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.world import Value, World
@@ -383,7 +383,9 @@ class _Column:
         )
         verdict = outcome.verdict
         explained = not self.declared_random and MOTIONS.get(options.motion).kernel == THESIS
-        if outcome.ending == "loop" or (verdict == "stalled" and explained):
+        if outcome.steps > MAX_RECORDED // 2:
+            verdict = "stalled" if verdict == "loop" else verdict  # too long a run to prove or to explain
+        elif outcome.ending == "loop" or (verdict == "stalled" and explained):
             episode = simulate(world, self.controller, options)
             run = Run(options.seed, episode.verdict, episode.steps, episode.time)
             return _Look(run, episode.evidence, outcome.random_draws)

@@ -13,6 +13,7 @@ from worldgen.world import World
 __all__ = ["MAX_CONTROLLERS", "draw_comparison"]
 
 MAX_CONTROLLERS = 8
+_LONGEST_LABEL = 18
 _MOST_STEPS = 20_000  # of one that does not arrive: more of its way only blackens the picture
 
 
@@ -27,9 +28,14 @@ def draw_comparison(comparison: Comparison) -> bytes:
     panels = []
     for world, cells in zip(comparison.worlds, comparison.cells, strict=True):
         trails = tuple(_way(world.world, cell) for cell in cells)
-        notes = tuple(f"{cell.label}: {outcome_in_words(cell)}" for cell in cells)
+        notes = tuple(f"{_short(cell.label)}: {outcome_in_words(cell)}" for cell in cells)
         panels.append(Panel(world.world, world.name, trails, notes))
     return draw_sheet(panels, comparison.labels)
+
+
+def _short(label: str) -> str:
+    """A label that leaves room for the outcome behind it."""
+    return label if len(label) <= _LONGEST_LABEL else f"{label[: _LONGEST_LABEL - 1]}\u2026"
 
 
 def _way(world: World, cell: Cell) -> Trail | None:

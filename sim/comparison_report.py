@@ -164,13 +164,14 @@ def as_csv(comparison: Comparison) -> str:
 
 def _csv_row(cell: Cell) -> list[object]:
     scenario, interval = cell.scenario, cell.interval
-    verdicts = " ".join(f"{verdict}:{count}" for verdict, count in cell.verdicts.items())
+    verdicts = " ".join(f"{name}:{count}" for name, count in cell.verdicts.items())
+    verdict = "never" if cell.never and cell.verdict not in NEVER else cell.verdict
     return [
         cell.world, scenario.label(scenario.motion, scenario.time_step), scenario.motion, repr(scenario.time_step),
         cell.budget, len(cell.runs), scenario.seed if cell.random else "", cell.reached,
         *((round(end, 6) for end in interval) if interval else ("", "")),
-        cell.verdict, cell.detail, verdicts, f"{cell.steps:g}" if cell.steps % 1 else int(cell.steps),
-        "never" if cell.time is None and cell.verdict in NEVER else "" if cell.time is None else repr(cell.time),
+        verdict, cell.detail, verdicts, f"{cell.steps:g}" if cell.steps % 1 else int(cell.steps),
+        "never" if cell.never else "" if cell.time is None else repr(cell.time),
         *("" if not cell.random or (time := cell.percentile(p)) is None else repr(time) for p in PERCENTILES),
         "worldgen compare",
     ]  # fmt: skip

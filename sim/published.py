@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import io
-import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from worldgen.errors import FormatError, InvalidParameter
 __all__ = ["Agreement", "Deviation", "Figure", "agreement", "figures_of", "read_figures", "relative"]
 
 _NEEDED = ("world", "controller", "time")
+_LONGEST = 1e9  # s
 _MIDDLE = (0.025, 0.975)  # shares between which the middle 95 % of the seeds lie
 _VERDICTS = ("reached", "never", *NEVER, "timeout", "tunnel", "overlap", "burned", "crash", "hang", "invalid-command")
 
@@ -136,6 +136,8 @@ def _figure(header: Sequence[str], row: Sequence[str], line: int, source: str, f
         raise FormatError(f"verdict {verdict[:40]!r} is none of {', '.join(_VERDICTS)}", line=line, source=source)
     if verdict == "reached" and time is None:
         raise FormatError("reached, but no time; give seconds, or the verdict never", line=line, source=source)
+    if verdict != "reached":
+        time = None  # of those few that arrived all the same
     controller, motion, step = _scenario(values["controller"], values.get("motion", ""))
     if values.get("time_step"):
         step = _seconds("time_step", values["time_step"], line, source)
@@ -160,9 +162,11 @@ def _seconds(name: str, text: str, line: int, source: str) -> float:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not 0.0 <= value < math.inf:
+    if not 0.0 < value <= _LONGEST:
         raise FormatError(
-            f"{name} {text[:40]!r} is no number of seconds; write one, or never", line=line, source=source
+            f"{name} {text[:40]!r} is no number of seconds, above 0 and up to {_LONGEST:g}; write one, or never",
+            line=line,
+            source=source,
         )
     return value
 
@@ -207,9 +211,15 @@ def _rankings(comparison: Comparison, found: Mapping[tuple[int, int], tuple[Figu
             continue
         total += 1
         ours = _order([cells[column].rank_time for column in columns])
-        theirs = itertools.product(*(sorted({f.rank_time for f in found[row, column]}) for column in columns))
-        same += any(_order(times) == ours for times in theirs)
+        same += ours == _order([_nearest(cells[column], found[row, column]) for column in columns])
     return same, total
+
+
+def _nearest(cell: Cell, figures: Sequence[Figure]) -> float:
+    """The published time to rank by, s: of several the one nearest to ours."""
+    ours = cell.rank_time
+    times = sorted(figure.rank_time for figure in figures)
+    return min(times, key=lambda time: 0.0 if time == ours else abs(time - ours) if math.isfinite(ours) else -time)
 
 
 def _order(times: Sequence[float]) -> list[int]:

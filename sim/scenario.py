@@ -66,10 +66,10 @@ class Scenario:
         for variation in variations:
             name, equals, value = variation[1:].partition("=")
             said: str | None = value.strip() if equals else None
-            if name == "motion" and said:
-                motion = said
-            elif name in ("time_step", "time-step") and said:
-                time_step = _seconds(said)
+            if name == "motion":
+                motion = _said(name, said, "stepped")
+            elif name in ("time_step", "time-step"):
+                time_step = _seconds(_said(name, said, "0.03"))
             else:
                 given.append((name, said))
         values: dict[str, Value] = {}
@@ -133,14 +133,21 @@ def _split(text: str) -> tuple[str, list[str]]:
     return "".join(["cmd", *of_the_program, colon, command]), of_the_run
 
 
+def _said(name: str, text: str | None, example: str) -> str:
+    if not text:
+        raise InvalidParameter(f"option {name!r} needs a value; write +{name}={example}")
+    return text
+
+
 def _parsed(motion: str, name: str, text: str | None) -> dict[str, Value]:
     """One option as written; one of another motion model's gets a sentence that says so."""
     own = switch_class(motion)
     other = RobotOptions if own is ThesisOptions else ThesisOptions
     plain = name.replace("-", "_")
     if plain not in (*own.names(), *own.TOGETHER) and plain in (*other.names(), *other.TOGETHER):
-        return switch_sets(
-            motion, {plain: True} if plain in other.names() else dict.fromkeys(other.TOGETHER[plain], True)
+        where = "swept or endpoint" if own is ThesisOptions else "stepped"
+        raise InvalidParameter(
+            f"option {name!r} means nothing to motion {motion!r}; take --motion {where}, or leave it out"
         )
     return own.parse(name, text)
 

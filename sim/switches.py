@@ -79,7 +79,7 @@ class Switches:
             InvalidParameter: If the option is unknown, or the text is no value for it.
         """
         name = name.replace("-", "_")
-        if name in cls.TOGETHER and text is None:
+        if name in cls.TOGETHER and text in (None, "true"):
             return dict.fromkeys(cls.TOGETHER[name], True)
         known: dict[str, Any] = {f.name: f.default for f in fields(cls)}
         if name not in known:

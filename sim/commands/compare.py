@@ -39,7 +39,7 @@ _ENDINGS = (".grid", ".grid.gz")
 @click.option("--seeds", type=click.IntRange(1, 1_000_000), default=100, show_default=True, help="Runs with chance.")
 @click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True, help="The first of them.")
 @click.option("--steps", type=int, help="Budget in steps [default: 50 times the witness's time].")
-@click.option("--against", type=PATH, metavar="CSV", help="Earlier figures [default: published.csv in a PATH folder].")
+@click.option("--against", type=PATH, metavar="CSV", help="Earlier figures [default: published.csv beside the worlds].")
 @click.option("--csv", "table", type=PATH, metavar="OUT", help="Write one line a world and controller.")
 @click.option("--picture", type=PATH, metavar="OUT.png", help="Draw all worlds with every controller's way.")
 @json_option
@@ -99,17 +99,18 @@ def compare(
 
 
 def _figures(paths: Sequence[Path], against: Path | None) -> tuple[Figure, ...]:
-    """Earlier figures: those of ``--against``, or those that lie in the folders."""
+    """Earlier figures: those of ``--against``, or those that lie beside the worlds."""
     from sim.published import read_figures
     from worldgen.files import read_text
 
     if against is not None:
         return read_figures(read_text(against), str(against))
     found: list[Figure] = []
-    for folder in dict.fromkeys(paths):
-        place = folder / PUBLISHED
-        if folder.is_dir() and place.is_file():
-            found += read_figures(read_text(place), str(place), folder=str(folder))
+    for path in dict.fromkeys(paths):
+        place = (path if path.is_dir() else path.parent) / PUBLISHED
+        if place.is_file():
+            figures = read_figures(read_text(place), str(place), folder=str(path) if path.is_dir() else "")
+            found += figures if path.is_dir() else [figure for figure in figures if figure.world == _stem(path)]
     return tuple(found)
 
 

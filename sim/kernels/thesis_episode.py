@@ -91,7 +91,9 @@ def thesis_tick(
     if escapes:
         if setup.rule == 3 and draws_used >= draws.shape[0]:
             return False, x, y
-        old_speed, speed = speed, 0.0
+        if speed > 0.0 or (setup.friction == 0.0 and reading != INTERRUPTIBLE):
+            old_speed = speed  # who rolls out, or is interrupted while it turns, still wants its speed before that
+        speed = 0.0
         if setup.rule == 1:
             target = np.fmod(heading + _HALF_PI, _TWO_PI)
         elif setup.rule == 2:

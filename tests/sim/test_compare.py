@@ -5,6 +5,7 @@ import io
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -19,11 +20,12 @@ from sim.published import agreement, read_figures
 from tests.helpers.command_line import worldgen
 from tests.sim.test_thesis_options import hall
 from tests.sim.test_thesis_vectors import VECTORS, world_of
-from worldgen import FormatError, InvalidParameter, InvalidWorld, Pose, write_world
+from worldgen import FormatError, InvalidParameter, InvalidWorld, Pose, read_world, write_world
 
 EMPTY = NamedWorld("empty", hall((15, 15)))
 WALL = NamedWorld("wall", hall((24, 24), walls=[(x, 15) for x in range(10, 19)]))
 LOOP = NamedWorld("loop", world_of(VECTORS["demo-7"]))
+CONFIGURATIONS = Path(__file__).parents[2] / "corpora" / "thesis"
 TABLE = "world,controller,time\n"
 
 
@@ -144,6 +146,8 @@ def test_what_cannot_run_is_refused_before_the_first_run():
         (TABLE + "a,,1\n", "world or controller is empty"),
         (TABLE + "a,thesis-1,soon\n", "'soon' is no number of seconds"),
         (TABLE + "a,thesis-1,-1\n", "'-1' is no number of seconds"),
+        (TABLE + "a,thesis-1,0\n", "'0' is no number of seconds, above 0"),
+        (TABLE + "a,thesis-1,1e308\n", "up to 1e"),
         (TABLE + 'a,thesis-1,"1\n', "no CSV"),
         ("world,controller,time,verdict\na,b,1,lost\n", "verdict 'lost' is none of"),
         ("world,controller,time,verdict\na,b,,reached\n", "reached, but no time"),
@@ -159,6 +163,24 @@ def test_our_own_table_agrees_with_itself(table):
     beside = agreement(table, read_figures(as_csv(table), "new.csv"))
     assert beside.rankings == (3, 3) and beside.never[0] == beside.never[1] >= 1
     assert beside.within == (3, 3) and beside.largest.relative == 0.0
+
+
+def test_a_table_in_which_a_few_seeds_arrive_agrees_with_itself():
+    world = read_world(CONFIGURATIONS / "config-05.grid")
+    few = compare([NamedWorld("config-05", world)], scenarios("thesis-2", "thesis-3", seed=40), seeds=40, steps=20_000)
+    beside = agreement(few, read_figures(as_csv(few), "new.csv"))
+    assert beside.never == (2, 2) and beside.within == (0, 0) and beside.rankings == (1, 1)
+
+
+def test_a_run_too_long_to_prove_is_never_without_proof(tmp_path):
+    world = NamedWorld("drifting", read_world(CONFIGURATIONS.parent / "thesis-faults" / "thesis-1-drifting.grid"))
+    cell = compare([world], scenarios("thesis-1"), steps=2_100_000).cells[0][0]
+    assert (cell.verdict, cell.never, cell.detail) == ("stalled", True, "")
+
+
+def test_hundreds_of_figures_for_one_cell_are_compared_at_once(table):
+    rows = [f"empty,thesis-{robot},{time}" for robot in (1, 2, 3) for time in range(1, 400)]
+    assert agreement(table, read_figures(TABLE + "\n".join(rows) + "\n", "old.csv")).rankings[1] == 1
 
 
 def test_a_table_that_differs_says_how_far(table):
@@ -189,6 +211,13 @@ def test_a_published_table_beside_the_worlds_is_found_and_gives_the_motion_model
     result = worldgen("compare", folder, "--controllers", "thesis-1")
     assert "motion stepped, as the published figures have it" in result.err
     assert "1.500 (+" in result.out and "Against the published figures" in result.out
+
+
+def test_a_world_named_alone_has_the_published_table_beside_it_too(folder):
+    text = "world,controller,motion,time\nempty,thesis-1,stepped,1.5\nwall,thesis-1,stepped,2.5\n"
+    (folder / "published.csv").write_text(text)
+    result = worldgen("compare", folder / "empty.grid", "--controllers", "thesis-1")
+    assert "1.500 (+" in result.out and "not here" not in result.err and "motion stepped" in result.err
 
 
 def test_a_run_gets_time_enough_for_the_published_arrival(folder):

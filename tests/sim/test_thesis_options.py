@@ -275,3 +275,11 @@ def test_given_draws_are_used_before_those_of_the_seed():
 def test_draws_outside_the_unit_interval_are_refused():
     with pytest.raises(InvalidParameter, match=r"outside \[0, 1\)"):
         run(hall((15, 15)), "thesis-3", draws=[1.5])
+
+
+@pytest.mark.parametrize("switches", [{"friction": 2.0}, {"friction": 0.5, "arbiter": "interruptible"}])
+def test_a_robot_that_rolls_out_or_is_interrupted_keeps_its_speed_for_the_escape(switches):
+    trace = run(hall((24, 24), walls=[(x, 15) for x in range(8, 22)]), record=True, steps=4000, **switches).trace
+    moved = np.hypot(np.diff(trace.x), np.diff(trace.y)) > 0
+    still = np.diff(np.flatnonzero(np.concatenate([[True], moved, [True]])))
+    assert still.max() < 30  # steps: a quarter turn takes 19, and an escape that stood still would add to that

@@ -149,7 +149,7 @@ def _explain(
     noisy = filtered(plain, target)
     if np.array_equal(values, noisy):
         params["noise"] = True
-        return (*notes, "the map has been through the noise filter; export --to thesis does the same again"), ()
+        return (*notes, _THROUGH_NOISE), ()
     neither = int(np.count_nonzero((values != plain) & (values != noisy)))
     return notes, (
         "the values are neither squared distances to the target nor what the noise filter makes of these in one go "
@@ -157,7 +157,17 @@ def _explain(
     )
 
 
+_THROUGH_NOISE = (
+    "the map has been through the noise filter, which a world has no room for: run it with thesis-1+noise; "
+    "export --to thesis filters it again"
+)
+
+
 def _square(values: Ints, source: str) -> Ints:
+    if not len(values):
+        raise FormatError(
+            "the stream holds no numbers; a map of n x n cells has n * n; fetch the file again", source=source
+        )
     size = math.isqrt(len(values))
     if size * size != len(values):
         raise FormatError(
