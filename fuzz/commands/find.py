@@ -221,6 +221,8 @@ def _report(search: Find, wishes: tuple[Wish, ...], out: Path, as_json: bool) ->
         off = "as wanted" if result.distance == 0.0 else f"off by {result.distance:.4g}"
         click.echo(f"{wish.scenario.label()}: wanted {wish.text}, got {_got(wish, result)}: {off}")
     click.echo(f"{search.tried} worlds in {search.done} units; wrote {out}")
+    first = wishes[0].scenario
+    note(f"run it: worldgen run {out} --controller '{first.label()}' --motion {first.motion} --steps {wishes[0].steps}")
 
 
 def _got(wish: Wish, result: Result) -> str:

@@ -89,7 +89,7 @@ class Wish:
         """Whether the controller, or the simulator under it, is known to draw random numbers."""
         controller = CONTROLLERS.get(self.scenario.controller)
         chance = isinstance(controller, CompiledController) and controller.randomised
-        return chance or self.scenario.thesis.random
+        return chance or self.scenario.random
 
     @property
     def cost(self) -> int:
@@ -132,7 +132,7 @@ class Wish:
         outcome = prepare(world, scenario.controller, options).run(
             options.steps, find_loop=True, record=False, digest=False
         )
-        chance = outcome.random_draws > 0 or scenario.thesis.random
+        chance = outcome.random_draws > 0 or scenario.random
         verdict, steps = outcome.verdict, outcome.steps
         if verdict == "loop":
             verdict, steps = self._proved(world, options) if prove else ("loop", outcome.period)
