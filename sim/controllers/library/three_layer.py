@@ -40,11 +40,11 @@ _ALL = (1 << SIDE) - 1
 _MOST_FORGOTTEN = 7.0  # a number that grew for ever would let no state come back
 
 # Memory: whether the map has been laid; where its corner is, m, and its cells' side, m; the waypoint's cell (-1:
-# none); steps since it was set; how often the map was forgotten; the robot's cell and the one before; then a bit for
-# each closed way from a cell to its right neighbour, a number for each row, and from a cell to its upper neighbour.
+# none); steps since it was set; how often the map was forgotten; the robot's cell, the one before, and the target's;
+# then a bit for each closed way from a cell to its right neighbour, a number for each row, and to its upper neighbour.
 LAID, CORNER_X, CORNER_Y, PITCH, TO_X, TO_Y, WAITED, FORGOTTEN = 0, 1, 2, 3, 4, 5, 6, 7
-HERE_X, HERE_Y, FROM_X, FROM_Y = 8, 9, 10, 11
-RIGHT = 12
+HERE_X, HERE_Y, FROM_X, FROM_Y, TARGET_X, TARGET_Y = 8, 9, 10, 11, 12, 13
+RIGHT = 14
 UP = RIGHT + SIDE
 MEMORY = UP + SIDE
 AT_RESET = (0.0,) * MEMORY
@@ -72,13 +72,15 @@ class ThreeLayer(NamedTuple):
 
 @kernel
 def _lay(observation: Floats, memory: Floats, tuned: ThreeLayer) -> None:
-    """Lays the map about the middle between start and target."""
+    """Lays the map about the middle between start and target, the target in the middle of its cell."""
     towards, far = observation[layout.OBS_TARGET_HEADING], observation[layout.OBS_TARGET_DISTANCE]
     pitch = max(tuned.pitch, tuned.reach * far / SIDE)
-    memory[PITCH], memory[LAID] = pitch, 1.0
-    memory[CORNER_X] = observation[layout.OBS_X] + 0.5 * far * cos(towards) - 0.5 * SIDE * pitch
-    memory[CORNER_Y] = observation[layout.OBS_Y] + 0.5 * far * sin(towards) - 0.5 * SIDE * pitch
-    memory[TO_X] = -1.0
+    way_x, way_y = far * cos(towards), far * sin(towards)
+    column, row = SIDE // 2 + math.floor(0.5 * way_x / pitch), SIDE // 2 + math.floor(0.5 * way_y / pitch)
+    memory[PITCH], memory[LAID], memory[TO_X] = pitch, 1.0, -1.0
+    memory[TARGET_X], memory[TARGET_Y] = float(column), float(row)
+    memory[CORNER_X] = observation[layout.OBS_X] + way_x - (column + 0.5) * pitch
+    memory[CORNER_Y] = observation[layout.OBS_Y] + way_y - (row + 0.5) * pitch
 
 
 @kernel
@@ -166,10 +168,7 @@ def _forget(memory: Floats) -> None:
 def _sequence(observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned: ThreeLayer) -> None:
     """The sequencer: sees whether the waypoint is reached or given up, and asks the deliberator for the next."""
     here = _cell(memory, observation[layout.OBS_X], observation[layout.OBS_Y])
-    towards, far = observation[layout.OBS_TARGET_HEADING], observation[layout.OBS_TARGET_DISTANCE]
-    target = _cell(
-        memory, observation[layout.OBS_X] + far * cos(towards), observation[layout.OBS_Y] + far * sin(towards)
-    )
+    target = (int(memory[TARGET_X]), int(memory[TARGET_Y]))
     before = (int(memory[HERE_X]), int(memory[HERE_Y]))
     if here != before:
         memory[FROM_X], memory[FROM_Y] = memory[HERE_X], memory[HERE_Y]
@@ -195,16 +194,17 @@ def _sequence(observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned
 
 
 @kernel
-def _is_free(observation: Floats, turn: float, tuned: ThreeLayer) -> bool:
-    """Whether the disc can drive straight on for ``look`` in a direction from the heading, as far as the beams see."""
+def _is_free(observation: Floats, turn: float, look: float, tuned: ThreeLayer) -> bool:
+    """Whether the disc can drive straight on so far, m, in a direction from the heading, by what the beams see."""
     beams = observation.size - layout.OBS_SIZE
     for beam in range(beams):
         distance = observation[layout.OBS_SIZE + beam]
-        if distance > tuned.look + tuned.radius:
+        if distance > look + tuned.radius:
             continue
         angle = bearing_of(beam, beams) - turn
         along, across = distance * cos(angle), distance * sin(angle)
-        if along > 0.0 and abs(across) < tuned.radius:
+        short = tuned.radius * tuned.radius - across * across
+        if along > 0.0 and short > 0.0 and along - math.sqrt(short) < look:
             return False
     return True
 
@@ -213,6 +213,7 @@ def _is_free(observation: Floats, turn: float, tuned: ThreeLayer) -> bool:
 def _react(observation: Floats, memory: Floats, command: Floats, tuned: ThreeLayer) -> None:
     """The controller: drives in the free direction nearest to the waypoint's, or to the target's in the last cell."""
     wanted, beams = target_bearing(observation), observation.size - layout.OBS_SIZE
+    look = min(tuned.look, observation[layout.OBS_TARGET_DISTANCE])
     if memory[TO_X] >= 0.0:
         x = memory[CORNER_X] + (memory[TO_X] + 0.5) * memory[PITCH] - observation[layout.OBS_X]
         y = memory[CORNER_Y] + (memory[TO_Y] + 0.5) * memory[PITCH] - observation[layout.OBS_Y]
@@ -220,7 +221,7 @@ def _react(observation: Floats, memory: Floats, command: Floats, tuned: ThreeLay
     for k in range(beams + 1):
         away = bearing_of((k + 1) // 2, beams)
         turn = wrapped(wanted + (away if k % 2 == 0 else -away))
-        if _is_free(observation, turn, tuned):
+        if _is_free(observation, turn, look, tuned):
             steer(observation, command, turn, observation[layout.OBS_TOP_SPEED])
             return
     steer(observation, command, wanted, observation[layout.OBS_TOP_SPEED])
