@@ -35,6 +35,14 @@ def beside(table):
     return agreement(table, read_figures(PUBLISHED, "published.csv"))
 
 
+@pytest.mark.parametrize("first_seed", [100, 1000, 77_777])
+def test_ranks_and_never_do_not_hang_on_the_seeds(first_seed):
+    worlds = [NamedWorld(name, read_world(FOLDER / f"{name}.grid"), name) for name in NAMES]
+    robots = {name: Scenario.parse(name, motion="stepped", time_step=TICK, seed=first_seed) for name in ROBOTS}
+    found = agreement(compare(worlds, robots, seeds=100, steps=BUDGET), read_figures(PUBLISHED, "published.csv"))
+    assert (found.rankings, found.never) == ((10, 10), (5, 5)) and found.within[0] >= 8
+
+
 def test_the_published_table_is_whole_and_in_whole_ticks():
     rows = list(csv.DictReader(io.StringIO(PUBLISHED)))
     assert {(row["world"], row["controller"]) for row in rows} == {(w, r) for w in NAMES for r in ROBOTS}
