@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from multiprocessing import get_context
 from typing import Any
 
+from fuzz.interrupts import begin_deaf, workers_begin_deaf
 from fuzz.shrink import shrink
 from fuzz.unit import CampaignConfig, UnitResult, run_unit
 from worldgen.errors import WorldgenError
@@ -126,13 +127,13 @@ class Campaign:
         pool.shutdown()
 
     def _with_pool(self, pool: Executor) -> Iterator[Progress]:
-        _start_workers(pool)
         started, submitted, merged = time.monotonic(), 0, 0
         units: dict[int, Future[UnitResult]] = {}
         shrinks: dict[Future[World], tuple[str, World]] = {}
         while True:
             while len(units) < self.workers + _WAITING and not self._enough(submitted, started):
-                units[submitted] = pool.submit(run_unit, self.config, submitted)
+                with workers_begin_deaf():
+                    units[submitted] = pool.submit(run_unit, self.config, submitted)
                 submitted += 1
             if not units and not shrinks:
                 return
@@ -140,7 +141,8 @@ class Campaign:
             wait(under_way, return_when=FIRST_COMPLETED)
             while merged in units and units[merged].done():
                 for kind, failure in self._merge(merged, units.pop(merged).result()):
-                    shrinks[pool.submit(shrunk_or_same, failure, self.config.shrink)] = (kind, failure)
+                    with workers_begin_deaf():
+                        shrinks[pool.submit(shrunk_or_same, failure, self.config.shrink)] = (kind, failure)
                 yield UnitDone(merged, self.state)
                 merged += 1
             for future in [future for future in shrinks if future.done()]:
@@ -186,20 +188,8 @@ def _size(world: World) -> tuple[int, int, bytes]:
     return world.solid_cells, world.width * world.height, dumps(world)
 
 
-def _start_workers(pool: Executor) -> None:
-    """Starts the processes deaf to Ctrl-C from their first moment: they inherit it."""
-    try:
-        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    except ValueError:  # not in the main thread, where no Ctrl-C arrives anyway
-        return
-    try:
-        pool.submit(int)
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
 def _worker_start() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the driver decides when a campaign ends
+    begin_deaf()  # the driver decides when a campaign ends
 
 
 def _stop(process_id: int) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import signal
 import time
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, wait
@@ -15,6 +14,7 @@ from multiprocessing.synchronize import Event
 from fuzz.features import LAYOUT_BYTES, decode_world
 from fuzz.find.layout import Layout
 from fuzz.find.wishes import Result, Wish
+from fuzz.interrupts import begin_deaf, workers_begin_deaf
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, stream_for
 from worldgen.random_streams import RandomStream
@@ -347,7 +347,7 @@ class Find:
         try:
             while True:
                 while len(waiting) < self.workers + _WAITING and not self._enough(number):
-                    with _deaf():
+                    with workers_begin_deaf():
                         waiting.append(pool.submit(_worker_unit, self.config, number))
                     number += 1
                 if not waiting:
@@ -391,20 +391,6 @@ def _end(pool: ProcessPoolExecutor, waiting: list[Future[_Work]], stop: Event) -
         process.terminate()
 
 
-@contextlib.contextmanager
-def _deaf() -> Iterator[None]:
-    """Processes that are started meanwhile are deaf to Ctrl-C from their first moment: they inherit it."""
-    try:
-        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    except ValueError:  # not in the main thread, where no Ctrl-C arrives anyway
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
 class _Worker:
     """What a worker process knows."""
 
@@ -412,7 +398,7 @@ class _Worker:
 
 
 def _worker_start(stop: Event) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the driver decides when a search ends
+    begin_deaf()  # the driver decides when a search ends
     _Worker.stop = stop
 
 
