@@ -1,0 +1,158 @@
+"""Trains the library's Q-learning robot and writes its table; the same table each time, bit for bit.
+
+``python -m benchmarks.train_q_learning`` takes a minute or two. With ``--check`` it compares instead of writing.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import click
+import numpy as np
+import numpy.typing as npt
+
+from benchmarks.thesis_faults import KINDS, draw_worlds
+from sim import Command, Observation
+from sim.controllers.base import Memory
+from sim.controllers.library import _q_table
+from sim.controllers.library.q_learning import AT_RESET, DRIVEN, NEEDS, SENSES, SITUATIONS, TURNS, situation
+from sim.episode import prepare
+from sim.run_options import RunOptions
+from worldgen.random_streams import RandomStream
+
+__all__ = ["Learner", "as_module", "train"]
+
+EPISODES = 12_000
+_ON_A_LINE = 3  # situations in a line of the file
+_BUDGET = 800  # steps of an episode
+_SEED = 1
+_WORLDS = 150  # of each kind
+_DISCOUNT = 0.98  # of the worth of what comes after a decision
+_LEARN, _LEARN_LEAST = 0.3, 0.02  # share of the surprise that is learnt, at first and at last
+_EXPLORE, _EXPLORE_LEAST = 0.4, 0.05  # share of decisions that are drawn, likewise
+_ARRIVED, _BUMP, _DECISION = 30.0, -1.0, -0.2  # rewards
+_TRACE = 0.8  # share of a surprise that the decision before gets, and so on
+_PER_METRE = 5.0  # reward for coming nearer
+
+
+class Learner:
+    """Drives by a table, and learns it: ``act`` changes the table.
+
+    Args:
+        stream: Of what is drawn.
+
+    Source: Watkins and Dayan (1992), equation 1. Coming nearer is rewarded as a potential, which leaves the best policy
+    what it was: Andrew Y. Ng, Daishi Harada and Stuart Russell, "Policy invariance under reward transformations"
+    (1999).
+    """
+
+    senses = (*SENSES, "target_distance")
+    needs = NEEDS
+
+    def __init__(self, stream: RandomStream) -> None:
+        self.table = np.zeros((SITUATIONS, len(TURNS)))
+        self.learn, self.explore = _LEARN, _EXPLORE
+        self._stream = stream
+        self._before: tuple[int, int, float] | None = None
+        self._traces: dict[tuple[int, int], float] = {}
+
+    def reset(self) -> Memory:
+        """Begins an episode."""
+        self._before = None
+        self._traces.clear()
+        return AT_RESET
+
+    def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
+        """Decides if it is time to, as the robot does, and learns from what came of the decision before."""
+        wait, turned = memory
+        turn = 0
+        if wait <= 0.0 or observation.bump:
+            flat = np.array((*observation[:-1], *observation.beams), np.float64)
+            now = situation(flat, np.array(memory))
+            self._learn(now, observation)
+            choice = self._choose(now)
+            self._before = (now, choice, observation.target_distance)
+            turn = TURNS[choice]
+            wait, turned = float(DRIVEN), (0.0 if turn % 4 == 0 else 1.0 if turn < 4 else 2.0)
+        rate = (turn if turn <= 4 else turn - 8) * (2.0 * np.pi / 8.0) / observation.time_step
+        return Command(observation.top_speed, rate), (wait - 1.0, turned)
+
+    def arrived(self) -> None:
+        """Learns that the last decision led to the target."""
+        if self._before is not None:
+            now, choice, _ = self._before
+            self._credit(now, choice, _ARRIVED - self.table[now, choice])
+
+    def _learn(self, now: int, observation: Observation) -> None:
+        if self._before is None:
+            return
+        before, choice, distance = self._before
+        reward = _DECISION + (_BUMP if observation.bump else 0.0)
+        reward += _PER_METRE * (distance - _DISCOUNT * observation.target_distance)
+        worth = reward + _DISCOUNT * self.table[now].max()
+        self._credit(before, choice, worth - self.table[before, choice])
+
+    def _credit(self, now: int, choice: int, surprise: float) -> None:
+        """Spreads a surprise over the decisions that led to it."""
+        self._traces[now, choice] = 1.0
+        for (situation_before, choice_before), share in list(self._traces.items()):
+            self.table[situation_before, choice_before] += self.learn * share * surprise
+            if share * _DISCOUNT * _TRACE < 0.01:
+                del self._traces[situation_before, choice_before]
+            else:
+                self._traces[situation_before, choice_before] = share * _DISCOUNT * _TRACE
+
+    def _choose(self, now: int) -> int:
+        best = int(np.argmax(self.table[now]))
+        if self._stream.below(1_000_000) >= self.explore * 1_000_000:
+            return best
+        choice = self._stream.below(len(TURNS))
+        if choice != best:
+            self._traces.clear()  # what comes of it is no merit of what was done before
+        return choice
+
+
+def train(episodes: int = EPISODES, seed: int = _SEED) -> npt.NDArray[np.int64]:
+    """The table after so many episodes, in thousandths."""
+    stream = RandomStream(seed)
+    learner, choose = Learner(stream.child("decisions")), stream.child("worlds")
+    worlds = [world for kind in KINDS for world in draw_worlds(kind, _WORLDS, seed)]
+    for episode in range(episodes):
+        left = 1.0 - episode / episodes
+        learner.learn = _LEARN_LEAST + (_LEARN - _LEARN_LEAST) * left
+        learner.explore = _EXPLORE_LEAST + (_EXPLORE - _EXPLORE_LEAST) * left
+        run = prepare(choose.choice(worlds), learner, RunOptions(steps=_BUDGET))
+        if run.run(_BUDGET, find_loop=False, record=False, digest=False).ending == "reached":
+            learner.arrived()
+    return np.floor(learner.table * 1000.0 + 0.5).astype(np.int64)
+
+
+def as_module(table: npt.NDArray[np.int64]) -> str:
+    """The text of ``_q_table.py``."""
+    lines = "\n".join(" ".join(map(str, row)) for row in table.reshape(-1, _ON_A_LINE * len(TURNS)).tolist())
+    return (
+        f'"""The Q-learning robot\'s table; ``python -m benchmarks.train_q_learning`` has written it.\n\n'
+        f"Worth of each turn, thousandths, in each situation: {_ON_A_LINE} situations a line.\n"
+        f'"""\n\n__all__ = ["TABLE"]\n\nTABLE = """\n{lines}\n"""\n'
+    )
+
+
+def main() -> None:
+    """Writes the table, or says whether it is the one that is there."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="compare with the table that is there")
+    given = parser.parse_args()
+    path = Path(_q_table.__file__)
+    text = as_module(train())
+    if not given.check:
+        path.write_text(text, encoding="utf-8")
+        click.echo(f"wrote {path.name}")
+    elif path.read_text(encoding="utf-8") != text:
+        raise SystemExit(f"{path.name} is another table; train again without --check")
+    else:
+        click.echo(f"{path.name} is what training gives")
+
+
+if __name__ == "__main__":
+    main()
