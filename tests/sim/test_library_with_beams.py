@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from sim import simulate
 from sim.controllers.library import three_layer as layers
-from sim.controllers.library._angles import direction, wrapped
+from sim.controllers.library._plane import angle_of, wrap
 from sim.controllers.library.dynamic_window import arc_to_contact, dynamic_window
 from sim.controllers.library.potential_field import PotentialField, potential_field, potential_field_robot
 from sim.controllers.library.three_layer import three_layer
@@ -95,7 +95,7 @@ places = st.floats(-3, 3, allow_nan=False)
 
 @given(places, places)
 def test_directions_are_those_of_atan2(x, y):
-    assert abs(wrapped(direction(x, y) - math.atan2(y, x))) < 1e-12 or (x, y) == (0.0, 0.0)
+    assert abs(wrap(angle_of(x, y) - math.atan2(y, x))) < 1e-12 or (x, y) == (0.0, 0.0)
 
 
 @given(places, places, st.floats(0.1, 2), st.floats(-8, 8), st.floats(0.05, 0.3))

@@ -1,4 +1,4 @@
-"""Angles for the controllers of the library: from ``+ - * /``, square roots and fdlibm alone, the same everywhere."""
+"""What the controllers with range beams share: where a beam and the target are, and how to command a turn."""
 
 from __future__ import annotations
 
@@ -7,38 +7,15 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from sim.controllers.library._plane import wrap
 from sim.kernels import layout
 from sim.kernels._jit import kernel
-from sim.kernels.fdlibm import atan
 
-__all__ = ["WHOLE_TURN", "bearing_of", "direction", "steer", "target_bearing", "wrapped"]
+__all__ = ["WHOLE_TURN", "bearing_of", "steer", "target_bearing"]
 
 Floats = npt.NDArray[np.float64]
 
 WHOLE_TURN = 2.0 * math.pi
-
-
-@kernel
-def wrapped(angle: float) -> float:
-    """The same angle in (-pi, pi], for one within a few turns."""
-    while angle > math.pi:
-        angle -= WHOLE_TURN
-    while angle <= -math.pi:
-        angle += WHOLE_TURN
-    return angle
-
-
-@kernel
-def direction(x: float, y: float) -> float:
-    """Direction of the vector (x, y), rad in (-pi, pi]; 0 for the zero vector."""
-    if x == 0.0 and y == 0.0:
-        return 0.0
-    if abs(y) > abs(x):
-        return (0.5 * math.pi if y > 0.0 else -0.5 * math.pi) - atan(x / y)
-    angle = atan(y / x)
-    if x > 0.0:
-        return angle
-    return angle + math.pi if y >= 0.0 else angle - math.pi
 
 
 @kernel
@@ -49,8 +26,8 @@ def bearing_of(beam: int, beams: int) -> float:
 
 @kernel
 def target_bearing(observation: Floats) -> float:
-    """Direction of the target from the heading, rad in (-pi, pi]."""
-    return wrapped(observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING])
+    """Direction of the target from the heading, rad in [-pi, pi)."""
+    return wrap(observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING])
 
 
 @kernel

@@ -20,7 +20,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.library._angles import WHOLE_TURN, bearing_of, direction, target_bearing, wrapped
+from sim.controllers.library._angles import WHOLE_TURN, bearing_of, target_bearing
+from sim.controllers.library._plane import angle_of, wrap
 from sim.kernels import layout
 from sim.kernels._jit import kernel
 from sim.kernels.fdlibm import cos, sin
@@ -91,7 +92,7 @@ def arc_to_contact(x: float, y: float, speed: float, turn_rate: float, radius: f
     if abs(away - bend) >= radius or bend == 0.0:
         return math.inf
     share = min(max((bend * bend + away * away - radius * radius) / (2.0 * bend * away), -1.0), 1.0)
-    turned = direction(off, x) % WHOLE_TURN - direction(share, math.sqrt(1.0 - share * share))
+    turned = angle_of(off, x) % WHOLE_TURN - angle_of(share, math.sqrt(1.0 - share * share))
     return max(turned, 0.0) * bend
 
 
@@ -122,7 +123,7 @@ def _facing(observation: Floats, speed: float, turn_rate: float, tuned: DynamicW
     way, half, towards = speed * tuned.ahead, 0.5 * turned, target_bearing(observation)
     far = observation[layout.OBS_TARGET_DISTANCE]
     x, y = far * cos(towards) - way * cos(half), far * sin(towards) - way * sin(half)
-    return 1.0 - abs(wrapped(direction(x, y) - turned)) / math.pi
+    return 1.0 - abs(wrap(angle_of(x, y) - turned)) / math.pi
 
 
 @kernel

@@ -18,7 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.library._angles import bearing_of, direction, steer, target_bearing
+from sim.controllers.library._angles import bearing_of, steer, target_bearing
+from sim.controllers.library._plane import angle_of
 from sim.kernels import layout
 from sim.kernels._jit import kernel
 from sim.kernels.fdlibm import cos, sin
@@ -82,7 +83,7 @@ def drive(observation: Floats, memory: Floats, command: Floats, tuned: Potential
     top = observation[layout.OBS_TOP_SPEED]
     # Half the gap in a step at most: the slope of the push changes within millimetres there.
     careful = max(nearest - tuned.radius, _NEAREST) / (2.0 * observation[layout.OBS_TIME_STEP])
-    steer(observation, command, direction(force_x, force_y), min(top * min(force / tuned.full_force, 1.0), careful))
+    steer(observation, command, angle_of(force_x, force_y), min(top * min(force / tuned.full_force, 1.0), careful))
 
 
 def potential_field_robot(tuned: PotentialField, name: str = "potential-field") -> CompiledController:

@@ -24,7 +24,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.library._angles import bearing_of, direction, steer, target_bearing, wrapped
+from sim.controllers.library._angles import bearing_of, steer, target_bearing
+from sim.controllers.library._plane import angle_of, wrap
 from sim.kernels import layout
 from sim.kernels._jit import kernel
 from sim.kernels.fdlibm import cos, sin
@@ -217,10 +218,10 @@ def _react(observation: Floats, memory: Floats, command: Floats, tuned: ThreeLay
     if memory[TO_X] >= 0.0:
         x = memory[CORNER_X] + (memory[TO_X] + 0.5) * memory[PITCH] - observation[layout.OBS_X]
         y = memory[CORNER_Y] + (memory[TO_Y] + 0.5) * memory[PITCH] - observation[layout.OBS_Y]
-        wanted = wrapped(direction(x, y) - observation[layout.OBS_HEADING])
+        wanted = wrap(angle_of(x, y) - observation[layout.OBS_HEADING])
     for k in range(beams + 1):
         away = bearing_of((k + 1) // 2, beams)
-        turn = wrapped(wanted + (away if k % 2 == 0 else -away))
+        turn = wrap(wanted + (away if k % 2 == 0 else -away))
         if _is_free(observation, turn, look, tuned):
             steer(observation, command, turn, observation[layout.OBS_TOP_SPEED])
             return

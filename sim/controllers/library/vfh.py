@@ -21,7 +21,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.library._angles import WHOLE_TURN, bearing_of, steer, target_bearing, wrapped
+from sim.controllers.library._angles import WHOLE_TURN, bearing_of, steer, target_bearing
+from sim.controllers.library._plane import wrap
 from sim.kernels import layout
 from sim.kernels._jit import kernel
 from sim.kernels.fdlibm import atan, cos, sin
@@ -105,7 +106,7 @@ def _reachable_side(observation: Floats, tuned: VfhPlus) -> tuple[float, float]:
     if turn <= 0.0:
         return right, left
     for beam in range(beams):
-        angle, distance = wrapped(bearing_of(beam, beams)), observation[layout.OBS_SIZE + beam]
+        angle, distance = wrap(bearing_of(beam, beams)), observation[layout.OBS_SIZE + beam]
         if distance >= tuned.window:
             continue
         x, y = distance * cos(angle), distance * sin(angle)
@@ -133,7 +134,7 @@ def _cost(way: float, target: float, heading: float, last: float, tuned: VfhPlus
 @kernel
 def _is_free(sector: int, heading: float, sides: tuple[float, float], memory: Floats) -> bool:
     """Whether the masked histogram leaves a sector open."""
-    turn = wrapped((sector % SECTORS - heading) * _WIDTH)
+    turn = wrap((sector % SECTORS - heading) * _WIDTH)
     return bool(memory[sector % SECTORS] == 0.0) and sides[0] <= turn <= sides[1]
 
 
@@ -188,7 +189,7 @@ def drive(observation: Floats, memory: Floats, command: Floats, density: Floats,
         return
     dense = density[math.floor(way + 0.5) % SECTORS]
     share = max(1.0 - dense / tuned.high, tuned.slowest)
-    steer(observation, command, wrapped((way - heading) * _WIDTH), share * observation[layout.OBS_TOP_SPEED])
+    steer(observation, command, wrap((way - heading) * _WIDTH), share * observation[layout.OBS_TOP_SPEED])
 
 
 def vfh_robot(tuned: VfhPlus, name: str = "vfh") -> CompiledController:
