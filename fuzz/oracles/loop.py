@@ -41,8 +41,9 @@ def object_to_loop(world: World, trace: Trace, evidence: Mapping[str, Value], mo
         return "the state at the entry is not the one of the evidence"
     x, y = trace.x[entry : entry + period + 1], trace.y[entry : entry + period + 1]
     if motion.name == "swept":  # it looks along the path; the other models look where a step ends
-        first, last = np.searchsorted(trace.path_step, [entry, entry + period + 1])
-        x, y = trace.path_x[first:last], trace.path_y[first:last]
+        first, last = np.searchsorted(trace.path_step, [entry + 1, entry + period + 1])
+        x = np.concatenate([x[:1], trace.path_x[first:last]])  # who stands still has no path
+        y = np.concatenate([y[:1], trace.path_y[first:last]])
     inside = min(target_gap(world, x[k : k + 1], y[k : k + 1]) for k in range(len(x)))
     if motion.name == "swept":
         inside = target_gap(world, x, y)

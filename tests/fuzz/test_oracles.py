@@ -35,17 +35,28 @@ def run(world, motion="endpoint", controller=None, **settings):
     return simulate(world, controller or Ahead(), record=True, motion=motion, **settings)
 
 
-def loop_and_longer():
+class Rests(Ahead):
+    """Drives for three steps and then stands."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        return Command(0.1 if memory[0] < 3.0 else 0.0, 0.0), (min(memory[0] + 1.0, 3.0),)
+
+
+def loop_and_longer(controller=Ahead):
     world = World(np.zeros((9, 9), bool), Pose(0.45, 0.25, 0.0), Target(0.85, 0.85, 0.05))
     options = RunOptions(steps=5000)
-    episode = simulate(world, Ahead(), options)
+    episode = simulate(world, controller(), options)
     entry, period = episode.evidence["entry"], episode.evidence["period"]
-    longer = prepare(world, Ahead(), options).run(entry + 2 * period, find_loop=False, record=True).trace
+    longer = prepare(world, controller(), options).run(entry + 2 * period, find_loop=False, record=True).trace
     return world, episode, longer
 
 
-def test_a_true_loop_has_no_objection():
-    world, episode, trace = loop_and_longer()
+@pytest.mark.parametrize("controller", [Ahead, Rests])
+def test_a_true_loop_has_no_objection(controller):
+    world, episode, trace = loop_and_longer(controller)
     assert objection("loop", world, trace, episode.evidence, SWEPT) == ""
 
 
