@@ -1,7 +1,7 @@
 """Compiles kernels with numba and keeps the result between runs.
 
 Numba's own cache keeps stale code when a helper in another file changes. So the cache folder of a kernel
-is named by a digest of every source file beside it.
+is named by a digest of every source file beside it, and of the package's folder of kernels.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import functools
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -37,9 +37,16 @@ def cache_root() -> Path:
 @functools.cache
 def _cache_folder(source_folder: Path) -> str:
     digest = hashlib.sha256()
-    for source in sorted(source_folder.glob("*.py")):
+    for source in sorted({*source_folder.glob("*.py"), *_shared(source_folder)}):
         digest.update(source.name.encode() + b"\0" + source.read_bytes())
     return str(cache_root() / f"kernels-{digest.hexdigest()[:16]}")
+
+
+def _shared(folder: Path) -> Iterator[Path]:
+    """Sources of the folder ``kernels`` of the same package, whose functions become part of kernels elsewhere."""
+    while (folder.parent / "__init__.py").is_file():
+        folder = folder.parent
+    return (folder / "kernels").glob("*.py")
 
 
 def kernel(function: F, *, signature: Any = None, allocates: bool = True, inline: bool = False) -> F:
