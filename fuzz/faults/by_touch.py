@@ -23,7 +23,6 @@ __all__ = [
     "bug2_hit_point_not_kept",
     "bug2_leaves_behind_the_hit_point",
     "bug2_leaves_by_equality",
-    "bug2_lost_wall_wrong_side",
     "bug2_stale_line",
     "bug2_turn_not_wrapped",
 ]
@@ -86,16 +85,18 @@ def bug2_leaves_by_equality(observation: Floats, memory: Floats, command: Floats
         memory[two.MODE] = two.ROUND
 
 
-@seeded(bug2, "loop", room=3)
+@seeded(bug2, "loop", room=4)
 def bug2_stale_line(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """The line of the first hit point is kept for all later ones."""
-    before = memory[two.MODE]
+    """The hit point and the line of the first obstacle are kept for all later ones."""
+    before, line = memory[two.MODE], two.SIZE
     base(observation, memory, command)
     if before != two.GOAL or memory[two.MODE] != two.ROUND:
         return
-    if memory[two.SIZE] == 0.0:
-        memory[two.SIZE], memory[two.SIZE + 1], memory[two.SIZE + 2] = 1.0, memory[two.LINE_X], memory[two.LINE_Y]
-    memory[two.LINE_X], memory[two.LINE_Y] = memory[two.SIZE + 1], memory[two.SIZE + 2]
+    if memory[line + 2] == 0.0 and memory[line + 3] == 0.0:
+        memory[line], memory[line + 1] = memory[two.HIT_X], memory[two.HIT_Y]
+        memory[line + 2], memory[line + 3] = memory[two.LINE_X], memory[two.LINE_Y]
+    memory[two.HIT_X], memory[two.HIT_Y] = memory[line], memory[line + 1]
+    memory[two.LINE_X], memory[two.LINE_Y] = memory[line + 2], memory[line + 3]
 
 
 @seeded(bug2, "loop")
@@ -125,14 +126,6 @@ def bug2_bearing_in_degrees(observation: Floats, memory: Floats, command: Floats
     if observation[layout.OBS_BUMP_BEARING] < 0.0:
         observation[layout.OBS_BUMP_BEARING] *= 180.0 / math.pi
     base(observation, memory, command)
-
-
-@seeded(bug2, "loop")
-def bug2_lost_wall_wrong_side(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Where it has lost the wall it turns away from it: the sign of the turn is wrong there."""
-    base(observation, memory, command)
-    if memory[two.MODE] == two.ROUND and memory[body.LOST] > 2.0:
-        command[layout.CMD_TURN_RATE] = -command[layout.CMD_TURN_RATE]
 
 
 @seeded(bug2, "loop")
