@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass, field
 from multiprocessing import get_context
 from typing import Any
 
-from fuzz.interrupts import begin_deaf, workers_begin_deaf
 from fuzz.shrink import shrink
 from fuzz.unit import CampaignConfig, UnitResult, run_unit
+from fuzz.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import dumps
 from worldgen.world import World
@@ -116,17 +114,15 @@ class Campaign:
 
     def _in_parallel(self) -> Iterator[Progress]:
         pool = ProcessPoolExecutor(self.workers, mp_context=get_context("spawn"), initializer=_worker_start)
-        try:
-            yield from self._with_pool(pool)
-        except BaseException:
-            processes = list(getattr(pool, "_processes", None) or {})  # shutdown forgets them
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in processes:
-                _stop(process)
-            raise
-        pool.shutdown()
+        with ctrl_c_held_back() as listen:
+            try:
+                yield from self._with_pool(pool, listen)
+            except BaseException:
+                end_workers(pool)
+                raise
+            pool.shutdown()
 
-    def _with_pool(self, pool: Executor) -> Iterator[Progress]:
+    def _with_pool(self, pool: Executor, listen: Callable[[], None]) -> Iterator[Progress]:
         started, submitted, merged = time.monotonic(), 0, 0
         units: dict[int, Future[UnitResult]] = {}
         shrinks: dict[Future[World], tuple[str, World]] = {}
@@ -138,7 +134,9 @@ class Campaign:
             if not units and not shrinks:
                 return
             under_way: list[Future[Any]] = [*units.values(), *shrinks]
-            wait(under_way, return_when=FIRST_COMPLETED)
+            while not wait(under_way, LISTEN, return_when=FIRST_COMPLETED).done:
+                listen()
+            listen()
             while merged in units and units[merged].done():
                 for kind, failure in self._merge(merged, units.pop(merged).result()):
                     with workers_begin_deaf():
@@ -190,10 +188,3 @@ def _size(world: World) -> tuple[int, int, bytes]:
 
 def _worker_start() -> None:
     begin_deaf()  # the driver decides when a campaign ends
-
-
-def _stop(process_id: int) -> None:
-    try:
-        os.kill(process_id, signal.SIGTERM)
-    except OSError:
-        return

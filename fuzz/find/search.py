@@ -6,7 +6,6 @@ import contextlib
 import time
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, wait
-from concurrent.futures import TimeoutError as NotYet
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from multiprocessing.synchronize import Event
@@ -14,7 +13,7 @@ from multiprocessing.synchronize import Event
 from fuzz.features import LAYOUT_BYTES, decode_world
 from fuzz.find.layout import Layout
 from fuzz.find.wishes import Result, Wish
-from fuzz.interrupts import begin_deaf, workers_begin_deaf
+from fuzz.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, stream_for
 from worldgen.random_streams import RandomStream
@@ -344,30 +343,31 @@ class Find:
         pool = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_worker_start, initargs=(stop,))
         waiting: list[Future[_Work]] = []
         number = 0
-        try:
-            while True:
-                while len(waiting) < self.workers + _WAITING and not self._enough(number):
-                    with workers_begin_deaf():
-                        waiting.append(pool.submit(_worker_unit, self.config, number))
-                    number += 1
-                if not waiting:
-                    return
-                yield self._result(waiting[0], stop)
-                del waiting[0]
-        except KeyboardInterrupt:
-            yield from _handed_in(waiting, stop)
-            raise
-        finally:
-            _end(pool, waiting, stop)
+        with ctrl_c_held_back() as listen:
+            try:
+                while True:
+                    while len(waiting) < self.workers + _WAITING and not self._enough(number):
+                        with workers_begin_deaf():
+                            waiting.append(pool.submit(_worker_unit, self.config, number))
+                        number += 1
+                    if not waiting:
+                        return
+                    yield self._result(waiting[0], stop, listen)
+                    del waiting[0]
+            except KeyboardInterrupt:
+                yield from _handed_in(waiting, stop)
+                raise
+            finally:
+                _end(pool, waiting, stop)
 
-    def _result(self, unit: Future[_Work], stop: Event) -> _Work:
+    def _result(self, unit: Future[_Work], stop: Event, listen: Callable[[], None]) -> _Work:
         """Waits for a unit; tells all to stop when the time is over."""
-        try:
-            left = self._end - time.monotonic()
-            return unit.result(None if left == float("inf") else max(left, 0.0))
-        except NotYet:
-            stop.set()
-            return unit.result()
+        while not unit.done():
+            listen()
+            if self._late() and not stop.is_set():
+                stop.set()
+            wait([unit], LISTEN if stop.is_set() else min(LISTEN, max(self._end - time.monotonic(), 0.0)))
+        return unit.result()
 
 
 def _handed_in(waiting: list[Future[_Work]], stop: Event) -> Iterator[_Work]:
@@ -382,13 +382,10 @@ def _handed_in(waiting: list[Future[_Work]], stop: Event) -> Iterator[_Work]:
 
 
 def _end(pool: ProcessPoolExecutor, waiting: list[Future[_Work]], stop: Event) -> None:
-    """Ends the processes, also those that a controller holds up."""
+    """Ends the processes, once those that answer have ended their units."""
     stop.set()
     wait([unit for unit in waiting if not unit.cancel()], _GRACE)
-    processes = list((getattr(pool, "_processes", None) or {}).values())  # shutdown forgets them
-    pool.shutdown(wait=False, cancel_futures=True)
-    for process in processes:
-        process.terminate()
+    end_workers(pool)
 
 
 class _Worker:

@@ -1,0 +1,50 @@
+"""Ctrl-C while a driver waits for its worker processes."""
+
+import os
+import signal
+import threading
+
+import pytest
+
+from fuzz.workers import ctrl_c_held_back
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends itself SIGINT")
+
+
+def press():
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_ctrl_c_is_heard_where_the_driver_listens_and_nowhere_else():
+    before = signal.getsignal(signal.SIGINT)
+    with ctrl_c_held_back() as listen:
+        listen()
+        for _ in range(2):  # heard once, it is held back again
+            press()
+            with pytest.raises(KeyboardInterrupt):
+                listen()
+            listen()
+    assert signal.getsignal(signal.SIGINT) == before
+
+
+def test_a_second_ctrl_c_is_not_held_back():
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt), ctrl_c_held_back():
+        press()
+        press()
+        signal.getsignal(signal.SIGINT)  # whatever runs next is interrupted
+    assert signal.getsignal(signal.SIGINT) == before
+
+
+def test_outside_the_main_thread_nothing_is_changed():
+    before, seen = signal.getsignal(signal.SIGINT), []
+
+    def elsewhere():
+        with ctrl_c_held_back() as listen:
+            listen()
+            seen.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=elsewhere)
+    thread.start()
+    thread.join()
+    assert seen == [before]
