@@ -125,7 +125,7 @@ class LatticeRun:
         scales[layout.SCALE_TURN] = step * (TURN / (2.0 * math.pi))
         scales[layout.SCALE_RADIANS] = 2.0 * math.pi / TURN
         scales[layout.SCALE_TIME_STEP] = step
-        scales[layout.SCALE_TOP_SPEED] = world.robot_speed
+        scales[layout.SCALE_TOP_SPEED], scales[layout.SCALE_RADIUS] = world.robot_speed, world.robot_radius
         scales[layout.SCALE_TOLERANCE] = tolerance * UNIT
         self._fill_robot_scales()
         if isinstance(self.controller, CompiledController):

@@ -34,7 +34,7 @@ __all__ = [
     "vfh_turn_sign",
 ]
 
-_RADIUS, _CELL = 0.07, 0.1  # m: of the families' robot and worlds
+_CELL = 0.1  # m: of the families' worlds
 
 
 @seeded(three_layer, "loop")
@@ -108,7 +108,7 @@ def vfh_beam_beyond_the_last(observation: Floats, memory: Floats, command: Float
     beams = observation.size - layout.OBS_SIZE
     bearing = target_bearing(observation) % (2.0 * math.pi)
     nearest = math.floor(bearing / (2.0 * math.pi) * beams + 0.5)
-    if observation[layout.OBS_SIZE + nearest] < _RADIUS:
+    if observation[layout.OBS_SIZE + nearest] < observation[layout.OBS_RADIUS]:
         command[layout.CMD_SPEED] = 0.0
 
 
@@ -119,7 +119,7 @@ def potential_field_gap_in_whole_cells(observation: Floats, memory: Floats, comm
     nearest = observation[layout.OBS_SIZE]
     for k in range(layout.OBS_SIZE, observation.size):
         nearest = min(nearest, observation[k])
-    cells = math.floor((nearest - _RADIUS) / _CELL)
+    cells = math.floor((nearest - observation[layout.OBS_RADIUS]) / _CELL)
     command[layout.CMD_SPEED] *= 1.0 - 0.1 / cells
 
 

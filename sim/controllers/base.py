@@ -53,6 +53,7 @@ class Observation(NamedTuple):
     random: float
     time_step: float
     top_speed: float
+    radius: float
     time: float
     odometry_x: float
     odometry_y: float

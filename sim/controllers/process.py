@@ -200,7 +200,7 @@ def _finite(value: Any) -> Any:
 
 
 def _reset_line(observation: Observation) -> bytes:
-    reset = {"time_step": observation.time_step, "top_speed": observation.top_speed}
+    reset = {name: getattr(observation, name) for name in ("time_step", "top_speed", "radius")}
     return _encode({"worldgen": PROTOCOL_VERSION, "reset": reset}).encode() + b"\n"
 
 

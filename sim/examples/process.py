@@ -22,7 +22,7 @@ class Robot:
     """Drives to the target; after a bump turns away and drives straight on for a while."""
 
     def __init__(self, reset: dict[str, Any]) -> None:
-        self.time_step, self.top_speed = reset["time_step"], reset["top_speed"]  # s, m/s
+        self.time_step, self.top_speed = reset["time_step"], reset["top_speed"]  # s, m/s; "radius", m, is there, too
         self.waiting = 0  # steps still to drive on
 
     def act(self, observation: dict[str, Any]) -> dict[str, Any]:

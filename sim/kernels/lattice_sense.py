@@ -249,6 +249,7 @@ def sense(
     observation[layout.OBS_X], observation[layout.OBS_Y] = x * metres, y * metres
     observation[layout.OBS_TIME_STEP] = scales[layout.SCALE_TIME_STEP]
     observation[layout.OBS_TOP_SPEED] = scales[layout.SCALE_TOP_SPEED]
+    observation[layout.OBS_RADIUS] = scales[layout.SCALE_RADIUS]
     if senses & layout.SENSE_BUMP_BEARING != 0:
         observation[layout.OBS_BUMP_BEARING] = 0.0
         if bumped:

@@ -14,6 +14,7 @@ Observation (float64), the same for every controller:
 ``OBS_RANDOM``        the next random number in [0, 1); say ``CMD_DRAW`` to use it up
 ``OBS_TIME_STEP``     duration of a step, s
 ``OBS_TOP_SPEED``     the robot's speed limit, m/s
+``OBS_RADIUS``        the robot's radius, m
 ``OBS_TIME``          time since the start, s
 ``OBS_ODOMETRY_X``, ``OBS_ODOMETRY_Y``, ``OBS_ODOMETRY_HEADING``  own pose as the wheels say, m and rad
 from ``OBS_SIZE`` on  range beams: distance to the first wall, m
@@ -27,9 +28,9 @@ from __future__ import annotations
 
 OBS_BUMP, OBS_BUMP_BEARING, OBS_SIGNAL, OBS_SIGNAL_HEADING, OBS_HEADING = 0, 1, 2, 3, 4
 OBS_X, OBS_Y, OBS_TARGET_HEADING, OBS_TARGET_DISTANCE = 5, 6, 7, 8
-OBS_RANDOM, OBS_TIME_STEP, OBS_TOP_SPEED, OBS_TIME = 9, 10, 11, 12
-OBS_ODOMETRY_X, OBS_ODOMETRY_Y, OBS_ODOMETRY_HEADING = 13, 14, 15
-OBS_SIZE = 16  # range beams follow
+OBS_RANDOM, OBS_TIME_STEP, OBS_TOP_SPEED, OBS_RADIUS, OBS_TIME = 9, 10, 11, 12, 13
+OBS_ODOMETRY_X, OBS_ODOMETRY_Y, OBS_ODOMETRY_HEADING = 14, 15, 16
+OBS_SIZE = 17  # range beams follow
 
 # Senses that cost time, or proofs (bits of SET_SENSES); the others are always there.
 SENSE_BUMP_BEARING, SENSE_SIGNAL, SENSE_SIGNAL_HEADING = 1, 2, 4
@@ -87,7 +88,8 @@ SCALE_BEAM_RANGE = 17  # lattice units
 SCALE_BEAM_FIELD = 18  # angle between the first and the last beam, heading units; a whole turn: evenly all round
 SCALE_BEAM_NOISE = 19  # largest share by which a distance is wrong
 SCALE_BEAM_DROPOUT = 20  # probability that a beam returns nothing
-SCALE_SIZE = 21
+SCALE_RADIUS = 21  # m, of the robot
+SCALE_SIZE = 22
 
 # counts (int64): what an episode reports.
 OUT_ENDING, OUT_STEPS, OUT_PERIOD, OUT_COLLISIONS, OUT_LAST_NEW_CELL = 0, 1, 2, 3, 4

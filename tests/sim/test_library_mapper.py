@@ -35,13 +35,14 @@ def test_it_drives_round_a_target_that_is_walled_off_and_does_not_crash():
     assert simulate(world, mapper, steps=20_000).verdict in ("loop", "stalled")
 
 
-def test_a_robot_smaller_than_it_believes_gets_through_in_the_end():
+def test_who_keeps_too_far_from_walls_gets_through_in_the_end():
+    timid = mapping("timid", 128, no_room=1.5)
     world = drawn("......\n.S....\n......\n###.##\n......\n....G.\n......", radius=0.045)
-    assert simulate(world, mapper, steps=50_000).verdict == "reached"
+    assert simulate(world, timid, steps=50_000).verdict == "reached"
 
 
 def test_it_need_not_try_what_a_touch_has_shown():
-    blind = mapping("blind", 128, radius=0.0)
+    blind = mapping("blind", 128, no_room=0.0)
     worlds = [generate("trap", seed, size=20) for seed in range(6)]
     feeling, trying = (sum(simulate(world, one).collisions for world in worlds) for one in (mapper, blind))
     assert feeling < 0.7 * trying
@@ -65,10 +66,10 @@ def test_a_map_of_a_size_of_one_s_own_takes_a_number_for_each_dozen_of_nodes():
 
 
 @pytest.mark.parametrize(
-    "size", [{"side": 4}, {"side": 5000}, {"side": 20, "pitch": 0.0}, {"side": 20, "radius": -1.0}], ids=str
+    "size", [{"side": 4}, {"side": 5000}, {"side": 20, "pitch": 0.0}, {"side": 20, "no_room": -1.0}], ids=str
 )
 def test_a_map_that_cannot_be_is_refused(size):
-    with pytest.raises(InvalidParameter, match=r"outside 8 to 1024 nodes|not above 0|0 to 100 times"):
+    with pytest.raises(InvalidParameter, match=r"outside 8 to 1024 nodes|not above 0|0 to 10 times"):
         mapping("bad", **size)
 
 

@@ -307,7 +307,7 @@ def heard(tmp_path, steps):
 
 def test_one_program_serves_many_episodes_and_hears_of_each(tmp_path):
     lines = heard(tmp_path, steps=2)
-    reset = '{"worldgen":1,"reset":{"time_step":0.015,"top_speed":2.0}}'
+    reset = '{"worldgen":1,"reset":{"time_step":0.015,"top_speed":2.0,"radius":0.07}}'
     assert [line if "reset" in line or line == "start" else "" for line in lines] == ["start", *(2 * [reset, "", ""])]
 
 

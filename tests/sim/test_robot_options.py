@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from sim import Command, CompiledController, Observation, RobotOptions, RunOptions, simulate
 from sim.episode import prepare
+from sim.kernels import layout
 from tests.sim.test_episode import arena
 from worldgen import CellState, Event, InvalidParameter, Pose, Target, Timeline
 
@@ -292,7 +293,10 @@ def test_options_of_the_robot_are_stored_and_read_back():
 
 def test_the_same_run_comes_out_for_a_python_and_a_compiled_controller_with_everything_on():
     def act(observation, memory, command):
-        memory[0] += observation[16] + observation[2] + observation[3] + observation[13]
+        memory[0] += (
+            observation[layout.OBS_SIZE] + observation[layout.OBS_SIGNAL] + observation[layout.OBS_SIGNAL_HEADING]
+            + observation[layout.OBS_ODOMETRY_X]
+        )  # fmt: skip
         command[0], command[1] = 1.0, math.sin(memory[0])
 
     class Same:

@@ -6,7 +6,7 @@ else, it *presses* against its own wall again before it goes on: what stopped it
 hardly wider than itself. Only if it then cannot move ahead at all does it turn to the other wall. Where it loses its
 wall it turns towards it step by step. So it follows the edge of what its centre can reach, and skips no opening.
 
-A step is never longer than ``STRIDE``, which must be less than the robot's diameter.
+A step is never longer than :func:`stride`, which is less than the robot's diameter.
 
 The memory of a controller begins with ``BODY_SIZE`` numbers:
 
@@ -29,16 +29,16 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.library._plane import distance, wrap
+from sim.controllers.library._plane import wrap
 from sim.kernels import layout
 from sim.kernels._jit import rare_kernel
+from sim.kernels.fdlibm import cos, sin
 
 __all__ = [
     "BODY_SIZE",
     "HAND",
     "SENSES",
     "STEP",
-    "STRIDE",
     "WALL",
     "X",
     "Y",
@@ -60,10 +60,12 @@ ADVANCE, PRESS = 0.0, 1.0
 
 SENSES = (
     "bump", "bump_bearing", "heading", "x", "y", "target_heading", "target_distance", "time_step", "top_speed",
+    "radius",
 )  # fmt: skip
 """What a controller looks at that drives to the target and follows walls."""
 
-STRIDE = 0.03  # m: longest step along a wall; less than the robot's diameter, or it steps over openings
+_STRIDE = 0.03 / 0.07  # of the radius: longest step along a wall; less than the diameter, or it steps over openings
+_LEAST_STRIDE = 0.005  # m: a robot smaller than half of this would take for ever
 _DEGREE = math.pi / 180.0
 _FLAT, _ROUND = 20.0 * _DEGREE, 40.0 * _DEGREE  # lean on a flat wall, and round a corner
 _FLAT_AFTER = 2.0  # touches in a row by which a wall counts as flat
@@ -72,7 +74,7 @@ _WHOLE_TURN, _WHOLE_TURNS = 12.0, 24.0  # steps of a search that turn it once, a
 _GIVE_WAY = 40.0 * _DEGREE  # turn away from a wall at which it is stuck
 _SAME_FLAT = 5.0 * _DEGREE  # a wall that turns by less is flat
 _AHEAD, _BEHIND = 45.0 * _DEGREE, 120.0 * _DEGREE  # turns of one wall: into the way, and out of it
-_STANDS = 0.02  # a move of less than this share of a step is none
+_STANDS = 0.02  # a move ahead of less than this share of a step is none
 _PROGRESS = 0.5  # share of a step by which the target must come nearer; a slide that does goes on
 _PRESSES = 3.0  # presses without finding the wall before it is searched for
 
@@ -80,7 +82,8 @@ _PRESSES = 3.0  # presses without finding the wall before it is searched for
 @rare_kernel
 def stride(observation: Floats) -> float:
     """Length of a step along a wall, m."""
-    return min(STRIDE, float(observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]))
+    longest = max(_STRIDE * float(observation[layout.OBS_RADIUS]), _LEAST_STRIDE)
+    return min(longest, float(observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]))
 
 
 @rare_kernel
@@ -129,14 +132,20 @@ def begin_following(memory: Floats, wall: float) -> None:
 
 
 @rare_kernel
+def _ahead(observation: Floats, memory: Floats) -> float:
+    """How far the last step came in its direction, m; walls may have pushed the robot back, or aside."""
+    x, y, heading = observation[layout.OBS_X], observation[layout.OBS_Y], observation[layout.OBS_HEADING]
+    return float((x - memory[X]) * cos(heading) + (y - memory[Y]) * sin(heading))
+
+
+@rare_kernel
 def feel(observation: Floats, memory: Floats) -> bool:
     """Takes in what the last step touched.
 
     Returns:
         Whether that was the wall that is followed, so that ``WALL`` was measured here.
     """
-    moved = distance(memory[X], memory[Y], observation[layout.OBS_X], observation[layout.OBS_Y])
-    stands = moved < _STANDS * memory[STEP]
+    stands = _ahead(observation, memory) < _STANDS * memory[STEP]
     if observation[layout.OBS_BUMP] == 0.0:
         memory[STUCK], memory[SMOOTH] = 0.0, 0.0
         memory[LOST] += 1.0 if memory[LOST] < _WHOLE_TURNS else 1.0 - _WHOLE_TURN

@@ -43,7 +43,7 @@ START, GOAL, MEET, ROUND, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
 _SAME_PLACE = 0.5  # of a step
 _ELSEWHERE = 1.5  # of a step: further from the hit point it has been away
 _SAME_WALL = math.radians(100.0)  # rad by which the direction of the wall may differ at the same place
-_NEARER = 0.1  # of a step: a hit must be that much nearer than the last leave point, or that one is gone to again
+_NEARER = 0.1  # of a step: a hit on the same wall must be so much nearer than the last leave point, or that is gone to
 
 
 @rare_kernel
@@ -91,6 +91,8 @@ def _meet(observation: Floats, memory: Floats) -> None:
         return
     body.begin_following(memory, body.touched(observation))
     margin = _NEARER * body.stride(observation)
+    if memory[LEAVE_FAR] < math.inf and abs(wrap(memory[body.WALL] - memory[LEAVE + 2])) > _SAME_WALL:
+        margin = 0.0  # a wall across a gap hardly wider than the robot is another, however near
     memory[MODE] = MEET if observation[layout.OBS_TARGET_DISTANCE] < memory[LEAVE_FAR] - margin else BACK
     if memory[MODE] == MEET:
         memory[body.HAND] = 1.0

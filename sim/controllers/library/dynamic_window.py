@@ -33,7 +33,7 @@ Floats = npt.NDArray[np.float64]
 
 SPEED, TURN_RATE = 0, 1  # memory: m/s and rad/s commanded last
 _GRAIN = 1024.0  # commands are whole 1/1024 m/s and rad/s, so that states can come back and loops be proved
-SENSES = ("bump", "heading", "target_heading", "target_distance", "time_step", "top_speed", "beams")
+SENSES = ("bump", "heading", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
 NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
@@ -41,7 +41,7 @@ class DynamicWindow(NamedTuple):
     """Tuned numbers.
 
     Args:
-        radius: Of the robot with a margin, m.
+        margin: What the robot is taken to be larger by than it is, m.
         gain: Greatest change of speed, m/s2, up or down.
         turn_gain: Greatest change of turn rate, rad/s2.
         fastest_turn: rad/s.
@@ -55,7 +55,7 @@ class DynamicWindow(NamedTuple):
         to_speed: Weight of the speed.
     """
 
-    radius: float = 0.073
+    margin: float = 0.003
     gain: float = 20.0
     turn_gain: float = 400.0
     fastest_turn: float = 12.0
@@ -105,13 +105,13 @@ def _fill(observation: Floats, points: Floats) -> None:
 
 
 @kernel
-def _free_way(points: Floats, speed: float, turn_rate: float, tuned: DynamicWindow) -> float:
-    """Way along an arc until the first beam's end is met, m; at most ``far``."""
-    free = tuned.far
+def _free_way(points: Floats, speed: float, turn_rate: float, radius: float, far: float) -> float:
+    """Way along an arc until a disc meets the first beam's end, m; at most ``far``."""
+    free = far
     for beam in range(points.shape[0]):
-        x, y, reach = points[beam, 0], points[beam, 1], free + tuned.radius
+        x, y, reach = points[beam, 0], points[beam, 1], free + radius
         if x * x + y * y < reach * reach:
-            free = min(free, arc_to_contact(x, y, speed, turn_rate, tuned.radius))
+            free = min(free, arc_to_contact(x, y, speed, turn_rate, radius))
     return free
 
 
@@ -139,6 +139,7 @@ def drive(observation: Floats, memory: Floats, command: Floats, points: Floats, 
     """
     _fill(observation, points)
     step, top = observation[layout.OBS_TIME_STEP], observation[layout.OBS_TOP_SPEED]
+    radius = observation[layout.OBS_RADIUS] + tuned.margin
     if observation[layout.OBS_BUMP] != 0.0:
         memory[SPEED] = 0.0  # the wall has stopped the wheels
     slow, fast = max(memory[SPEED] - tuned.gain * step, 0.0), min(memory[SPEED] + tuned.gain * step, top)
@@ -149,7 +150,7 @@ def drive(observation: Floats, memory: Floats, command: Floats, points: Floats, 
         speed = slow + (fast - slow) * i / (tuned.speeds - 1)
         for j in range(tuned.turns):
             turn_rate = right + (left - right) * j / (tuned.turns - 1)
-            free = _free_way(points, speed, turn_rate, tuned) if speed > 0.0 else 0.0
+            free = _free_way(points, speed, turn_rate, radius, tuned.far) if speed > 0.0 else 0.0
             if free < tuned.least or speed * speed > 2.0 * free * tuned.gain:
                 continue
             worth = tuned.to_target * _facing(observation, speed, turn_rate, tuned)

@@ -34,13 +34,14 @@ __all__ = ["PITCH", "mapper", "mapper_small", "mapping"]
 Floats = npt.NDArray[np.float64]
 
 PITCH = 0.05  # m: half a cell of the families' worlds
-ROBOT_RADIUS = 0.07  # m: of the families' robot; a larger robot touches more often than it need, a smaller one errs
+CERTAIN = 0.97  # of the radius: nearer than this to a wall there is no room, in spite of rounding
 FULL_SIDE, SMALL_SIDE = 128, 12  # nodes
 LEAST_SIDE, MOST_SIDE = 8, 1024
 
 # Memory beside the map: what it does; the node that it came from, the move; where it starts; distance of two nodes;
-# position before the step; length of the step; failed returns; radius of the robot, 0 if it is not to be trusted.
-MODE, FROM_X, FROM_Y, MOVE, START_X, START_Y, GRID, X, Y, STEP, TRIES, RADIUS = (lattice.OWN + k for k in range(12))
+# position before the step; length of the step; failed returns; share of the robot's radius nearer than which to a place
+# that it felt there is no room, 0 if it does not feel for walls.
+MODE, FROM_X, FROM_Y, MOVE, START_X, START_Y, GRID, X, Y, STEP, TRIES, NO_ROOM = (lattice.OWN + k for k in range(12))
 
 START, GO, DOOR, TOUCH, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
 
@@ -48,7 +49,6 @@ _THERE = 0.01  # of the pitch: nearer to a node it is there
 _STANDS = 0.02  # of the pitch: a free step of less cannot come nearer
 _ALONG = 0.9  # share of a step by which a node must come nearer if a wall bent the way
 _PROBE = 0.2  # of the pitch: step by which it feels for a wall
-_CERTAIN = 0.97  # of the radius: nearer than this to a wall there is no room, in spite of rounding
 _MOST_TRIES = 12.0  # steps on the way back that a wall may bend before the nearest node is taken for the one it is at
 
 
@@ -101,7 +101,7 @@ def _choose(observation: Floats, memory: Floats) -> None:
     move = lattice.next_move(memory)
     if move < 0 and not lattice.plan(memory, x, y):
         lattice.forget(memory)  # what it noted cannot all be true
-        memory[RADIUS] = 0.0
+        memory[NO_ROOM] = 0.0
         lattice.plan(memory, x, y)
     if move < 0:
         move = lattice.next_move(memory)
@@ -130,10 +130,10 @@ def _feel(observation: Floats, memory: Floats) -> None:
     here_x, here_y = observation[layout.OBS_X], observation[layout.OBS_Y]
     if observation[layout.OBS_BUMP] == 0.0 or distance(memory[X], memory[Y], here_x, here_y) > _STANDS * memory[GRID]:
         return
-    towards, radius = body.touched(observation), memory[RADIUS]
+    towards, radius = body.touched(observation), observation[layout.OBS_RADIUS]
     x = (here_x + radius * cos(towards) - memory[START_X]) / memory[GRID]
     y = (here_y + radius * sin(towards) - memory[START_Y]) / memory[GRID]
-    lattice.block_near(memory, x, y, _CERTAIN * radius / memory[GRID])
+    lattice.block_near(memory, x, y, memory[NO_ROOM] * radius / memory[GRID])
 
 
 @rare_kernel
@@ -158,7 +158,7 @@ def _look(observation: Floats, memory: Floats) -> bool:
     elif memory[MODE] == DOOR:
         lattice.door(memory, int(memory[FROM_X]), int(memory[FROM_Y]))
     memory[TRIES] += 1.0
-    memory[MODE] = TOUCH if memory[MODE] != BACK and barred and memory[RADIUS] > 0.0 else BACK
+    memory[MODE] = TOUCH if memory[MODE] != BACK and barred and memory[NO_ROOM] > 0.0 else BACK
     if memory[TRIES] < _MOST_TRIES:
         return False
     memory[TRIES] = 0.0
@@ -183,26 +183,27 @@ def _act(observation: Floats, memory: Floats, command: Floats) -> None:
     _map(observation, memory, command)
 
 
-def mapping(name: str, side: int, pitch: float = PITCH, radius: float = ROBOT_RADIUS) -> CompiledController:
+def mapping(name: str, side: int, pitch: float = PITCH, no_room: float = CERTAIN) -> CompiledController:
     """A mapping controller with a map of a size of one's own.
 
     Args:
         name: For messages.
         side: Nodes of the map along a side, 8 to 1024; its memory is about a number for each 12 nodes.
         pitch: Distance between two nodes, m; half a cell finds every way between walls on a grid.
-        radius: The robot's, m; 0 blocks only edges that it tried.
+        no_room: Share of the robot's radius nearer than which to a wall that it felt there is no room for it; 0 blocks
+            only edges that it tried.
 
     Raises:
-        InvalidParameter: If the map is too small or too large, the pitch is not above 0, or the radius is below 0.
+        InvalidParameter: If the map is too small or too large, the pitch is not above 0, or the share outside 0 to 10.
     """
     if not LEAST_SIDE <= side <= MOST_SIDE:
         raise InvalidParameter(f"side={side} is outside {LEAST_SIDE} to {MOST_SIDE} nodes; give one between")
     if not (math.isfinite(pitch) and pitch > 0.0):
         raise InvalidParameter(f"pitch={pitch:g} m is not above 0; give the distance between two nodes of the map")
-    if not 0.0 <= radius < 100.0 * pitch:
-        raise InvalidParameter(f"radius={radius:g} m is outside 0 to 100 times the pitch; give the robot's")
+    if not 0.0 <= no_room <= 10.0:
+        raise InvalidParameter(f"no_room={no_room:g} is outside 0 to 10 times the robot's radius; give a share near 1")
     memory = [0.0] * (lattice.memory_size(side))
-    memory[lattice.SIDE], memory[GRID], memory[RADIUS] = float(side), pitch, radius
+    memory[lattice.SIDE], memory[GRID], memory[NO_ROOM] = float(side), pitch, no_room
     return CompiledController(name, _act, tuple(memory), senses=body.SENSES)
 
 

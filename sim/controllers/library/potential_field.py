@@ -30,7 +30,7 @@ __all__ = ["PotentialField", "drive", "potential_field", "potential_field_robot"
 Floats = npt.NDArray[np.float64]
 
 _NEAREST = 0.004  # m: no push is larger than at this gap, so that none is infinite
-SENSES = ("heading", "target_heading", "target_distance", "time_step", "top_speed", "beams")
+SENSES = ("heading", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
 NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
@@ -42,7 +42,6 @@ class PotentialField(NamedTuple):
         far: Distance, m, beyond which the pull grows no more, which limits the speed.
         push: Gain of the walls' push; a larger one keeps further from walls, and out of narrow doors.
         influence: Gap, m, beyond which a wall does not push.
-        radius: Of the robot, m.
         full_force: Force at which the robot drives at its top speed; below, in proportion.
     """
 
@@ -50,7 +49,6 @@ class PotentialField(NamedTuple):
     far: float = 0.5
     push: float = 2.5e-5
     influence: float = 0.15
-    radius: float = 0.07
     full_force: float = 0.25
 
 
@@ -66,7 +64,7 @@ def _push(gap: float, tuned: PotentialField) -> float:
 @kernel
 def drive(observation: Floats, memory: Floats, command: Floats, tuned: PotentialField) -> None:
     """One step: sums the forces in the robot's frame and drives along their sum."""
-    beams = observation.size - layout.OBS_SIZE
+    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
     towards = target_bearing(observation)
     pull = tuned.pull * min(observation[layout.OBS_TARGET_DISTANCE], tuned.far)
     force_x, force_y, nearest = pull * cos(towards), pull * sin(towards), math.inf
@@ -76,13 +74,13 @@ def drive(observation: Floats, memory: Floats, command: Floats, tuned: Potential
         before = observation[layout.OBS_SIZE + (beam - 1) % beams]
         after = observation[layout.OBS_SIZE + (beam + 1) % beams]
         if distance < before and distance <= after:
-            push, angle = _push(distance - tuned.radius, tuned), bearing_of(beam, beams)
+            push, angle = _push(distance - radius, tuned), bearing_of(beam, beams)
             force_x -= push * cos(angle)
             force_y -= push * sin(angle)
     force = math.sqrt(force_x * force_x + force_y * force_y)
     top = observation[layout.OBS_TOP_SPEED]
     # Half the gap in a step at most: the slope of the push changes within millimetres there.
-    careful = max(nearest - tuned.radius, _NEAREST) / (2.0 * observation[layout.OBS_TIME_STEP])
+    careful = max(nearest - radius, _NEAREST) / (2.0 * observation[layout.OBS_TIME_STEP])
     steer(observation, command, angle_of(force_x, force_y), min(top * min(force / tuned.full_force, 1.0), careful))
 
 

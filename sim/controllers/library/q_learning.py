@@ -46,12 +46,12 @@ Ints = npt.NDArray[np.int64]
 TURNS = (0, 1, 7, 2, 6, 4)  # eighths of a turn, counter-clockwise; of equals the first is taken
 _LOOKS = (0, 1, 2, 6, 7)  # the beams, eighths of a turn apart, that the robot looks along
 SITUATIONS = 3 * 8 * 32
-BLOCKED = 0.16  # m: what is nearer than this is in the way
+_IN_THE_WAY = 0.09  # m: a gap of less than this is blocked
 DRIVEN = 4  # steps between two decisions, if no bump comes first
 
 WAIT, TURNED = 0, 1  # memory: steps until the next decision; last turn: 0 none or back, 1 left, 2 right
 AT_RESET = (0.0, 0.0)
-SENSES = ("bump", "heading", "target_heading", "time_step", "top_speed", "beams")
+SENSES = ("bump", "heading", "target_heading", "time_step", "top_speed", "radius", "beams")
 NEEDS = RobotOptions(beams=8, beam_range=2.0)
 
 
@@ -59,9 +59,9 @@ NEEDS = RobotOptions(beams=8, beam_range=2.0)
 def situation(observation: Floats, memory: Floats) -> int:
     """Number of the situation, below SITUATIONS."""
     eighth = math.floor(target_bearing(observation) / WHOLE_TURN * 8.0 + 0.5) % 8
-    blocked = 0
+    blocked, near = 0, observation[layout.OBS_RADIUS] + _IN_THE_WAY
     for k in range(len(_LOOKS)):
-        if observation[layout.OBS_SIZE + _LOOKS[k]] < BLOCKED:
+        if observation[layout.OBS_SIZE + _LOOKS[k]] < near:
             blocked |= 1 << k
     return (int(memory[TURNED]) * 8 + eighth) * 32 + blocked
 

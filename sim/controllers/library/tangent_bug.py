@@ -30,15 +30,15 @@ from sim.kernels._jit import rare_kernel
 from sim.kernels.fdlibm import cos, sin
 from sim.robot_options import RobotOptions
 
-__all__ = ["BEAMS", "RADIUS", "RANGE", "tangent_bug"]
+__all__ = ["BEAMS", "RANGE", "tangent_bug"]
 
 Floats = npt.NDArray[np.float64]
 
 BEAMS = 72
 RANGE = 1.0  # m: further points are not looked at
-RADIUS = 0.07  # m: of the robot, as in the families' worlds; a larger value keeps away from gaps that it fits through
+_APART = 1.4  # of the radius: points further apart than this from beam to beam are not looked at, either
 _TOUCHING = 0.97  # of the radius: a wall that is touched is no nearer than this, so it does not bar the way along it
-_JUMP = 0.08  # m: an end of a wall is where the free way is longer by this in the next direction
+_JUMP = 0.08 / 0.07  # of the radius: an end of a wall is where the free way is longer by this in the next direction
 _LONGER = 0.05  # m: by so much the way by an end may be longer than it was before a wall is followed
 _HANGS_TOGETHER = 0.5  # share of its distance by which a wall may be nearer or further in the next direction
 _NEARER = 0.03  # m: a place to leave a wall for is nearer to the target by this than all of it
@@ -54,13 +54,21 @@ GOAL, APPROACH, WALL, LEAVE = 0.0, 1.0, 2.0, 3.0
 
 
 @rare_kernel
+def _sight(observation: Floats) -> float:
+    """Distance, m, up to which points are looked at."""
+    beams = observation.size - layout.OBS_SIZE
+    return min(RANGE, float(_APART * observation[layout.OBS_RADIUS] * beams / (2.0 * math.pi)))
+
+
+@rare_kernel
 def _free_way(observation: Floats, bearing: float) -> float:
-    """How far the disc can go in a direction from the heading, rad, past all points that beams met; at most RANGE."""
-    beams, free = observation.size - layout.OBS_SIZE, RANGE
-    wide = _TOUCHING * RADIUS
+    """How far the disc can go in a direction from the heading, rad, past all points that beams met; m."""
+    beams, sight = observation.size - layout.OBS_SIZE, _sight(observation)
+    free = sight
+    wide = _TOUCHING * observation[layout.OBS_RADIUS]
     for beam in range(beams):
         far = observation[layout.OBS_SIZE + beam]
-        if far >= 0.999 * RANGE:
+        if far >= 0.999 * sight:
             continue
         angle = wrap(2.0 * math.pi * beam / beams - bearing)
         along, across = far * cos(angle), far * sin(angle)
@@ -84,15 +92,15 @@ def _best_end(observation: Floats) -> tuple[float, float, float]:
     Returns:
         The length of that way, m (inf: there is no end); the end's direction from the heading, rad; its distance.
     """
-    beams = observation.size - layout.OBS_SIZE
+    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
     best, best_bearing, best_length = math.inf, 0.0, 0.0
     first = _free_way(observation, 0.0)
     before = first
     for beam in range(1, beams + 1):
         bearing = 2.0 * math.pi * beam / beams
         free = first if beam == beams else _free_way(observation, bearing)
-        if abs(free - before) > _JUMP:
-            length = min(min(free, before) + RADIUS, max(free, before))
+        if abs(free - before) > _JUMP * radius:
+            length = min(min(free, before) + radius, max(free, before))
             towards = bearing if free > before else bearing - 2.0 * math.pi / beams
             way = length + _rest(observation, towards, length)
             if way < best:
@@ -131,7 +139,7 @@ def _go(observation: Floats, memory: Floats, command: Floats) -> None:
     far, heading = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_HEADING]
     ahead = observation[layout.OBS_TARGET_HEADING] - heading
     way, bearing, length = far, ahead, far
-    if _free_way(observation, ahead) < min(far, 0.999 * RANGE):
+    if _free_way(observation, ahead) < min(far, 0.999 * _sight(observation)):
         way, bearing, length = _best_end(observation)
         memory[body.HAND] = -1.0 if wrap(bearing - ahead) > 0.0 else 1.0
     memory[SINCE] += 1.0
@@ -151,15 +159,15 @@ def _go(observation: Floats, memory: Floats, command: Floats) -> None:
 @rare_kernel
 def _see_wall(observation: Floats, memory: Floats, side: int) -> None:
     """Takes in how near to the target the wall comes that is followed, as far as it is seen to one side, 1 or -1."""
-    beams = observation.size - layout.OBS_SIZE
+    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
     towards = wrap(memory[body.WALL] - observation[layout.OBS_HEADING]) / (2.0 * math.pi)
-    beam, before = math.floor(towards * beams + 0.5), RADIUS
+    beam, before, sight = math.floor(towards * beams + 0.5), radius, _sight(observation)
     for k in range(beams // 2):
         at = (beam + side * k) % beams
         far = observation[layout.OBS_SIZE + at]
-        if far >= 0.999 * RANGE or abs(far - before) > _HANGS_TOGETHER * before:
+        if far >= 0.999 * sight or abs(far - before) > _HANGS_TOGETHER * before:
             break
-        rest = _rest(observation, 2.0 * math.pi * at / beams, max(far - RADIUS, 0.0))
+        rest = _rest(observation, 2.0 * math.pi * at / beams, max(far - radius, 0.0))
         memory[WALL_FAR], before = min(memory[WALL_FAR], rest), far
 
 

@@ -49,7 +49,7 @@ RIGHT = 14
 UP = RIGHT + SIDE
 MEMORY = UP + SIDE
 AT_RESET = (0.0,) * MEMORY
-SENSES = ("heading", "x", "y", "target_heading", "target_distance", "time_step", "top_speed", "beams")
+SENSES = ("heading", "x", "y", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
 NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
@@ -57,15 +57,15 @@ class ThreeLayer(NamedTuple):
     """Tuned numbers.
 
     Args:
-        radius: Of the robot with a margin, m.
-        pitch: Side of a cell of the map, m; more where the target is so far that the map would not reach.
+        margin: What the robot is taken to be larger by than it is, m.
+        pitch: Side of a cell of the map, in radii of the robot; more where the map would not reach the target.
         reach: Least side of the map, times the distance from start to target.
         look: Free way, m, that the controller wants in the direction it takes.
         patience: Steps after which a waypoint is given up, times one more than the map has been forgotten.
     """
 
-    radius: float = 0.072
-    pitch: float = 0.2
+    margin: float = 0.002
+    pitch: float = 20.0 / 7.0
     reach: float = 1.6
     look: float = 0.03
     patience: int = 40
@@ -75,7 +75,7 @@ class ThreeLayer(NamedTuple):
 def _lay(observation: Floats, memory: Floats, tuned: ThreeLayer) -> None:
     """Lays the map about the middle between start and target, the target in the middle of its cell."""
     towards, far = observation[layout.OBS_TARGET_HEADING], observation[layout.OBS_TARGET_DISTANCE]
-    pitch = max(tuned.pitch, tuned.reach * far / SIDE)
+    pitch = max(tuned.pitch * observation[layout.OBS_RADIUS], tuned.reach * far / SIDE)
     way_x, way_y = far * cos(towards), far * sin(towards)
     column, row = SIDE // 2 + math.floor(0.5 * way_x / pitch), SIDE // 2 + math.floor(0.5 * way_y / pitch)
     memory[PITCH], memory[LAID], memory[TO_X] = pitch, 1.0, -1.0
@@ -197,14 +197,14 @@ def _sequence(observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned
 @kernel
 def _is_free(observation: Floats, turn: float, look: float, tuned: ThreeLayer) -> bool:
     """Whether the disc can drive straight on so far, m, in a direction from the heading, by what the beams see."""
-    beams = observation.size - layout.OBS_SIZE
+    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS] + tuned.margin
     for beam in range(beams):
         distance = observation[layout.OBS_SIZE + beam]
-        if distance > look + tuned.radius:
+        if distance > look + radius:
             continue
         angle = bearing_of(beam, beams) - turn
         along, across = distance * cos(angle), distance * sin(angle)
-        short = tuned.radius * tuned.radius - across * across
+        short = radius * radius - across * across
         if along > 0.0 and short > 0.0 and along - math.sqrt(short) < look:
             return False
     return True

@@ -36,7 +36,7 @@ SECTORS = 72  # of 5 degrees, in the world's frame
 _WIDTH = WHOLE_TURN / SECTORS
 LAST = SECTORS  # memory: 1 for each blocked sector, then the heading chosen last, sectors; below 0: none yet
 AT_RESET = (0.0,) * SECTORS + (-1.0,)
-SENSES = ("heading", "target_heading", "time_step", "top_speed", "beams")
+SENSES = ("heading", "target_heading", "time_step", "top_speed", "radius", "beams")
 NEEDS = RobotOptions(beams=72, beam_range=2.0)
 
 
@@ -44,9 +44,8 @@ class VfhPlus(NamedTuple):
     """Tuned numbers.
 
     Args:
-        radius: Of the robot, m.
-        safety: What obstacles are widened by beside that, m.
-        window: Distance, m, beyond which obstacles do not count.
+        safety: What obstacles are widened by beside the robot's radius, in radii.
+        window: Distance, in radii of the robot, beyond which obstacles do not count.
         low: Density, 0 (at the window's edge) to 1 (at the robot), below which a blocked sector becomes free.
         high: Density above which a free sector becomes blocked.
         wide: Sectors of an opening that is passed along its side instead of through its middle.
@@ -57,9 +56,8 @@ class VfhPlus(NamedTuple):
         slowest: Share of the top speed that is left in the densest direction.
     """
 
-    radius: float = 0.07
-    safety: float = 0.01
-    window: float = 0.4
+    safety: float = 1.0 / 7.0
+    window: float = 40.0 / 7.0
     low: float = 0.6
     high: float = 0.7
     wide: int = 16
@@ -73,12 +71,13 @@ class VfhPlus(NamedTuple):
 @kernel
 def _fill(observation: Floats, density: Floats, tuned: VfhPlus) -> None:
     """Stage 1: the polar histogram; each beam's obstacle covers the sectors that the widened obstacle covers."""
-    beams, reach = observation.size - layout.OBS_SIZE, tuned.radius + tuned.safety
+    beams, reach = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS] * (1.0 + tuned.safety)
+    window = tuned.window * observation[layout.OBS_RADIUS]
     for beam in range(beams):
         distance = observation[layout.OBS_SIZE + beam]
-        if distance >= tuned.window:
+        if distance >= window:
             continue
-        share = 1.0 - distance / tuned.window
+        share = 1.0 - distance / window
         half = 0.5 * math.pi if distance <= reach else atan(reach / math.sqrt(distance * distance - reach * reach))
         middle = observation[layout.OBS_HEADING] + bearing_of(beam, beams)
         first = math.ceil((middle - half) / _WIDTH)
@@ -101,13 +100,13 @@ def _block(density: Floats, memory: Floats, tuned: VfhPlus) -> None:
 def _reachable_side(observation: Floats, tuned: VfhPlus) -> tuple[float, float]:
     """Stage 3: how far to the right and to the left the robot can turn before its circle meets an obstacle, rad."""
     beams, turn = observation.size - layout.OBS_SIZE, tuned.turning_radius
-    near = turn + tuned.radius + tuned.safety
+    near = turn + observation[layout.OBS_RADIUS] * (1.0 + tuned.safety)
     right, left = -math.pi, math.pi
     if turn <= 0.0:
         return right, left
     for beam in range(beams):
         angle, distance = wrap(bearing_of(beam, beams)), observation[layout.OBS_SIZE + beam]
-        if distance >= tuned.window:
+        if distance >= tuned.window * observation[layout.OBS_RADIUS]:
             continue
         x, y = distance * cos(angle), distance * sin(angle)
         if angle < 0.0 and x * x + (y + turn) * (y + turn) < near * near:
