@@ -39,6 +39,12 @@ def test_it_reaches_the_end_of_nearly_every_corridor():
     assert verdicts.count("reached") >= 17
 
 
+def test_it_takes_for_free_only_what_the_whole_of_it_can_drive():
+    """A wall that is just out of sight stops a disc before the end of its sight."""
+    worlds = [generate("trap", seed, robot_radius=0.14) for seed in range(100, 108)]
+    assert [simulate(world, tangent_bug).verdict for world in worlds] == ["reached"] * 8
+
+
 def test_it_is_run_with_the_beams_that_it_needs():
     with_more = simulate(generate("trap", 1, size=24), tangent_bug, beams=2 * BEAMS)
     assert with_more.trace_digest != simulate(generate("trap", 1, size=24), tangent_bug).trace_digest

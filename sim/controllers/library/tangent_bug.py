@@ -55,7 +55,7 @@ GOAL, APPROACH, WALL, LEAVE = 0.0, 1.0, 2.0, 3.0
 
 @rare_kernel
 def _sight(observation: Floats) -> float:
-    """Distance, m, up to which points are looked at."""
+    """Distance, m, up to which points are looked at; a disc has a free way of that less its radius at most."""
     beams = observation.size - layout.OBS_SIZE
     return min(RANGE, float(_APART * observation[layout.OBS_RADIUS] * beams / (2.0 * math.pi)))
 
@@ -64,7 +64,7 @@ def _sight(observation: Floats) -> float:
 def _free_way(observation: Floats, bearing: float) -> float:
     """How far the disc can go in a direction from the heading, rad, past all points that beams met; m."""
     beams, sight = observation.size - layout.OBS_SIZE, _sight(observation)
-    free = sight
+    free = float(sight - observation[layout.OBS_RADIUS])
     wide = _TOUCHING * observation[layout.OBS_RADIUS]
     for beam in range(beams):
         far = observation[layout.OBS_SIZE + beam]
@@ -139,7 +139,7 @@ def _go(observation: Floats, memory: Floats, command: Floats) -> None:
     far, heading = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_HEADING]
     ahead = observation[layout.OBS_TARGET_HEADING] - heading
     way, bearing, length = far, ahead, far
-    if _free_way(observation, ahead) < min(far, 0.999 * _sight(observation)):
+    if _free_way(observation, ahead) < min(far, 0.999 * (_sight(observation) - observation[layout.OBS_RADIUS])):
         way, bearing, length = _best_end(observation)
         memory[body.HAND] = -1.0 if wrap(bearing - ahead) > 0.0 else 1.0
     memory[SINCE] += 1.0
