@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import pickle
 import random
 import re
+import struct
 import sys
 import types
 from collections.abc import Mapping
@@ -25,6 +27,8 @@ __all__ = ["PythonLoop"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
+
+_COMMAND = struct.Struct("3d")  # CMD_SPEED, CMD_TURN_RATE, CMD_DRAW
 
 
 class PythonLoop:
@@ -87,28 +91,27 @@ class PythonLoop:
         self._settings[layout.SET_STEPS] = steps
         start = np.array(memory, np.float64)
         stops = lattice_steps(self._arena, self._settings, self._scales, start, room, robot, self._rows, self._path)
-        observation, command, kept, act = room.observation, room.command, room.memory, self._controller.act
+        observation, act, floats = room.observation, self._controller.act, struct.Struct(f"{size}d")
+        kept, command = room.memory.data, room.command.data
         for _ in stops:
             asked, after = act(Observation.of(observation), memory)
-            memory = after if _is_flat(after, size) else _flat(after, size)
-            if size:
-                kept[:] = memory
+            if type(after) is not tuple or len(after) != size:
+                after = _flat(after, size)
+            try:
+                floats.pack_into(kept, 0, *after)
+            except struct.error:
+                floats.pack_into(kept, 0, *_flat(after, size))
+            memory = floats.unpack_from(kept)  # plain floats, also of what had been whole or NumPy's
             _write_command(asked, command)
 
 
-def _write_command(asked: Command, command: Floats) -> None:
+def _write_command(asked: Command, command: memoryview) -> None:
     """Writes a command for the kernel; what is no number becomes nan, which the kernel refuses."""
     speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
     try:
-        command[layout.CMD_SPEED], command[layout.CMD_TURN_RATE] = float(speed), float(turn_rate)
-        command[layout.CMD_DRAW] = float(bool(used_random))
-    except (TypeError, ValueError):
-        command[layout.CMD_SPEED] = np.nan
-
-
-def _is_flat(memory: Any, size: int) -> bool:
-    """Whether a memory is what it should be already, as most are."""
-    return type(memory) is tuple and len(memory) == size and all(type(value) is float for value in memory)
+        _COMMAND.pack_into(command, 0, speed, turn_rate, bool(used_random))
+    except (struct.error, OverflowError):
+        _COMMAND.pack_into(command, 0, math.nan, 0.0, False)
 
 
 def _hidden_state(controller: Any) -> bytes | None:

@@ -63,9 +63,10 @@ class Observation(NamedTuple):
     @classmethod
     def of(cls, array: npt.NDArray[np.float64]) -> Observation:
         """Reads the flat array that kernels fill."""
-        values = array.tolist()
-        size = layout.OBS_SIZE
-        return cls._make((values[layout.OBS_BUMP] != 0.0, *values[1:size], tuple(values[size:])))
+        values: list[Any] = array.tolist()
+        values[layout.OBS_SIZE :] = (tuple(values[layout.OBS_SIZE :]),)
+        values[layout.OBS_BUMP] = values[layout.OBS_BUMP] != 0.0
+        return tuple.__new__(cls, values)  # as _make does, in half the time: this runs in every step
 
 
 DEFAULT_SENSES = tuple(name for name in Observation._fields if name != "time")
