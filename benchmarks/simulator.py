@@ -31,7 +31,7 @@ import shapely
 from sim import Command, CompiledController, RobotOptions, RunOptions, simulate_many
 from sim.episode import prepare
 from sim.kernels import layout
-from sim.kernels.lattice_episode import new_robot, new_room
+from sim.kernels.lattice_state import new_robot, new_room
 from worldgen import generate
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World

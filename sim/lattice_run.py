@@ -16,8 +16,10 @@ from sim.controllers.base import CompiledController, Controller, compiled_act, n
 from sim.controllers.program import Misbehaviour
 from sim.kernels import layout
 from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
-from sim.kernels.lattice_episode import Arena, Robot, Room, lattice_batch, lattice_episode, new_robot, new_room
+from sim.kernels.lattice_batch import lattice_batch
+from sim.kernels.lattice_episode import lattice_episode
 from sim.kernels.lattice_sense import heading_table
+from sim.kernels.lattice_state import Arena, Robot, Room, new_robot, new_room
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_time, start_overlaps

@@ -20,8 +20,9 @@ from sim.controllers.base import Command, Memory, Observation, PythonController
 from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour
 from sim.kernels import layout
-from sim.kernels.lattice_episode import Arena, lattice_steps, new_robot, new_room
+from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_motion import MOST_POINTS
+from sim.kernels.lattice_state import Arena, new_robot, new_room
 
 __all__ = ["PythonLoop"]
 

@@ -72,9 +72,22 @@ def kernel(function: F, *, signature: Any = None, allocates: bool = True, inline
         options: dict[str, Any] = {"cache": True, "nogil": True, "forceinline": inline}
         options |= {} if allocates else {"_nrt": False}
         decorate = njit(**options) if signature is None else njit(signature, **options)
-        return cast(F, decorate(function))
+        return cast(F, _without_literals(decorate(function)))
     finally:
         config.CACHE_DIR = before
+
+
+def _without_literals(dispatcher: Any) -> Any:
+    """Lets calls with constants share one compilation: to numba a bare 0 is of a type of its own."""
+    from numba.core import types
+
+    unliteral: Any = types.unliteral
+    typed = getattr(dispatcher, "get_call_template", None)
+    if typed is not None:  # there is none where numba compiles nothing
+        dispatcher.get_call_template = lambda args, kws: typed(
+            tuple(map(unliteral, args)), {name: unliteral(value) for name, value in kws.items()}
+        )
+    return dispatcher
 
 
 def lazy_kernel(function: F) -> F:
