@@ -14,7 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers import CONTROLLERS, CompiledController, Controller
+from sim.controllers.base import VectorController
 from sim.episode import Episode, simulate
+from sim.fleet_run import FleetRun
 from sim.kernels import layout
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
@@ -31,6 +33,8 @@ VERDICTS = (
 """The verdict of each number in :attr:`Runs.verdict`."""
 
 _MOST_AT_ONCE = 256  # runs in one call of the kernel, so that all cores have something to do
+_MOST_IN_A_FLEET = 1024  # robots in lockstep: enough for NumPy, and few enough for the processor's cache
+_FLEET_BYTES = 1 << 26  # for the cells that they have visited
 _CODE = {verdict: np.int8(code) for code, verdict in enumerate(VERDICTS)}
 
 Ints = npt.NDArray[np.int64]
@@ -156,8 +160,10 @@ def simulate_many(
     with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
         for _ in pool.map(lambda job: _run_compiled(job, runs, digest), threaded):
             pass
+    for fleet in _fleets([job for job in jobs if _is_vector(job)]):
+        _run_fleet(fleet, runs, digest)
     for job in jobs:
-        if not _is_threaded(job):
+        if not _is_threaded(job) and not _is_vector(job):
             _run_each(job, job.rows, runs, digest)
     return runs
 
@@ -197,6 +203,47 @@ def _jobs(
 
 def _is_threaded(job: _Job) -> bool:
     return isinstance(job.controller, CompiledController) and MOTIONS.get(job.options.motion).kernel == LATTICE
+
+
+def _is_vector(job: _Job) -> bool:
+    return isinstance(job.controller, VectorController) and MOTIONS.get(job.options.motion).kernel == LATTICE
+
+
+def _fleets(jobs: Sequence[_Job]) -> Iterator[list[_Job]]:
+    """Jobs that can run in lockstep: of one controller, in worlds of one shape, not too many at once."""
+    kinds: dict[tuple[int, tuple[int, ...]], list[_Job]] = {}
+    for job in jobs:
+        kinds.setdefault((id(job.controller), job.world.walls.shape), []).append(job)
+    for (_, (height, width)), alike in kinds.items():
+        most = max(1, min(_MOST_IN_A_FLEET, _FLEET_BYTES // (height * width)))
+        ends = np.cumsum([len(job.rows) for job in alike]) - 1
+        for _, fleet in itertools.groupby(zip(ends // most, alike, strict=True), key=lambda one: one[0]):
+            yield [job for _, job in fleet]
+
+
+def _run_fleet(fleet: Sequence[_Job], runs: Runs, digest: bool) -> None:
+    """Runs jobs in lockstep; one by one if the controller cannot."""
+    controller = fleet[0].controller
+    if not isinstance(controller, VectorController):
+        raise TypeError("only controllers that act for many robots run in lockstep")
+    packed = [LatticeRun(replace(job.world, start=job.starts[0]), controller, job.options) for job in fleet]
+    starts = []
+    for job, run in zip(fleet, packed, strict=True):
+        places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
+        starts.append(places[runs.start[job.rows.start : job.rows.stop]])
+    sizes = [len(job.rows) for job in fleet]
+    rows = np.concatenate([np.arange(job.rows.start, job.rows.stop) for job in fleet])
+    world = np.repeat(np.arange(len(fleet)), sizes)
+    found = FleetRun(controller, packed, world, np.concatenate(starts), runs.seed[rows]).run(digest=digest)
+    first = 0
+    for job, run, size in zip(fleet, packed, sizes, strict=True):
+        if found is None:
+            _run_each(job, job.rows, runs, digest)
+        else:
+            part, metres = slice(first, first + size), float(run.scales[layout.SCALE_METRES])
+            own = slice(job.rows.start, job.rows.stop)
+            _fill(runs, own, found[0][part], found[1][part], job.options.time_step, metres, digest)
+        first += size
 
 
 def _run_compiled(job: _Job, runs: Runs, digest: bool) -> None:

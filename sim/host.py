@@ -13,6 +13,8 @@ import sys
 from typing import Any, BinaryIO
 
 from sim.controllers import CONTROLLERS, Command, CompiledController, Observation, ProcessController, PythonController
+from sim.controllers.base import VectorController
+from sim.controllers.vector import OneOfMany
 from worldgen.errors import InvalidParameter, WorldgenError
 
 __all__ = ["serve"]
@@ -57,7 +59,7 @@ def _load(arguments: list[str]) -> PythonController:
     found = CONTROLLERS.get(arguments[0])
     if isinstance(found, CompiledController | ProcessController):
         raise InvalidParameter(f"{arguments[0]} is no Python class; give it to --controller as it is")
-    return found
+    return OneOfMany(found) if isinstance(found, VectorController) else found
 
 
 def main() -> None:

@@ -94,7 +94,7 @@ class LatticeRun:
         check_step_length(world, options.time_step, Fraction(1, UNIT))
         motion = MOTIONS.get(options.motion)
         self._cells = world.walls.astype(np.uint8)
-        self._events = _event_rows(world, options.time_step)
+        self.events = _event_rows(world, options.time_step)
         self.settings, self.scales = np.zeros(layout.SET_SIZE, np.int64), np.zeros(layout.SCALE_SIZE)
         self._fill_settings(motion.code)
         self._fill_scales(motion.overlap_tolerance)
@@ -179,21 +179,21 @@ class LatticeRun:
     @property
     def last_event_step(self) -> int:
         """Step in which the world changes for the last time; 0 if it never does."""
-        return int(self._events[-1, layout.EVENT_STEP]) if len(self._events) else 0
+        return int(self.events[-1, layout.EVENT_STEP]) if len(self.events) else 0
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
         self.settings[layout.SET_STEPS], self.settings[layout.SET_DIGEST] = steps, int(digest)
-        self.settings[layout.SET_FIND_LOOP] = int(find_loop and self._can_loop)
+        self.settings[layout.SET_FIND_LOOP] = int(find_loop and self.can_loop)
         if isinstance(self.controller, CompiledController):
             return self._run_compiled(self.controller, steps, record)
-        loop = PythonLoop(self.controller, self._arena(), self.settings, self.scales)
+        loop = PythonLoop(self.controller, self.arena(), self.settings, self.scales)
         loop.run(steps, record=record)
         recording = loop.recording() if record else None
         return self._outcome(loop.robot, recording, loop.complete, loop.fault)
 
     @property
-    def _can_loop(self) -> bool:
+    def can_loop(self) -> bool:
         """Who reads the clock never comes back to a state, and neither does a robot with noise."""
         return not (self.settings[layout.SET_SENSES] & layout.SENSE_TIME or self.options.robot.random)
 
@@ -213,24 +213,24 @@ class LatticeRun:
         """
         settings = self.settings.copy()
         settings[layout.SET_STEPS], settings[layout.SET_DIGEST] = self.options.steps, int(digest)
-        settings[layout.SET_FIND_LOOP] = int(self._can_loop)
+        settings[layout.SET_FIND_LOOP] = int(self.can_loop)
         counts, sums = np.zeros((len(seeds), layout.OUT_SIZE), np.int64), np.zeros((len(seeds), layout.SUM_SIZE))
         memory, act = np.array(controller.memory, np.float64), compiled_act(controller.act)
         rooms = tuple(new_room(memory.size, self.options.robot.beams) for _ in range(2))
-        robots = tuple(new_robot(memory.size, self._events) for _ in range(2))
-        arenas = (self._arena(), self._arena())
+        robots = tuple(new_robot(memory.size, self.events) for _ in range(2))
+        arenas = (self.arena(), self.arena())
         _typed(lattice_batch)(
-            self._arena(), arenas, settings, self.scales, act, memory, rooms, robots, starts, seeds.view(np.int64),
+            self.arena(), arenas, settings, self.scales, act, memory, rooms, robots, starts, seeds.view(np.int64),
             np.zeros((0, 1), np.int64), counts, sums,
         )  # fmt: skip
         return counts, sums
 
-    def _arena(self) -> Arena:
+    def arena(self) -> Arena:
         """The world before the first event."""
         visited = np.zeros(self._cells.shape, np.uint8)
         visited[self._cell_of(layout.SET_Y, 0), self._cell_of(layout.SET_X, 1)] = 1
-        near = self._near.copy() if len(self._events) else self._near
-        return Arena(self._cells.copy(), near, self._clearance, self._events, _headings(), visited)
+        near = self._near.copy() if len(self.events) else self._near
+        return Arena(self._cells.copy(), near, self._clearance, self.events, _headings(), visited)
 
     def _cell_of(self, setting: int, axis: int) -> int:
         """Row or column of the start."""
@@ -250,11 +250,11 @@ class LatticeRun:
     def _episode(self, controller: CompiledController, rows: Ints, path: Ints) -> tuple[Robot, Misbehaviour | None]:
         """One run of the kernel, and what the controller raised."""
         memory = np.array(controller.memory, np.float64)
-        robot, room = new_robot(memory.size, self._events), new_room(memory.size, self.options.robot.beams)
+        robot, room = new_robot(memory.size, self.events), new_room(memory.size, self.options.robot.beams)
         act = compiled_act(controller.act)
         fault = None
         try:
-            _typed(lattice_episode)(self._arena(), self.settings, self.scales, act, memory, room, robot, rows, path)
+            _typed(lattice_episode)(self.arena(), self.settings, self.scales, act, memory, room, robot, rows, path)
         except (ArithmeticError, LookupError, ValueError, TypeError) as error:  # raised in the compiled controller
             fault = Misbehaviour("crash", f"{type(error).__name__}: {error}")
         return robot, fault

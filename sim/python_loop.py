@@ -10,21 +10,22 @@ import re
 import struct
 import sys
 import types
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import Command, Memory, Observation, PythonController
+from sim.controllers.base import Command, Memory, Observation, PythonController, VectorController
 from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour
+from sim.controllers.vector import ask
 from sim.kernels import layout
 from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_motion import MOST_POINTS
-from sim.kernels.lattice_state import Arena, new_robot, new_room
+from sim.kernels.lattice_state import Arena, Room, new_robot, new_room
 
-__all__ = ["PythonLoop"]
+__all__ = ["PythonLoop", "flat_memory", "hidden_state"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -42,7 +43,9 @@ class PythonLoop:
         scales: Likewise.
     """
 
-    def __init__(self, controller: PythonController, arena: Arena, settings: Ints, scales: Floats) -> None:
+    def __init__(
+        self, controller: PythonController | VectorController, arena: Arena, settings: Ints, scales: Floats
+    ) -> None:
         self._controller, self._arena, self._settings, self._scales = controller, arena, settings, scales
         self.robot = new_robot(0, arena.events)
         self.complete = True
@@ -61,10 +64,10 @@ class PythonLoop:
             self._settings[layout.SET_FIND_LOOP] = 0
             self._guarded(steps, record)
             return
-        hidden = _hidden_state(self._controller)
+        hidden = hidden_state(self._controller)
         with contextlib.redirect_stdout(sys.stderr):
             self._guarded(steps, record)
-        self.complete = hidden is not None and _hidden_state(self._controller) == hidden
+        self.complete = hidden is not None and hidden_state(self._controller) == hidden
 
     def recording(self) -> tuple[Ints, Ints]:
         """The states as rows, and the points of the path, as the compiled episode writes them."""
@@ -74,7 +77,7 @@ class PythonLoop:
 
     def _guarded(self, steps: int, record: bool) -> None:
         try:
-            self._episode(_flat(self._controller.reset()), steps, record)
+            self._episode(flat_memory(self._controller.reset()), steps, record)
         except Misbehaviour as fault:
             self.fault = fault
         except (Exception, SystemExit) as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
@@ -92,18 +95,36 @@ class PythonLoop:
         self._settings[layout.SET_STEPS] = steps
         start = np.array(memory, np.float64)
         stops = lattice_steps(self._arena, self._settings, self._scales, start, room, robot, self._rows, self._path)
-        observation, act, floats = room.observation, self._controller.act, struct.Struct(f"{size}d")
-        kept, command = room.memory.data, room.command.data
-        for _ in stops:
-            asked, after = act(Observation.of(observation), memory)
-            if type(after) is not tuple or len(after) != size:
-                after = _flat(after, size)
-            try:
-                floats.pack_into(kept, 0, *after)
-            except struct.error:
-                floats.pack_into(kept, 0, *_flat(after, size))
-            memory = floats.unpack_from(kept)  # plain floats, also of what had been whole or NumPy's
-            _write_command(asked, command)
+        if isinstance(self._controller, VectorController):
+            _act_as_one_of_many(self._controller, stops, room)
+        else:
+            _act(self._controller, stops, room, memory)
+
+
+def _act(controller: PythonController, stops: Iterable[int], room: Room, memory: Memory) -> None:
+    """Asks a Python class wherever the kernel stops."""
+    size, act = len(memory), controller.act
+    observation, floats = room.observation, struct.Struct(f"{size}d")
+    kept, command = room.memory.data, room.command.data
+    for _ in stops:
+        asked, after = act(Observation.of(observation), memory)
+        if type(after) is not tuple or len(after) != size:
+            after = flat_memory(after, size)
+        try:
+            floats.pack_into(kept, 0, *after)
+        except struct.error:
+            floats.pack_into(kept, 0, *flat_memory(after, size))
+        memory = floats.unpack_from(kept)  # plain floats, also of what had been whole or NumPy's
+        _write_command(asked, command)
+
+
+def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room: Room) -> None:
+    """The same for a controller of many robots, of which there is one."""
+    seen, memory, command = room.observation[np.newaxis], room.memory[np.newaxis], room.command[np.newaxis]
+    after = memory.copy()
+    for _ in stops:
+        ask(controller, seen, memory, command, after)
+        memory[...] = after
 
 
 def _write_command(asked: Command, command: memoryview) -> None:
@@ -115,7 +136,7 @@ def _write_command(asked: Command, command: memoryview) -> None:
         _COMMAND.pack_into(command, 0, math.nan, 0.0, False)
 
 
-def _hidden_state(controller: Any) -> bytes | None:
+def hidden_state(controller: Any) -> bytes | None:
     """All state outside ``memory`` that we can see: attributes, slots, class and module data, random generators.
 
     ``None`` if some of it cannot be pickled and so cannot be compared.
@@ -147,7 +168,7 @@ def _data(names: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _flat(memory: Any, size: int | None = None) -> Memory:
+def flat_memory(memory: Any, size: int | None = None) -> Memory:
     """The controller's memory as floats.
 
     Raises:

@@ -6,7 +6,7 @@ import functools
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 import numba
 import numpy as np
@@ -152,7 +152,32 @@ class PythonController(Protocol):
         ...
 
 
-Controller: TypeAlias = CompiledController | PythonController
+@runtime_checkable
+class VectorController(Protocol):
+    """A controller as a Python class that acts for many robots at once, with NumPy: millions of steps a second.
+
+    Row i of everything belongs to robot i and must depend on nothing else. There may be any number of robots, also
+    one, and there are fewer and fewer as they arrive. All else is as for a :class:`PythonController`.
+    """
+
+    def reset(self) -> Memory:
+        """Memory of each robot at the start of an episode, m numbers."""
+        ...
+
+    def act_many(self, observation: Any, memory: npt.NDArray[np.float64]) -> tuple[Any, npt.NDArray[np.float64]]:
+        """Commands for the next step, and the memories after it.
+
+        Args:
+            observation: An :class:`Observation` of arrays of shape (n,), ``beams`` of shape (n, beams).
+            memory: (n, m), not to be changed.
+
+        Returns:
+            A :class:`Command` whose fields are arrays of shape (n,) or single numbers, and an array (n, m).
+        """
+        ...
+
+
+Controller: TypeAlias = CompiledController | PythonController | VectorController
 
 
 _COSTLY_SENSES = {

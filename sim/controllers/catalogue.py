@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sim.controllers.base import CompiledController, Controller, PythonController, check_senses
+from sim.controllers.base import CompiledController, Controller, check_senses
 from sim.controllers.process import ProcessController, is_process_name
 from worldgen.errors import InvalidParameter
 from worldgen.registry import Registry
@@ -35,14 +35,15 @@ def _accept(name: str, thing: Any) -> Controller:
         raise InvalidParameter(
             f"controller {name!r} cannot be made without arguments: {type(error).__name__}: {error}"
         ) from error
-    missing = [method for method in ("reset", "act") if not callable(getattr(made, method, None))]
+    act = "act_many" if hasattr(made, "act_many") else "act"
+    missing = [method for method in ("reset", act) if not callable(getattr(made, method, None))]
     if missing:
         raise InvalidParameter(
             f"controller {name!r} has no {' and no '.join(missing)}; it needs reset() -> memory and "
-            "act(observation, memory) -> (command, memory), or be a CompiledController"
+            "act(observation, memory) -> (command, memory), or act_many for many robots, or be a CompiledController"
         )
     check_senses(name, tuple(getattr(made, "senses", ())))
-    controller: PythonController = made
+    controller: Controller = made
     return controller
 
 

@@ -1,0 +1,69 @@
+"""Asks a controller that acts for many robots at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers.base import Command, Memory, Observation, VectorController
+from sim.kernels import layout
+
+__all__ = ["OneOfMany", "ask"]
+
+Floats = npt.NDArray[np.float64]
+
+
+def ask(controller: VectorController, seen: Floats, memory: Floats, command: Floats, after: Floats) -> None:
+    """Lets a controller act for n robots.
+
+    Args:
+        controller: The controller.
+        seen: (n, OBS_SIZE + beams) what kernels observed.
+        memory: (n, m) the robots' memories.
+        command: (n, CMD_SIZE), filled.
+        after: (n, m), filled: their memories then.
+
+    Raises:
+        ValueError, TypeError: If what it returns does not fit; and whatever else it raises.
+    """
+    asked, kept = controller.act_many(_columns(seen), _locked(memory))
+    speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
+    command[:, layout.CMD_SPEED], command[:, layout.CMD_TURN_RATE] = speed, turn_rate
+    command[:, layout.CMD_DRAW] = np.asarray(used_random) != 0
+    after[...] = kept
+
+
+def _columns(seen: Floats) -> Observation:
+    """The observations of all robots, as one with arrays for numbers."""
+    locked = _locked(seen)
+    columns: list[Any] = [locked[:, k] for k in range(layout.OBS_SIZE)]
+    columns[layout.OBS_BUMP] = columns[layout.OBS_BUMP] != 0.0
+    return Observation._make([*columns, locked[:, layout.OBS_SIZE :]])
+
+
+@dataclass(frozen=True)
+class OneOfMany:
+    """A controller of many robots as a Python class for one."""
+
+    controller: VectorController
+
+    def reset(self) -> Memory:
+        """As the controller's."""
+        return self.controller.reset()
+
+    def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
+        """The only robot's command and memory."""
+        seen, before = np.array([[*observation[:-1], *observation.beams]]), np.array([memory])
+        command, after = np.zeros((1, layout.CMD_SIZE)), np.empty_like(before)
+        ask(self.controller, seen, before, command, after)
+        speed, turn_rate, used_random = command[0].tolist()
+        return Command(speed, turn_rate, used_random != 0.0), tuple(after[0].tolist())
+
+
+def _locked(array: Floats) -> Floats:
+    view = array.view()
+    view.flags.writeable = False
+    return view

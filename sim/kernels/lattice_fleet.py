@@ -1,0 +1,202 @@
+"""Many robots in lockstep: all move, then one call of their controller acts for all of them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.kernels import layout
+from sim.kernels._jit import kernel, rare_kernel
+from sim.kernels._views import part, row
+from sim.kernels.lattice_episode import is_over, last_event
+from sim.kernels.lattice_state import Arena, Robot, Room, same, set_out
+from sim.kernels.lattice_step import is_inside, move_and_sense, obey, remember
+
+__all__ = ["CLOCK_SIZE", "CLOCK_STEP", "Fleet", "fleet_act", "fleet_move", "fleet_same", "fleet_set_out"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+CLOCK_STEP, CLOCK_EVENT = 0, 1  # steps done; index of the next event
+CLOCK_POINTS, CLOCK_BUMP = 2, 3  # of the last step: points of its path, and whether a wall was touched
+CLOCK_SIZE = 4
+
+
+class Fleet(NamedTuple):
+    """n robots in w worlds of one shape; what stands in ``order`` moves, the controller's numbers are in that order.
+
+    Args:
+        cells: (p, height, width) uint8, pages of cell states: one for each world, or for each robot if worlds change.
+        near: (p, height, width) int32, as in :class:`sim.kernels.lattice_state.Arena`.
+        clearance: (w, height or 0, width or 0) int32, likewise.
+        events: (e, EVENT_SIZE) int64, of all worlds.
+        headings: (65536,) int64.
+        visited: (n, height, width) uint8.
+        page: (n,) int64, a robot's page.
+        world: (n,) int64, a robot's world.
+        span: (w, 2) int64, a world's first event, and the one after its last.
+        settings: (n, SET_SIZE) int64.
+        scales: (w, SCALE_SIZE).
+        state: (n, STATE_MEMORY + memory) int64, and the like for all that a
+            :class:`sim.kernels.lattice_state.Robot` has.
+        odometry: (n, 3).
+        chain: (n, points, 3) int64.
+        counts: (n, OUT_SIZE) int64.
+        sums: (n, SUM_SIZE).
+        anchor: (n, STATE_MEMORY + memory) int64.
+        brent: (n, 3) int64.
+        clock: (n, CLOCK_SIZE) int64.
+        order: (n,) int64, robots by slot.
+        observation: (n, OBS_SIZE + beams) by slot.
+        memory: (n, memory) by slot.
+        words: The same bits as int64.
+        command: (n, CMD_SIZE) by slot.
+        nothing: (0, 1) int64.
+    """
+
+    cells: npt.NDArray[np.uint8]
+    near: npt.NDArray[np.int32]
+    clearance: npt.NDArray[np.int32]
+    events: Ints
+    headings: Ints
+    visited: npt.NDArray[np.uint8]
+    page: Ints
+    world: Ints
+    span: Ints
+    settings: Ints
+    scales: Floats
+    state: Ints
+    odometry: Floats
+    chain: Ints
+    counts: Ints
+    sums: Floats
+    anchor: Ints
+    brent: Ints
+    clock: Ints
+    order: Ints
+    observation: Floats
+    memory: Floats
+    words: Ints
+    command: Floats
+    nothing: Ints
+
+
+@kernel
+def _arena(fleet: Fleet, robot: int) -> Arena:
+    page, world = fleet.page[robot], fleet.world[robot]
+    return Arena(
+        row(fleet.cells, page),
+        row(fleet.near, page),
+        row(fleet.clearance, world),
+        part(fleet.events, fleet.span[world, 0], fleet.span[world, 1]),
+        fleet.headings,
+        row(fleet.visited, robot),
+    )
+
+
+@kernel
+def _robot(fleet: Fleet, robot: int) -> Robot:
+    return Robot(
+        row(fleet.state, robot),
+        row(fleet.odometry, robot),
+        row(fleet.chain, robot),
+        row(fleet.counts, robot),
+        row(fleet.sums, robot),
+    )
+
+
+@kernel
+def _room(fleet: Fleet, robot: int, slot: int) -> Room:
+    return Room(
+        row(fleet.memory, slot),
+        row(fleet.words, slot),
+        row(fleet.observation, slot),
+        row(fleet.command, slot),
+        row(fleet.anchor, robot),
+        row(fleet.brent, robot),
+    )
+
+
+@rare_kernel
+def fleet_set_out(fleet: Fleet, count: int, memory: Floats) -> None:
+    """Puts the robots in the first ``count`` slots at their starts, with their memory at reset."""
+    for slot in range(count):
+        robot = fleet.order[slot]
+        settings, scales = row(fleet.settings, robot), row(fleet.scales, fleet.world[robot])
+        set_out(settings, scales, memory, _room(fleet, robot, slot), _robot(fleet, robot))
+        for k in range(CLOCK_SIZE):
+            fleet.clock[robot, k] = 0
+
+
+@rare_kernel
+def fleet_move(fleet: Fleet, count: int) -> None:
+    """The part of a step before the controller acts, for the robots in the first ``count`` slots."""
+    for slot in range(count):
+        robot = fleet.order[slot]
+        settings, scales = row(fleet.settings, robot), row(fleet.scales, fleet.world[robot])
+        clock = row(fleet.clock, robot)
+        clock[CLOCK_STEP] += 1
+        event, points, nx, ny = move_and_sense(
+            _arena(fleet, robot), settings, scales, _room(fleet, robot, slot), _robot(fleet, robot),
+            clock[CLOCK_STEP], clock[CLOCK_EVENT],
+        )  # fmt: skip
+        clock[CLOCK_EVENT], clock[CLOCK_POINTS] = event, points
+        clock[CLOCK_BUMP] = 1 if nx != 0.0 or ny != 0.0 else 0
+
+
+@rare_kernel
+def fleet_act(fleet: Fleet, count: int, after: Floats, over: npt.NDArray[np.bool_]) -> int:
+    """The rest of the step, with what ``command`` asks for.
+
+    Args:
+        fleet: The fleet.
+        count: Slots that moved.
+        after: (n, memory) by slot, memory as the controller wants it.
+        over: (n,) by slot, filled: whether that was a robot's last step.
+
+    Returns:
+        How many had their last step.
+    """
+    ended = 0
+    for slot in range(count):
+        robot = fleet.order[slot]
+        settings, scales = row(fleet.settings, robot), row(fleet.scales, fleet.world[robot])
+        arena, room, driver = _arena(fleet, robot), _room(fleet, robot, slot), _robot(fleet, robot)
+        clock = row(fleet.clock, robot)
+        step = clock[CLOCK_STEP]
+        if driver.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, driver):
+            for k in range(room.memory.size):
+                room.memory[k] = after[slot, k]
+            obey(settings, scales, room.command, step, driver)
+        remember(room, driver)
+        moved = (clock[CLOCK_POINTS], clock[CLOCK_BUMP] != 0)
+        last = is_over(settings, room, driver, step, last_event(arena), moved, fleet.nothing, fleet.nothing)
+        over[slot] = last or step >= settings[layout.SET_STEPS]
+        if over[slot]:
+            ended += 1
+    return ended
+
+
+@rare_kernel
+def fleet_same(one: Fleet, other: Fleet, count: int, equal: npt.NDArray[np.bool_]) -> int:
+    """Compares the states of the same robots in two fleets.
+
+    Args:
+        one: A fleet; its order counts.
+        other: Another.
+        count: Slots to compare.
+        equal: (n,) by slot, filled; false until a robot's world has changed for the last time.
+
+    Returns:
+        How many are equal.
+    """
+    found = 0
+    for slot in range(count):
+        robot = one.order[slot]
+        quiet = one.clock[robot, CLOCK_STEP] >= last_event(_arena(one, robot))
+        equal[slot] = quiet and same(row(one.state, robot), row(other.state, robot))
+        if equal[slot]:
+            found += 1
+    return found
