@@ -5,7 +5,8 @@ each peer, all from one run. Peers that are not installed are left out, and name
 
 The maze has 60 x 60 cells, the disc a radius of 0.7 cells, a step is 0.3 cells long. The controller is a simple
 reactive one: ahead, and after a bump turn on the spot for 5 to 24 steps. Rates are steps per second of processor
-time, but for those of several threads, which are per second of wall time; the best of all rounds counts. Cases and
+time, but for those of several threads or processes, which are per second of wall time; the best of all rounds
+counts. Cases and
 peers take turns in every round, so that other work on the machine hits all alike.
 """
 
@@ -28,7 +29,7 @@ import click
 import numpy as np
 import shapely
 
-from sim import Command, CompiledController, RobotOptions, RunOptions, simulate_many
+from sim import Command, Commands, CompiledController, ProcessController, RobotOptions, RunOptions, simulate_many
 from sim.episode import prepare
 from sim.kernels import layout
 from sim.kernels.lattice_state import new_robot, new_room
@@ -75,6 +76,24 @@ class Bouncer:
         return Command(2.0, 0.0, observation.bump), (0.0,)
 
 
+@dataclass(frozen=True)
+class BouncerOfMany:
+    """The same controller for many robots at once."""
+
+    senses = ("bump", "random")
+
+    def reset(self) -> tuple[float, ...]:
+        """No turn to begin with."""
+        return (0.0,)
+
+    def act_many(self, observation: Any, memory: Any) -> tuple[Commands, Any]:
+        """Ahead, or on with the turn."""
+        rest = np.where(observation.bump, 5.0 + np.floor(observation.random * 20.0), memory[:, 0])
+        turns = rest > 0.0
+        command = Commands(np.where(turns, 0.0, 2.0), np.where(turns, RATE, 0.0), observation.bump)
+        return command, np.maximum(rest - 1.0, 0.0)[:, np.newaxis]
+
+
 def maze(size: int = 60) -> World:
     """The maze, its target out of everybody's way."""
     world = generate("maze", seed=3, size=size)
@@ -116,6 +135,25 @@ def _many(workers: int) -> Callable[[], Rate]:
     return once
 
 
+def _program() -> Callable[[], Rate]:
+    """A program: the Python class, served by a process of its own, whose time counts too."""
+    program = ProcessController([sys.executable, "-m", "sim.host", "benchmarks.simulator:Bouncer"])
+    run = prepare(maze(), program, RunOptions("swept", 20_000, STEP, 5))
+
+    def once() -> Rate:
+        begin = time.perf_counter()
+        outcome = run.run(20_000, find_loop=False, record=False, digest=False)
+        return outcome.steps, time.perf_counter() - begin
+
+    return once
+
+
+def _fleet() -> Rate:
+    begin = time.process_time()
+    runs = simulate_many(maze(), BouncerOfMany(), seeds=1024, steps=1_000)
+    return int(runs.steps.sum()), time.process_time() - begin
+
+
 def _beams() -> Callable[[], Rate]:
     eyes = CompiledController("eyes", _act, (0.0,), 2.0, randomised=True, senses=("bump", "random", "beams"))
     return _run(maze(), eyes, 200_000, robot=RobotOptions(beams=36, beam_range=2.0))
@@ -128,6 +166,8 @@ CASES: dict[str, Callable[[], Callable[[], Rate]]] = {
     "endpoint, compiled controller": lambda: _run(maze(), BOUNCER, 2_000_000, motion="endpoint"),
     "stepped, the thesis's robot": lambda: _run(maze(), "turn-random", 500_000, motion="stepped"),
     "swept, Python class": lambda: _run(maze(), Bouncer(), 20_000),
+    "swept, vector class, 1024 robots": lambda: _fleet,
+    "swept, program in Python (wall)": _program,
     "simulate_many, 1 thread (wall)": lambda: _many(1),
     "simulate_many, 2 threads (wall)": lambda: _many(2),
 }

@@ -5,7 +5,8 @@ Contents, each imported when it is first used:
     simulate_many, Runs: many runs at once, results in arrays.
     Scenario: everything about a run except the world. RobotOptions, ThesisOptions: dynamics and sensors under
     the motion models on the lattice; switches of the thesis's simulator.
-    CompiledController, PythonController, ProcessController, Observation, Command: bring your own controller.
+    CompiledController, PythonController, VectorController, ProcessController: bring your own controller.
+    Observation, Command, Observations, Commands: what it sees and says, for one robot and for many.
     CONTROLLERS, MOTIONS: what is registered.
 """
 
@@ -19,10 +20,13 @@ if TYPE_CHECKING:
     from sim.controllers import (
         CONTROLLERS,
         Command,
+        Commands,
         CompiledController,
         Observation,
+        Observations,
         ProcessController,
         PythonController,
+        VectorController,
     )
     from sim.episode import Episode, simulate
     from sim.motion import MOTIONS
@@ -35,7 +39,8 @@ if TYPE_CHECKING:
 _HOME = {
     "batch": ("Runs", "simulate_many"),
     "controllers": (
-        "CONTROLLERS", "Command", "CompiledController", "Observation", "ProcessController", "PythonController",
+        "CONTROLLERS", "Command", "Commands", "CompiledController", "Observation", "Observations",
+        "ProcessController", "PythonController", "VectorController",
     ),
     "episode": ("Episode", "simulate"),
     "motion": ("MOTIONS",),
@@ -48,9 +53,9 @@ _HOME = {
 _MODULE = {name: f"sim.{module}" for module, names in _HOME.items() for name in names}
 
 __all__ = [
-    "CONTROLLERS", "MOTIONS", "Command", "CompiledController", "Episode", "Observation", "ProcessController",
-    "PythonController", "RobotOptions", "RunOptions", "Runs", "Scenario", "ThesisOptions", "Trace", "simulate",
-    "simulate_many",
+    "CONTROLLERS", "MOTIONS", "Command", "Commands", "CompiledController", "Episode", "Observation", "Observations",
+    "ProcessController", "PythonController", "RobotOptions", "RunOptions", "Runs", "Scenario", "ThesisOptions", "Trace",
+    "VectorController", "simulate", "simulate_many",
 ]  # fmt: skip
 
 

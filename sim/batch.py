@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers import CONTROLLERS, CompiledController, Controller
-from sim.controllers.base import VectorController
+from sim.controllers import CONTROLLERS, CompiledController, Controller, VectorController
 from sim.episode import Episode, simulate
 from sim.fleet_run import FleetRun
 from sim.kernels import layout

@@ -12,8 +12,15 @@ import os
 import sys
 from typing import Any, BinaryIO
 
-from sim.controllers import CONTROLLERS, Command, CompiledController, Observation, ProcessController, PythonController
-from sim.controllers.base import VectorController
+from sim.controllers import (
+    CONTROLLERS,
+    Command,
+    CompiledController,
+    Observation,
+    ProcessController,
+    PythonController,
+    VectorController,
+)
 from sim.controllers.vector import OneOfMany
 from worldgen.errors import InvalidParameter, WorldgenError
 

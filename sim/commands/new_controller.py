@@ -17,7 +17,7 @@ EXAMPLES = (
     "  worldgen new-controller my-robot --kind process --out robots/\n"
     "  worldgen new-controller fast --kind compiled --out fast.py --force"
 )
-KINDS = ("compiled", "python", "process")
+KINDS = ("compiled", "python", "vector", "process")
 
 
 @click.command(epilog=EXAMPLES)
@@ -27,7 +27,8 @@ KINDS = ("compiled", "python", "process")
     type=click.Choice(KINDS),
     default="python",
     show_default=True,
-    help="A function that numba compiles, a Python class, or a program of its own that speaks JSON lines.",
+    help="A function that numba compiles, a Python class for one robot, one for many robots at once with NumPy, "
+    "or a program of its own that speaks JSON lines.",
 )
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR|FILE", help="Where to write [default: ./NAME.py].")
 @json_option
@@ -35,9 +36,10 @@ KINDS = ("compiled", "python", "process")
 def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force: bool) -> None:
     """Write a working, commented controller to begin from.
 
-    All three kinds drive by the same rule: to the target, and after a bump away from the wall for a while. The
-    compiled one takes millions of steps a second and its loops are proved; the Python class takes a hundred thousand
-    and its loops are proved too; the process may be in any language and hide anything, so it is at most stalled.
+    All kinds drive by the same rule: to the target, and after a bump away from the wall for a while. The compiled
+    one takes millions of steps a second and its loops are proved; the Python class takes some hundred thousand and
+    its loops are proved too, and so are those of the vector class, which takes millions where it drives many robots;
+    the process may be in any language and hide anything, so it is at most stalled.
     """
     import importlib.resources
 
@@ -98,7 +100,7 @@ def _reference(path: Path, word: str, kind: str) -> str:
     place = str(path) if path.is_absolute() or str(path).startswith((".", "~")) else f"./{path}"
     if kind == "process":
         return f"cmd:{shlex.quote(place)}"
-    return f"{place}:{_title(word) if kind == 'python' else word}"
+    return f"{place}:{_title(word) if kind in ('python', 'vector') else word}"
 
 
 def _quoted(controller: str) -> str:

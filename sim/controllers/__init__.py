@@ -1,20 +1,33 @@
 """Controllers: observation and memory in, command and memory out; one file each.
 
 Contents:
-    CompiledController, PythonController, ProcessController, Observation, Command: the three ways to bring one.
+    CompiledController, PythonController, VectorController, ProcessController: the ways to bring one.
+    Observation, Command, Observations, Commands: what it sees and says, for one robot and for many.
     CONTROLLERS: finds one by name, as ``package.module:name``, ``./file.py:name``, or ``cmd:./program --flag``.
 """
 
-from sim.controllers.base import Command, CompiledController, Controller, Observation, PythonController
+from sim.controllers.base import (
+    Command,
+    Commands,
+    CompiledController,
+    Controller,
+    Observation,
+    Observations,
+    PythonController,
+    VectorController,
+)
 from sim.controllers.catalogue import CONTROLLERS
 from sim.controllers.process import ProcessController
 
 __all__ = [
     "CONTROLLERS",
     "Command",
+    "Commands",
     "CompiledController",
     "Controller",
     "Observation",
+    "Observations",
     "ProcessController",
     "PythonController",
+    "VectorController",
 ]

@@ -20,18 +20,22 @@ from worldgen.errors import InvalidParameter
 __all__ = [
     "Act",
     "Command",
+    "Commands",
     "CompiledController",
     "Controller",
     "Memory",
     "Observation",
+    "Observations",
     "PythonController",
+    "VectorController",
     "check_senses",
     "compiled_act",
     "robot_for",
     "senses_of",
 ]
 
-Act: TypeAlias = Callable[[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]], None]
+Floats: TypeAlias = npt.NDArray[np.float64]
+Act: TypeAlias = Callable[[Floats, Floats, Floats], None]
 Memory: TypeAlias = tuple[float, ...]
 
 numba_config: Any = numba.config
@@ -61,12 +65,42 @@ class Observation(NamedTuple):
     beams: tuple[float, ...]
 
     @classmethod
-    def of(cls, array: npt.NDArray[np.float64]) -> Observation:
+    def of(cls, array: Floats) -> Observation:
         """Reads the flat array that kernels fill."""
         values: list[Any] = array.tolist()
         values[layout.OBS_SIZE :] = (tuple(values[layout.OBS_SIZE :]),)
         values[layout.OBS_BUMP] = values[layout.OBS_BUMP] != 0.0
         return tuple.__new__(cls, values)  # as _make does, in half the time: this runs in every step
+
+
+class Observations(NamedTuple):
+    """What many robots see: an :class:`Observation` whose numbers are arrays of shape (n,)."""
+
+    bump: npt.NDArray[np.bool_]
+    bump_bearing: Floats
+    signal: Floats
+    signal_heading: Floats
+    heading: Floats
+    x: Floats
+    y: Floats
+    target_heading: Floats
+    target_distance: Floats
+    random: Floats
+    time_step: Floats
+    top_speed: Floats
+    time: Floats
+    odometry_x: Floats
+    odometry_y: Floats
+    odometry_heading: Floats
+    beams: Floats
+    """(n, beams)"""
+
+    @classmethod
+    def of(cls, array: Floats) -> Observations:
+        """Reads the rows that kernels fill, (n, OBS_SIZE + beams)."""
+        columns: list[Any] = [array[:, k] for k in range(layout.OBS_SIZE)]
+        columns[layout.OBS_BUMP] = columns[layout.OBS_BUMP] != 0.0
+        return cls._make([*columns, array[:, layout.OBS_SIZE :]])
 
 
 DEFAULT_SENSES = tuple(name for name in Observation._fields if name != "time")
@@ -85,6 +119,14 @@ class Command(NamedTuple):
     speed: float = 0.0
     turn_rate: float = 0.0
     used_random: bool = False
+
+
+class Commands(NamedTuple):
+    """What many robots are asked for: a :class:`Command` of arrays of shape (n,), or of numbers for all."""
+
+    speed: npt.ArrayLike = 0.0
+    turn_rate: npt.ArrayLike = 0.0
+    used_random: npt.ArrayLike = False
 
 
 @dataclass(frozen=True)
@@ -164,15 +206,15 @@ class VectorController(Protocol):
         """Memory of each robot at the start of an episode, m numbers."""
         ...
 
-    def act_many(self, observation: Any, memory: npt.NDArray[np.float64]) -> tuple[Any, npt.NDArray[np.float64]]:
+    def act_many(self, observation: Observations, memory: Floats) -> tuple[Commands, Floats]:
         """Commands for the next step, and the memories after it.
 
         Args:
-            observation: An :class:`Observation` of arrays of shape (n,), ``beams`` of shape (n, beams).
-            memory: (n, m), not to be changed.
+            observation: What they see; not to be changed.
+            memory: (n, m), likewise.
 
         Returns:
-            A :class:`Command` whose fields are arrays of shape (n,) or single numbers, and an array (n, m).
+            The commands, and the memories, (n, m).
         """
         ...
 

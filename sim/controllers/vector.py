@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import Command, Memory, Observation, VectorController
+from sim.controllers.base import Command, Commands, Memory, Observation, Observations, VectorController
 from sim.kernels import layout
 
 __all__ = ["OneOfMany", "ask"]
@@ -29,19 +28,11 @@ def ask(controller: VectorController, seen: Floats, memory: Floats, command: Flo
     Raises:
         ValueError, TypeError: If what it returns does not fit; and whatever else it raises.
     """
-    asked, kept = controller.act_many(_columns(seen), _locked(memory))
-    speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
+    asked, kept = controller.act_many(Observations.of(_locked(seen)), _locked(memory))
+    speed, turn_rate, used_random = asked if type(asked) is Commands else Commands(*asked)
     command[:, layout.CMD_SPEED], command[:, layout.CMD_TURN_RATE] = speed, turn_rate
     command[:, layout.CMD_DRAW] = np.asarray(used_random) != 0
     after[...] = kept
-
-
-def _columns(seen: Floats) -> Observation:
-    """The observations of all robots, as one with arrays for numbers."""
-    locked = _locked(seen)
-    columns: list[Any] = [locked[:, k] for k in range(layout.OBS_SIZE)]
-    columns[layout.OBS_BUMP] = columns[layout.OBS_BUMP] != 0.0
-    return Observation._make([*columns, locked[:, layout.OBS_SIZE :]])
 
 
 @dataclass(frozen=True)

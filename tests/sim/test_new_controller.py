@@ -1,4 +1,4 @@
-"""``worldgen new-controller``: what it writes runs at once, and drives alike in all three ways."""
+"""``worldgen new-controller``: what it writes runs at once, and drives alike in all ways."""
 
 import json
 import shlex
@@ -15,7 +15,7 @@ from sim.controllers import CONTROLLERS
 from tests.helpers.command_line import worldgen
 from worldgen import InvalidParameter, OutputError, Pose, Target, World, generate
 
-KINDS = ("compiled", "python", "process")
+KINDS = ("compiled", "python", "vector", "process")
 
 
 def make(*arguments):
@@ -38,7 +38,7 @@ def test_what_is_written_arrives_in_an_empty_room(kind, tmp_path):
     assert simulate(room(), made(tmp_path, kind)["controller"]).verdict == "reached"
 
 
-def test_all_three_kinds_drive_the_same_way(tmp_path):
+def test_all_kinds_drive_the_same_way(tmp_path):
     world, options = generate("maze", 7, size=20), RunOptions(steps=500)
     ways = [
         simulate(world, made(tmp_path, kind, f"robot-{kind}")["controller"], options, record=True).trace

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 
-from sim import Command, RobotOptions, simulate, simulate_many
+from sim import Command, Commands, Observation, Observations, RobotOptions, simulate, simulate_many
 from sim.controllers import CONTROLLERS
 from sim.kernels import layout
 from tests.sim.test_batch import FIELDS, burning, single
@@ -29,7 +29,7 @@ class TurnsAway:
     def act_many(self, observation, memory):
         rest = np.where(observation.bump, 5.0 + np.floor(observation.random * self.chance), memory[:, 0])
         turns = rest > 0.0
-        command = Command(np.where(turns, 0.0, 2.0), np.where(turns, 12.0, 0.0), observation.bump)
+        command = Commands(np.where(turns, 0.0, 2.0), np.where(turns, 12.0, 0.0), observation.bump)
         return command, np.where(turns, rest - 1.0, 0.0)[:, np.newaxis]
 
 
@@ -41,7 +41,7 @@ class AlwaysTheSame(TurnsAway):
 
     def act_many(self, observation, memory):
         rest = np.where(observation.bump, 7.0, memory[:, 0])
-        command = Command(np.where(rest > 0.0, 0.0, 2.0), np.where(observation.bump, math.pi / 2, 0.0) / STEP)
+        command = Commands(np.where(rest > 0.0, 0.0, 2.0), np.where(observation.bump, math.pi / 2, 0.0) / STEP)
         return command, np.maximum(rest - 1.0, 0.0)[:, np.newaxis]
 
 
@@ -142,7 +142,7 @@ def loops(world):
 def test_nonsense_gets_the_verdict_that_it_gets_alone(speed, verdict):
     class Nonsense(TurnsAway):
         def act_many(self, observation, memory):
-            return Command(speed), memory
+            return Commands(speed), memory
 
     assert simulate(arena(), Nonsense()).verdict == verdict
     assert simulate_many(arena(), Nonsense(), seeds=3).verdicts.tolist() == [verdict] * 3
@@ -152,7 +152,7 @@ def test_observation_and_memory_are_not_to_be_written():
     class Writes(TurnsAway):
         def act_many(self, observation, memory):
             memory[:] = 1.0
-            return Command(1.0), memory
+            return Commands(1.0), memory
 
     episode = simulate(arena(), Writes())
     assert episode.verdict == "crash" and "read-only" in episode.evidence["error"]
@@ -164,6 +164,10 @@ def test_a_class_that_cannot_act_is_refused_with_both_ways_out(tmp_path):
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
 
 
+def test_the_columns_have_the_names_of_the_numbers():
+    assert Observations._fields == Observation._fields and Commands._fields == Command._fields
+
+
 def test_the_layout_of_columns_is_that_of_numbers():
     @dataclass(frozen=True)
     class Keeps(TurnsAway):
@@ -173,7 +177,7 @@ def test_the_layout_of_columns_is_that_of_numbers():
             return (0.0,) * (layout.OBS_SIZE - 1)
 
         def act_many(self, observation, memory):
-            return Command(1.0, 0.5), np.stack([np.nan_to_num(column) for column in observation[1:-1]], axis=1)
+            return Commands(1.0, 0.5), np.stack([np.nan_to_num(column) for column in observation[1:-1]], axis=1)
 
     trace = simulate(arena(), Keeps(), steps=5, record=True).trace
     told = trace.states[-1, layout.STATE_MEMORY :].view(np.float64)
