@@ -14,7 +14,7 @@ from sim.motion.base import THESIS
 from sim.outcome import BY_THE_CONTROLLER, Outcome, Runnable
 from sim.run_options import MAX_RECORDED, RunOptions, options_of, switch_sets
 from sim.thesis_run import ThesisRun
-from sim.trace import Trace, state_digest
+from sim.trace import Trace, Words, state_digest
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value, Witness, World
 
@@ -105,26 +105,36 @@ def prepare(world: World, controller: str | Controller, options: RunOptions) -> 
 
 
 def _loop(run: Runnable, world: World, found: Outcome, options: RunOptions, record: bool) -> Episode:
-    """Finds where the recurrence begins, and shows it over two periods."""
+    """Finds where the recurrence begins; the run ends with its first period."""
     period = found.period
-    _check_recordable(found.steps + period)
-    whole = run.run(found.steps + period, find_loop=False, record=True)
-    if whole.trace is None or not whole.complete:
+    seen = run.recurrence(period) if isinstance(run, LatticeRun) else None
+    begin = seen or _recorded_recurrence(run, found.steps, period)
+    if begin is None:
         return _unproved(run, world, options, record)
-    states = whole.trace.states
-    same = (states[:-period] == states[period:]).all(axis=1)
-    entry = max(int(np.argmax(same)), run.last_event_step)
-    if not same[entry:].all():  # a controller with memory that it did not declare
-        return _unproved(run, world, options, record)
+    entry, state = begin
+    if record:
+        _check_recordable(entry + period)
     outcome = run.run(entry + period, find_loop=False, record=record)
     if outcome.overlap_step >= 0:
         return _episode("overlap", outcome, options, _overlap_evidence(outcome))
     evidence: dict[str, Value] = {
         "entry": entry,
         "period": period,
-        "state_digest": state_digest(states[entry]),
+        "state_digest": state_digest(state),
     }
     return _episode("loop", outcome, options, evidence)
+
+
+def _recorded_recurrence(run: Runnable, steps: int, period: int) -> tuple[int, Words] | None:
+    """The same from a recording over two periods; ``None`` if it shows that there was more state than it has."""
+    _check_recordable(steps + period)
+    whole = run.run(steps + period, find_loop=False, record=True)
+    if whole.trace is None or not whole.complete:
+        return None
+    states = whole.trace.states
+    same = (states[:-period] == states[period:]).all(axis=1)
+    entry = max(int(np.argmax(same)), run.last_event_step)
+    return (entry, states[entry]) if same[entry:].all() else None  # not: memory that it did not declare
 
 
 def _unproved(run: Runnable, world: World, options: RunOptions, record: bool) -> Episode:

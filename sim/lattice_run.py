@@ -16,7 +16,7 @@ from sim.controllers.base import CompiledController, Controller, compiled_act, n
 from sim.controllers.program import Misbehaviour
 from sim.kernels import layout
 from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
-from sim.kernels.lattice_batch import lattice_batch
+from sim.kernels.lattice_batch import lattice_batch, lattice_entry
 from sim.kernels.lattice_episode import lattice_episode
 from sim.kernels.lattice_sense import heading_table
 from sim.kernels.lattice_state import Arena, Robot, Room, new_robot, new_room
@@ -26,7 +26,7 @@ from sim.packing import disc_numbers, event_time, start_overlaps
 from sim.python_loop import PythonLoop
 from sim.robot_options import SIGNALS
 from sim.run_options import RunOptions, check_step_length
-from sim.trace import Trace
+from sim.trace import Trace, Words
 from worldgen.jit import kernel
 from worldgen.lattice import (
     TURN,
@@ -73,11 +73,17 @@ def _typed(function: Any) -> Any:
     robot = types.NamedTuple((ints, floats, rows, ints, floats), Robot)
     room = types.NamedTuple((floats, ints, floats, floats, ints, ints), Room)
     act = types.FunctionType(numba.void(floats, floats, floats))
-    one = (arena, ints, floats, act, floats, room, robot, rows, rows)
+    numbers, whole = (ints, floats, act, floats), numba.int64
     two: Any = types.UniTuple
-    many = (arena, two(arena, 2), ints, floats, act, floats, two(room, 2), two(robot, 2), rows, ints, rows, rows)
-    arguments = one if function is lattice_episode else (*many, numba.float64[:, ::1])
-    return kernel(python, signature=numba.void(*arguments), allocates=False)
+    pairs = (two(room, 2), two(robot, 2))
+    signatures = {
+        lattice_episode: numba.void(arena, *numbers, room, robot, rows, rows),
+        lattice_entry: whole(two(arena, 2), *numbers, *pairs, whole),
+        lattice_batch: numba.void(
+            arena, two(arena, 2), *numbers, *pairs, rows, ints, rows, rows, numba.float64[:, ::1]
+        ),
+    }
+    return kernel(python, signature=signatures[function], allocates=False)
 
 
 class LatticeRun:
@@ -191,6 +197,21 @@ class LatticeRun:
         loop.run(steps, record=record)
         recording = loop.recording() if record else None
         return self._outcome(loop.robot, recording, loop.complete, loop.fault)
+
+    def recurrence(self, period: int) -> tuple[int, Words] | None:
+        """Where a recurrence that a run has found begins: the step, and the state then.
+
+        ``None`` for a controller that is no compiled one: it may be in a state that we do not see.
+        """
+        if not isinstance(self.controller, CompiledController):
+            return None
+        self.settings[layout.SET_DIGEST] = 0
+        memory = np.array(self.controller.memory, np.float64)
+        rooms = tuple(new_room(memory.size, self.options.robot.beams) for _ in range(2))
+        robots = tuple(new_robot(memory.size, self.events) for _ in range(2))
+        act, arenas = compiled_act(self.controller.act), (self.arena(), self.arena())
+        entry = _typed(lattice_entry)(arenas, self.settings, self.scales, act, memory, rooms, robots, period)
+        return int(entry), robots[0].state.view(np.uint64)
 
     @property
     def can_loop(self) -> bool:

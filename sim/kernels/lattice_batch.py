@@ -14,7 +14,7 @@ from sim.kernels.lattice_state import Arena, Robot, Room, same, set_out
 from sim.kernels.lattice_step import one_step
 from sim.kernels.layout import UNIT
 
-__all__ = ["lattice_batch"]
+__all__ = ["lattice_batch", "lattice_entry"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -69,6 +69,34 @@ def _entry_of(
 
 
 @rare_kernel
+def lattice_entry(
+    arenas: tuple[Arena, Arena],
+    settings: Ints,
+    scales: Floats,
+    act: Any,
+    memory: Floats,
+    rooms: tuple[Room, Room],
+    robots: tuple[Robot, Robot],
+    period: int,
+) -> int:
+    """First step of a recurrence after the last event; the first robot is left in that step's state.
+
+    Args:
+        arenas: Two copies of the surroundings before the first event.
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        act: Compiled controller, for which the recurrence was found.
+        memory: Its memory at reset.
+        rooms: Two.
+        robots: Two.
+        period: Steps of the recurrence.
+    """
+    for which in range(2):
+        set_out(settings, scales, memory, rooms[which], robots[which])
+    return _entry_of(arenas, settings, scales, act, rooms, robots, period)
+
+
+@rare_kernel
 def lattice_batch(
     fresh: Arena,
     arenas: tuple[Arena, Arena],
@@ -118,8 +146,8 @@ def lattice_batch(
             period = robot.counts[layout.OUT_PERIOD]
             for which in range(2):
                 _renew(arenas[which], fresh, settings)
-                set_out(settings, scales, memory, rooms[which], robots[which])
-            settings[layout.SET_STEPS] = period + _entry_of(arenas, settings, scales, act, rooms, robots, period)
+            entry = lattice_entry(arenas, settings, scales, act, memory, rooms, robots, period)
+            settings[layout.SET_STEPS] = entry + period
             settings[layout.SET_FIND_LOOP] = 0
         if period > 0:
             robot.counts[layout.OUT_ENDING], robot.counts[layout.OUT_PERIOD] = layout.LOOP, period

@@ -327,3 +327,14 @@ def test_a_run_without_digest_is_the_same_run(motion):
     run = prepare(cup(), "turn-left", RunOptions(motion=motion))
     with_it, without = (run.run(3000, find_loop=True, record=False, digest=digest) for digest in (True, False))
     assert replace(without, digest=with_it.digest) == with_it and without.digest != with_it.digest
+
+
+def test_a_loop_too_long_to_record_is_proved_all_the_same():
+    def act(observation, memory, command):
+        memory[0] = memory[0] + 1.0 if memory[0] < 4_500_000.0 else 8.0
+
+    counter = CompiledController("counter", act, (0.0,), senses=("bump",))
+    episode = simulate(arena(), counter, steps=20_000_000)
+    assert (episode.verdict, episode.evidence["entry"], episode.evidence["period"]) == ("loop", 8, 4_499_993)
+    with pytest.raises(InvalidParameter, match="at most 4000000 can be recorded"):
+        simulate(arena(), counter, steps=20_000_000, record=True)
