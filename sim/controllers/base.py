@@ -88,6 +88,7 @@ class Observations(NamedTuple):
     random: Floats
     time_step: Floats
     top_speed: Floats
+    radius: Floats
     time: Floats
     odometry_x: Floats
     odometry_y: Floats
