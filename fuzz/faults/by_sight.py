@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from fuzz.faults.planting import Floats, seeded
+from fuzz.faults.planting import Floats, seeded, unwrap_turn
 from sim.controllers.base import Act
 from sim.controllers.library import three_layer as layers
 from sim.controllers.library import vfh as histogram
-from sim.controllers.library._angles import target_bearing
+from sim.controllers.library._directions import target_bearing
 from sim.controllers.library.dynamic_window import dynamic_window
 from sim.controllers.library.potential_field import potential_field
 from sim.controllers.library.q_learning import SITUATIONS, TURNED, WAIT, q_learning, situation
@@ -76,9 +76,7 @@ def three_layer_stale_target(observation: Floats, memory: Floats, command: Float
 def three_layer_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The turn is the difference of two headings, not wrapped at pi."""
     base(observation, memory, command)
-    turn = command[layout.CMD_TURN_RATE] * observation[layout.OBS_TIME_STEP]
-    if observation[layout.OBS_HEADING] + turn > math.pi:
-        command[layout.CMD_TURN_RATE] = (turn - 2.0 * math.pi) / observation[layout.OBS_TIME_STEP]
+    unwrap_turn(observation, command)
 
 
 @seeded(vfh, "loop")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from fuzz.faults.planting import Floats, seeded
+from fuzz.faults.planting import Floats, seeded, unwrap_turn
 from sim.controllers.base import Act
 from sim.controllers.library import _boundary as body
 from sim.controllers.library import bug1 as one
@@ -69,9 +69,7 @@ def bug1_lost_wall_wrong_side(observation: Floats, memory: Floats, command: Floa
 def bug1_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn."""
     base(observation, memory, command)
-    turn = command[layout.CMD_TURN_RATE] * observation[layout.OBS_TIME_STEP]
-    if observation[layout.OBS_HEADING] + turn > math.pi:
-        command[layout.CMD_TURN_RATE] = (turn - 2.0 * math.pi) / observation[layout.OBS_TIME_STEP]
+    unwrap_turn(observation, command)
 
 
 @seeded(bug2, "loop")
@@ -132,6 +130,4 @@ def bug2_bearing_in_degrees(observation: Floats, memory: Floats, command: Floats
 def bug2_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn."""
     base(observation, memory, command)
-    turn = command[layout.CMD_TURN_RATE] * observation[layout.OBS_TIME_STEP]
-    if observation[layout.OBS_HEADING] + turn > math.pi:
-        command[layout.CMD_TURN_RATE] = (turn - 2.0 * math.pi) / observation[layout.OBS_TIME_STEP]
+    unwrap_turn(observation, command)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -11,8 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import Act, CompiledController
+from sim.kernels import layout
+from sim.kernels._jit import kernel
 
-__all__ = ["Deviation", "Fault", "Floats", "seeded"]
+__all__ = ["Deviation", "Fault", "Floats", "seeded", "unwrap_turn"]
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 Deviation: TypeAlias = Callable[[Floats, Floats, Floats, Act], None]
@@ -33,6 +36,14 @@ class Fault(CompiledController):
     base: CompiledController | None = None
     expected: str = ""
     variations: str = ""
+
+
+@kernel
+def unwrap_turn(observation: Floats, command: Floats) -> None:
+    """Makes the commanded turn the difference of two headings in [-pi, pi), as if nobody had wrapped it."""
+    turn = command[layout.CMD_TURN_RATE] * observation[layout.OBS_TIME_STEP]
+    if observation[layout.OBS_HEADING] + turn > math.pi:
+        command[layout.CMD_TURN_RATE] = (turn - 2.0 * math.pi) / observation[layout.OBS_TIME_STEP]
 
 
 def seeded(

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from sim import simulate
 from sim.controllers.library import three_layer as layers
-from sim.controllers.library._plane import angle_of, wrap
+from sim.controllers.library._directions import angle_of, wrap
 from sim.controllers.library.dynamic_window import arc_to_contact, dynamic_window
 from sim.controllers.library.potential_field import PotentialField, potential_field, potential_field_robot
 from sim.controllers.library.three_layer import three_layer

@@ -29,7 +29,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.library._plane import wrap
+from sim.controllers.library._directions import steer, wrap
 from sim.kernels import layout
 from sim.kernels._jit import rare_kernel
 from sim.kernels.fdlibm import cos, sin
@@ -89,10 +89,9 @@ def stride(observation: Floats) -> float:
 @rare_kernel
 def drive(observation: Floats, memory: Floats, command: Floats, direction: float, length: float) -> None:
     """Commands a step in a direction of the world, rad, of a length, m, and notes it."""
-    step = observation[layout.OBS_TIME_STEP]
     memory[X], memory[Y], memory[STEP] = observation[layout.OBS_X], observation[layout.OBS_Y], length
-    command[layout.CMD_TURN_RATE] = wrap(direction - observation[layout.OBS_HEADING]) / step
-    command[layout.CMD_SPEED] = length / step
+    turn = wrap(direction - observation[layout.OBS_HEADING])
+    steer(observation, command, turn, length / observation[layout.OBS_TIME_STEP])
 
 
 @rare_kernel

@@ -16,7 +16,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.library._plane import distance_to_way
+from sim.controllers.library._directions import distance_to_way
 from sim.kernels._jit import allocating_kernel, kernel, rare_kernel
 
 __all__ = [

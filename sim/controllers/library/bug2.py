@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.library import _boundary as body
-from sim.controllers.library._plane import angle_of, distance
+from sim.controllers.library._directions import angle_of, distance
 from sim.kernels import layout
 from sim.kernels._jit import rare_kernel
 from sim.kernels.fdlibm import cos, sin

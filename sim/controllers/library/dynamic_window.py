@@ -20,8 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.library._angles import WHOLE_TURN, bearing_of, target_bearing
-from sim.controllers.library._plane import angle_of, wrap
+from sim.controllers.library._directions import WHOLE_TURN, angle_of, bearing_of, target_bearing, wrap
 from sim.kernels import layout
 from sim.kernels._jit import kernel
 from sim.kernels.fdlibm import cos, sin

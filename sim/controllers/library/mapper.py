@@ -23,7 +23,7 @@ import numpy.typing as npt
 from sim.controllers.base import CompiledController
 from sim.controllers.library import _boundary as body
 from sim.controllers.library import _lattice_map as lattice
-from sim.controllers.library._plane import angle_of, distance
+from sim.controllers.library._directions import angle_of, distance, steer, wrap
 from sim.kernels import layout
 from sim.kernels._jit import allocating_kernel, rare_kernel
 from sim.kernels.fdlibm import cos, sin
@@ -69,9 +69,8 @@ def _drive_to(observation: Floats, memory: Floats, command: Floats, x: float, y:
     here_x, here_y = observation[layout.OBS_X], observation[layout.OBS_Y]
     step = observation[layout.OBS_TIME_STEP]
     length = min(observation[layout.OBS_TOP_SPEED] * step, distance(here_x, here_y, x, y))
-    turn = angle_of(x - here_x, y - here_y) - observation[layout.OBS_HEADING]
-    turn -= 2.0 * math.pi * math.floor((turn + math.pi) / (2.0 * math.pi))
-    command[layout.CMD_TURN_RATE], command[layout.CMD_SPEED] = turn / step, length / step
+    turn = wrap(angle_of(x - here_x, y - here_y) - observation[layout.OBS_HEADING])
+    steer(observation, command, turn, length / step)
     memory[X], memory[Y], memory[STEP] = here_x, here_y, length
 
 

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.library._angles import WHOLE_TURN, steer, target_bearing
+from sim.controllers.library._directions import WHOLE_TURN, steer, target_bearing
 from sim.controllers.library._q_table import TABLE
 from sim.kernels import layout
 from sim.kernels._jit import kernel

@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.library import _boundary as body
-from sim.controllers.library._plane import angle_of, distance, wrap
+from sim.controllers.library._directions import WHOLE_TURN, angle_of, bearing_of, distance, wrap
 from sim.kernels import layout
 from sim.kernels._jit import rare_kernel
 from sim.kernels.fdlibm import cos, sin
@@ -57,7 +57,7 @@ GOAL, APPROACH, WALL, LEAVE = 0.0, 1.0, 2.0, 3.0
 def _sight(observation: Floats) -> float:
     """Distance, m, up to which points are looked at; a disc has a free way of that less its radius at most."""
     beams = observation.size - layout.OBS_SIZE
-    return min(RANGE, float(_APART * observation[layout.OBS_RADIUS] * beams / (2.0 * math.pi)))
+    return min(RANGE, float(_APART * observation[layout.OBS_RADIUS] * beams / WHOLE_TURN))
 
 
 @rare_kernel
@@ -70,7 +70,7 @@ def _free_way(observation: Floats, bearing: float) -> float:
         far = observation[layout.OBS_SIZE + beam]
         if far >= 0.999 * sight:
             continue
-        angle = wrap(2.0 * math.pi * beam / beams - bearing)
+        angle = wrap(bearing_of(beam, beams) - bearing)
         along, across = far * cos(angle), far * sin(angle)
         if along > 0.0 and abs(across) < wide:
             free = min(free, along - math.sqrt(wide * wide - across * across))
@@ -97,11 +97,11 @@ def _best_end(observation: Floats) -> tuple[float, float, float]:
     first = _free_way(observation, 0.0)
     before = first
     for beam in range(1, beams + 1):
-        bearing = 2.0 * math.pi * beam / beams
+        bearing = bearing_of(beam, beams)
         free = first if beam == beams else _free_way(observation, bearing)
         if abs(free - before) > _JUMP * radius:
             length = min(min(free, before) + radius, max(free, before))
-            towards = bearing if free > before else bearing - 2.0 * math.pi / beams
+            towards = bearing if free > before else bearing - WHOLE_TURN / beams
             way = length + _rest(observation, towards, length)
             if way < best:
                 best, best_bearing, best_length = way, towards, length
@@ -116,7 +116,7 @@ def _nearest_seen(observation: Floats) -> tuple[float, float, float]:
     offset = observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING]
     best, best_bearing, best_length = math.inf, 0.0, 0.0
     for beam in range(-1, beams):
-        bearing = offset if beam < 0 else 2.0 * math.pi * beam / beams
+        bearing = offset if beam < 0 else bearing_of(beam, beams)
         along = observation[layout.OBS_TARGET_DISTANCE] * cos(wrap(offset - bearing))
         if along <= 0.0:
             continue
@@ -160,14 +160,14 @@ def _go(observation: Floats, memory: Floats, command: Floats) -> None:
 def _see_wall(observation: Floats, memory: Floats, side: int) -> None:
     """Takes in how near to the target the wall comes that is followed, as far as it is seen to one side, 1 or -1."""
     beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
-    towards = wrap(memory[body.WALL] - observation[layout.OBS_HEADING]) / (2.0 * math.pi)
+    towards = wrap(memory[body.WALL] - observation[layout.OBS_HEADING]) / WHOLE_TURN
     beam, before, sight = math.floor(towards * beams + 0.5), radius, _sight(observation)
     for k in range(beams // 2):
         at = (beam + side * k) % beams
         far = observation[layout.OBS_SIZE + at]
         if far >= 0.999 * sight or abs(far - before) > _HANGS_TOGETHER * before:
             break
-        rest = _rest(observation, 2.0 * math.pi * at / beams, max(far - radius, 0.0))
+        rest = _rest(observation, bearing_of(at, beams), max(far - radius, 0.0))
         memory[WALL_FAR], before = min(memory[WALL_FAR], rest), far
 
 

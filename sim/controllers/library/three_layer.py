@@ -24,8 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
-from sim.controllers.library._angles import bearing_of, steer, target_bearing
-from sim.controllers.library._plane import angle_of, wrap
+from sim.controllers.library._directions import angle_of, bearing_of, steer, target_bearing, wrap
 from sim.kernels import layout
 from sim.kernels._jit import kernel
 from sim.kernels.fdlibm import cos, sin

@@ -1,19 +1,30 @@
-"""Angles and points, from ``+ - * /``, ``sqrt`` and fdlibm's functions alone: the same bits on every machine."""
+"""Directions and distances in the plane, where a beam and the target are, and how to command a turn.
+
+From ``+ - * /``, ``sqrt`` and fdlibm's functions alone: the same bits on every machine.
+"""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+import numpy.typing as npt
+
+from sim.kernels import layout
 from sim.kernels._jit import kernel
 from sim.kernels.fdlibm import atan
 
-__all__ = ["angle_of", "distance", "distance_to_way", "wrap"]
+__all__ = ["WHOLE_TURN", "angle_of", "bearing_of", "distance", "distance_to_way", "steer", "target_bearing", "wrap"]
+
+Floats = npt.NDArray[np.float64]
+
+WHOLE_TURN = 2.0 * math.pi
 
 
 @kernel
 def wrap(angle: float) -> float:
     """The same angle in [-pi, pi), rad."""
-    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+    return angle - WHOLE_TURN * math.floor((angle + math.pi) / WHOLE_TURN)
 
 
 @kernel
@@ -46,3 +57,22 @@ def distance_to_way(x: float, y: float, from_x: float, from_y: float, to_x: floa
     if length_sq > 0.0:
         share = min(1.0, max(0.0, ((x - from_x) * dx + (y - from_y) * dy) / length_sq))
     return distance(x, y, from_x + share * dx, from_y + share * dy)
+
+
+@kernel
+def bearing_of(beam: int, beams: int) -> float:
+    """Direction of a range beam from the heading, rad, for beams all round, the first ahead."""
+    return WHOLE_TURN * beam / beams
+
+
+@kernel
+def target_bearing(observation: Floats) -> float:
+    """Direction of the target from the heading, rad in [-pi, pi)."""
+    return wrap(observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING])
+
+
+@kernel
+def steer(observation: Floats, command: Floats, turn: float, speed: float) -> None:
+    """Commands a turn, rad, within the next step, and a speed, m/s."""
+    command[layout.CMD_TURN_RATE] = turn / observation[layout.OBS_TIME_STEP]
+    command[layout.CMD_SPEED] = speed
