@@ -1,16 +1,20 @@
 """Wall followers and bug algorithms: they arrive, compiled and interpreted alike, and the fuzzer finds nothing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sim import simulate
 from sim.controllers.library.bug1 import bug1
 from sim.controllers.library.bug2 import bug2
+from sim.controllers.library.tangent_bug import tangent_bug
 from sim.controllers.library.wall import wall_left, wall_right
 from tests.helpers.command_line import worldgen
 from tests.helpers.drawn_worlds import drawn
 from tests.helpers.interpreted import Interpreted
 from worldgen import generate
+from worldgen.timeline import CellState, Event, Timeline
 
 BUGS = [bug1, bug2]
 FOLLOWERS = [wall_left, wall_right]
@@ -105,6 +109,13 @@ def test_the_two_wall_followers_keep_the_wall_on_opposite_sides():
         return np.unwrap(np.arctan2(y, x))[-1] - np.unwrap(np.arctan2(y, x))[0]
 
     assert turning(wall_left) > 1.0 and turning(wall_right) < -1.0
+
+
+@pytest.mark.parametrize("controller", [*BUGS, *FOLLOWERS, tangent_bug], ids=name)
+def test_who_follows_a_wall_that_goes_away_drives_on_to_the_target(controller):
+    world = drawn("...........\n.........G.\n...........\n" + 3 * "....#......\n" + ".S.........\n...........")
+    gone = Timeline.of([Event(0.3, 4, row, CellState.FREE) for row in (2, 3, 4)])
+    assert simulate(replace(world, timeline=gone), controller).verdict == "reached"
 
 
 @pytest.mark.parametrize("controller", BUGS + FOLLOWERS, ids=name)

@@ -46,6 +46,7 @@ __all__ = [
     "drive",
     "feel",
     "follow",
+    "has_lost_it",
     "head_for_target",
     "is_stopped",
     "stride",
@@ -166,6 +167,12 @@ def feel(observation: Floats, memory: Floats) -> bool:
         return False
     memory[WALL], memory[PHASE] = wall, ADVANCE
     return True
+
+
+@rare_kernel
+def has_lost_it(memory: Floats) -> bool:
+    """Whether the wall is nowhere around the robot any more: only a world that changes can take it away."""
+    return bool(memory[LOST] >= _WHOLE_TURNS)
 
 
 @rare_kernel

@@ -108,7 +108,9 @@ def _bug1(observation: Floats, memory: Floats, command: Floats) -> None:
         touches = body.feel(observation, memory)
         if memory[MODE] != BACK:
             _go_round(observation, memory, touches)
-        if memory[MODE] == BACK and _passes(observation, memory, LEAVE):
+        if body.has_lost_it(memory):
+            memory[MODE], memory[LEAVE_FAR] = GOAL, math.inf
+        elif memory[MODE] == BACK and _passes(observation, memory, LEAVE):
             memory[MODE] = GOAL
     memory[FAR] = observation[layout.OBS_TARGET_DISTANCE]
     if memory[MODE] == GOAL:

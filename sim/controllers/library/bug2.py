@@ -81,7 +81,9 @@ def _bug2(observation: Floats, memory: Floats, command: Floats) -> None:
         _hit(observation, memory)
     elif memory[MODE] == ROUND:
         body.feel(observation, memory)
-        if _crosses(observation, memory):
+        if body.has_lost_it(memory):
+            memory[MODE], memory[HIT_FAR] = GOAL, math.inf
+        elif _crosses(observation, memory):
             memory[MODE] = BACK
     elif memory[MODE] == BACK:
         memory[MODE] = GOAL

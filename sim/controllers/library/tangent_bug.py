@@ -208,6 +208,8 @@ def _tangent_bug(observation: Floats, memory: Floats, command: Floats) -> None:
         body.begin_following(memory, body.touched(observation))
     elif memory[MODE] == WALL and body.feel(observation, memory):
         _see_whether_to_leave(observation, memory)
+    elif memory[MODE] == WALL and body.has_lost_it(memory):
+        memory[MODE], memory[BEST], memory[SINCE] = GOAL, math.inf, 0.0
     if memory[MODE] == GOAL:
         _go(observation, memory, command)
     elif memory[MODE] == APPROACH:

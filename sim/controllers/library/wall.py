@@ -34,6 +34,7 @@ def _follow_wall(observation: Floats, memory: Floats, command: Floats) -> None:
         body.begin_following(memory, body.touched(observation))
     elif memory[MODE] == WALL:
         body.feel(observation, memory)
+        memory[MODE] = GOAL if body.has_lost_it(memory) else WALL
     if memory[MODE] == WALL:
         body.follow(observation, memory, command)
     else:
