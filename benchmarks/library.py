@@ -1,0 +1,120 @@
+"""How often each registered controller arrives: over ``corpora/thesis``, and over many worlds of every family.
+
+``python -m benchmarks.library`` prints the tables of ``docs/library.md``, with ``--json`` one object. With a thousand
+worlds of each family it takes a quarter of an hour on two cores, most of it the dynamic window's.
+
+Worlds are made here, each from its own seed, so they are the same on every machine, and so is every run. All
+controllers run under ``swept``, the thesis's three, too, each with the sensors that it needs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.resources
+import json
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+
+import click
+import numpy as np
+
+from sim import CONTROLLERS, Runs, simulate_many
+from worldgen import generate
+from worldgen.family import FAMILIES
+from worldgen.grid_file import read_world
+from worldgen.world import Witness, World
+
+__all__ = ["Row", "controllers", "rows_of", "tables"]
+
+WORLDS = 1000  # of each family
+STEPS = 20_000  # five minutes of 15 ms, in which a robot can drive 600 m; the worlds are 3 m wide
+VERDICTS = ("reached", "loop", "stalled", "timeout", "tunnel", "burned")
+
+
+@dataclass(frozen=True)
+class Row:
+    """What became of one controller in the worlds of one table.
+
+    Args:
+        controller: Its name.
+        verdicts: Runs by verdict, those of ``VERDICTS`` and ``other``.
+        detour: Median, over the runs that arrived, of the driven way over the witness's; nan without any.
+    """
+
+    controller: str
+    verdicts: dict[str, int]
+    detour: float
+
+
+def controllers() -> list[str]:
+    """Names of all registered controllers, of several names of one controller the first."""
+    found = {id(CONTROLLERS.get(name)): name for name in reversed(CONTROLLERS.names())}
+    return sorted(found.values())
+
+
+def tables(worlds: int, seed: int) -> Iterator[tuple[str, list[World]]]:
+    """Each table's name and its worlds: the corpus, then a number of each family with seeds from ``seed`` on."""
+    files = sorted((file for file in (importlib.resources.files("corpora") / "thesis").iterdir()), key=str)
+    yield "corpora/thesis", [read_world(str(file)) for file in files if file.name.endswith(".grid")]
+    for family in FAMILIES.names():
+        yield family, [generate(family, seed + k) for k in range(worlds)]
+
+
+def rows_of(worlds: Sequence[World], names: Sequence[str], steps: int) -> list[Row]:
+    """Runs every controller once in every world."""
+    runs = simulate_many(worlds, names, motion="swept", steps=steps)
+    return [_row(runs, index, worlds) for index in range(len(names))]
+
+
+def _row(runs: Runs, index: int, worlds: Sequence[World]) -> Row:
+    own = runs.controller == index
+    counts = Counter(runs.verdicts[own].tolist())
+    verdicts = {verdict: counts.pop(verdict, 0) for verdict in VERDICTS}
+    arrived = np.flatnonzero(own & runs.reached)
+    ways = [
+        runs.path_length[run] / world.certificate.length
+        for run in arrived
+        if isinstance((world := worlds[runs.world[run]]).certificate, Witness)
+    ]
+    return Row(runs.names[index], {**verdicts, "other": counts.total()}, float(np.median(ways)) if ways else np.nan)
+
+
+def _in_words(title: str, count: int, rows: Sequence[Row]) -> str:
+    columns = (*VERDICTS, "other")
+    lines = [
+        f"{title}, {count} world{'s' if count > 1 else ''}:",
+        "",
+        f"| | {' | '.join(columns)} | path / witness |",
+        "| --- |" + " ---: |" * (len(columns) + 1),
+    ]
+    for row in rows:
+        numbers = [str(row.verdicts[name] or "") for name in columns]
+        detour = "" if np.isnan(row.detour) else f"{row.detour:.2f}"
+        lines.append(f"| `{row.controller}` | {' | '.join([*numbers, detour])} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Prints the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--worlds", type=int, default=WORLDS, help=f"worlds of each family (default {WORLDS})")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the first world (default 0)")
+    parser.add_argument("--steps", type=int, default=STEPS, help=f"budget of a run (default {STEPS})")
+    parser.add_argument("--controller", action="append", help="only this one; may be repeated")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    given = parser.parse_args()
+    if given.worlds < 1:
+        parser.error(f"--worlds {given.worlds} is below 1; give a number of worlds")
+    names, all_rows = given.controller or controllers(), {}
+    for title, worlds in tables(given.worlds, given.seed):
+        rows = rows_of(worlds, names, given.steps)
+        all_rows[title] = [{**asdict(row), "detour": None if np.isnan(row.detour) else row.detour} for row in rows]
+        if not given.json:
+            click.echo(_in_words(title, len(worlds), rows))
+    if given.json:
+        click.echo(json.dumps({"seed": given.seed, "steps": given.steps, "worlds": given.worlds, "tables": all_rows}))
+
+
+if __name__ == "__main__":
+    main()
