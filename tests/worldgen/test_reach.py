@@ -244,8 +244,8 @@ def test_two_clear_poses_have_either_a_path_or_a_cut_and_never_both(world, data)
     assume(clear.any())
     start, target = data.draw(poses), data.draw(poses)
     world = dataclasses.replace(world, start=Pose(*start), target=Target(*target, 1e-6))
-    points = ((round(1024 * x), round(1024 * y)) for x, y in (start, target))
-    parted = find_chain(world.walls, radius_in_cells(world), *points) is not None
+    points = [(round(1024 * x), round(1024 * y)) for x, y in (start, target)]
+    parted = find_chain(world.walls, radius_in_cells(world), points[0], points[1:]) is not None
     assert decided(world).result == (BLOCKED if parted else REACHABLE)
 
 

@@ -1,8 +1,8 @@
 """Checks a certificate without any of the code that made it: shapely, numpy, plain Python.
 
 A witness is checked in cells with a tolerance of 1e-8, which is 1e-9 m at the usual 0.1 m a cell. A cut's gaps
-and its winding are whole numbers of cells and halves, so they are checked exactly; only a target's disc that
-reaches over the chain needs shapely's polygons, and there every rounding goes against the certificate.
+and its winding are whole numbers of cells and halves, so they are checked exactly; of a target's disc that reaches
+over the chain, the poses that count are worked out to 60 digits, and what is doubtful goes against the certificate.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 import shapely
-from shapely.geometry.base import BaseGeometry
 
+from worldgen.reach.check_target import TooMuch, poses_to_part
 from worldgen.timeline import CellState
 from worldgen.world import Certificate, Cut, Witness, World
 
@@ -25,8 +25,6 @@ __all__ = ["TOLERANCE", "CheckReport", "check_certificate"]
 
 TOLERANCE = 1e-8  # cells; a path may come this much nearer to a wall than the radius
 SPEED_TOLERANCE = 1e-9  # share of the speed by which a piece may be too fast
-_ARC = 512  # segments of a quarter circle in polygons that stand for discs
-_SHRINK = 1 - 2.0**-11  # a pose that the disc leaves clear shows as an area once the disc is this much smaller
 
 Cells: TypeAlias = npt.NDArray[np.int64]
 Floats: TypeAlias = npt.NDArray[np.float64]
@@ -277,7 +275,7 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
     for ix, iy in cells:
         outside = not (0 <= ix < world.width and 0 <= iy < world.height)
         _require(outside or bool(blocked[iy, ix]), f"cell ({ix}, {iy}) of the cut is free at some time")
-    return _check_sides(world, cells, min(cut.clearance, radius * _SHRINK), blocked)
+    return _check_sides(world, cells, in_cells, blocked)
 
 
 def _decimal(value: float) -> Fraction:
@@ -305,25 +303,25 @@ def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fracti
     return False
 
 
-def _check_sides(world: World, cells: list[tuple[int, int]], radius: float, blocked: npt.NDArray[np.bool_]) -> str:
+def _check_sides(world: World, cells: list[tuple[int, int]], radius: Fraction, blocked: npt.NDArray[np.bool_]) -> str:
     """Every clear pose in the target's disc must lie on the other side of the chain than the start."""
     size = _decimal(world.cell_size)
     start = (_decimal(world.start.x) / size, _decimal(world.start.y) / size)
     target = (_decimal(world.target.x) / size, _decimal(world.target.y) / size)
-    line = _closed_line(cells)
-    parted = _winds_round(line, start) != _winds_round(line, target)
-    reach = max(world.target.radius / world.cell_size, TOLERANCE)  # a polygon of no size trips GEOS
-    ring = shapely.LineString([(float(px), float(py)) for px, py in line]) if len(cells) > 1 else None
-    centre = shapely.Point(float(target[0]), float(target[1]))
-    if parted and ring is not None and centre.distance(ring) > reach + TOLERANCE:
-        return "the chain parts the start from the whole target"
-    disc = centre.buffer(reach / math.cos(math.pi / (4 * _ARC)), quad_segs=_ARC)
-    near: BaseGeometry = disc
-    if ring is not None:
-        inner = _odd_faces(ring, line)
-        near = disc.intersection(inner) if _winds_round(line, start) else disc.difference(inner)
-    open_area = near.difference(_covered(world, disc, radius / world.cell_size, blocked)).area
-    _require(open_area <= 1e-12, "the chain does not part the start from every clear pose of the target")
+    line, reach = _closed_line(cells), _decimal(world.target.radius) / size
+    home = _winds_round(line, start)
+    if home != _winds_round(line, target) and len(cells) > 1:
+        ring = shapely.LineString([(float(px), float(py)) for px, py in line])
+        if shapely.Point(float(target[0]), float(target[1])).distance(ring) > float(reach) + TOLERANCE:
+            return "the chain parts the start from the whole target"
+    try:
+        poses = poses_to_part(blocked, radius, target, reach)
+    except TooMuch:
+        raise _Refused("the target's disc is too large to look at all of its poses") from None
+    left = sum(_winds_round(line, pose) == home for pose in poses)
+    _require(left == 0, "the chain does not part the start from every clear pose of the target")
+    if not poses:
+        return "no pose in the target's disc is clear"
     return "the chain parts the start from every clear pose of the target"
 
 
@@ -346,29 +344,3 @@ def _winds_round(line: list[tuple[Fraction, Fraction]], point: tuple[Fraction, F
         if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
             odd = not odd
     return odd
-
-
-def _odd_faces(ring: shapely.LineString, line: list[tuple[Fraction, Fraction]]) -> BaseGeometry:
-    """The area round which the line winds an odd number of times."""
-    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.node(ring))))
-    inner = []
-    for face in faces:
-        point = face.representative_point()
-        if _winds_round(line, (Fraction(point.x), Fraction(point.y))):
-            inner.append(face)
-    return shapely.union_all(inner)
-
-
-def _covered(world: World, disc: BaseGeometry, radius: float, blocked: npt.NDArray[np.bool_]) -> BaseGeometry:
-    """What part of the neighbourhood of a disc no robot of ``radius`` cells can stand in; never too much."""
-    x0, y0, x1, y1 = disc.bounds
-    pad = math.ceil(radius) + 1
-    low_x, low_y = max(0, math.floor(x0) - pad), max(0, math.floor(y0) - pad)
-    iy, ix = np.nonzero(blocked[low_y : math.ceil(y1) + pad, low_x : math.ceil(x1) + pad])
-    boxes = shapely.box(ix + low_x, iy + low_y, ix + low_x + 1, iy + low_y + 1)
-    grown = shapely.union_all(shapely.buffer(boxes, radius, quad_segs=_ARC // 4) if radius > TOLERANCE else boxes)
-    frame: BaseGeometry = shapely.box(x0 - 1, y0 - 1, x1 + 1, y1 + 1)
-    if 2 * radius < min(world.width, world.height):
-        free = shapely.box(radius, radius, world.width - radius, world.height - radius)
-        frame = frame.difference(free)
-    return shapely.union_all([grown, frame])

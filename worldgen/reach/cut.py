@@ -6,7 +6,10 @@ whose bits add up to an odd number parts start from target, and there is one exa
 different components of the clear poses (docs/reachability.md). A union-find that keeps bits tells whether
 there is one; a breadth-first search over (cell, bit) then finds a short one.
 
-Lengths are whole numbers of 1/1024 cell, so every crossing is decided exactly.
+Several targets get a bit each; then only a cycle all of whose bits are odd parts the start from them all.
+
+Lengths are whole numbers of 1/1024 cell, or of a finer unit where a target is no multiple of that and a link passes it
+closely, so every crossing is decided exactly.
 """
 
 from __future__ import annotations
@@ -21,30 +24,38 @@ import numpy.typing as npt
 
 from worldgen.jit import lazy_kernel
 from worldgen.lattice import UNIT
-from worldgen.reach.walls import Cell, Point
+from worldgen.reach.walls import Cell, ExactPoint, Point
 
-__all__ = ["find_chain", "linked_offsets", "rim_cells"]
+__all__ = ["MOST_TARGETS", "find_chain", "linked_offsets", "rim_cells"]
+
+MOST_TARGETS = 6
+"""Poses that a chain is sought for at once; no more than a byte has bits."""
 
 _SMALL = 400_000  # links that plain Python unites in less time than loading numba takes
+_FINE_BITS = 10  # by which the unit may be finer before coordinates outgrow 64-bit products
 _STARTS = 24  # cells from which a short cycle is sought
 _WORK = 2_000_000  # links that those searches may follow in plain Python; 200 times that when compiled
 
 Ints = npt.NDArray[np.int64]
 
 
-def find_chain(solid: npt.NDArray[np.bool_], radius: Fraction, start: Point, target: Point) -> list[Cell] | None:
-    """A chain of cells that parts two clear poses for a disc of ``radius`` cells, or None if there is none.
+def find_chain(
+    solid: npt.NDArray[np.bool_], radius: Fraction, start: Point, targets: Sequence[ExactPoint]
+) -> list[Cell] | None:
+    """A chain of cells that parts one clear pose from others for a disc of ``radius`` cells, or None if there is none.
 
     Args:
         solid: (height, width) bool.
         radius: cells.
         start: A clear pose, 1/1024 cell.
-        target: Another.
+        targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the start.
 
     Returns:
         Cells (ix, iy) in chain order; -1 and the grid's sides stand for the cells just outside.
     """
-    links = _Links(solid, linked_offsets(radius), start, target)
+    links = _Links(solid, radius, start, targets)
+    if links.bits > 1:
+        return _short_cycle(links, np.ones(len(links.cells), np.bool_))
     cells = len(links.cells)
     parent, bit, odd_one = np.arange(cells), np.zeros(cells, np.uint8), np.zeros(cells, np.uint8)
     graph: Any = links.arrays()
@@ -86,12 +97,17 @@ class _Links:
         place: (n,) where in ``number`` a cell is.
         steps: (m,) what each offset adds to a place.
         slot: (n,) row of ``odd`` for cells near a ray, else -1.
-        odd: (k, m) uint8, bit of each link of these cells; all other links have 0.
+        odd: (k, m) uint8, bits of each link of these cells, one for each target; all other links have 0.
+        bits: How many targets there are.
     """
 
-    def __init__(self, solid: npt.NDArray[np.bool_], offsets: list[Cell], start: Point, target: Point) -> None:
-        self.points = (*start, *target)
-        self.offsets = np.array(offsets, np.int64)
+    def __init__(
+        self, solid: npt.NDArray[np.bool_], radius: Fraction, start: Point, targets: Sequence[ExactPoint]
+    ) -> None:
+        fine = 1 if all(value == int(value) for point in targets for value in point) else _fineness(radius)
+        self.unit, self.bits = UNIT * fine, len(targets)
+        self.points: list[Point] = [(round(x * fine), round(y * fine)) for x, y in (start, *targets)]
+        self.offsets = np.array(offsets := linked_offsets(radius), np.int64)
         reach = int(self.offsets.max())
         rim = np.pad(rim_cells(solid), reach)
         stride = rim.shape[1]
@@ -102,10 +118,10 @@ class _Links:
         self.number[self.place] = np.arange(len(rows))
         self.steps: Ints = self.offsets[:, 1] * stride + self.offsets[:, 0]
         near = np.zeros(len(rows), np.bool_)
-        for x in (start[0], target[0]):
-            near |= np.abs(self.cells[:, 0] - x // UNIT) <= reach + 1
+        for x, _ in self.points:
+            near |= np.abs(self.cells[:, 0] - x // self.unit) <= reach + 1
         chosen = self.cells[near]
-        self.odd = link_bits(chosen[:, :1], chosen[:, 1:], self.offsets[:, 0], self.offsets[:, 1], self.points)
+        self.odd = self._link_bits(chosen[:, :1], chosen[:, 1:], self.offsets[:, 0], self.offsets[:, 1])
         some = self.odd.any(axis=1)
         self.odd = self.odd[some]
         self.slot: Ints = np.full(len(rows), -1, np.int64)
@@ -120,7 +136,23 @@ class _Links:
     def is_odd(self, cells: Ints) -> npt.NDArray[np.bool_]:
         """For each cell of a closed chain, whether its link to the next has bit 1."""
         delta = np.roll(cells, -1, axis=0) - cells
-        return link_bits(cells[:, 0], cells[:, 1], delta[:, 0], delta[:, 1], self.points) > 0
+        return self._link_bits(cells[:, 0], cells[:, 1], delta[:, 0], delta[:, 1]) > 0
+
+    def _link_bits(self, x: Ints, y: Ints, dx: Ints, dy: Ints) -> npt.NDArray[np.uint8]:
+        """The bits of links from cells (x, y) to cells (x + dx, y + dy); the arrays are broadcast."""
+        if self.unit > UNIT << _FINE_BITS:  # products of coordinates need more than 64 bits
+            x, y, dx, dy = (array.astype(object) for array in (x, y, dx, dy))
+        unit, half = self.unit, self.unit // 2
+        ax, ay = unit * x + half, unit * y + half
+        dx_, dy_ = ax + unit * dx, ay + unit * dy
+        bx, cx = ax + half * np.sign(dx), dx_ - half * np.sign(dx)
+        by, cy = ay + half * np.sign(dy), dy_ - half * np.sign(dy)
+        together = np.zeros(np.broadcast_shapes(x.shape, dx.shape), np.uint8)
+        all_bits = (1 << self.bits) - 1
+        for px, py, qx, qy in ((ax, ay, bx, by), (bx, by, cx, cy), (cx, cy, dx_, dy_)):
+            for point, bit in zip(self.points, (all_bits, *(1 << k for k in range(self.bits))), strict=True):
+                together ^= _crosses(px, py, qx, qy, *point) * np.uint8(bit)
+        return together
 
 
 def rim_cells(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
@@ -132,17 +164,14 @@ def rim_cells(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     return rim
 
 
-def link_bits(x: Ints, y: Ints, dx: Ints, dy: Ints, points: tuple[int, int, int, int]) -> npt.NDArray[np.uint8]:
-    """The bits of links from cells (x, y) to cells (x + dx, y + dy); the arrays are broadcast."""
-    ax, ay = UNIT * x + UNIT // 2, UNIT * y + UNIT // 2
-    dx_, dy_ = ax + UNIT * dx, ay + UNIT * dy
-    bx, cx = ax + UNIT // 2 * np.sign(dx), dx_ - UNIT // 2 * np.sign(dx)
-    by, cy = ay + UNIT // 2 * np.sign(dy), dy_ - UNIT // 2 * np.sign(dy)
-    sx, sy, tx, ty = points
-    bits = np.zeros(np.broadcast_shapes(x.shape, dx.shape), np.uint8)
-    for px, py, qx, qy in ((ax, ay, bx, by), (bx, by, cx, cy), (cx, cy, dx_, dy_)):
-        bits ^= _crosses(px, py, qx, qy, sx, sy) ^ _crosses(px, py, qx, qy, tx, ty)
-    return bits
+def _fineness(radius: Fraction) -> int:
+    """How much finer than 1/1024 cell the unit must be for a rounded clear pose to stay on its side of each link.
+
+    A clear pose is farther from a link than the radius less half its gap.
+    """
+    widest_sq = math.ceil(4 * radius**2) - 1
+    least = (radius**2 - Fraction(widest_sq, 4)) / (2 * radius)
+    return int(1 << max(0, math.ceil(1 / (least * UNIT)) - 1).bit_length())
 
 
 def _crosses(px: Ints, py: Ints, qx: Ints, qy: Ints, sx: int, sy: int) -> npt.NDArray[np.uint8]:
@@ -194,15 +223,16 @@ def _roots(parent: Ints) -> Ints:
         parent = further
 
 
-def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell]:
+def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell] | None:
     """The shortest odd cycle through one of a few cells at the rays."""
     sources = np.nonzero(has_odd & (links.slot >= 0))[0]
-    sx, sy, tx, ty = links.points
     x, y = (UNIT * links.cells[sources] + UNIT // 2).T
-    nearness = np.minimum((x - sx) ** 2 + (y - sy) ** 2, (x - tx) ** 2 + (y - ty) ** 2)
-    sources = sources[np.argsort(nearness, kind="stable")]
-    chosen = sources[np.unique(np.linspace(0, len(sources) - 1, _STARTS).astype(np.int64))]
-    size = 2 * len(links.cells)
+    near = [(x - px * UNIT // links.unit) ** 2 + (y - py * UNIT // links.unit) ** 2 for px, py in links.points]
+    sources = sources[np.argsort(np.min(near, axis=0), kind="stable")]
+    few = np.unique(np.linspace(0, len(sources) - 1, _STARTS).astype(np.int64))
+    chosen = sources[few] if links.bits == 1 else np.concatenate([sources[few], np.delete(sources, few)])
+    bits, all_odd = links.bits, (1 << links.bits) - 1
+    size = len(links.cells) << bits
     graph: Any = links.arrays()
     work = _WORK if links.plain else 200 * _WORK
     search: Any = _odd_cycle if links.plain else _odd_cycle_compiled
@@ -210,29 +240,40 @@ def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell]:
     for source in chosen.tolist():
         before: Any = [-1] * size if links.plain else np.full(size, -1, np.int64)
         order: Any = [0] * size if links.plain else np.zeros(size, np.int64)
-        looked = int(search(*graph, source, len(best) or size, before, order))
-        state, chain = 2 * source + 1, list[int]()
-        while before[state] >= 0 and (state != 2 * source or not chain):
-            chain.append(state >> 1)
+        looked = int(search(*graph, bits, source, len(best) or size, before, order))
+        state, chain = (source << bits) + all_odd, list[int]()
+        while before[state] >= 0 and (state != source << bits or not chain):
+            chain.append(state >> bits)
             state = int(before[state])
         if chain and (not best or len(chain) < len(best)):
             best = chain
         work -= looked
-        if best and work < 0:
+        if work < 0 and (best or bits > 1):
             break
+    if bits > 1:
+        return [tuple(cell) for cell in links.cells[best].tolist()] or None
     return _simple(links, best)
 
 
 def _odd_cycle(
-    number: Any, place: Any, steps: Any, slot: Any, odd: Any, source: Any, limit: Any, before: Any, order: Any
+    number: Any,
+    place: Any,
+    steps: Any,
+    slot: Any,
+    odd: Any,
+    bits: Any,
+    source: Any,
+    limit: Any,
+    before: Any,
+    order: Any,
 ) -> Any:
-    """Breadth-first search from (source, 0) to (source, 1) over states 2 * cell + bit, below ``limit`` links.
+    """Breadth-first search from (source, no bit) to (source, all bits), below ``limit`` links.
 
     ``before[state]`` is the state before it. Returns the number of links looked at.
     """
-    width = len(steps)
-    order[0] = 2 * source
-    before[2 * source] = 2 * source
+    width, full = len(steps), (1 << bits) - 1
+    order[0] = source << bits
+    before[source << bits] = source << bits
     head, tail, level_end, depth, looked = 0, 1, 1, 0, 0
     while head < tail:
         if head == level_end:
@@ -242,17 +283,17 @@ def _odd_cycle(
                 return looked
         state = order[head]
         head += 1
-        u = state >> 1
+        u = state >> bits
         for o in range(width):
             v = number[place[u] + steps[o]]
             if v < 0:
                 continue
             looked += 1
             total = odd[slot[u] * width + o] if slot[u] >= 0 else 0
-            other = 2 * v + ((state & 1) ^ total)
+            other = (v << bits) + ((state & full) ^ total)
             if before[other] < 0:
                 before[other] = state
-                if other == 2 * source + 1:
+                if other == (source << bits) + full:
                     return looked
                 order[tail] = other
                 tail += 1

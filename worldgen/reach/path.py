@@ -10,7 +10,7 @@ from fractions import Fraction
 import numpy as np
 
 from worldgen.lattice import UNIT, exact
-from worldgen.reach.walls import ExactPoint, Point, Walls, segment_box_sq
+from worldgen.reach.walls import ExactPoint, Walls, segment_box_sq
 from worldgen.world import Witness
 
 __all__ = [
@@ -28,9 +28,9 @@ _PATIENCE = 6  # corners in a row that may be out of sight before a straight lin
 _TESTS = 6_000  # straight lines that may fail on one path; on long paths there is less patience
 
 
-def merge_straight(points: list[Point]) -> list[Point]:
+def merge_straight(points: list[ExactPoint]) -> list[ExactPoint]:
     """Leaves out repeated points and points in the middle of a straight line."""
-    kept: list[Point] = []
+    kept: list[ExactPoint] = []
     for point in points:
         if kept and point == kept[-1]:
             continue
@@ -40,12 +40,12 @@ def merge_straight(points: list[Point]) -> list[Point]:
     return kept
 
 
-def _goes_on(a: Point, b: Point, c: Point) -> bool:
+def _goes_on(a: ExactPoint, b: ExactPoint, c: ExactPoint) -> bool:
     ux, uy, vx, vy = b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]
     return ux * vy == uy * vx and ux * vx + uy * vy > 0
 
 
-def shorten(walls: Walls, points: list[Point]) -> list[Point]:
+def shorten(walls: Walls, points: list[ExactPoint]) -> list[ExactPoint]:
     """Replaces corners by straight lines that the disc may sweep."""
     points = merge_straight(points)
     patience = max(1, min(_PATIENCE, _TESTS // len(points)))

@@ -10,13 +10,14 @@ from fractions import Fraction
 import numpy as np
 
 from worldgen.lattice import UNIT, exact, in_cells, metres_to_lattice
-from worldgen.reach.cut import find_chain
+from worldgen.reach.cut import MOST_TARGETS, find_chain
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_radius
-from worldgen.reach.disc import COVER_MARGIN, Disc, look_for_open_pose, target_disc
+from worldgen.reach.disc import Disc, beyond, parts, target_disc
 from worldgen.reach.lattice_graph import Graph, build_graph, find_path, nodes_within
 from worldgen.reach.path import make_witness, root_up, shorten
 from worldgen.reach.pinch import bridges
 from worldgen.reach.spans import ChangingWalls, Spans
+from worldgen.reach.target_poses import deciding_poses
 from worldgen.reach.timed import find_timed_path, make_timed_witness, shorten_timed
 from worldgen.reach.walls import Cell, ExactPoint, Point, Walls
 from worldgen.timeline import Timeline
@@ -27,7 +28,7 @@ __all__ = ["decide"]
 _FINER = (4, 8, 16)  # nodes per cell side where half cells neither find a path nor leave a cut
 _MOST_NODES = 40_000_000  # a finer graph than this is not searched: about 1 GB
 _MOST_TIMED_NODES = 4_000_000  # likewise in time
-_POSES = 4  # poses of the target's disc tried with a cut each
+_ROUNDING = Fraction(1, 2**120)  # share of the radius by which a way to a pose that is no fraction may be too near
 
 
 def decide(world: World, *, radius: float | None = None) -> Decision:
@@ -83,6 +84,7 @@ class _Question:
         exact_start: The start as the world's decimals say it, lu.
         disc: The target.
         goal: A clear pose in the target's disc, if one is known.
+        goal_walls: The walls for a disc smaller by what the goal may be rounded.
     """
 
     world: World
@@ -100,14 +102,17 @@ class _Question:
             in_cells(world.start.y, world.cell_size) * UNIT,
         )
         self.disc: Disc = target_disc(world)
-        self.goal: Point | None = None
+        self.goal: ExactPoint | None = None
+        self.goal_walls = Walls(world.walls, self.walls.radius * (1 - _ROUNDING))
 
     def answer(self) -> Decision:
         """The decision."""
         bad_start = self.judge_start()
         if bad_start is not None:
             return bad_start
-        self.goal = self._find_goal()
+        centre = (math.floor(self.disc.x + Fraction(1, 2)), math.floor(self.disc.y + Fraction(1, 2)))
+        if self.disc.holds(centre) and self.walls.is_clear(centre, centre):
+            self.goal = centre
         found = self._path(2)
         if not found:
             cut = self._cut()
@@ -115,7 +120,7 @@ class _Question:
                 return cut
             found = self._path_through_pinches()
         if not found:
-            reason = "neither a path nor a cut was found; a passage or the target is only just wide enough"
+            reason = "there is a way, only just wide enough for the disc, and no path along it was found"
             return Decision(UNDECIDED, None, reason)
         points: list[ExactPoint] = [*shorten(self.walls, found)]
         if self.exact_start != points[0]:
@@ -136,19 +141,12 @@ class _Question:
             return Decision(UNDECIDED, None, reason)
         return None
 
-    def _find_goal(self) -> Point | None:
-        """The target's centre, or else any clear pose in its disc."""
-        centre = (math.floor(self.disc.x + Fraction(1, 2)), math.floor(self.disc.y + Fraction(1, 2)))
-        if self.disc.holds(centre) and self.walls.is_clear(centre, centre):
-            return centre
-        return look_for_open_pose(self.walls, self.disc, [], self.start).pose
-
-    def _path(self, k: int, *, pinched: bool = False) -> list[Point]:
+    def _path(self, k: int, *, pinched: bool = False) -> list[ExactPoint]:
         """Points from the start to the target over one graph; empty if it has no such path."""
         graph = build_graph(self.world.walls, self.walls.radius, k)
         unit = UNIT // k
         sources = _links(self.walls, graph, self.start)
-        ends = _links(self.walls, graph, self.goal) if self.goal is not None else []
+        ends = _links(self.goal_walls, graph, self.goal) if self.goal is not None else []
         spare = nodes_within(self.disc, graph)
         if not sources or not (ends or len(spare)):
             return []
@@ -157,12 +155,15 @@ class _Question:
         nodes = find_path(graph, sources, ends, spare, toward, extra)
         if not nodes:
             return []
-        points = [self.start, *((node % graph.stride * unit, node // graph.stride * unit) for node in nodes)]
+        points: list[ExactPoint] = [
+            self.start,
+            *((node % graph.stride * unit, node // graph.stride * unit) for node in nodes),
+        ]
         if self.goal is not None and nodes[-1] in ends:
             points.append(self.goal)
         return points
 
-    def _path_through_pinches(self) -> list[Point]:
+    def _path_through_pinches(self) -> list[ExactPoint]:
         for k in (2, *_FINER):
             if k > 2 and k * k * self.world.walls.size > _MOST_NODES:
                 break
@@ -172,40 +173,49 @@ class _Question:
         return []
 
     def _cut(self) -> Decision | None:
-        """A proof that no pose of the target can be reached, if one chain of cells gives it."""
-        if self.goal is None:
-            if not look_for_open_pose(self.walls, self.disc, [], self.start).shut:
-                return None
+        """A proof that no pose of the target can be reached; without one, ``goal`` is a pose that can."""
+        if self.goal is not None and self._chain([self.goal]) is None:
+            return None  # nothing parts it from the start, so there is a way to it
+        poses = deciding_poses(self.walls, self.disc)
+        if poses is None:
+            reason = "the target's disc is too large to look at all of its poses; give a smaller one"
+            return Decision(UNDECIDED, None, reason)
+        if not poses:
             cell, _ = self.walls.nearest((self.disc.x, self.disc.y))
-            reason = "no pose in the target's disc is clear"
-            return Decision(BLOCKED, self._make_cut([cell], self._covering_sq()), reason)
-        pose = self.goal
-        for _ in range(_POSES):
-            chain = find_chain(self.world.walls, self.walls.radius, self.start, pose)
+            return Decision(BLOCKED, self._make_cut([cell], None), "no pose in the target's disc is clear")
+        parted = poses[:1]
+        while len(parted) <= MOST_TARGETS:
+            chain = self._chain(parted)
             if chain is None:
-                self.goal = pose  # nothing parts it from the start, so there is a way to it
-                return None
-            search = look_for_open_pose(self.walls, self.disc, chain, self.start)
-            if search.shut:
-                links = zip(chain, [*chain[1:], chain[0]], strict=True)
-                stopped = Fraction(max(_gap_sq(a, b) for a, b in links), 4)
-                if search.covered:
-                    stopped = max(stopped, self._covering_sq())
+                break
+            left = [pose for pose in poses if not parts(chain, self.start, pose)]
+            if not left:
                 reason = f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start and target"
-                return Decision(BLOCKED, self._make_cut(chain, stopped), reason)
-            if search.pose is None:
+                return Decision(BLOCKED, self._make_cut(chain, self._stopped_sq(chain)), reason)
+            if self._chain(left[:1]) is None:
+                self.goal = left[0]
                 return None
-            pose = search.pose
-        return None
+            parted.append(left[0])
+        if len(parted) == 1:
+            self.goal = parted[0]
+            return None
+        return Decision(UNDECIDED, None, "each pose in the target's disc is walled off, and no single ring was found")
 
-    def _covering_sq(self) -> Fraction:
-        """Squared radius, cells, from which on the cells are known to cover what they cover."""
-        return (self.walls.radius * (1 - COVER_MARGIN / 2)) ** 2
+    def _chain(self, poses: Sequence[ExactPoint]) -> list[Cell] | None:
+        return find_chain(self.world.walls, self.walls.radius, self.start, poses)
 
-    def _make_cut(self, chain: Sequence[Cell], stopped_sq: Fraction) -> Cut:
+    def _stopped_sq(self, chain: list[Cell]) -> Fraction | None:
+        """Squared radius, cells, above which a chain stops every disc; None if that is known of the robot's only."""
+        if not beyond(chain, self.start, self.disc):
+            return None
+        return Fraction(max(_gap_sq(a, b) for a, b in zip(chain, [*chain[1:], chain[0]], strict=True)), 4)
+
+    def _make_cut(self, chain: Sequence[Cell], stopped_sq: Fraction | None) -> Cut:
         """The cut with what it stops: every disc whose squared radius, in cells, is above ``stopped_sq``."""
         cell_size = exact(self.world.cell_size)
-        clearance = min(root_up(stopped_sq * cell_size**2), math.nextafter(self.radius, 0.0))
+        clearance = math.nextafter(self.radius, 0.0)
+        if stopped_sq is not None:
+            clearance = min(clearance, root_up(stopped_sq * cell_size**2))
         return Cut(np.array(chain, np.int64), clearance)
 
 
@@ -213,14 +223,14 @@ def _gap_sq(a: Cell, b: Cell) -> int:
     return max(abs(a[0] - b[0]) - 1, 0) ** 2 + max(abs(a[1] - b[1]) - 1, 0) ** 2
 
 
-def _links(walls: Walls, graph: Graph, point: Point) -> list[int]:
+def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
     """Clear nodes near a point to which the disc may go straight; the node itself where the point is one."""
     unit = UNIT // graph.k
     x, y = point
     if x % unit == 0 and y % unit == 0:
-        columns, rows = range(x // unit, x // unit + 1), range(y // unit, y // unit + 1)
+        columns, rows = range(int(x // unit), int(x // unit) + 1), range(int(y // unit), int(y // unit) + 1)
     else:
-        columns, rows = range(x // unit - 1, x // unit + 3), range(y // unit - 1, y // unit + 3)
+        columns, rows = (range(int(value // unit) - 1, int(value // unit) + 3) for value in point)
     nodes = []
     for j in rows:
         for i in columns:

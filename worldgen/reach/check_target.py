@@ -1,0 +1,141 @@
+"""Checks that a cut parts the start from every clear pose of the target's disc; shares nothing with the prover.
+
+Each connected part of those poses has one that is nearest to the disc's centre. There the way to the centre is
+barred by one cell or by two: so it is the centre, the nearest point to it on the edge of one cell's neighbourhood, or a
+point on the edges of two (docs/reachability.md). Edges lie on lines and circles. All such points are worked out to 60
+digits, and one that is within 10**-30 cell of being clear, or of the disc, counts as clear, or as in the disc: so what
+is doubtful goes against the certificate. Only how near a thing has to be to be looked at is decided in floats.
+"""
+
+from __future__ import annotations
+
+import decimal
+import itertools
+import math
+from collections.abc import Iterator
+from decimal import Decimal
+from fractions import Fraction
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["TooMuch", "poses_to_part"]
+
+_DIGITS = 60
+_DOUBT = Decimal(10) ** -30  # cells
+_MOST = 4_000_000  # points looked at
+
+Place: TypeAlias = tuple[Decimal, Decimal]
+Cell: TypeAlias = tuple[int, int]
+
+
+class TooMuch(Exception):
+    """The target's disc has too many poses to look at each."""
+
+
+def poses_to_part(
+    blocked: npt.NDArray[np.bool_], radius: Fraction, centre: tuple[Fraction, Fraction], reach: Fraction
+) -> list[tuple[Fraction, Fraction]]:
+    """Poses of a disc of centre and ``reach``, cells, one at least in each connected part of the clear ones.
+
+    Args:
+        blocked: (height, width) bool.
+        radius: Of the robot, cells.
+        centre: Of the target, cells.
+        reach: Its radius, cells.
+
+    Raises:
+        TooMuch: If there are too many points to look at.
+    """
+    with decimal.localcontext() as context:
+        context.prec = _DIGITS
+        size, middle, width = _decimal(radius), (_decimal(centre[0]), _decimal(centre[1])), _decimal(reach)
+        cells = _cells_near(blocked, float(radius) + float(reach) + 0.01, centre)
+        there = set(cells)
+        kept: dict[Place, None] = {}
+        for looked, place in enumerate(_places(cells, middle, size)):
+            if looked > _MOST:
+                raise TooMuch
+            near = (place[0] - middle[0]) ** 2 + (place[1] - middle[1]) ** 2 <= (width + _DOUBT) ** 2
+            inside = 0 <= place[0] <= blocked.shape[1] and 0 <= place[1] <= blocked.shape[0]
+            if near and inside and _is_clear(there, place, size):
+                kept[place] = None
+        return [(Fraction(x), Fraction(y)) for x, y in kept]
+
+
+def _decimal(value: Fraction) -> Decimal:
+    return Decimal(value.numerator) / Decimal(value.denominator)
+
+
+def _cells_near(blocked: npt.NDArray[np.bool_], far: float, centre: tuple[Fraction, Fraction]) -> list[Cell]:
+    """Blocked cells near a point, those just outside the grid included."""
+    ring = np.pad(blocked, 1, constant_values=True)
+    x, y = float(centre[0]), float(centre[1])
+    low_x, low_y = (max(math.floor(value - far), 0) for value in (x, y))
+    rows, columns = np.nonzero(ring[low_y : math.ceil(y + far) + 2, low_x : math.ceil(x + far) + 2])
+    return [(int(column) + low_x - 1, int(row) + low_y - 1) for row, column in zip(rows, columns, strict=True)]
+
+
+def _places(cells: list[Cell], middle: Place, radius: Decimal) -> Iterator[Place]:
+    """The points that may count."""
+    x, y = middle
+    rows = sorted({Decimal(iy) - radius for _, iy in cells} | {Decimal(iy + 1) + radius for _, iy in cells})
+    columns = sorted({Decimal(ix) - radius for ix, _ in cells} | {Decimal(ix + 1) + radius for ix, _ in cells})
+    corners = sorted({(ix + i, iy + j) for ix, iy in cells for i, j in itertools.product((0, 1), repeat=2)})
+    yield middle
+    yield from ((x, row) for row in rows)
+    yield from ((column, y) for column in columns)
+    yield from itertools.product(columns, rows)
+    for cx, cy in corners:
+        away = ((x - cx) ** 2 + (y - cy) ** 2).sqrt()
+        if away > 0:
+            yield cx + radius * (x - cx) / away, cy + radius * (y - cy) / away
+        for row in rows:
+            half = _half_chord(radius, row - cy)
+            yield from () if half is None else ((cx + half, row), (cx - half, row))
+        for column in columns:
+            half = _half_chord(radius, column - cx)
+            yield from () if half is None else ((column, cy + half), (column, cy - half))
+    yield from _where_circles_meet(corners, radius)
+
+
+def _half_chord(radius: Decimal, height: Decimal) -> Decimal | None:
+    """Half the chord of a circle at a height above its centre; None where it has none."""
+    square = radius**2 - height**2
+    return None if square < -_DOUBT else max(square, Decimal(0)).sqrt()
+
+
+def _where_circles_meet(corners: list[Cell], radius: Decimal) -> Iterator[Place]:
+    by_column: dict[int, list[int]] = {}
+    for cx, cy in corners:
+        by_column.setdefault(cx, []).append(cy)
+    reach = math.floor(2 * radius)
+    for cx, cy in corners:
+        for column in range(cx, cx + reach + 1):
+            for other in by_column.get(column, ()):
+                dx, dy = column - cx, other - cy
+                half = _half_chord(radius, Decimal(dx * dx + dy * dy).sqrt() / 2)
+                if (dx, dy) <= (0, 0) or half is None:
+                    continue
+                apart = Decimal(dx * dx + dy * dy).sqrt()
+                for side in (1, -1):
+                    yield (
+                        cx + Decimal(dx) / 2 - side * half * dy / apart,
+                        cy + Decimal(dy) / 2 + side * half * dx / apart,
+                    )
+
+
+def _is_clear(cells: set[Cell], place: Place, radius: Decimal) -> bool:
+    """Whether a place is, but for a doubt, at least the radius from all cells."""
+    x, y = place
+    reach, least = math.ceil(radius) + 1, (radius - _DOUBT) ** 2 if radius > _DOUBT else Decimal(0)
+    base_x, base_y = math.floor(x), math.floor(y)
+    for iy in range(base_y - reach, base_y + reach + 1):
+        dy = max(iy - y, y - iy - 1, Decimal(0))
+        for ix in range(base_x - reach, base_x + reach + 1):
+            if (ix, iy) in cells:
+                dx = max(ix - x, x - ix - 1, Decimal(0))
+                if dx * dx + dy * dy < least:
+                    return False
+    return True
