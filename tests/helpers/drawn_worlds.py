@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from hypothesis import strategies as st
 
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Pose, Target, World
 
-__all__ = ["RADII", "changing_worlds", "drawn", "still_worlds"]
+__all__ = ["RADII", "changing_worlds", "drawn", "still_worlds", "tight_worlds"]
 
 # In cells: below, at and just above half of the gaps 1, sqrt(2), 2, sqrt(5), sqrt(8), 3, sqrt(10) and 5.
 RADII = (0.3, 0.5, 0.51, 0.7, 0.707, 0.71, 1.0, 1.01, 1.1, 1.118, 1.119, 1.41, 1.42, 1.5, 1.58, 2.5)
@@ -48,6 +50,32 @@ def still_worlds(draw):
         Target(target[0] / 2, target[1] / 2, draw(st.sampled_from([0.001, 0.5, 1.0]))),
         cell_size=1.0,
         robot_radius=draw(st.sampled_from(RADII) | st.integers(20, 200).map(lambda n: n / 100)),
+    )
+
+
+@st.composite
+def tight_worlds(draw):
+    """Worlds whose disc is a hair wider or narrower than a gap; start and target anywhere, targets of any size."""
+    width, height = draw(st.integers(3, 9)), draw(st.integers(3, 9))
+    solid = draw(st.sets(st.integers(0, width * height - 1), max_size=width * height // 3))
+    walls = np.isin(np.arange(width * height), list(solid)).reshape(height, width)
+    gap, digits = (
+        draw(st.sampled_from((1, 2, 4, 5, 8, 9, 10, 13, 16, 17, 18, 20, 25))),
+        draw(st.sampled_from((1, 2, 6, 15))),
+    )
+    radius = (math.isqrt(gap * 100**digits // 4) + draw(st.integers(0, 1))) / 10**digits
+
+    def place(side):
+        halves, thousandths = (st.integers(0, n * side).map(lambda value, n=n: value / n) for n in (2, 1000))
+        return draw(halves | thousandths | st.just(min(radius, side)))
+
+    reach = draw(st.sampled_from([0.01, 0.5, 1.0, 2.5, radius, round(2 * radius, 15)]))
+    return World(
+        walls,
+        Pose(place(width), place(height)),
+        Target(place(width), place(height), reach),
+        cell_size=1.0,
+        robot_radius=radius,
     )
 
 

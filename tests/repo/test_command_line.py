@@ -65,3 +65,14 @@ def test_a_full_disk_is_code_2_and_says_so():
 def test_a_folder_without_permission_is_code_2(tmp_path):
     result = worldgen("maze", "--size", 20, "--seed", 1, "--out", tmp_path / "absent" / "w.grid")
     assert result.code == 2 and "does not exist; make it first" in result.err
+
+
+def test_python_runs_the_program_as_a_module(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "worldgen", "maze", "--size", "1"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2 and done.stderr.count("\n") <= 2 and "outside 10 to 2000 cells" in done.stderr

@@ -10,8 +10,9 @@ from click.testing import CliRunner
 from tests.helpers.drawn_worlds import drawn
 from worldgen.cli.verify import verify
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.grid_file import write_world
+from worldgen.grid_file import read_world, write_world
 from worldgen.reach import decide
+from worldgen.timeline import CellState, Event, Timeline
 
 ROOM = "#######\n#S...G#\n#######"
 WALLED = ROOM.replace("..G", "#.G")
@@ -108,3 +109,28 @@ def test_a_broken_file_is_an_error_of_the_format(tmp_path):
 
 def test_a_negative_radius_is_refused(save):
     assert isinstance(run(save("w.grid", ROOM), "--radius", "-1").exception, InvalidParameter)
+
+
+@pytest.mark.parametrize(
+    ("text", "largest"),
+    [
+        (ROOM, 0.05),  # half the corridor
+        (WALLED, 0.0),
+        ("......#\n.G...#.\n....#..\n.......\n..#....\n.#...S.\n#......", 0.05 * 2**0.5),  # between two corners
+    ],
+)
+def test_the_largest_disc_that_could_pass_is_right_to_the_last_bit(save, text, largest):
+    path = save("w.grid", text, proof=False)
+    found = json.loads(run(path, "--widest", "--json").stdout)["widest"]
+    assert found == pytest.approx(largest, abs=1e-15)
+    assert f"could pass at all: {found:.9g} m" in run(path, "--widest").stdout
+    if found:
+        assert decide(read_world(path), radius=found).result == "reachable"
+        assert decide(read_world(path), radius=np.nextafter(found, 1.0)).result == "blocked"
+
+
+def test_the_largest_disc_is_not_known_of_a_world_that_changes(save, tmp_path):
+    world = dataclasses.replace(drawn(ROOM, radius=0.05), timeline=Timeline.of([Event(1.0, 3, 1, CellState.BURNING)]))
+    write_world(world, tmp_path / "w.grid")
+    result = CliRunner().invoke(verify, [str(tmp_path / "w.grid"), "--widest"])
+    assert isinstance(result.exception, InvalidParameter) and "known of still ones only" in str(result.exception)

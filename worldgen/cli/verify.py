@@ -18,8 +18,9 @@ __all__ = ["verify", "verify_world"]
 @click.command()
 @click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 @click.option("--radius", type=float, metavar="R", help="Ask for a disc of this radius, m, instead of the robot's.")
+@click.option("--widest", is_flag=True, help="Say too which is the largest disc that could get to the target at all.")
 @json_option
-def verify(paths: tuple[Path, ...], radius: float | None, as_json: bool) -> None:
+def verify(paths: tuple[Path, ...], radius: float | None, widest: bool, as_json: bool) -> None:
     """Check a world's proof, or decide a map afresh.
 
     A file's certificate is checked by code that shares nothing with the code that made it. A map without a
@@ -30,8 +31,14 @@ def verify(paths: tuple[Path, ...], radius: float | None, as_json: bool) -> None
     if a certificate does not hold or a map stays undecided, with 2 if a file cannot be read.
     """
     from worldgen.grid_file import read_world
+    from worldgen.reach import widest_disc
 
-    results = [{"path": str(path), **verify_world(read_world(path), radius)} for path in _files(paths)]
+    results = []
+    for path in _files(paths):
+        world = read_world(path)
+        results.append({"path": str(path), **verify_world(world, radius)})
+        if widest:
+            results[-1]["widest"] = widest_disc(world)
     for result in results if not as_json else []:
         click.echo(_line(result))
     if as_json:
@@ -94,4 +101,5 @@ def _line(result: dict[str, Any]) -> str:
         how = "decided afresh and checked" if result["decided"] else "checked"
         disc = f"a disc of {result['radius']:g} m"
         verdict = f"{result['result']} for {disc}, {result['certificate']} {how}: {result['reason']}"
-    return f"{result['path']}: {verdict}"
+    at_all = f"; the largest disc that could pass at all: {result['widest']:.9g} m" if "widest" in result else ""
+    return f"{result['path']}: {verdict}{at_all}"

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.reach.prove import decide
+from worldgen.reach.widest import widest_disc
 
 if TYPE_CHECKING:
     from worldgen.reach.check import CheckReport, check_certificate
 
-__all__ = ["BLOCKED", "REACHABLE", "UNDECIDED", "CheckReport", "Decision", "check_certificate", "decide"]
+__all__ = ["BLOCKED", "REACHABLE", "UNDECIDED", "CheckReport", "Decision", "check_certificate", "decide", "widest_disc"]
 
 
 def __getattr__(name: str) -> Any:

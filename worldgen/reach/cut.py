@@ -40,7 +40,7 @@ Ints = npt.NDArray[np.int64]
 
 
 def find_chain(
-    solid: npt.NDArray[np.bool_], radius: Fraction, start: Point, targets: Sequence[ExactPoint]
+    solid: npt.NDArray[np.bool_], radius: Fraction, start: ExactPoint, targets: Sequence[ExactPoint]
 ) -> list[Cell] | None:
     """A chain of cells that parts one clear pose from others for a disc of ``radius`` cells, or None if there is none.
 
@@ -102,9 +102,9 @@ class _Links:
     """
 
     def __init__(
-        self, solid: npt.NDArray[np.bool_], radius: Fraction, start: Point, targets: Sequence[ExactPoint]
+        self, solid: npt.NDArray[np.bool_], radius: Fraction, start: ExactPoint, targets: Sequence[ExactPoint]
     ) -> None:
-        fine = 1 if all(value == int(value) for point in targets for value in point) else _fineness(radius)
+        fine = 1 if all(value == int(value) for point in (start, *targets) for value in point) else _fineness(radius)
         self.unit, self.bits = UNIT * fine, len(targets)
         self.points: list[Point] = [(round(x * fine), round(y * fine)) for x, y in (start, *targets)]
         self.offsets = np.array(offsets := linked_offsets(radius), np.int64)

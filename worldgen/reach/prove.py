@@ -19,7 +19,7 @@ from worldgen.reach.pinch import bridges
 from worldgen.reach.spans import ChangingWalls, Spans
 from worldgen.reach.target_poses import deciding_poses
 from worldgen.reach.timed import find_timed_path, make_timed_witness, shorten_timed
-from worldgen.reach.walls import Cell, ExactPoint, Point, Walls
+from worldgen.reach.walls import Cell, ExactPoint, Walls
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, World
 
@@ -80,7 +80,7 @@ class _Question:
 
     Attributes:
         walls: Solid cells and radius.
-        start: The start on the pose lattice, lu.
+        start: The start on the pose lattice, lu, if the robot may be there.
         exact_start: The start as the world's decimals say it, lu.
         disc: The target.
         goal: A clear pose in the target's disc, if one is known.
@@ -93,7 +93,7 @@ class _Question:
     def __post_init__(self) -> None:
         world = self.world
         self.walls = Walls(world.walls, in_cells(self.radius, world.cell_size))
-        self.start: Point = (
+        self.start: ExactPoint = (
             metres_to_lattice(world.start.x, world.cell_size),
             metres_to_lattice(world.start.y, world.cell_size),
         )
@@ -137,8 +137,7 @@ class _Question:
             reason = f"the start is nearer than the radius to cell {cell}"
             return Decision(BLOCKED, self._make_cut([cell], Fraction(distance_sq) / UNIT**2), reason)
         if not self.walls.is_clear(self.exact_start, self.start):
-            reason = "the start touches a wall once it is rounded to 1/1024 cell; move it off the wall"
-            return Decision(UNDECIDED, None, reason)
+            self.start = self.exact_start  # it touches a wall, and would not once it is rounded
         return None
 
     def _path(self, k: int, *, pinched: bool = False) -> list[ExactPoint]:
