@@ -162,7 +162,7 @@ class LatticeRun:
         if self.settings[layout.SET_REACH] + fastest <= NEAR * UNIT:
             return np.zeros((0, 0), np.int32)
         ever, line = self._cells.copy(), self.world.timeline
-        ever[line.iy, line.ix] = np.maximum(ever[line.iy, line.ix], line.states)
+        np.maximum.at(ever, (line.iy, line.ix), line.states)  # a cell may change more than once
         table = np.zeros(ever.shape, np.int32)
         chessboard_clearance(ever, table)
         return table
@@ -315,7 +315,7 @@ class LatticeRun:
         """The recorded rows in metres and radians."""
         states, side = rows[:, layout.ROW_STATE :], self.world.cell_size
         turned = states[:, layout.STATE_HEADING]
-        way = np.concatenate([[[0, 0, states[0, layout.STATE_X], states[0, layout.STATE_Y]]], path])
+        way = _with_stands(rows, path)
         return Trace(
             time_step=self.options.time_step,
             x=_metres(states[:, layout.STATE_X], side),
@@ -330,6 +330,20 @@ class LatticeRun:
             states=np.ascontiguousarray(states).view(np.uint64),
             complete=complete,
         )
+
+
+def _with_stands(rows: Ints, path: Ints) -> Ints:
+    """The path from the start on, with a point at the end of each step in which the robot came to stand."""
+    last = np.zeros(len(rows), np.int64)
+    np.maximum.at(last, path[:, layout.POINT_STEP], path[:, layout.POINT_TIME])
+    last[0] = -1  # the start
+    stands = np.flatnonzero(last < layout.TIME_UNIT)
+    ends = np.empty((len(stands), layout.POINT_SIZE), np.int64)
+    ends[:, layout.POINT_STEP], ends[:, layout.POINT_TIME] = stands, np.where(stands > 0, layout.TIME_UNIT, 0)
+    ends[:, layout.POINT_X] = rows[stands, layout.ROW_STATE + layout.STATE_X]
+    ends[:, layout.POINT_Y] = rows[stands, layout.ROW_STATE + layout.STATE_Y]
+    whole = np.concatenate([path, ends])
+    return whole[np.lexsort((whole[:, layout.POINT_TIME], whole[:, layout.POINT_STEP]))]
 
 
 def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:

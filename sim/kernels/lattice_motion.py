@@ -21,8 +21,9 @@ Cells = npt.NDArray[np.uint8]
 Chain = npt.NDArray[np.int64]
 
 _TRIES = 3  # straight pieces a move may have: ahead and two slides (face, then corner)
-MOST_POINTS = _TRIES
-"""Points that one move may add to a path."""
+_GRAZE = 1e-6  # lattice units squared by which a way may cut a circle's square and still only graze it
+MOST_POINTS = _TRIES + 1
+"""Points that one move may add to a path, the end of a wait included."""
 
 
 @kernel
@@ -34,8 +35,10 @@ def round_away(value: float) -> int:
 
 
 @kernel
-def _contact_with_corner(radius_sq: float, mx: float, my: float, dx: float, dy: float) -> float:
+def _contact_with_corner(radius_sq: float, mx: float, my: float, dx: float, dy: float, graze: float) -> float:
     """Time in [0, 1) at which a point moving by d from m meets the circle round the origin; 2 if it doesn't.
+
+    One that only grazes the circle doesn't, unless ``graze`` is 0.
 
     Source: moving point against sphere, Ericson, Real-Time Collision Detection (2005), 5.3.2.
     """
@@ -44,16 +47,26 @@ def _contact_with_corner(radius_sq: float, mx: float, my: float, dx: float, dy: 
         return 2.0
     a = dx * dx + dy * dy
     inside = approach * approach - a * (mx * mx + my * my - radius_sq)
-    if inside < 0.0:
+    if inside < graze * a:
         return 2.0
     return max(0.0, (-approach - math.sqrt(inside)) / a)
 
 
 @rare_kernel
 def first_contact(
-    cells: Cells, radius: float, reach: int, x: int, y: int, dx: int, dy: int
+    cells: Cells, radius: float, reach: int, x: int, y: int, dx: int, dy: int, graze: float
 ) -> tuple[float, float, float]:
     """When a disc moving by (dx, dy) first touches a solid cell, and the direction away from it.
+
+    Args:
+        cells: (height, width) cell states.
+        radius: Of the disc, lattice units.
+        reach: The same, rounded up.
+        x: Start.
+        y: Start.
+        dx: Displacement.
+        dy: Displacement.
+        graze: By how much the square of a corner's circle may be cut without a touch.
 
     Returns:
         Time in [0, 1] of the contact (2 for none) and the outward normal, of any length.
@@ -61,10 +74,10 @@ def first_contact(
     best, normal_x, normal_y = 2.0, 0.0, 0.0
     fx, fy = float(dx), float(dy)
     for iy in range(
-        max((min(y, y + dy) - reach) // UNIT, -1), min((max(y, y + dy) + reach) // UNIT, cells.shape[0]) + 1
+        max((min(y, y + dy) - reach - 1) // UNIT, -1), min((max(y, y + dy) + reach) // UNIT, cells.shape[0]) + 1
     ):
         for ix in range(
-            max((min(x, x + dx) - reach) // UNIT, -1),
+            max((min(x, x + dx) - reach - 1) // UNIT, -1),
             min((max(x, x + dx) + reach) // UNIT, cells.shape[1]) + 1,
         ):
             if cell_state(cells, ix, iy) != SOLID:
@@ -80,26 +93,10 @@ def first_contact(
                     best, normal_x, normal_y = max(t, 0.0), 0.0, -fy
             for corner in range(4):
                 mx, my = -left - (corner & 1) * UNIT, -low - (corner >> 1) * UNIT
-                t = _contact_with_corner(radius * radius, mx, my, fx, fy)
+                t = _contact_with_corner(radius * radius, mx, my, fx, fy, graze)
                 if t < best:
                     best, normal_x, normal_y = t, mx + t * fx, my + t * fy
     return best, normal_x, normal_y
-
-
-@kernel
-def _stop_before(
-    cells: Cells, clear_sq: int, reach: int, x: int, y: int, dx: int, dy: int, t: float
-) -> tuple[int, int]:
-    """The last lattice point near the contact that a clear segment leads to; the start if there is none."""
-    length = math.sqrt(float(dx) * float(dx) + float(dy) * float(dy))
-    for back in range(4):
-        s = (t * length - back) / length
-        if s <= 0.0:
-            break
-        qx, qy = x + round_away(s * dx), y + round_away(s * dy)
-        if not segment_first_not_clear(cells, SOLID, clear_sq, reach, (x, y, qx, qy))[0]:
-            return qx, qy
-    return x, y
 
 
 @kernel
@@ -118,6 +115,50 @@ def _step_aside(
         if not segment_first_not_clear(cells, SOLID, clear_sq, reach, (x, y, ax, ay))[0]:
             return True, ax, ay
     return False, x, y
+
+
+@rare_kernel
+def _stop_at(
+    cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], contact: tuple[float, float, float]
+) -> tuple[int, int]:
+    """A lattice point near a contact that a clear segment leads to; the start if there is none.
+
+    Nearest to the contact, and a little away from the wall where rounding would be in it; or further back.
+    """
+    x, y, dx, dy = ends
+    t, nx, ny = contact
+    length = math.sqrt(float(dx) * float(dx) + float(dy) * float(dy))
+    for back in range(4):
+        s = (t * length - back) / length
+        if s <= 0.0:
+            break
+        goal = (x, y, x + round_away(s * dx), y + round_away(s * dy))
+        found, qx, qy = _step_aside(cells, clear_sq, reach, goal, nx, ny)
+        if found:
+            return qx, qy
+    return x, y
+
+
+@rare_kernel
+def _first_stop(
+    cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int]
+) -> tuple[float, float, float, int, int]:
+    """The first contact of a way that is not clear, and where it lets the disc stop.
+
+    Corners that the way only grazes count if nothing else explains why it is not clear: they have no part in a
+    slide along a wall, though they are as near as can be.
+    """
+    x, y, dx, dy = ends
+    radius, graze = math.sqrt(float(clear_sq)), _GRAZE
+    while True:
+        t, nx, ny = first_contact(cells, radius, reach, x, y, dx, dy, graze)
+        if t > 1.0 and graze == 0.0:
+            t, nx, ny = 1.0, -float(dx), -float(dy)  # a touch that only exact arithmetic sees
+        if t <= 1.0:
+            qx, qy = _stop_at(cells, clear_sq, reach, ends, (t, nx, ny))
+            if graze == 0.0 or qx != x or qy != y or t * (abs(dx) + abs(dy)) < 1.0:
+                return t, nx, ny, qx, qy
+        graze = 0.0
 
 
 @kernel
@@ -157,7 +198,6 @@ def swept_move(
     """
     x, y, dx, dy = ends
     now, end = during
-    radius = math.sqrt(float(clear_sq))
     normal_x, normal_y = 0.0, 0.0
     for attempt in range(_TRIES):
         if dx == 0 and dy == 0:
@@ -170,10 +210,7 @@ def swept_move(
         if free:
             count = _append(chain, count, qx, qy, end)
             break
-        t, nx, ny = first_contact(cells, radius, reach, x, y, dx, dy)
-        if t > 1.0:
-            t, nx, ny = 1.0, -float(dx), -float(dy)  # a touch that only exact arithmetic sees
-        qx, qy = _stop_before(cells, clear_sq, reach, x, y, dx, dy, t)
+        t, nx, ny, qx, qy = _first_stop(cells, clear_sq, reach, (x, y, dx, dy))
         now += (end - now) * t
         if qx != x or qy != y:
             count = _append(chain, count, qx, qy, now)

@@ -236,6 +236,10 @@ def _move_through_events(
             there = way if until == TIME_UNIT else (_share(way[0], until), _share(way[1], until))
             part = (there[0] - gone[0], there[1] - gone[1])
             count, px, py = _move(arena, settings, scales, step, part, (now, until), count, robot)
+            if until < TIME_UNIT and (count == 0 or robot.chain[count - 1, 2] < until):  # it waits for what comes
+                robot.chain[count, 0], robot.chain[count, 1] = robot.state[layout.STATE_X], robot.state[layout.STATE_Y]
+                robot.chain[count, 2] = until
+                count += 1
             if px != 0.0 or py != 0.0:
                 nx, ny = px, py
             gone, now = there, until

@@ -6,6 +6,6 @@ from sim.motion.base import LATTICE, Motion
 __all__ = ["swept"]
 
 swept = Motion(
-    "swept", version=2, kernel=LATTICE, code=SWEPT, overlap_tolerance=0.0, exact_events=True,
+    "swept", version=3, kernel=LATTICE, code=SWEPT, overlap_tolerance=0.0, exact_events=True,
     summary="exact: the disc stops at walls and slides along them; it cannot tunnel",
 )  # fmt: skip

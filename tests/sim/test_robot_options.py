@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim import Command, CompiledController, Observation, RobotOptions, RunOptions, simulate
+from sim.audit import Trajectory, audit
 from sim.episode import prepare
 from sim.kernels import layout
 from tests.sim.test_episode import arena
@@ -243,23 +244,35 @@ def test_no_path_cuts_a_wall_that_stands_at_that_moment(events, rate, speed):
     if any(walls_at(world, 0.0, 9, 29)):
         return
     trace = simulate(world, Drive(speed, rate), record=True, steps=80).trace
-    times = (np.maximum(trace.path_step - 1, 0) + trace.path_share) * STEP
+    times = path_times(trace)
+    assert (np.diff(times) >= 0).all() and len(np.unique(trace.path_step)) == len(trace.x)
     for k in range(1, len(times)):
         line = shapely.LineString([(trace.path_x[j], trace.path_y[j]) for j in (k - 1, k)])
-        solid = [(ix, iy) for ix, iy in standing(world, times[k - 1] + 1e-9, times[k] - 1e-9)]
+        assert (
+            not any(times[k - 1] + 1e-9 < event.time < times[k] - 1e-9 for event in world.timeline) or line.length == 0
+        )
+        middle = (times[k - 1] + times[k]) / 2
+        solid = [cell for cell in cells_of(world) if state_at(world, cell, middle) == CellState.SOLID]
         boxes = [shapely.box(ix * 0.1, iy * 0.1, ix * 0.1 + 0.1, iy * 0.1 + 0.1) for ix, iy in solid]
         assert all(line.distance(box) >= 0.07 - 1e-9 for box in boxes)
 
 
-def standing(world, first, last):
-    """Cells of the timeline that are solid during all of an interval."""
-    cells = {(event.ix, event.iy) for event in world.timeline}
-    return [
-        cell
-        for cell in cells
-        if state_at(world, cell, first) == CellState.SOLID
-        and not any((e.ix, e.iy) == cell and first < e.time <= last for e in world.timeline)
-    ]
+def test_a_robot_that_waits_at_a_door_has_a_path_that_waits_too():
+    door = [Event(0.0, 11, 29, CellState.SOLID), Event(0.85, 11, 29, CellState.FREE)]
+    world = hall(timeline=Timeline.of(door))
+    trace = simulate(world, Drive(1.0), record=True, steps=12, time_step=0.1).trace
+    waits = np.flatnonzero(np.abs(trace.path_x - (1.1 - 0.07)) < 2e-3)
+    assert trace.path_step[waits].tolist() == [6, 6, 7, 8, 9]
+    assert trace.path_share[waits].tolist() == [pytest.approx(0.8, abs=0.01), 1.0, 1.0, 1.0, 0.5]
+    assert audit(world, Trajectory(path_times(trace), trace.path_x, trace.path_y)).findings == ()
+
+
+def path_times(trace):
+    return (np.maximum(trace.path_step - 1, 0) + trace.path_share) * trace.time_step
+
+
+def cells_of(world):
+    return {(event.ix, event.iy) for event in world.timeline}
 
 
 def state_at(world, cell, time):
