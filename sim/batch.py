@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -33,7 +34,7 @@ VERDICTS = (
 
 _MOST_AT_ONCE = 256  # runs in one call of the kernel, so that all cores have something to do
 _MOST_IN_A_FLEET = 1024  # robots in lockstep: enough for NumPy, and few enough for the processor's cache
-_FLEET_BYTES = 1 << 26  # for the cells that they have visited
+_FLEET_BYTES = 1 << 26  # that the robots of a fleet take
 _CODE = {verdict: np.int8(code) for code, verdict in enumerate(VERDICTS)}
 
 Ints = npt.NDArray[np.int64]
@@ -159,8 +160,7 @@ def simulate_many(
     with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
         for _ in pool.map(lambda job: _run_compiled(job, runs, digest), threaded):
             pass
-    for fleet in _fleets([job for job in jobs if _is_vector(job)]):
-        _run_fleet(fleet, runs, digest)
+    _run_in_lockstep([job for job in jobs if _is_vector(job)], runs, digest)
     for job in jobs:
         if not _is_threaded(job) and not _is_vector(job):
             _run_each(job, job.rows, runs, digest)
@@ -208,41 +208,44 @@ def _is_vector(job: _Job) -> bool:
     return isinstance(job.controller, VectorController) and MOTIONS.get(job.options.motion).kernel == LATTICE
 
 
-def _fleets(jobs: Sequence[_Job]) -> Iterator[list[_Job]]:
-    """Jobs that can run in lockstep: of one controller, in worlds of one shape, not too many at once."""
-    kinds: dict[tuple[int, tuple[int, ...]], list[_Job]] = {}
+def _run_in_lockstep(jobs: Sequence[_Job], runs: Runs, digest: bool) -> None:
+    """Runs what can run together together: jobs of one controller, in worlds of one shape."""
+    kinds: dict[tuple[int, Any, Any], list[tuple[_Job, LatticeRun]]] = {}
     for job in jobs:
-        kinds.setdefault((id(job.controller), job.world.walls.shape), []).append(job)
-    for (_, (height, width)), alike in kinds.items():
-        most = max(1, min(_MOST_IN_A_FLEET, _FLEET_BYTES // (height * width)))
-        ends = np.cumsum([len(job.rows) for job in alike]) - 1
-        for _, fleet in itertools.groupby(zip(ends // most, alike, strict=True), key=lambda one: one[0]):
-            yield [job for _, job in fleet]
+        run = LatticeRun(replace(job.world, start=job.starts[0]), job.controller, job.options)
+        kinds.setdefault((id(job.controller), *run.shapes), []).append((job, run))
+    for alike in kinds.values():
+        _run_alike(alike, runs, digest)
 
 
-def _run_fleet(fleet: Sequence[_Job], runs: Runs, digest: bool) -> None:
-    """Runs jobs in lockstep; one by one if the controller cannot."""
-    controller = fleet[0].controller
+def _run_alike(alike: Sequence[tuple[_Job, LatticeRun]], runs: Runs, digest: bool) -> None:
+    """Runs alike jobs in lockstep, not too many robots at once; one by one if the controller cannot."""
+    controller = alike[0][0].controller
     if not isinstance(controller, VectorController):
         raise TypeError("only controllers that act for many robots run in lockstep")
-    packed = [LatticeRun(replace(job.world, start=job.starts[0]), controller, job.options) for job in fleet]
-    starts = []
-    for job, run in zip(fleet, packed, strict=True):
+    starts, packed = [], [run for _, run in alike]
+    for job, run in alike:
         places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
         starts.append(places[runs.start[job.rows.start : job.rows.stop]])
-    sizes = [len(job.rows) for job in fleet]
-    rows = np.concatenate([np.arange(job.rows.start, job.rows.stop) for job in fleet])
-    world = np.repeat(np.arange(len(fleet)), sizes)
-    found = FleetRun(controller, packed, world, np.concatenate(starts), runs.seed[rows]).run(digest=digest)
-    first = 0
-    for job, run, size in zip(fleet, packed, sizes, strict=True):
+    rows = np.concatenate([np.arange(job.rows.start, job.rows.stop) for job, _ in alike])
+    world, poses = np.repeat(np.arange(len(alike)), [len(job.rows) for job, _ in alike]), np.concatenate(starts)
+    metres = np.array([float(run.scales[layout.SCALE_METRES]) for run in packed])
+    most = max(1, min(_MOST_IN_A_FLEET, _FLEET_BYTES // max(run.bytes_per_robot for run in packed)))
+    for first in range(0, len(rows), most):
+        part = slice(first, first + most)
+        used, index = np.unique(world[part], return_inverse=True)
+        fleet = FleetRun(controller, [packed[k] for k in used], index, poses[part], runs.seed[rows[part]])
+        found = fleet.run(digest=digest)
         if found is None:
-            _run_each(job, job.rows, runs, digest)
+            warnings.warn(
+                f"{_name(controller)} raised for some of many robots, or changed what is outside its memory; "
+                "it is run for one robot at a time, which takes far longer",
+                stacklevel=2,
+            )
+            for row, which in zip(rows[part].tolist(), world[part].tolist(), strict=True):
+                _run_each(alike[which][0], range(row, row + 1), runs, digest)
         else:
-            part, metres = slice(first, first + size), float(run.scales[layout.SCALE_METRES])
-            own = slice(job.rows.start, job.rows.stop)
-            _fill(runs, own, found[0][part], found[1][part], job.options.time_step, metres, digest)
-        first += size
+            _fill(runs, rows[part], *found, alike[0][0].options.time_step, metres[world[part]], digest)
 
 
 def _run_compiled(job: _Job, runs: Runs, digest: bool) -> None:
@@ -255,13 +258,15 @@ def _run_compiled(job: _Job, runs: Runs, digest: bool) -> None:
     rows = slice(job.rows.start, job.rows.stop)
     try:
         counts, sums = run.run_many(controller, places[runs.start[rows]], runs.seed[rows], digest=digest)
-    except (ArithmeticError, LookupError, ValueError, TypeError):  # raised in the compiled controller
+    except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
         _run_each(job, job.rows, runs, digest)
         return
     _fill(runs, rows, counts, sums, job.options.time_step, float(run.scales[layout.SCALE_METRES]), digest)
 
 
-def _fill(runs: Runs, rows: slice, counts: Ints, sums: Floats, time_step: float, metres: float, digest: bool) -> None:
+def _fill(
+    runs: Runs, rows: slice | Ints, counts: Ints, sums: Floats, time_step: float, metres: float | Floats, digest: bool
+) -> None:
     """Turns the kernel's reports into results, with the rules of :attr:`sim.outcome.Outcome.verdict`."""
     ending, steps = counts[:, layout.OUT_ENDING], counts[:, layout.OUT_STEPS]
     decided = {

@@ -107,7 +107,7 @@ def prepare(world: World, controller: str | Controller, options: RunOptions) -> 
 def _loop(run: Runnable, world: World, found: Outcome, options: RunOptions, record: bool) -> Episode:
     """Finds where the recurrence begins; the run ends with its first period."""
     period = found.period
-    seen = run.recurrence(period) if isinstance(run, LatticeRun) else None
+    seen = run.recurrence(period, found.steps) if isinstance(run, LatticeRun) else None
     begin = seen or _recorded_recurrence(run, found.steps, period)
     if begin is None:
         return _unproved(run, world, options, record)

@@ -78,7 +78,7 @@ def _typed(function: Any) -> Any:
     pairs = (two(room, 2), two(robot, 2))
     signatures = {
         lattice_episode: numba.void(arena, *numbers, room, robot, rows, rows),
-        lattice_entry: whole(two(arena, 2), *numbers, *pairs, whole),
+        lattice_entry: whole(two(arena, 2), *numbers, *pairs, whole, whole),
         lattice_batch: numba.void(
             arena, two(arena, 2), *numbers, *pairs, rows, ints, rows, rows, numba.float64[:, ::1]
         ),
@@ -198,10 +198,11 @@ class LatticeRun:
         recording = loop.recording() if record else None
         return self._outcome(loop.robot, recording, loop.complete, loop.fault)
 
-    def recurrence(self, period: int) -> tuple[int, Words] | None:
-        """Where a recurrence that a run has found begins: the step, and the state then.
+    def recurrence(self, period: int, most: int) -> tuple[int, Words] | None:
+        """Where a recurrence that a run has found begins: the step, at ``most`` that one, and the state then.
 
-        ``None`` for a controller that is no compiled one: it may be in a state that we do not see.
+        ``None`` if it does not come again, and for a controller that is no compiled one: it may be in a state that we
+        do not see.
         """
         if not isinstance(self.controller, CompiledController):
             return None
@@ -210,8 +211,19 @@ class LatticeRun:
         rooms = tuple(new_room(memory.size, self.options.robot.beams) for _ in range(2))
         robots = tuple(new_robot(memory.size, self.events) for _ in range(2))
         act, arenas = compiled_act(self.controller.act), (self.arena(), self.arena())
-        entry = _typed(lattice_entry)(arenas, self.settings, self.scales, act, memory, rooms, robots, period)
-        return int(entry), robots[0].state.view(np.uint64)
+        entry = _typed(lattice_entry)(arenas, self.settings, self.scales, act, memory, rooms, robots, period, most)
+        return (int(entry), robots[0].state.view(np.uint64)) if entry >= 0 else None
+
+    @property
+    def shapes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """What runs in lockstep must have in common: the shapes of the grid and of the table of distances."""
+        return self._cells.shape, self._clearance.shape
+
+    @property
+    def bytes_per_robot(self) -> int:
+        """What a robot takes of a fleet's memory: where it has been, and a world that changes as it goes."""
+        own = self._cells.nbytes + self._near.nbytes if len(self.events) else 0
+        return int(own + self._cells.size)
 
     @property
     def can_loop(self) -> bool:
@@ -276,7 +288,7 @@ class LatticeRun:
         fault = None
         try:
             _typed(lattice_episode)(self.arena(), self.settings, self.scales, act, memory, room, robot, rows, path)
-        except (ArithmeticError, LookupError, ValueError, TypeError) as error:  # raised in the compiled controller
+        except Exception as error:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
             fault = Misbehaviour("crash", f"{type(error).__name__}: {error}")
         return robot, fault
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import math
 import pickle
 import random
@@ -137,25 +138,78 @@ def _write_command(asked: Command, command: memoryview) -> None:
 
 
 def hidden_state(controller: Any) -> bytes | None:
-    """All state outside ``memory`` that we can see: attributes, slots, class and module data, random generators.
+    """All state outside ``memory`` that we can see: of the object, its classes, their modules, of random generators.
 
     ``None`` if some of it cannot be pickled and so cannot be compared.
     """
     kind = type(controller)
     slots = [name for base in kind.__mro__ for name in getattr(base, "__slots__", ()) if hasattr(controller, name)]
-    module = sys.modules.get(kind.__module__)
     seen = [
         _data(getattr(controller, "__dict__", {})),
         {name: getattr(controller, name) for name in slots},
-        *(_data(vars(base)) for base in kind.__mro__ if base is not object),
-        _data(vars(module)) if module is not None and kind.__module__.startswith("_worldgen_user") else {},
+        *(_data_of_class(base) for base in kind.__mro__ if base is not object),
+        *(_data_of_module(sys.modules[base.__module__]) for base in kind.__mro__ if _is_of_a_user(base)),
         random.getstate(),
         np.random.get_state(),
     ]
     try:
-        return pickle.dumps(seen)
+        return _pickled(seen)
     except Exception:  # noqa: BLE001 - whatever cannot be pickled cannot be compared
         return None
+
+
+def _is_of_a_user(kind: type) -> bool:
+    package = kind.__module__.partition(".")[0]
+    return package not in {"builtins", "typing", "sim", "fuzz", "worldgen"} and kind.__module__ in sys.modules
+
+
+def _data_of_module(module: types.ModuleType) -> list[Any]:
+    """Its variables, and those of the classes and functions that it defines.
+
+    A module that was imported is no file of the controller's own: what cannot be pickled there is not looked at.
+    """
+    own = [thing for thing in vars(module).values() if getattr(thing, "__module__", None) == module.__name__]
+    classes = [_data_of_class(thing) for thing in own if isinstance(thing, type)]
+    data = [*_data(vars(module)).items(), *classes, *_data_of_functions(own)]
+    return data if module.__name__.startswith("_worldgen_user") else [_pickled_if_it_can_be(item) for item in data]
+
+
+def _pickled_if_it_can_be(data: Any) -> bytes:
+    try:
+        return _pickled(data)
+    except Exception:  # noqa: BLE001 - as above
+        return b""
+
+
+def _pickled(data: Any) -> bytes:
+    """Equal bytes for equal data, whether or not two equal parts of it are one object; but for what holds itself."""
+    stream = io.BytesIO()
+    pickler = pickle.Pickler(stream)
+    pickler.fast = True
+    try:
+        pickler.dump(data)
+    except ValueError:  # it holds itself
+        return pickle.dumps(data)
+    return stream.getvalue()
+
+
+def _data_of_class(kind: type) -> list[Any]:
+    return [_data(vars(kind)), *_data_of_functions(vars(kind).values())]
+
+
+def _data_of_functions(things: Iterable[Any]) -> list[Any]:
+    """Defaults, which may change, attributes, and variables of functions around it, of each that is a function."""
+    functions = [getattr(thing, "__func__", thing) for thing in things]
+    return [
+        [list(one.__defaults__ or ()), one.__kwdefaults__ or {}, _data(one.__dict__), _data(_around(one))]
+        for one in functions
+        if isinstance(one, types.FunctionType)
+    ]
+
+
+def _around(function: types.FunctionType) -> dict[str, Any]:
+    cells = function.__closure__ or ()
+    return {str(number): cell.cell_contents for number, cell in enumerate(cells) if cell != types.CellType()}
 
 
 def _data(names: Mapping[str, Any]) -> dict[str, Any]:

@@ -265,7 +265,7 @@ def compiled_act(act: Act) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaWarning)  # the error, if any, says it better
-            return numba.njit(numba.void(array, array, array), nogil=True, boundscheck=True)(
+            compiled = numba.njit(numba.void(array, array, array), nogil=True, boundscheck=True)(
                 getattr(act, "py_func", act)
             )
     except NumbaError as error:
@@ -275,3 +275,9 @@ def compiled_act(act: Act) -> Any:
             f"controller function {name} does not compile: {first[-1] if first else error}; "
             "write it with numbers and arrays only, or bring it as a Python class"
         ) from error
+    if any("_random_state" in code for code in compiled.inspect_llvm().values()):
+        raise InvalidParameter(
+            f"controller function {getattr(act, '__name__', repr(act))} draws random numbers of Python or NumPy, which "
+            "no seed of a run decides; use observation[OBS_RANDOM], and say command[CMD_DRAW] = 1.0"
+        )
+    return compiled

@@ -29,9 +29,16 @@ def ask(controller: VectorController, seen: Floats, memory: Floats, command: Flo
         ValueError, TypeError: If what it returns does not fit; and whatever else it raises.
     """
     asked, kept = controller.act_many(Observations.of(_locked(seen)), _locked(memory))
-    speed, turn_rate, used_random = asked if type(asked) is Commands else Commands(*asked)
-    command[:, layout.CMD_SPEED], command[:, layout.CMD_TURN_RATE] = speed, turn_rate
-    command[:, layout.CMD_DRAW] = np.asarray(used_random) != 0
+    asked = asked if type(asked) is Commands else Commands(*asked)
+    for name, value in zip(Commands._fields, asked, strict=True):
+        if np.shape(value) not in ((), (len(seen),)):
+            raise TypeError(
+                f"{name} is of shape {np.shape(value)} for {len(seen)} robots; give one number, or one each"
+            )
+    if np.shape(kept) != after.shape:
+        raise TypeError(f"the memory came back in shape {np.shape(kept)}; it must keep its shape, {after.shape}")
+    command[:, layout.CMD_SPEED], command[:, layout.CMD_TURN_RATE] = asked.speed, asked.turn_rate
+    command[:, layout.CMD_DRAW] = np.asarray(asked.used_random) != 0
     after[...] = kept
 
 

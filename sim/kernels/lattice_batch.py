@@ -52,16 +52,19 @@ def _entry_of(
     rooms: tuple[Room, Room],
     robots: tuple[Robot, Robot],
     period: int,
+    most: int,
 ) -> int:
     """First step after the last event whose state comes back ``period`` steps later, found by two equal robots.
 
-    Both are at their start; the second sets out ``period`` steps before the first.
+    Both are at their start; the second sets out ``period`` steps before the first. -1 if there is none up to ``most``.
     """
     (slow, fast), quiet = robots, last_event(arenas[0])
     step, event_slow, event_fast = 0, 0, 0
     for ahead in range(1, period + 1):
         event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, ahead, event_fast)
     while step < quiet or not same(slow.state, fast.state):
+        if step >= most:
+            return -1
         step += 1
         event_slow = _lone_step(arenas[0], settings, scales, act, rooms[0], slow, step, event_slow)
         event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, step + period, event_fast)
@@ -78,8 +81,11 @@ def lattice_entry(
     rooms: tuple[Room, Room],
     robots: tuple[Robot, Robot],
     period: int,
+    most: int,
 ) -> int:
     """First step of a recurrence after the last event; the first robot is left in that step's state.
+
+    -1 if the state does not come again.
 
     Args:
         arenas: Two copies of the surroundings before the first event.
@@ -90,10 +96,11 @@ def lattice_entry(
         rooms: Two.
         robots: Two.
         period: Steps of the recurrence.
+        most: Step in which it was found.
     """
     for which in range(2):
         set_out(settings, scales, memory, rooms[which], robots[which])
-    return _entry_of(arenas, settings, scales, act, rooms, robots, period)
+    return _entry_of(arenas, settings, scales, act, rooms, robots, period, most)
 
 
 @rare_kernel
@@ -141,13 +148,17 @@ def lattice_batch(
         while True:  # a second time for a loop, up to the end of its first period
             _renew(arenas[0], fresh, settings)
             lattice_episode(arenas[0], settings, scales, act, memory, rooms[0], robot, nothing, nothing)
-            if period > 0 or robot.counts[layout.OUT_ENDING] != layout.LOOP:
+            if period >= 0 or robot.counts[layout.OUT_ENDING] != layout.LOOP:
                 break
             period = robot.counts[layout.OUT_PERIOD]
             for which in range(2):
                 _renew(arenas[which], fresh, settings)
-            entry = lattice_entry(arenas, settings, scales, act, memory, rooms, robots, period)
-            settings[layout.SET_STEPS] = entry + period
+            found = robot.counts[layout.OUT_STEPS]
+            entry = lattice_entry(arenas, settings, scales, act, memory, rooms, robots, period, found)
+            if entry < 0:
+                period = 0  # and then for as long as there are steps
+            else:
+                settings[layout.SET_STEPS] = entry + period
             settings[layout.SET_FIND_LOOP] = 0
         if period > 0:
             robot.counts[layout.OUT_ENDING], robot.counts[layout.OUT_PERIOD] = layout.LOOP, period

@@ -84,7 +84,7 @@ class Room(NamedTuple):
 
 def new_robot(memory: int, events: Ints) -> Robot:
     """A robot with so many numbers of memory, and room for the path of a step with the most events."""
-    most = int(np.bincount(events[:, layout.EVENT_STEP] - events[0, layout.EVENT_STEP]).max()) if len(events) else 0
+    most = int(np.unique(events[:, layout.EVENT_STEP], return_counts=True)[1].max()) if len(events) else 0
     return Robot(
         np.zeros(layout.STATE_MEMORY + memory, np.int64),
         np.zeros(3),

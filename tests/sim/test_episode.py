@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim import Command, CompiledController, Observation, RunOptions, simulate
+from sim import Command, CompiledController, Observation, RunOptions, simulate, simulate_many
 from sim.episode import prepare
 from sim.kernels import layout
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World
@@ -338,3 +338,66 @@ def test_a_loop_too_long_to_record_is_proved_all_the_same():
     assert (episode.verdict, episode.evidence["entry"], episode.evidence["period"]) == ("loop", 8, 4_499_993)
     with pytest.raises(InvalidParameter, match="at most 4000000 can be recorded"):
         simulate(arena(), counter, steps=20_000_000, record=True)
+
+
+def drive(observation, memory, command):
+    command[layout.CMD_SPEED] = 1e9
+
+
+@pytest.mark.parametrize("radius", [0.02, 0.03, 0.035, 0.05, 0.07, 0.14])
+@pytest.mark.parametrize("degrees", [1, 4, 15])
+def test_a_disc_that_touches_a_wall_at_a_shallow_angle_slides_on_for_the_rest_of_its_way(radius, degrees):
+    down = math.radians(degrees)
+    for height in (0.0, 0.3, 0.7):
+        start = Pose(0.6, radius + height * 0.03 * math.sin(down), -down)
+        world = World(np.zeros((12, 12), bool), start, Target(0.1, 1.1, 0.01), robot_radius=radius)
+        trace = simulate(world, CompiledController("go", drive, (), 1e9), steps=1, record=True).trace
+        assert trace.x[1] - trace.x[0] == pytest.approx(0.03 * math.cos(down), abs=4e-4)  # 4 lattice units
+
+
+@pytest.mark.parametrize("radius", [0.05, 0.07, 0.1])
+@pytest.mark.parametrize("cells", [3, 50, 200])
+def test_along_floor_and_ceiling_a_disc_gets_as_far_as_the_wall_ahead(radius, cells):
+    ends = []
+    for y in (radius, 0.5 - radius):
+        start = Pose(round(12 - min(cells * 0.08, 11.0) - radius, 3), y, 0.0)
+        world = World(np.zeros((5, 120), bool), start, Target(0.3, 0.25, 0.01), robot_radius=radius)
+        world = replace(world, robot_speed=cells * 0.1 / 0.015)
+        trace = simulate(world, CompiledController("go", drive, (), 1e9), steps=1, record=True).trace
+        assert trace.x[1] == pytest.approx(12 - radius, abs=2e-4) and trace.bump[1]
+        ends.append(trace.x[1])
+    assert ends[0] == ends[1]
+
+
+def test_a_cell_that_shuts_and_opens_again_stops_a_robot_of_any_speed():
+    for speed in (2.0, 30.0):
+        door = [Event(0.0, 11, 29, CellState.SOLID), Event(0.85, 11, 29, CellState.FREE)]
+        world = replace(arena(60, (0.55, 2.95, 0.0), (5.45, 5.45)), timeline=Timeline.of(door), robot_speed=speed)
+        trace = simulate(world, CompiledController("go", drive, (), 1e9), steps=40, record=True).trace
+        assert trace.x.max() == pytest.approx(1.1 - 0.07, abs=1e-3)
+
+
+@pytest.mark.parametrize("error", [AssertionError, RuntimeError, MemoryError])
+def test_a_compiled_controller_may_raise_anything(error):
+    def act(observation, memory, command):
+        memory[0] += 1.0
+        if memory[0] > 2.0:
+            raise error("enough")
+
+    raises = CompiledController("raises", act, (0.0,))
+    assert simulate(arena(), raises).evidence["error"] == f"{error.__name__}: enough"
+    assert simulate_many(arena(), raises, seeds=2).verdicts.tolist() == ["crash", "crash"]
+
+
+def test_a_compiled_controller_that_draws_from_numpy_is_refused():
+    def act(observation, memory, command):
+        command[layout.CMD_SPEED] = np.random.random()
+
+    with pytest.raises(InvalidParameter, match="no seed of a run decides; use observation"):
+        simulate(arena(), CompiledController("dice", act))
+
+
+@pytest.mark.parametrize("late", [1e10, 1e300])
+def test_events_may_be_far_apart(late):
+    timeline = Timeline.of([Event(0.1, 8, 8, CellState.SOLID), Event(late, 8, 8, CellState.FREE)])
+    assert simulate(replace(arena(), timeline=timeline), "turn-left", steps=50).steps == 50

@@ -1,6 +1,7 @@
 """Controllers that act for many robots at once: their runs in lockstep are the single runs, bit for bit."""
 
 import math
+import warnings
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -116,9 +117,11 @@ def test_one_that_raises_crashes_where_it_does_alone():
                 raise ValueError("unlucky")
             return super().act_many(observation, memory)
 
-    runs = simulate_many(arena(), Raises(), seeds=20, steps=1)
+    with pytest.warns(UserWarning, match="Raises raised for some of many robots"):
+        runs = simulate_many(arena(), Raises(), seeds=20, steps=1)
     assert 2 <= (runs.verdicts == "crash").sum() <= 12 and set(runs.verdicts) == {"crash", "stalled"}
-    assert_all_single([arena()], Raises(), simulate_many(arena(), Raises(), seeds=20, digest=True, steps=1), steps=1)
+    for row in runs.to_numpy():
+        assert row["verdict"] == single(arena(), Raises(), int(row["seed"]), steps=1)[0]
 
 
 def test_one_that_remembers_outside_its_memory_is_not_believed():
@@ -131,7 +134,41 @@ def test_one_that_remembers_outside_its_memory_is_not_believed():
             return super().act_many(observation, memory)
 
     world = next(w for w in (generate("maze", seed=s, size=14) for s in range(30)) if loops(w))
-    assert simulate_many(world, Remembers(), steps=5000).verdicts[0] in ("stalled", "timeout")
+    with pytest.warns(UserWarning, match="one robot at a time"):
+        assert simulate_many(world, Remembers(), steps=5000).verdicts[0] in ("stalled", "timeout")
+
+
+CALLS = []
+
+
+def test_a_variable_of_an_imported_module_is_noticed_too():
+    class Counts(AlwaysTheSame):
+        def act_many(self, observation, memory):
+            CALLS.append(1)
+            return super().act_many(observation, memory)
+
+    world = next(w for w in (generate("maze", seed=s, size=14) for s in range(30)) if loops(w))
+    assert simulate(world, Counts(), steps=5000).verdict in ("stalled", "timeout")
+
+
+def test_worlds_in_which_robots_are_faster_or_larger_run_with_the_others():
+    worlds = [arena(), replace(arena(), robot_speed=20.0), replace(arena(), robot_radius=0.03), cup()]
+    assert_all_single(
+        worlds, TurnsAway(), simulate_many(worlds, TurnsAway(), seeds=2, digest=True, steps=400), steps=400
+    )
+
+
+def test_memory_and_commands_must_keep_their_shapes():
+    class Flat(TurnsAway):
+        def act_many(self, observation, memory):
+            return Commands(1.0), memory[:, 0]
+
+    class Wide(TurnsAway):
+        def act_many(self, observation, memory):
+            return Commands(observation.beams[:, :0].sum(axis=1) + np.ones((1, 1))), memory
+
+    assert "it must keep its shape, (1, 1)" in simulate(arena(), Flat()).evidence["error"]
+    assert "speed is of shape (1, 1) for 1 robots" in simulate(arena(), Wide()).evidence["error"]
 
 
 def loops(world):
@@ -145,7 +182,10 @@ def test_nonsense_gets_the_verdict_that_it_gets_alone(speed, verdict):
             return Commands(speed), memory
 
     assert simulate(arena(), Nonsense()).verdict == verdict
-    assert simulate_many(arena(), Nonsense(), seeds=3).verdicts.tolist() == [verdict] * 3
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # that it is run one by one
+        runs = simulate_many(arena(), Nonsense(), seeds=3)
+    assert runs.verdicts.tolist() == [verdict] * 3
 
 
 def test_observation_and_memory_are_not_to_be_written():
