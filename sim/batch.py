@@ -14,14 +14,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers import CONTROLLERS, CompiledController, Controller, VectorController
+from sim.controllers import CompiledController, Controller, VectorController
+from sim.controllers.catalogue import called, controller_of
 from sim.episode import Episode, simulate
 from sim.fleet_run import FleetRun
 from sim.kernels import layout
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import LATTICE
-from sim.run_options import RunOptions, options_of
+from sim.run_options import RunOptions, options_of, poses_of, seeds_of, whole, worlds_of
 from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Value, World
 
@@ -35,6 +36,7 @@ VERDICTS = (
 _MOST_AT_ONCE = 256  # runs in one call of the kernel, so that all cores have something to do
 _MOST_IN_A_FLEET = 1024  # robots in lockstep: enough for NumPy, and few enough for the processor's cache
 _FLEET_BYTES = 1 << 26  # that the robots of a fleet take
+_MOST_WORKERS = 1024
 _CODE = {verdict: np.int8(code) for code, verdict in enumerate(VERDICTS)}
 
 Ints = npt.NDArray[np.int64]
@@ -118,7 +120,7 @@ class _Job:
 
 def simulate_many(
     worlds: World | Sequence[World],
-    controllers: str | Controller | Sequence[str | Controller],
+    controllers: str | Controller | type | Sequence[str | Controller | type],
     *,
     seeds: int | Sequence[int] = 1,
     starts: Sequence[Pose] | None = None,
@@ -133,31 +135,32 @@ def simulate_many(
 
     Args:
         worlds: One or many.
-        controllers: Names, or controllers themselves.
+        controllers: Names, controllers themselves, or their classes.
         seeds: Seeds, or how many, from 0.
         starts: Poses to start from, in every world; without them each world's own.
         digest: Whether to work out the traces' digests.
-        workers: Threads; without a number as many as there are cores.
+        workers: Threads, 1 to 1024; without a number as many as there are cores.
         **settings: As for :func:`sim.simulate`: ``motion="endpoint", steps=5000, beams=36``.
 
     Raises:
-        InvalidParameter: If there is nothing to run, or a name or an option is unknown.
+        InvalidParameter: If there is nothing to run, or a name or an option is unknown or of the wrong type.
         InvalidWorld: If the robot cannot stand at a start.
     """
-    found = [worlds] if isinstance(worlds, World) else list(worlds)
+    found = worlds_of(worlds)
     named = [controllers] if isinstance(controllers, str) or not isinstance(controllers, Sequence) else controllers
-    drivers = [CONTROLLERS.get(one) if isinstance(one, str) else one for one in named]
-    numbers = np.array(range(seeds) if isinstance(seeds, int) else list(seeds), np.uint64)
-    poses = None if starts is None else tuple(starts)
+    drivers = [controller_of(one) for one in named]
+    numbers = seeds_of(seeds)
+    poses = None if starts is None else poses_of(starts)
+    threads = os.cpu_count() or 1 if workers is None else whole("workers", workers, 1, _MOST_WORKERS)
     if not found or not drivers or not len(numbers) or poses == ():
         raise InvalidParameter("nothing to run; give at least one world, one controller, one start and one seed")
     if "seed" in settings:
         raise InvalidParameter("seed: many runs take seeds=5 or seeds=[3, 8]")
     places = 1 if poses is None else len(poses)
-    runs = _empty(len(found), [_name(one) for one in named], places, numbers)
+    runs = _empty(len(found), [called(one) for one in named], places, numbers)
     jobs = list(_jobs(found, drivers, poses, len(numbers), settings))
     threaded = [job for job in jobs if _is_threaded(job)]
-    with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(threads) as pool:
         for _ in pool.map(lambda job: _run_compiled(job, runs, digest), threaded):
             pass
     _run_in_lockstep([job for job in jobs if _is_vector(job)], runs, digest)
@@ -165,12 +168,6 @@ def simulate_many(
         if not _is_threaded(job) and not _is_vector(job):
             _run_each(job, job.rows, runs, digest)
     return runs
-
-
-def _name(controller: str | Controller) -> str:
-    if isinstance(controller, str):
-        return controller
-    return str(getattr(controller, "name", type(controller).__name__))
 
 
 def _empty(worlds: int, names: Sequence[str], starts: int, seeds: npt.NDArray[np.uint64]) -> Runs:
@@ -191,6 +188,8 @@ def _jobs(
     settings: Mapping[str, Value],
 ) -> Iterator[_Job]:
     first = 0
+    for world, pose in itertools.product(worlds, poses or ()):
+        replace(world, start=pose)  # refused if it lies outside
     for world, controller in itertools.product(worlds, controllers):
         starts, options = poses or (world.start,), options_of(world, settings)
         rows = range(first, first + len(starts) * seeds)
@@ -238,7 +237,7 @@ def _run_alike(alike: Sequence[tuple[_Job, LatticeRun]], runs: Runs, digest: boo
         found = fleet.run(digest=digest)
         if found is None:
             warnings.warn(
-                f"{_name(controller)} raised for some of many robots, or changed what is outside its memory; "
+                f"{called(controller)} raised for some of many robots, or changed what is outside its memory; "
                 "it is run for one robot at a time, which takes far longer",
                 stacklevel=2,
             )

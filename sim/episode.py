@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sim.controllers import CONTROLLERS, CompiledController, Controller
+from sim.controllers import CompiledController, Controller, controller_of
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.outcome import BY_THE_CONTROLLER, Outcome, Runnable
-from sim.run_options import MAX_RECORDED, RunOptions, options_of, switch_sets
+from sim.run_options import MAX_RECORDED, RunOptions, check_world, options_of, switch_sets
 from sim.thesis_run import ThesisRun
 from sim.trace import Trace, Words, state_digest
 from worldgen.errors import InvalidParameter
@@ -48,10 +48,17 @@ class Episode:
     evidence: Mapping[str, Value] = field(default_factory=dict)
     trace: Trace | None = None
 
+    def __repr__(self) -> str:
+        evidence = "".join(f"\n  {name}: {value!r}" for name, value in self.evidence.items())
+        return (
+            f"{self.verdict}: {self.steps} steps, {self.time:g} s, {self.path_length:.3f} m driven, "
+            f"{self.collisions} collisions, trace {self.trace_digest}{evidence}"
+        )
+
 
 def simulate(
     world: World,
-    controller: str | Controller,
+    controller: str | Controller | type,
     options: RunOptions | None = None,
     *,
     record: bool = False,
@@ -61,7 +68,7 @@ def simulate(
 
     Args:
         world: Where.
-        controller: Its name, or the controller itself.
+        controller: Its name, the controller itself, or its class.
         options: How; without them, ``swept`` and a budget of 50 times the witness's time.
         record: Whether to keep every state (``trace``).
         **settings: Single options, as an alternative to ``options``: ``motion="stepped", seed=3``.
@@ -70,15 +77,18 @@ def simulate(
         The verdict and its evidence.
 
     Raises:
-        InvalidParameter: If a name or an option is unknown, or the two do not fit each other.
+        InvalidParameter: If a name or an option is unknown or of the wrong type, or the two do not fit each other.
         InvalidWorld: If the robot cannot stand at the start.
     """
+    check_world(world)
     if options is None:
         options = options_of(world, settings)
+    elif not isinstance(options, RunOptions):
+        raise InvalidParameter(f"{options!r} is not RunOptions; give these, or single settings: steps=3000, seed=3")
     elif settings:
         raise InvalidParameter(f"give options or {', '.join(settings)}, not both")
-    run = prepare(world, controller, options)
-    found = CONTROLLERS.get(controller) if isinstance(controller, str) else controller
+    found = controller_of(controller)
+    run = prepare(world, found, options)
     at_once = record and options.steps <= _RECORDED_AT_ONCE and not isinstance(found, CompiledController)
     outcome = run.run(options.steps, find_loop=True, record=at_once)
     if outcome.ending == "loop":
@@ -89,9 +99,9 @@ def simulate(
     return _decided(run, world, outcome, options)
 
 
-def prepare(world: World, controller: str | Controller, options: RunOptions) -> Runnable:
+def prepare(world: World, controller: str | Controller | type, options: RunOptions) -> Runnable:
     """Packs a scenario for its motion model's kernel; see :func:`simulate`."""
-    found = CONTROLLERS.get(controller) if isinstance(controller, str) else controller
+    found = controller_of(controller)
     motion = MOTIONS.get(options.motion)
     switch_sets(motion.name, options.robot.changed() if motion.kernel == THESIS else options.thesis.changed())
     if motion.kernel != THESIS:

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import reprlib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeGuard
+
+import numpy as np
+import numpy.typing as npt
 
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS, Motion
@@ -14,7 +19,7 @@ from sim.robot_options import RobotOptions
 from sim.thesis_options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import exact
-from worldgen.world import Value, Witness, World
+from worldgen.world import Pose, Value, Witness, World
 
 __all__ = [
     "BUDGET_FACTOR",
@@ -23,10 +28,15 @@ __all__ = [
     "MAX_STEPS",
     "RunOptions",
     "check_step_length",
+    "check_world",
     "options_of",
+    "poses_of",
+    "seeds_of",
     "step_budget",
     "switch_class",
     "switch_sets",
+    "whole",
+    "worlds_of",
 ]
 
 DEFAULT_TIME_STEP = 0.015  # s: the thesis's
@@ -37,6 +47,8 @@ _ROUNDING = 1e-6  # cells: the tolerated overlap where the model should have non
 _LONGEST_STEP = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
 _FEWEST_STEPS = 4_000
 _STEPS_WITHOUT_WITNESS = 20_000
+_MOST_SEEDS = 100_000_000
+_MAX_SEED = 2**64 - 1
 
 
 @dataclass(frozen=True)
@@ -50,6 +62,9 @@ class RunOptions:
         seed: Seed of the run's random numbers.
         thesis: Switches of the motion model ``stepped``.
         robot: Dynamics and sensors under the other motion models.
+
+    Raises:
+        InvalidParameter: If a value is out of range or of the wrong type.
     """
 
     motion: str = "swept"
@@ -60,12 +75,18 @@ class RunOptions:
     robot: RobotOptions = field(default_factory=RobotOptions)
 
     def __post_init__(self) -> None:
-        if not 1 <= self.steps <= MAX_STEPS:
-            raise InvalidParameter(f"steps={self.steps} is outside 1 to {MAX_STEPS}")
-        if not (math.isfinite(self.time_step) and 0.001 <= self.time_step <= 10.0):
-            raise InvalidParameter(f"time_step={self.time_step} s is outside 0.001 to 10 s")
-        if not 0 <= self.seed < 2**64:
-            raise InvalidParameter(f"seed={self.seed} is outside 0 to 2**64 - 1")
+        step: object = self.time_step
+        if not _is_number(step):
+            raise InvalidParameter(f"time_step={_shown(step)} is no number; give seconds, such as 0.015")
+        if not 0.001 <= step <= 10.0:  # also true for nan
+            raise InvalidParameter(f"time_step={_shown(step)} s is outside 0.001 to 10 s; give one between")
+        for name, kind in (("motion", str), ("thesis", ThesisOptions), ("robot", RobotOptions)):
+            if not isinstance(getattr(self, name), kind):
+                wanted = "a motion model's name" if kind is str else kind.__name__
+                raise InvalidParameter(f"{name}={_shown(getattr(self, name))} is not {wanted}; give one")
+        object.__setattr__(self, "time_step", float(step))
+        object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
+        object.__setattr__(self, "seed", whole("seed", self.seed, 0, _MAX_SEED))
 
     def motion_model(self) -> Motion:
         """The motion model, with the tolerance that these options leave it.
@@ -88,13 +109,8 @@ class RunOptions:
             InvalidParameter: If a name is unknown or a value has the wrong type.
         """
         switches = dict(parameters)
-        steps = switches.pop("steps", _STEPS_WITHOUT_WITNESS)
-        time_step = switches.pop("time_step", DEFAULT_TIME_STEP)
-        if type(steps) is not int:
-            raise InvalidParameter(f"run parameter steps={steps!r} must be an int")
-        if type(time_step) not in (int, float):
-            raise InvalidParameter(f"run parameter time_step={time_step!r} must be a float")
-        return cls(motion, steps, time_step, seed, **switch_sets(motion, switches))  # type: ignore[arg-type]
+        own = {name: switches.pop(name) for name in ("steps", "time_step") if name in switches}
+        return cls(motion, seed=seed, **own, **switch_sets(motion, switches))  # type: ignore[arg-type]
 
 
 def switch_class(motion: str) -> type[ThesisOptions] | type[RobotOptions]:
@@ -158,7 +174,82 @@ def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:
     """
     own = {name: value for name, value in settings.items() if name in ("motion", "steps", "time_step", "seed")}
     rest = {name: value for name, value in settings.items() if name not in own}
-    time_step = own.get("time_step", DEFAULT_TIME_STEP)
-    budget = step_budget(world, float(time_step)) if isinstance(time_step, int | float) else 1
-    switches = switch_sets(str(own.get("motion", RunOptions.motion)), rest) if rest else {}
-    return RunOptions(**{"steps": budget, **own}, **switches)  # type: ignore[arg-type]
+    options = RunOptions(**own)  # type: ignore[arg-type]
+    budget = options.steps if "steps" in own else step_budget(world, options.time_step)
+    return replace(options, steps=budget, **(switch_sets(options.motion, rest) if rest else {}))
+
+
+def check_world(world: object) -> World:
+    """The world; anything else is refused.
+
+    Raises:
+        InvalidParameter: If it is none.
+    """
+    if isinstance(world, World):
+        return world
+    way = f"read it: worldgen.read_world({str(world)!r})" if isinstance(world, str | Path) else "give a World"
+    raise InvalidParameter(f"{_shown(world)} is no world; {way}")
+
+
+def worlds_of(worlds: object) -> list[World]:
+    """One world or many as a list.
+
+    Raises:
+        InvalidParameter: If one of them is none.
+    """
+    found = list(worlds) if isinstance(worlds, Iterable) and not isinstance(worlds, str) else [worlds]
+    return [check_world(world) for world in found]
+
+
+def poses_of(starts: object) -> tuple[Pose, ...]:
+    """Starts as a tuple.
+
+    Raises:
+        InvalidParameter: If they are no list of poses of finite numbers.
+    """
+    if not isinstance(starts, Iterable):
+        raise InvalidParameter(f"starts={_shown(starts)} is no list; give a list of poses")
+    poses = tuple(starts)
+    for pose in poses:
+        numbers = (pose.x, pose.y, pose.heading) if isinstance(pose, Pose) else ()
+        if not numbers or not all(_is_number(number) and math.isfinite(number) for number in numbers):
+            raise InvalidParameter(
+                f"start {_shown(pose)} is no pose of finite numbers; give one such as Pose(0.35, 0.35, 0.0)"
+            )
+    return poses
+
+
+def seeds_of(seeds: object) -> npt.NDArray[np.uint64]:
+    """Seeds from a list of them, or those from 0 from their number.
+
+    Raises:
+        InvalidParameter: If a seed, or their number, is no whole number or out of range.
+    """
+    if isinstance(seeds, Iterable) and not isinstance(seeds, str):
+        return np.array([whole("seed", seed, 0, _MAX_SEED) for seed in seeds], np.uint64)
+    return np.arange(whole("seeds", seeds, 0, _MOST_SEEDS), dtype=np.uint64)
+
+
+def whole(name: str, value: object, low: int, high: int) -> int:
+    """A whole number, Python's or NumPy's, from low to high.
+
+    Raises:
+        InvalidParameter: If it is none.
+    """
+    if not isinstance(value, int | np.integer) or isinstance(value, bool):
+        raise InvalidParameter(f"{name}={_shown(value)} is no whole number; give one from {low} to {high}")
+    if not low <= value <= high:
+        raise InvalidParameter(f"{name}={_shown(value)} is outside {low} to {high}; give one between")
+    return int(value)
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+
+
+def _shown(value: object) -> str:
+    """The value as it came, short."""
+    try:
+        return str(value) if isinstance(value, np.number) else reprlib.repr(value)
+    except ValueError:  # Python shows no number of more than 4,300 digits
+        return "<too many digits to show>"

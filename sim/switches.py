@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Self
 
+import numpy as np
+
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value
 
@@ -31,7 +33,9 @@ class Switches:
 
     def __post_init__(self) -> None:
         for name, (low, high, unit) in self.RANGES.items():
-            value = getattr(self, name)
+            value, kind = getattr(self, name), type(getattr(type(self), name))
+            if not _is_number(value, kind):
+                raise InvalidParameter(f"{name}={value!r} is no {_WORDS[kind]}; give one from {low:g} to {high:g}")
             if not (math.isfinite(value) and low <= value <= high):
                 raise InvalidParameter(f"{name}={value:g} is outside {low:g} to {high:g}{unit}; give one between")
         for name, choices in self.CHOICES.items():
@@ -102,6 +106,10 @@ class Switches:
             return {name: [float(word) for word in text.split(":")] if kind is tuple else kind(text)}
         except ValueError:
             raise InvalidParameter(f"option {name}={text!r} is no {_WORDS[kind]}; write one like {example}") from None
+
+
+def _is_number(value: object, kind: type) -> bool:
+    return isinstance(value, int | float | np.integer | np.floating) and not (kind is int and value % 1)
 
 
 def _as_type(default: Any, value: Any) -> Any:

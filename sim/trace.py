@@ -54,6 +54,9 @@ class Trace:
         """Number of steps."""
         return len(self.x) - 1
 
+    def __repr__(self) -> str:
+        return f"Trace({self.steps} steps, {self.time_step:g} s each, {len(self.path_x)} points)"
+
     def digest(self) -> str:
         """The trace's digest, worked out afresh from the recorded words: 16 hex digits."""
         return fnv1a(self.words)

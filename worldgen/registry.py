@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import importlib
 import importlib.util
@@ -13,9 +14,31 @@ from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter
 
-__all__ = ["Registry"]
+__all__ = ["Registry", "user_code"]
 
 T = TypeVar("T")
+
+
+@contextlib.contextmanager
+def user_code(doing: str) -> Iterator[None]:
+    """Code of a user's, run inside, may raise anything, its exit from Python included; only Ctrl-C is let through.
+
+    Args:
+        doing: What failed if it raises, to begin the message with.
+
+    Raises:
+        InvalidParameter: If it raises.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise
+    except SystemExit as error:
+        raise InvalidParameter(
+            f"{doing} ends Python (SystemExit: {error}); take that exit out, or put it under if __name__ == '__main__'"
+        ) from error
+    except BaseException as error:
+        raise InvalidParameter(f"{doing} failed: {type(error).__name__}: {error}") from error
 
 
 class Registry(Generic[T]):
@@ -62,11 +85,13 @@ class Registry(Generic[T]):
         if name not in self._loaded:
             point = self.entry_points().get(name)
             if point is not None:
-                self._loaded[name] = self._accept(name, point.load())
+                with user_code(f"{self.noun} {name!r}: loading {point.value}"):
+                    thing = point.load()
             elif ":" in name:
-                self._loaded[name] = self._accept(name, self._load_path(name))
+                thing = self._load_path(name)
             else:
                 raise InvalidParameter(self._unknown(name))
+            self._loaded[name] = self._accept(name, thing)
         return self._loaded[name]
 
     def _unknown(self, name: str) -> str:
@@ -80,18 +105,14 @@ class Registry(Generic[T]):
 
     def _load_path(self, name: str) -> Any:
         place, _, attribute = name.rpartition(":")
-        try:
+        with user_code(f"{self.noun} {name!r}: loading {place}"):
             module = _load_file(Path(place)) if place.endswith(".py") else importlib.import_module(place)
-        except Exception as error:
-            raise InvalidParameter(
-                f"{self.noun} {name!r}: loading {place} failed: {type(error).__name__}: {error}"
-            ) from error
-        if not hasattr(module, attribute):
-            public = [key for key in vars(module) if not key.startswith("_")]
-            raise InvalidParameter(
-                f"{self.noun} {name!r}: {place} has no {attribute!r}; it has {', '.join(public) or 'nothing'}"
-            )
-        return getattr(module, attribute)
+            if hasattr(module, attribute):
+                return getattr(module, attribute)
+        public = [key for key in vars(module) if not key.startswith("_")]
+        raise InvalidParameter(
+            f"{self.noun} {name!r}: {place} has no {attribute!r}; it has {', '.join(public) or 'nothing'}"
+        )
 
 
 def _load_file(path: Path) -> Any:

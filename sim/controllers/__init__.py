@@ -4,6 +4,7 @@ Contents:
     CompiledController, PythonController, VectorController, ProcessController: the ways to bring one.
     Observation, Command, Observations, Commands: what it sees and says, for one robot and for many.
     CONTROLLERS: finds one by name, as ``package.module:name``, ``./file.py:name``, or ``cmd:./program --flag``.
+    controller_of: the same, or the thing itself, checked.
 """
 
 from sim.controllers.base import (
@@ -16,7 +17,7 @@ from sim.controllers.base import (
     PythonController,
     VectorController,
 )
-from sim.controllers.catalogue import CONTROLLERS
+from sim.controllers.catalogue import CONTROLLERS, controller_of
 from sim.controllers.process import ProcessController
 
 __all__ = [
@@ -30,4 +31,5 @@ __all__ = [
     "ProcessController",
     "PythonController",
     "VectorController",
+    "controller_of",
 ]

@@ -28,7 +28,7 @@ __all__ = [
     "Observations",
     "PythonController",
     "VectorController",
-    "check_senses",
+    "check_declared",
     "compiled_act",
     "robot_for",
     "senses_of",
@@ -139,7 +139,8 @@ class CompiledController:
         act: ``act(observation, memory, command)`` on flat float64 arrays (:mod:`sim.kernels.layout`);
             changes ``memory`` and ``command`` in place. All its state is in ``memory``.
         memory: Memory at reset, numbers.
-        start_speed: m/s during the first step, before anything has been seen.
+        start_speed: m/s during the first step, before anything has been seen; more than the robot's top speed is
+            that speed.
         thesis_rule: 1, 2 or 3 if ``stepped`` runs the thesis's own robot in its place, else 0.
         randomised: Whether it uses random numbers.
         senses: Names of the fields of :class:`Observation` that it looks at; the others may be nan. Without
@@ -149,7 +150,7 @@ class CompiledController:
             otherwise has its way.
 
     Raises:
-        InvalidParameter: If there is no such sense.
+        InvalidParameter: If there is no such sense, ``needs`` are no options, or the start speed is below 0 or nan.
     """
 
     name: str
@@ -162,19 +163,32 @@ class CompiledController:
     needs: RobotOptions = _PLAIN
 
     def __post_init__(self) -> None:
-        check_senses(self.name, self.senses)
+        check_declared(self.name, self.senses, self.needs)
+        speed: object = self.start_speed
+        if not isinstance(speed, int | float | np.number) or not speed >= 0.0:  # also true for nan
+            raise InvalidParameter(
+                f"controller {self.name!r} has start_speed={speed!r}; give m/s, 0 or more, or inf for the top speed"
+            )
 
 
-def check_senses(name: str, senses: tuple[str, ...]) -> None:
-    """Refuses names of senses that there are not.
+def check_declared(name: str, senses: object, needs: object) -> None:
+    """Refuses what a controller cannot declare: names of senses that there are not, needs that are no options.
 
     Raises:
-        InvalidParameter: If there is one.
+        InvalidParameter: If it does.
     """
-    unknown = sorted(set(senses) - set(Observation._fields))
+    if not isinstance(senses, tuple | list | set | frozenset):
+        raise InvalidParameter(
+            f"controller {name!r} has senses={senses!r}, which is no tuple of names; write one such as ('bump', 'x')"
+        )
+    unknown = [sense for sense in senses if sense not in Observation._fields]
     if unknown:
         raise InvalidParameter(
             f"controller {name!r} has a sense {unknown[0]!r}; there are {', '.join(Observation._fields)}"
+        )
+    if not isinstance(needs, RobotOptions):
+        raise InvalidParameter(
+            f"controller {name!r} has needs={needs!r}, which are no options; write RobotOptions(beams=36)"
         )
 
 

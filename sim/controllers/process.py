@@ -60,8 +60,6 @@ class ProcessController:
 
     senses = Observation._fields
 
-    senses = Observation._fields
-
     def __init__(
         self,
         command: Sequence[str],
