@@ -153,7 +153,7 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
     [
         (["--size", 5], "worldgen: size=5 cells is outside 10 to 2000 cells"),
         (["--size", "big"], "Invalid value for '--size': 'big' is not a valid integer"),
-        (["--algorithm", "prim"], "'prim' is not one of 'wilson', 'backtracker'"),
+        (["--algorithm", "prism"], "'prism' is not one of 'wilson', 'aldous-broder'"),
         (["--braid", "nan"], "worldgen: maze: braid=nan is not finite"),
         (["--sise", 5], "No such option '--sise'"),
         (["--seed", -1], "Invalid value for '--seed'"),

@@ -1,5 +1,6 @@
 """Mazes: uniform where promised, filled, braided as asked, the same compiled or not."""
 
+import re
 import subprocess
 import sys
 from collections import Counter
@@ -8,65 +9,142 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 from scipy import ndimage
+from scipy.sparse.csgraph import shortest_path
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._spanning_tree import open_sides, spanning_tree, tree_from
+from worldgen.families._mazes import (
+    FIT_ANY_SHAPE,
+    METHODS,
+    cells_of,
+    grow,
+    open_sides,
+    pitch,
+    shape_mask,
+    spanning_tree,
+)
+from worldgen.families._mazes.board import AT, LEFT, ROOT, STATE_SIZE, blank_board, inner, links_of_parents
+from worldgen.families._mazes.edges import edge_keys, kruskal, prim
+from worldgen.families._mazes.shapes import LEAST
 from worldgen.families.maze import maze
 from worldgen.family import stream_for
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
 
-ALGORITHMS = ("wilson", "backtracker")
+ALGORITHMS = tuple(METHODS)
+BIASED = tuple(name for name in METHODS if name not in ("wilson", "aldous-broder"))
+MASKS = tuple(name for name in LEAST if name != "square")
 SPANNING_TREES_OF_3_BY_3 = 192
 every_algorithm = pytest.mark.parametrize("algorithm", ALGORITHMS)
+every_mask = pytest.mark.parametrize("mask", MASKS)
 
 
 def layout(seed=0, **params):
     return maze.build(stream_for(seed, "maze", 0), **maze.complete(params))
 
 
+def full(rows, columns):
+    return np.ones((rows, columns), bool)
+
+
 def chi_square(algorithm, draws=40 * SPANNING_TREES_OF_3_BY_3):
     """Distance of the 3 x 3 trees drawn from all being equally often; 191 degrees of freedom."""
-    counts = Counter(open_sides(spanning_tree(RandomStream(seed), 3, 3, algorithm)).tobytes() for seed in range(draws))
+    counts = Counter(grow(RandomStream(seed), full(3, 3), algorithm).tobytes() for seed in range(draws))
     expected = draws / SPANNING_TREES_OF_3_BY_3
     unseen = SPANNING_TREES_OF_3_BY_3 - len(counts)
     return sum((count - expected) ** 2 / expected for count in counts.values()) + unseen * expected
 
 
-def test_wilson_draws_every_tree_equally_often():
-    assert chi_square("wilson") < 257.1  # exceeded by one fair sampler in a thousand
+@pytest.mark.parametrize("algorithm", ["wilson", "aldous-broder"])
+def test_every_tree_is_drawn_equally_often(algorithm):
+    assert chi_square(algorithm) < 257.1  # exceeded by one fair sampler in a thousand
 
 
-def test_the_backtracker_does_not():
-    assert chi_square("backtracker") > 1000.0
+@pytest.mark.parametrize("algorithm", BIASED)
+def test_the_others_favour_some_trees(algorithm):
+    assert chi_square(algorithm) > 350.0  # a fair sampler does not come so far in 10**9 tries
 
 
 def test_there_are_as_many_trees_as_kirchhoff_counts():
-    seen = {open_sides(spanning_tree(RandomStream(seed), 3, 3, "wilson")).tobytes() for seed in range(4000)}
+    seen = {grow(RandomStream(seed), full(3, 3), "wilson").tobytes() for seed in range(4000)}
     assert len(seen) == SPANNING_TREES_OF_3_BY_3
 
 
 @every_algorithm
 @given(seed=st.integers(0, 2**64 - 1), columns=st.integers(1, 12), rows=st.integers(1, 12))
-def test_a_tree_joins_all_rooms_without_a_loop(algorithm, seed, columns, rows):
-    sides = open_sides(spanning_tree(RandomStream(seed), columns, rows, algorithm))
+@settings(max_examples=30)
+def test_a_maze_joins_all_chambers_without_a_loop(algorithm, seed, columns, rows):
+    assert_is_a_tree(grow(RandomStream(seed), full(rows, columns), algorithm), full(rows, columns))
+
+
+@pytest.mark.parametrize("algorithm", FIT_ANY_SHAPE)
+@every_mask
+def test_a_maze_in_a_shape_joins_all_its_chambers_without_a_loop(algorithm, mask):
+    for side in (LEAST[mask], 13, 20):
+        inside = shape_mask(mask, side)
+        assert_is_a_tree(grow(RandomStream(side), inside, algorithm), inside)
+
+
+def assert_is_a_tree(links, mask):
+    sides = open_sides(links)
+    rows, columns = mask.shape
     plan = np.zeros((2 * rows - 1, 2 * columns - 1), bool)
-    plan[::2, ::2] = True
+    plan[::2, ::2] = mask
     plan[::2, 1::2], plan[1::2, ::2] = sides[:, :-1, 0], sides[:-1, :, 1]
     assert ndimage.label(plan)[1] == 1
-    assert sides.sum() == 2 * (rows * columns - 1)
+    assert sides.sum() == 2 * (mask.sum() - 1)
+    assert not sides[~mask].any()
 
 
 @every_algorithm
-@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (2, 2), (3, 40), (40, 3), (37, 41)])
-def test_a_compiled_tree_is_the_same_to_the_bit(algorithm, columns, rows):
+@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (2, 2), (3, 40), (40, 3), (64, 65), (107, 141)])
+def test_a_compiled_maze_is_the_same_to_the_bit(algorithm, columns, rows):
     for seed in range(3):
         streams = RandomStream(seed), RandomStream(seed)
-        plain = tree_from(streams[0], columns, rows, algorithm, compiled=False)
-        compiled = tree_from(streams[1], columns, rows, algorithm, compiled=True)
+        plain = grow(streams[0], full(rows, columns), algorithm, oldest=0.25, compiled=False)
+        compiled = grow(streams[1], full(rows, columns), algorithm, oldest=0.25, compiled=True)
         assert np.array_equal(plain, compiled)
         assert streams[0].next64() == streams[1].next64()
+
+
+@pytest.mark.parametrize("algorithm", FIT_ANY_SHAPE)
+@every_mask
+def test_a_compiled_maze_in_a_shape_is_the_same_to_the_bit(algorithm, mask):
+    inside = shape_mask(mask, 33)
+    plain, compiled = (grow(RandomStream(4), inside, algorithm, compiled=twin) for twin in (False, True))
+    assert np.array_equal(plain, compiled)
+
+
+@given(
+    links=hnp.arrays(np.int8, st.tuples(st.integers(1, 6), st.integers(1, 6)), elements=st.integers(0, 15)),
+    wall=st.integers(1, 3),
+    extra=st.integers(0, 3),
+)
+def test_compiled_cells_are_the_same(links, wall, extra):
+    up, across = (pitch([1 + (extra >> (i % 2)) for i in range(count)], wall) for count in links.shape)
+    plain, compiled = (cells_of(links, across, up, compiled=twin) for twin in (False, True))
+    assert np.array_equal(plain, compiled)
+
+
+def test_prim_and_kruskal_find_the_same_lightest_tree_of_the_same_weights():
+    for seed in range(20):
+        board, stride = blank_board(shape_mask("disc", 9))
+        words = RandomStream(seed).bits(len(board)).view(np.int64)
+        state = [0] * STATE_SIZE
+        state[LEFT], state[AT] = int((board == 8).sum()) - 1, 5 * stride + 5
+        grown, joined = board.copy(), board.copy()
+        grown[state[AT]] = ROOT
+        prim(words, grown, list(state), stride, [0] * 200)
+        kruskal(edge_keys(words, board, stride), joined, list(state), stride, [0] * len(board))
+        assert np.array_equal(links_of_parents(inner(grown, stride)), inner(joined, stride))
+
+
+@pytest.mark.parametrize("algorithm", ["wilson", "backtracker"])
+def test_a_spanning_tree_names_parents_up_to_one_root(algorithm):
+    tree = spanning_tree(RandomStream(2), 5, 4, algorithm)
+    assert tree.shape == (4, 5) and (tree == ROOT).sum() == 1
+    assert np.array_equal(links_of_parents(tree), grow(RandomStream(2), full(4, 5), algorithm))
 
 
 @every_algorithm
@@ -85,17 +163,17 @@ def test_a_maze_of_2000_cells_is_made_without_recursion(algorithm):
     world = layout(size=2000, algorithm=algorithm, robot_radius=0.05)
     free = ~world.walls
     assert ndimage.label(free)[1] == 1
-    assert free.mean() > 0.49  # rooms and the doors between them, every second cell
+    assert free.mean() > 0.49  # chambers and the doors between them, every second cell
 
 
 @given(seed=st.integers(0, 2**64 - 1), size=st.integers(10, 60), passage=st.integers(2, 5), wall=st.integers(1, 4))
-def test_rooms_fill_the_square_up_to_one_cell_each(seed, size, passage, wall):
-    rooms = (size - 2 + wall) // (passage + wall)
-    if rooms < 2:
+def test_chambers_fill_the_square_up_to_one_cell_each(seed, size, passage, wall):
+    chambers = (size - 2 + wall) // (passage + wall)
+    if chambers < 2:
         return
     world = layout(seed, size=size, passage=passage, wall=wall)
-    spare = size - 2 - rooms * passage - (rooms - 1) * wall
-    widest = passage + -(-spare // rooms)
+    spare = size - 2 - chambers * passage - (chambers - 1) * wall
+    widest = passage + -(-spare // chambers)
     assert thickest(world.walls) == max(wall, 1)
     assert passage <= thinnest_passage(world.walls) and thickest(~world.walls) <= widest
 
@@ -119,13 +197,13 @@ def thinnest_passage(walls):
 
 
 def dead_ends(world):
-    """Rooms with one way out, in a maze of one-cell passages and walls."""
+    """Chambers with one way out, in a maze of one-cell passages and walls."""
     free = ~world.walls
     around = sum(np.roll(free, shift, axis) for shift in (1, -1) for axis in (0, 1))
     return int((free & (around == 1)).sum())
 
 
-@every_algorithm
+@pytest.mark.parametrize("algorithm", ["wilson", "backtracker", "eller"])
 @pytest.mark.parametrize("braid", [0.0, 0.3, 0.5, 1.0])
 def test_braiding_removes_the_share_of_dead_ends(algorithm, braid):
     for seed in range(5):
@@ -140,12 +218,75 @@ def test_a_fully_braided_maze_has_no_dead_end():
     assert [dead_ends(layout(seed, size=31, passage=1, robot_radius=0.05, braid=1.0)) for seed in range(10)] == [0] * 10
 
 
+def dead_ends_of(**params):
+    return sum(dead_ends(layout(seed, size=61, passage=1, robot_radius=0.05, **params)) for seed in range(5))
+
+
 def test_wilson_has_more_dead_ends_than_the_backtracker():
-    count = {
-        name: sum(dead_ends(layout(seed, size=61, algorithm=name, passage=1, robot_radius=0.05)) for seed in range(5))
-        for name in ALGORITHMS
-    }
-    assert count["wilson"] > 2 * count["backtracker"]
+    assert dead_ends_of(algorithm="wilson") > 2 * dead_ends_of(algorithm="backtracker")
+
+
+def test_a_growing_tree_goes_from_a_backtracker_to_many_dead_ends_as_its_shares_say():
+    ends = [dead_ends_of(algorithm="growing-tree", newest=newest) for newest in (1.0, 0.5, 0.0)]
+    assert 2 * ends[0] < ends[1] < ends[2]
+    assert abs(ends[0] - dead_ends_of(algorithm="backtracker")) < 0.1 * ends[0]
+
+
+def test_a_growing_tree_of_the_oldest_alone_goes_the_shortest_way_from_its_root():
+    sides = open_sides(grow(RandomStream(3), full(9, 9), "growing-tree", newest=0.0, oldest=1.0))
+    graph = np.zeros((81, 81))
+    for row, column, way in np.argwhere(sides[:, :, :2]):
+        graph[9 * row + column, 9 * row + column + (9 if way else 1)] = 1
+    rows, columns = np.divmod(np.arange(81), 9)
+    apart = abs(rows - rows[:, None]) + abs(columns - columns[:, None])
+    assert (shortest_path(graph, directed=False) == apart).all(axis=1).any()
+
+
+@every_mask
+@pytest.mark.parametrize("braid", [0.0, 1.0])
+def test_a_mask_holds_the_maze_and_the_rest_is_rock(mask, braid):
+    for seed in range(3):
+        world = layout(seed, size=41, mask=mask, braid=braid, passage=1, robot_radius=0.05)
+        inside, free = shape_mask(mask, 20), ~world.walls
+        assert ndimage.label(free)[1] == 1
+        assert free.sum() >= 2 * inside.sum() - 1 if braid else free.sum() == 2 * inside.sum() - 1
+        assert not braid or dead_ends(world) == 0
+
+
+@every_mask
+def test_start_and_target_lie_on_opposite_sides_of_a_mask(mask):
+    for seed in range(8):
+        world = layout(seed, size=40, mask=mask)
+        assert np.hypot(world.start.x - world.target.x, world.start.y - world.target.y) > 0.5 * 40 * world.cell_size
+
+
+@pytest.mark.parametrize("rooms", [1, 2, 5, 9, 16])
+@pytest.mark.parametrize("mask", ["square", "ring"])
+def test_as_many_rooms_as_asked_are_carved_and_none_touches_another(rooms, mask):
+    for seed in range(4):
+        world = layout(seed, size=61, rooms=rooms, mask=mask, passage=1, robot_radius=0.05)
+        halls = ndimage.binary_erosion(~world.walls, np.ones((3, 3)))  # 2 x 2 chambers without their walls
+        assert ndimage.label(halls, np.ones((3, 3)))[1] == rooms
+        assert ndimage.label(~world.walls)[1] == 1
+
+
+@pytest.mark.parametrize("mask", ["square", "disc"])
+def test_the_most_rooms_that_the_message_names_fit(mask):
+    with pytest.raises(InvalidParameter, match="rooms=9999 do not fit in this maze; give at most") as told:
+        layout(size=40, mask=mask, rooms=9999)
+    most = int(re.search(r"at most (\d+)", str(told.value)).group(1))
+    layout(size=40, mask=mask, rooms=most)
+    with pytest.raises(InvalidParameter, match="do not fit"):
+        layout(size=40, mask=mask, rooms=most + 1)
+
+
+@pytest.mark.parametrize("mask", LEAST)
+def test_a_shape_is_in_one_piece_with_two_ways_out_of_each_chamber(mask):
+    for side in range(LEAST[mask], 60):
+        inside = np.pad(shape_mask(mask, side), 1)
+        around = sum(np.roll(inside, shift, axis).astype(int) for shift in (1, -1) for axis in (0, 1))
+        assert ndimage.label(inside)[1] == 1 and (around[inside] >= 2).all()
+        assert inside[1:-1, 1:-1].all() == (mask == "square")
 
 
 @given(seed=st.integers(0, 2**64 - 1), size=st.integers(10, 40))
@@ -179,9 +320,17 @@ def test_no_maze_needs_a_second_attempt(seed, size, braid):
         ({"wall": 0}, "wall=0 cells is below 1 cells"),
         ({"braid": -0.1}, "braid=-0.1 is outside 0 to 1"),
         ({"braid": 1.1}, "braid=1.1 is outside 0 to 1"),
-        ({"algorithm": "prim"}, "algorithm='prim' is not one of wilson, backtracker"),
-        ({"size": 10, "wall": 5}, "leave no 2 x 2 rooms in size=10 cells; give a size of at least 11"),
-        ({"size": 30, "robot_radius": 0.7}, "passage=14 and wall=1 leave no 2 x 2 rooms"),
+        ({"algorithm": "prism"}, "algorithm='prism' is not one of wilson, aldous-broder"),
+        ({"size": 10, "wall": 5}, "leave no 2 x 2 chambers in size=10 cells; give a size of at least 11"),
+        ({"size": 30, "robot_radius": 0.7}, "passage=14 and wall=1 leave no 2 x 2 chambers"),
+        ({"rooms": -1}, "rooms=-1 is below 0"),
+        ({"newest": 0.5}, "newest=0.5 has no effect with algorithm=wilson; leave it out, or give growing-tree"),
+        ({"oldest": 0.0, "algorithm": "prim"}, "oldest=0 has no effect with algorithm=prim"),
+        ({"algorithm": "growing-tree", "newest": 1.5}, "newest=1.5 is outside 0 to 1"),
+        ({"algorithm": "growing-tree", "newest": 0.7, "oldest": 0.4}, "newest=0.7 and oldest=0.4 are more than the"),
+        ({"algorithm": "eller", "mask": "disc"}, "mask=disc does not go with algorithm=eller, which fills whole rows"),
+        ({"size": 10, "mask": "ring"}, "mask=ring needs 6 x 6 chambers and there are 3 x 3; give a larger size"),
+        ({"size": 10, "rooms": 2}, "rooms=2 do not fit in this maze; give at most 1"),
     ],
     ids=lambda value: str(value)[:30],
 )

@@ -14,6 +14,11 @@ __all__ = ["lay_ground"]
 
 MAZE_BRAID = 0.3  # in a maze without loops, a change could only delay
 
+# Words that are drawn, where not all are: those that came later would move every seed to another world.
+DRAWN: dict[str, dict[str, tuple[str, ...]]] = {
+    "maze": {"algorithm": ("wilson", "backtracker"), "mask": ("square",)},
+}
+
 
 def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
     """A world of the family ``over``, its words drawn from those that fit.
@@ -30,8 +35,9 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
     }
     if over == "maze":
         params["braid"] = MAZE_BRAID
-    names = [known.name for known in below.parameters if known.choices]
-    shapes = list(product(*(known.choices for known in below.parameters if known.choices)))
+    drawn = DRAWN.get(over, {})
+    words_of = {known.name: drawn.get(known.name, known.choices) for known in below.parameters if known.choices}
+    names, shapes = list(words_of), list(product(*words_of.values()))
     rng.shuffle(shapes)
     refusals: list[InvalidParameter] = []
     for words in shapes:

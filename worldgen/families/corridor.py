@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.families._layout import CHOSEN, STEPS, Arena, spread_unevenly, without_effect
-from worldgen.families._spanning_tree import ROOT, spanning_tree
+from worldgen.families._mazes import ROOT, spanning_tree
 from worldgen.family import check_at_least, check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World

@@ -1,15 +1,25 @@
-"""Mazes of rooms and walls that fill the square."""
+"""Mazes of chambers and walls that fill the square, or a shape in it."""
 
 from __future__ import annotations
 
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._layout import CHOSEN, STEPS, Arena, spread_evenly
-from worldgen.families._spanning_tree import open_sides, spanning_tree
+from worldgen.families._layout import CHOSEN, Arena, spread_evenly
+from worldgen.families._mazes import (
+    FIT_ANY_SHAPE,
+    ROCK,
+    Mask,
+    braid_ends,
+    carve_rooms,
+    cells_of,
+    grow,
+    open_sides,
+    pitch,
+    shape_mask,
+)
 from worldgen.family import check_at_least, check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
@@ -22,8 +32,24 @@ def maze(
     rng: RandomStream,
     *,
     size: int = 30,
-    algorithm: Literal["wilson", "backtracker"] = "wilson",
+    algorithm: Literal[
+        "wilson",
+        "aldous-broder",
+        "backtracker",
+        "hunt-and-kill",
+        "kruskal",
+        "prim",
+        "growing-tree",
+        "eller",
+        "sidewinder",
+        "binary-tree",
+        "recursive-division",
+    ] = "wilson",
+    newest: float = -1.0,
+    oldest: float = -1.0,
+    mask: Literal["square", "disc", "ring", "cross", "diamond"] = "square",
     braid: float = 0.0,
+    rooms: int = 0,
     passage: int = CHOSEN,
     wall: int = 1,
     cell_size: float = 0.1,
@@ -32,14 +58,20 @@ def maze(
 ) -> World:
     """A maze from one corner of the square to the opposite one.
 
-    Dead ends and long ways round defeat a robot that only turns away from what it bumps into. Every room
-    is reachable by construction; cells left over by the division into rooms widen some passages.
+    Dead ends and long ways round defeat a robot that only turns away from what it bumps into. A maze is a
+    lattice of chambers, each a passage wide. Every chamber is reachable by construction; cells left over by
+    the division into chambers widen some passages.
 
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included; 10 to 2000.
-        algorithm: wilson: every maze equally likely, many short dead ends; backtracker: long winding ways.
+        algorithm: wilson, aldous-broder: every maze equally likely; backtracker: long winding ways;
+            kruskal, prim: the lightest tree of random weights; for the others see the documentation.
+        newest: Share of a growing tree's steps that go on from the newest chamber, 0 to 1; -1: half.
+        oldest: Share that go on from the oldest, 0 to 1; -1: none. The rest go on from any.
+        mask: Shape of the maze; the rest of the square is rock.
         braid: Share of the dead ends that get a second way out, 0 to 1; 1 leaves none.
+        rooms: Number of open rectangular rooms, each of 2 x 2 chambers or more.
         passage: Width of the passages, cells; -1: the narrowest that lets the robot through.
         wall: Thickness of the walls, cells.
         cell_size: Side of a cell, m.
@@ -47,84 +79,90 @@ def maze(
         robot_speed: Top speed of the robot, m/s.
 
     Raises:
-        InvalidParameter: If a number is out of range, or fewer than 2 x 2 rooms fit.
+        InvalidParameter: If a number is out of range, has no effect with the algorithm, or does not fit.
 
-    Source: Wilson, "Generating random spanning trees more quickly than the cover time", STOC 1996; the
-    backtracker is depth-first search with a random choice of neighbour, made without recursion.
+    Source: each algorithm names its own, in worldgen/families/_mazes.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
     passage = arena.passage("passage", passage)
     check_at_least("wall", wall, 1, "cells")
     check_between("braid", braid, 0.0, 1.0)
-    rooms = (arena.inside + wall) // (passage + wall)
-    if rooms < 2:
+    check_at_least("rooms", rooms, 0)
+    newest, oldest = _shares(algorithm, newest, oldest)
+    side = (arena.inside + wall) // (passage + wall)
+    if side < 2:
         raise InvalidParameter(
-            f"passage={passage} and wall={wall} leave no 2 x 2 rooms in size={size} cells; "
+            f"passage={passage} and wall={wall} leave no 2 x 2 chambers in size={size} cells; "
             f"give a size of at least {2 * passage + wall + 2}, or narrower passages and walls"
         )
+    inside = _mask(mask, side, algorithm)
 
-    sides = open_sides(spanning_tree(rng.child("tree"), rooms, rooms, algorithm))
-    _braid(rng.child("braid"), sides, braid)
-    spare = arena.inside - rooms * passage - (rooms - 1) * wall
-    widths = [passage + extra for extra in spread_evenly(rng, spare, rooms)]
-    heights = [passage + extra for extra in spread_evenly(rng, spare, rooms)]
-    start = (rng.below(2) * (rooms - 1), rng.below(2) * (rooms - 1))
-    target = (rooms - 1 - start[0], rooms - 1 - start[1])
-    quarter = rng.choice([int(way) for way in np.flatnonzero(sides[start[1], start[0]])])
+    links = grow(rng.child("tree"), inside, algorithm, newest=newest, oldest=oldest)
+    links[~inside] = ROCK
+    carve_rooms(rng.child("rooms"), links, inside, rooms)
+    braid_ends(rng.child("braid"), links, braid)
+    spare = arena.inside - side * passage - (side - 1) * wall
+    widths = [passage + extra for extra in spread_evenly(rng, spare, side)]
+    heights = [passage + extra for extra in spread_evenly(rng, spare, side)]
+    corner = (rng.below(2) * (side - 1), rng.below(2) * (side - 1))
+    start = _nearest(inside, corner)
+    target = _nearest(inside, (side - 1 - corner[0], side - 1 - corner[1]))
+    quarter = rng.choice(np.flatnonzero(open_sides(links)[start[1], start[0]]).tolist())
 
     return arena.world(
-        _walls(sides, widths, heights, wall),
-        start=(_room_centre(widths, start[0], wall), _room_centre(heights, start[1], wall)),
-        target=(_room_centre(widths, target[0], wall), _room_centre(heights, target[1], wall)),
+        cells_of(links, pitch(widths, wall), pitch(heights, wall)),
+        start=(_centre(widths, start[0], wall), _centre(heights, start[1], wall)),
+        target=(_centre(widths, target[0], wall), _centre(heights, target[1], wall)),
         quarter=quarter,
     )
 
 
-def _walls(sides: npt.NDArray[np.bool_], widths: list[int], heights: list[int], wall: int) -> npt.NDArray[np.bool_]:
-    """Rooms and their open sides as cells, the border one cell thick."""
-    plan = np.ones((2 * len(heights) + 1, 2 * len(widths) + 1), dtype=np.bool_)
-    plan[1::2, 1::2] = False
-    plan[1::2, 2:-1:2] = ~sides[:, :-1, 0]
-    plan[2:-1:2, 1::2] = ~sides[:-1, :, 1]
-    return plan.repeat(_strips(heights, wall), axis=0).repeat(_strips(widths, wall), axis=1)
+def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]:
+    """Shares of a growing tree's steps; -1 stands for half, and for none.
 
-
-def _strips(widths: list[int], wall: int) -> list[int]:
-    strips = [wall] * (2 * len(widths) + 1)
-    strips[1::2] = widths
-    strips[0] = strips[-1] = 1
-    return strips
-
-
-def _room_centre(widths: list[int], room: int, wall: int) -> int:
-    """The middle of a room, in half cells."""
-    return 2 * (1 + sum(widths[:room]) + room * wall) + widths[room]
-
-
-def _braid(rng: RandomStream, sides: npt.NDArray[np.bool_], share: float) -> None:
-    """Opens one more side of dead ends, in place, until ``share`` of them is gone.
-
-    One opening can end two dead ends, so one more than asked may go.
+    Raises:
+        InvalidParameter: If one is out of range, or given for another algorithm.
     """
-    columns = sides.shape[1]
-    within = _sides_within(sides.shape[0], columns)
-    ends = np.flatnonzero(sides.sum(axis=2) == 1)
-    remove = round(share * len(ends))
-    for end in ends[np.argsort(rng.bits(len(ends)), kind="stable")].tolist():
-        if remove <= 0:
-            return
-        row, column = divmod(end, columns)
-        if sides[row, column].sum() > 1:  # a neighbour was opened to it
-            continue
-        way = rng.choice(np.flatnonzero(within[row, column] & ~sides[row, column]).tolist())
-        dx, dy = STEPS[way]
-        beyond = sides[row + dy, column + dx]
-        remove -= 2 if beyond.sum() == 1 else 1
-        sides[row, column, way] = beyond[(way + 2) % 4] = True
+    given = {name: share for name, share in (("newest", newest), ("oldest", oldest)) if share != CHOSEN}
+    for name, share in given.items():
+        if algorithm != "growing-tree":
+            raise InvalidParameter(
+                f"{name}={share:g} has no effect with algorithm={algorithm}; leave it out, or give growing-tree"
+            )
+        check_between(name, share, 0.0, 1.0)
+    oldest = given.get("oldest", 0.0)
+    newest = given.get("newest", min(0.5, 1.0 - oldest))
+    if newest + oldest > 1.0:
+        raise InvalidParameter(
+            f"newest={newest:g} and oldest={oldest:g} are more than the whole; give at most 1 in all"
+        )
+    return newest, oldest
 
 
-def _sides_within(rows: int, columns: int) -> npt.NDArray[np.bool_]:
-    """(rows, columns, 4) bool: which sides of a room have another room behind them."""
-    within = np.ones((rows, columns, 4), dtype=np.bool_)
-    within[:, -1, 0] = within[-1, :, 1] = within[:, 0, 2] = within[0, :, 3] = False
-    return within
+def _mask(shape: str, side: int, algorithm: str) -> Mask:
+    """Where there are chambers.
+
+    Raises:
+        InvalidParameter: If the shape is too small to be one, or the algorithm cannot fill it.
+    """
+    if shape != "square" and algorithm not in FIT_ANY_SHAPE:
+        raise InvalidParameter(
+            f"mask={shape} does not go with algorithm={algorithm}, which fills whole rows; "
+            f"give one of {', '.join(FIT_ANY_SHAPE)}, or mask=square"
+        )
+    return shape_mask(shape, side)
+
+
+def _nearest(mask: Mask, corner: tuple[int, int]) -> tuple[int, int]:
+    """Column and row of the chamber nearest to a corner; the lowest, then leftmost, of several."""
+    column, row = corner
+    if mask[row, column]:
+        return corner
+    rows, columns = np.nonzero(mask)
+    first = int(np.argmin((columns - column) ** 2 + (rows - row) ** 2))
+    return int(columns[first]), int(rows[first])
+
+
+def _centre(widths: list[int], chamber: int, wall: int) -> int:
+    """The middle of a chamber, in half cells."""
+    return 2 * (1 + sum(widths[:chamber]) + chamber * wall) + widths[chamber]

@@ -53,7 +53,7 @@ def draw_sheet(panels: Sequence[Panel], robots: Sequence[str], *, columns: int =
 
     Args:
         panels: The worlds.
-        robots: Names of the robots, for the legend.
+        robots: Names of the robots, for the legend; without any there is none.
         columns: Panels in a row; 0 chooses.
 
     Raises:
@@ -67,9 +67,10 @@ def draw_sheet(panels: Sequence[Panel], robots: Sequence[str], *, columns: int =
     drawn = [_panel(panel) for panel in panels]
     width, height = max(image.width for image in drawn), max(image.height for image in drawn)
     rows = -(-len(drawn) // columns)
-    legend = _LINE + _GAP
+    legend = _LINE + _GAP if robots else 0
     sheet = Image.new("RGB", (columns * (width + _GAP) + _GAP, legend + rows * (height + _GAP) + _GAP), PAPER)
-    _draw_legend(sheet, robots)
+    if robots:
+        _draw_legend(sheet, robots)
     for k, image in enumerate(drawn):
         sheet.paste(image, (_GAP + k % columns * (width + _GAP), legend + _GAP + k // columns * (height + _GAP)))
     stream = io.BytesIO()
