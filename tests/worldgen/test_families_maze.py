@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 from scipy import ndimage
 from scipy.sparse.csgraph import shortest_path
 
@@ -17,10 +16,8 @@ from worldgen.errors import InvalidParameter
 from worldgen.families._mazes import (
     FIT_ANY_SHAPE,
     METHODS,
-    cells_of,
     grow,
     open_sides,
-    pitch,
     shape_mask,
     spanning_tree,
 )
@@ -95,36 +92,6 @@ def assert_is_a_tree(links, mask):
     assert ndimage.label(plan)[1] == 1
     assert sides.sum() == 2 * (mask.sum() - 1)
     assert not sides[~mask].any()
-
-
-@every_algorithm
-@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (2, 2), (3, 40), (40, 3), (64, 65), (107, 141)])
-def test_a_compiled_maze_is_the_same_to_the_bit(algorithm, columns, rows):
-    for seed in range(3):
-        streams = RandomStream(seed), RandomStream(seed)
-        plain = grow(streams[0], full(rows, columns), algorithm, oldest=0.25, compiled=False)
-        compiled = grow(streams[1], full(rows, columns), algorithm, oldest=0.25, compiled=True)
-        assert np.array_equal(plain, compiled)
-        assert streams[0].next64() == streams[1].next64()
-
-
-@pytest.mark.parametrize("algorithm", FIT_ANY_SHAPE)
-@every_mask
-def test_a_compiled_maze_in_a_shape_is_the_same_to_the_bit(algorithm, mask):
-    inside = shape_mask(mask, 33)
-    plain, compiled = (grow(RandomStream(4), inside, algorithm, compiled=twin) for twin in (False, True))
-    assert np.array_equal(plain, compiled)
-
-
-@given(
-    links=hnp.arrays(np.int8, st.tuples(st.integers(1, 6), st.integers(1, 6)), elements=st.integers(0, 15)),
-    wall=st.integers(1, 3),
-    extra=st.integers(0, 3),
-)
-def test_compiled_cells_are_the_same(links, wall, extra):
-    up, across = (pitch([1 + (extra >> (i % 2)) for i in range(count)], wall) for count in links.shape)
-    plain, compiled = (cells_of(links, across, up, compiled=twin) for twin in (False, True))
-    assert np.array_equal(plain, compiled)
 
 
 def test_prim_and_kruskal_find_the_same_lightest_tree_of_the_same_weights():

@@ -16,9 +16,9 @@ from worldgen.families._mazes import (
     carve_rooms,
     cells_of,
     grow,
-    open_sides,
     pitch,
     shape_mask,
+    ways_out,
 )
 from worldgen.family import check_at_least, check_between, family
 from worldgen.random_streams import RandomStream
@@ -98,7 +98,8 @@ def maze(
     inside = _mask(mask, side, algorithm)
 
     links = grow(rng.child("tree"), inside, algorithm, newest=newest, oldest=oldest)
-    links[~inside] = ROCK
+    if mask != "square":
+        links[~inside] = ROCK
     carve_rooms(rng.child("rooms"), links, inside, rooms)
     braid_ends(rng.child("braid"), links, braid)
     spare = arena.inside - side * passage - (side - 1) * wall
@@ -107,7 +108,7 @@ def maze(
     corner = (rng.below(2) * (side - 1), rng.below(2) * (side - 1))
     start = _nearest(inside, corner)
     target = _nearest(inside, (side - 1 - corner[0], side - 1 - corner[1]))
-    quarter = rng.choice(np.flatnonzero(open_sides(links)[start[1], start[0]]).tolist())
+    quarter = rng.choice(ways_out(links, *start))
 
     return arena.world(
         cells_of(links, pitch(widths, wall), pitch(heights, wall)),

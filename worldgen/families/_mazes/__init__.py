@@ -9,7 +9,7 @@ Contents:
     cells: links to solid cells.
 """
 
-from worldgen.families._mazes.board import CORNER, EAST, NORTH, ROCK, ROOT, Links, Mask, open_sides
+from worldgen.families._mazes.board import CORNER, EAST, NORTH, ROCK, ROOT, Links, Mask, open_sides, ways_out
 from worldgen.families._mazes.cells import cells_of, pitch
 from worldgen.families._mazes.grow import FIT_ANY_SHAPE, METHODS, Algorithm, grow, spanning_tree
 from worldgen.families._mazes.openings import braid_ends, carve_rooms
@@ -35,4 +35,5 @@ __all__ = [
     "pitch",
     "shape_mask",
     "spanning_tree",
+    "ways_out",
 ]

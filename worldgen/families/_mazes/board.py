@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 __all__ = [
     "AT", "CORNER", "EAST", "FREE", "LEFT", "NORTH", "OUTSIDE", "ROCK", "ROOT", "STATE_SIZE", "USED",
-    "Links", "Mask", "blank_board", "inner", "links_of_parents", "open_sides",
+    "Links", "Mask", "blank_board", "inner", "links_of_parents", "open_sides", "ways_out",
 ]  # fmt: skip
 
 Links: TypeAlias = npt.NDArray[np.int8]
@@ -69,3 +69,10 @@ def open_sides(links: Links) -> npt.NDArray[np.bool_]:
     sides[:, :-1, 0] = sides[:, 1:, 2] = links[:, :-1] & EAST
     sides[:-1, :, 1] = sides[1:, :, 3] = links[:-1] & NORTH
     return sides
+
+
+def ways_out(links: Links, column: int, row: int) -> list[int]:
+    """Directions that one chamber is open to, rising."""
+    below, left = row > 0 and links[row - 1, column], column > 0 and links[row, column - 1]
+    here = links[row, column]
+    return [way for way, is_open in enumerate((here & EAST, here & NORTH, left & EAST, below & NORTH)) if is_open]

@@ -34,7 +34,7 @@ def cells_of(
         compiled: Whether to run compiled code; ``None``: where it is worth it. The cells are the same.
     """
     if compiled is None:
-        compiled = worth_compiling(links.size, 1 << 62)
+        compiled = worth_compiling(links.size, 1 << 62)  # NumPy needs 10 ms for the largest: not worth loading numba
     if compiled:
         walls = np.empty((int(up.sum()), int(across.sum())), dtype=np.bool_)
         strip_of = np.repeat(np.arange(len(across), dtype=np.int32), across)
