@@ -37,7 +37,16 @@ from worldgen.random_streams import RandomStream
 
 __all__ = ["PEERS", "measure", "measure_peers", "peak_memory"]
 
-LARGE = ("eller", "sidewinder", "binary-tree", "recursive-division", "backtracker", "hunt-and-kill", "wilson", "growing-tree")
+LARGE = (
+    "eller",
+    "sidewinder",
+    "binary-tree",
+    "recursive-division",
+    "backtracker",
+    "hunt-and-kill",
+    "wilson",
+    "growing-tree",
+)
 FIRST_PEER_SIDE = 60
 
 Maker = Callable[[int], Any]  # of the chambers a side
