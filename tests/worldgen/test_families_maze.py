@@ -21,9 +21,10 @@ from worldgen.families._mazes import (
     shape_mask,
     spanning_tree,
 )
-from worldgen.families._mazes.board import AT, LEFT, ROOT, STATE_SIZE, blank_board, inner, links_of_parents
+from worldgen.families._mazes.board import AT, LEFT, ROOT, STATE_SIZE, USED, blank_board, inner, links_of_parents
 from worldgen.families._mazes.edges import edge_keys, kruskal, prim
 from worldgen.families._mazes.shapes import LEAST
+from worldgen.families._mazes.walks import FIRST, LOWEST, aldous_broder, backtracker, hunt_and_kill, wilson
 from worldgen.families.maze import maze
 from worldgen.family import stream_for
 from worldgen.generation import generate
@@ -105,6 +106,29 @@ def test_prim_and_kruskal_find_the_same_lightest_tree_of_the_same_weights():
         prim(words, grown, list(state), stride, [0] * 200)
         kruskal(edge_keys(words, board, stride), joined, list(state), stride, [0] * len(board))
         assert np.array_equal(links_of_parents(inner(grown, stride)), inner(joined, stride))
+
+
+WALKS = (wilson, aldous_broder, backtracker, hunt_and_kill)
+
+
+def walked(walk, words, at_once):
+    """A 9 x 9 maze, its words handed over so many at a time."""
+    board, stride = blank_board(full(9, 9))
+    state = [0] * STATE_SIZE
+    state[LEFT], state[AT], state[FIRST], state[LOWEST] = 80, 5 * stride + 4, stride + 1, 5 * stride + 4
+    board[state[AT]] = ROOT
+    for begin in range(0, len(words), at_once):
+        state[USED] = 0
+        walk(words[begin : begin + at_once], board, state, stride, [])
+    assert state[LEFT] == 0
+    return board.tolist()
+
+
+@pytest.mark.parametrize("walk", WALKS, ids=lambda walk: walk.__name__)
+def test_a_walk_goes_on_where_its_words_ran_out(walk):
+    for seed in range(30):
+        words = RandomStream(seed).bits(300).view(np.int64).tolist()
+        assert walked(walk, words, 1) == walked(walk, words, 300)
 
 
 @pytest.mark.parametrize("algorithm", ["wilson", "backtracker"])
