@@ -214,7 +214,8 @@ class VectorController(Protocol):
     """A controller as a Python class that acts for many robots at once, with NumPy: millions of steps a second.
 
     Row i of everything belongs to robot i and must depend on nothing else. There may be any number of robots, also
-    one, and there are fewer and fewer as they arrive. All else is as for a :class:`PythonController`.
+    one, and there are fewer and fewer as they arrive. A run is to the bit the same alone and among others if NumPy
+    works out each row likewise: a matrix product may not. All else is as for a :class:`PythonController`.
     """
 
     def reset(self) -> Memory:

@@ -175,4 +175,4 @@ def test_a_recorded_episode_prints_itself_in_a_few_lines():
 
 
 def test_a_trace_prints_how_long_it_is():
-    assert repr(simulate(arena(), Circle(), record=True).trace) == "Trace(129 steps, 0.015 s each, 129 points)"
+    assert repr(simulate(arena(), Circle(), record=True).trace) == "Trace(129 steps, 0.015 s each, 130 points)"
