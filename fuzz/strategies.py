@@ -74,6 +74,9 @@ def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World
 
 # What is drawn beside size and seed, the simplest first.
 _VARIED: dict[str, dict[str, st.SearchStrategy[Any]]] = {
+    "cave": {
+        "shape": st.sampled_from(["columns", "caverns", "galleries"]),
+    },
     "corridor": {
         "shape": st.sampled_from(["bends", "dead-ends", "junctions"]),
         "width": st.sampled_from([2, 3, 4, 5]),
@@ -82,10 +85,22 @@ _VARIED: dict[str, dict[str, st.SearchStrategy[Any]]] = {
         "over": st.sampled_from(["trap", "corridor", "maze"]),
         "spread": st.sampled_from([0.15, 0.3, 0.6]),
     },
+    "forest": {
+        "growth": st.sampled_from(["rows", "even", "thickets"]),
+        "gap": st.sampled_from([2.0, 1.2, 1.0]),
+    },
     "maze": {
         "algorithm": st.sampled_from(["backtracker", "wilson"]),
         "braid": st.sampled_from([0.0, 0.5, 1.0]),
         "passage": st.sampled_from([2, 3, 4]),
+    },
+    "rooms": {
+        "plan": st.sampled_from(["suite", "spine", "wings"]),
+        "closed": st.sampled_from([0.0, 0.5]),
+    },
+    "rubble": {
+        "collapse": st.sampled_from(["wing", "blast", "quake"]),
+        "debris": st.sampled_from([0.1, 0.35, 0.6]),
     },
     "trap": {
         "shape": st.sampled_from(["U", "L", "spiral"]),

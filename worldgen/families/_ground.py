@@ -17,6 +17,8 @@ MAZE_BRAID = 0.3  # in a maze without loops, a change could only delay
 # Words that are drawn, where not all are: those that came later would move every seed to another world.
 DRAWN: dict[str, dict[str, tuple[str, ...]]] = {
     "maze": {"algorithm": ("wilson", "backtracker"), "mask": ("square",)},
+    "corridor": {"shape": ("bends", "dead-ends", "junctions")},
+    "trap": {"shape": ("U", "L", "spiral")},
 }
 
 

@@ -11,22 +11,35 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import GenerationFailed, InvalidParameter
+from worldgen.families._corridor_layouts import (
+    Edge,
+    Node,
+    Slot,
+    crossings,
+    neck_slots,
+    place_necks,
+    serpentine,
+    tees,
+    turned_at_random,
+)
 from worldgen.families._layout import CHOSEN, STEPS, Arena, spread_unevenly, without_effect
 from worldgen.families._mazes import ROOT, spanning_tree
 from worldgen.family import check_at_least, check_between, family
+from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
 __all__ = ["corridor"]
 
-Node: TypeAlias = tuple[int, int]  # column and row of a coarse lattice whose lines can hold a corridor each
-Edge: TypeAlias = tuple[Node, Node]
+Shape: TypeAlias = Literal["bends", "dead-ends", "junctions", "S", "T", "X", "tunnel"]
 
 # Lattices tried until one holds the bends and side ways asked for. Measured with the most that are allowed of
 # one or of both, over 20,000 drafts on 2 to 200 lines: 1.0 to 1.5 on average, 4 at worst.
 MAX_DRAFTS = 100
 TRIES_PER_ORIGIN = 4  # random side ways tried, per node from which one can start
 BRANCH_STEPS = (2, 4)  # lattice steps of a side way where there is room: with two or more, others can branch off
+MOST_TUNNEL = 400  # lines of a tunnel's lattice: its longest way is found in Python, in 2 s
+MOST_WIDE = 1000.0  # widths of the robot
 MOST_BENDS, MOST_BRANCHES = 1000, 500  # beyond, drafts take long and often fail
 
 
@@ -35,11 +48,15 @@ def corridor(
     rng: RandomStream,
     *,
     size: int = 30,
-    shape: Literal["bends", "dead-ends", "junctions"] = "bends",
+    shape: Shape = "bends",
     bends: int = CHOSEN,
     branches: int = CHOSEN,
     width: int = CHOSEN,
+    robot_widths: float = 0.0,
     wall: int = 1,
+    necks: int = 0,
+    neck: int = CHOSEN,
+    neck_length: int = 1,
     cell_size: float = 0.1,
     robot_radius: float = 0.07,
     robot_speed: float = 2.0,
@@ -53,10 +70,19 @@ def corridor(
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included; 10 to 2000.
         shape: bends: one winding corridor; dead-ends: with blind side ways; junctions: with side ways that
-            lead back, so that there is more than one way.
-        bends: Right angles of the corridor from start to target, without side ways; -1: drawn.
-        branches: Side ways of dead-ends and junctions, off the corridor or off each other; -1: drawn.
+            lead back, so that there is more than one way; S: to and fro in long stretches; T: T junctions,
+            one arm of each blind; X: corridors across corridors; tunnel: one long way that fills the
+            square.
+        bends: Right angles of the corridor from start to target, without side ways, of bends, dead-ends,
+            junctions and S; -1: drawn.
+        branches: Side ways of dead-ends and junctions, off the corridor or off each other; junctions of T;
+            corridors each way of X; -1: drawn.
         width: Width of the corridor, cells; -1: the narrowest that lets the robot through.
+        robot_widths: The corridor's width in widths of the robot instead, at least 1, rounded up to whole
+            cells; 0: as ``width`` says.
+        necks: Narrow places on straight stretches from start to target; -1: as many as there is room for.
+        neck: Width of the narrow places, cells; -1: the narrowest that lets the robot through.
+        neck_length: Their length along the corridor, cells; 1: a door.
         wall: Least thickness of the rock between two stretches, cells.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
@@ -69,22 +95,13 @@ def corridor(
     Source: the corridor is a stretch of the longest way through a backtracker's maze.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    width = arena.passage("width", width)
-    check_at_least("wall", wall, 1, "cells")
-    lines = (arena.inside + wall) // (width + wall)
-    if lines < 2:
-        raise InvalidParameter(
-            f"width={width} and wall={wall} leave no room for two stretches side by side in size={size} cells; "
-            f"give a size of at least {2 * width + wall + 2}, or a narrower corridor"
-        )
-    bends = _count(rng.child("bends"), "bends", bends, low=3, high=12, most=min(lines * lines // 4, MOST_BENDS))
-    if shape == "bends":
-        branches = without_effect("branches", branches, "shape=bends")
+    width = _width(arena, width, robot_widths)
+    neck = _neck(arena, width, necks, neck, neck_length)
+    lines = _lines(arena, width, wall)
+    if shape in _PLANNED:
+        way, side_edges = _planned(rng.child("plan"), shape, lines, bends, branches)
     else:
-        most = min(lines * lines // 8, MOST_BRANCHES)
-        branches = _count(rng.child("branches"), "branches", branches, low=2, high=8, most=most)
-
-    way, side_edges = _draft(rng.child("way"), lines, bends, branches, leads_back=shape == "junctions")
+        way, side_edges = _wound(rng, shape, lines, bends, branches)
     edges = [*pairwise(way), *side_edges]
     columns, rows = (
         _place_lines(rng.child("lines", axis), edges, axis, arena.inside, width, wall) for axis in range(2)
@@ -92,12 +109,112 @@ def corridor(
 
     centres = [_centre(node, columns, rows, width) for node in way]
     first = next(k for k, centre in enumerate(centres) if centre != centres[0])  # a line may have been dropped
+    walls = _cut(arena.solid(), edges, columns, rows, width)
+    if necks:
+        slots = neck_slots(way, _corners(edges), columns, rows, width, neck_length)
+        place_necks(rng.child("necks"), walls, _chosen_slots(rng, slots, necks), width, neck_length, neck)
     return arena.world(
-        _cut(arena.solid(), edges, columns, rows, width),
+        walls,
         start=centres[0],
         target=centres[-1],
         quarter=_direction(way[first - 1], way[first]),
     )
+
+
+_PLANNED: tuple[Shape, ...] = ("S", "T", "X", "tunnel")
+
+
+def _width(arena: Arena, width: int, robot_widths: float) -> int:
+    """The corridor's width in cells."""
+    if robot_widths == 0.0:
+        return arena.passage("width", width)
+    check_between("robot_widths", robot_widths, 1.0, MOST_WIDE, "widths of the robot")
+    without_effect("width", width, f"robot_widths={robot_widths:g}")
+    return max(arena.narrowest, math.ceil(2 * arena.radius * exact(robot_widths)))
+
+
+def _lines(arena: Arena, width: int, wall: int) -> int:
+    """How many stretches have room side by side."""
+    check_at_least("wall", wall, 1, "cells")
+    lines = (arena.inside + wall) // (width + wall)
+    if lines < 2:
+        raise InvalidParameter(
+            f"width={width} and wall={wall} leave no room for two stretches side by side in size={arena.size} cells; "
+            f"give a size of at least {2 * width + wall + 2}, or a narrower corridor"
+        )
+    return lines
+
+
+def _neck(arena: Arena, width: int, necks: int, neck: int, neck_length: int) -> int:
+    """The width of narrow places in cells."""
+    check_between("necks", necks, CHOSEN, MOST_BENDS)
+    check_between("neck_length", neck_length, 1, arena.inside, "cells")
+    if necks == 0:
+        return without_effect("neck", neck, "necks=0")
+    neck = arena.passage("neck", neck)
+    if neck >= width:
+        raise InvalidParameter(
+            f"neck={neck} is no narrower than the corridor, width={width}; give a wider corridor, or leave out necks"
+        )
+    return neck
+
+
+def _chosen_slots(rng: RandomStream, slots: list[Slot], necks: int) -> list[Slot]:
+    """As many slots as asked for, by chance, or all.
+
+    Raises:
+        GenerationFailed: If there are fewer.
+    """
+    if necks == CHOSEN:
+        return slots
+    if necks > len(slots):
+        raise GenerationFailed(
+            f"corridor: its straight stretches have room for {len(slots)} narrow places, not for necks={necks}; "
+            "give fewer or shorter ones, -1 for as many as fit, a larger size, or fewer bends"
+        )
+    slots = list(slots)
+    rng.child("slots").shuffle(slots)
+    return slots[:necks]
+
+
+def _wound(rng: RandomStream, shape: Shape, lines: int, bends: int, branches: int) -> tuple[list[Node], list[Edge]]:
+    """A winding way and the edges of its side ways."""
+    bends = _count(rng.child("bends"), "bends", bends, low=3, high=12, most=min(lines * lines // 4, MOST_BENDS))
+    if shape == "bends":
+        branches = without_effect("branches", branches, "shape=bends")
+    else:
+        most = min(lines * lines // 8, MOST_BRANCHES)
+        branches = _count(rng.child("branches"), "branches", branches, low=2, high=8, most=most)
+    return _draft(rng.child("way"), lines, bends, branches, leads_back=shape == "junctions")
+
+
+def _planned(rng: RandomStream, shape: Shape, lines: int, bends: int, branches: int) -> tuple[list[Node], list[Edge]]:
+    """A way with a plan and the edges of its side ways.
+
+    Raises:
+        InvalidParameter: If a count is out of range, or has no effect.
+    """
+    if shape != "S":
+        without_effect("bends", bends, f"shape={shape}")
+    if shape in ("S", "tunnel"):
+        without_effect("branches", branches, f"shape={shape}")
+    if shape == "tunnel":
+        return _longest_way(rng, min(lines, MOST_TUNNEL)), []
+    if shape == "S":
+        most = min(2 * lines - 3, MOST_BENDS)
+        way, edges = serpentine(_count(rng, "bends", bends, low=min(4, most), high=16, most=most))
+    else:
+        most = min(lines - 2, MOST_BENDS)
+        if most < 1:
+            raise InvalidParameter(
+                f"shape={shape} needs three stretches side by side, and there is room for {lines}; "
+                "give a larger size, or a narrower corridor"
+            )
+        if branches != CHOSEN:
+            check_between("branches", branches, 1, most)
+        count = rng.between(1, min(most, 5)) if branches == CHOSEN else branches
+        way, edges = tees(count) if shape == "T" else crossings(count)
+    return turned_at_random(rng.child("turn"), way, edges)
 
 
 def _count(rng: RandomStream, name: str, count: int, *, low: int, high: int, most: int) -> int:

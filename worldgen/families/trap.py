@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -11,18 +10,32 @@ import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.families._layout import CHOSEN, Arena, without_effect
+from worldgen.families._raster import box
+from worldgen.families._turned_trap import (
+    Figure,
+    chevron,
+    comb,
+    draw_up_to,
+    nested,
+    pair,
+    place_turned,
+    room_for,
+)
 from worldgen.family import check_at_least, check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
 __all__ = ["trap"]
 
-Shape: TypeAlias = Literal["U", "L", "spiral"]
+Shape: TypeAlias = Literal["U", "L", "spiral", "V", "comb", "nested", "pair"]
 Faces: TypeAlias = Literal["start", "target", "side"]
 Box: TypeAlias = tuple[int, int, int, int]
 Ranges: TypeAlias = tuple[tuple[int, int], tuple[int, int]]
 
 MOST_TURNS = 8  # quarter turns drawn for a spiral; more can be given
+_LATER: tuple[Shape, ...] = ("V", "comb", "nested", "pair")  # shapes that always have a passage all round
+_COUNTED: dict[Shape, tuple[int, int]] = {"comb": (2, 6), "nested": (2, 4)}  # how many are drawn
+SLANTED_SPARE = 2  # cells by which raster and thickening can narrow what lies between slanted walls
 
 
 @family("trap", version=1)
@@ -36,6 +49,8 @@ def trap(
     thickness: int = 1,
     turn: int = CHOSEN,
     turns: int = CHOSEN,
+    parts: int = CHOSEN,
+    angle: int = 0,
     faces: Faces = "start",
     inside: bool = False,
     cell_size: float = 0.1,
@@ -51,13 +66,17 @@ def trap(
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included; 10 to 2000.
         shape: U: a back wall and two arms; L: a back wall and one arm; spiral: a U whose one arm winds on
-            round it.
-        depth: Inner length of the arms, cells; of a spiral, the length of its innermost chamber; -1: drawn.
+            round it; V: two slanted arms; comb: a back wall with teeth; nested: U's in each other's hollows;
+            pair: a U, and another behind it, set off aside.
+        depth: Inner length of the arms, cells; of a spiral, the length of its innermost chamber, of nested
+            ones, of the innermost; -1: drawn.
         mouth: Clear width of the opening, between the arms or along the back wall, cells; of a spiral, of its
-            whole winding corridor; -1: drawn.
+            whole winding corridor; between teeth, and between one U and the next; -1: drawn.
         thickness: Thickness of the obstacle's walls, cells.
         turn: Where the mouth opens: quarter turns counter-clockwise from +x, 0 to 3; -1: drawn.
         turns: Quarter turns by which a spiral winds on beyond the U, at least 1; -1: drawn.
+        parts: Teeth of a comb, or U's that are nested, at least 1; -1: drawn.
+        angle: Degrees counter-clockwise by which the obstacle is turned beyond ``turn``, 0 to 89; -1: drawn.
         faces: What lies before the mouth: the start, the target, or neither.
         inside: Start in the hollow instead of before it.
         cell_size: Side of a cell, m.
@@ -71,22 +90,12 @@ def trap(
     inherent limitations for mobile robot navigation", ICRA 1991.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    check_at_least("thickness", thickness, 1, "cells")
     check_between("turn", turn, CHOSEN, 3, "quarter turns")
-    if inside and faces == "target":
-        raise InvalidParameter("inside with faces=target leaves nothing in the way; give faces=start or faces=side")
-    least_depth = arena.narrowest if inside else 1
-    if faces == "side":  # an arm shorter than the robot would not be in its way
-        least_depth = max(least_depth, arena.narrowest - thickness)
-    if depth != CHOSEN:
-        check_at_least("depth", depth, least_depth, "cells")
-    if mouth != CHOSEN:
-        mouth = arena.passage("mouth", mouth)
-    if shape != "spiral":
-        turns = without_effect("turns", turns, f"shape={shape}")
-    elif turns != CHOSEN:
-        check_between("turns", turns, 1, arena.inside, "quarter turns")
-    request = _Request(shape, depth, mouth, thickness, turns)
+    check_between("angle", angle, CHOSEN, 89, "degrees")
+    request = _checked(arena, _Request(shape, depth, mouth, thickness, turns, parts), faces, inside=inside)
+    angle = rng.child("angle").below(90) if angle == CHOSEN else angle
+    if angle or shape in _LATER:
+        return _slanted(rng, arena, request, turn, angle, faces, inside=inside)
 
     obstacle = _obstacle(*_draw_to_fit(rng.child("obstacle"), arena, request, faces))
     corner = _place(rng.child("place"), arena, obstacle)
@@ -107,6 +116,108 @@ class _Request:
     mouth: int
     thickness: int
     turns: int
+    parts: int
+
+
+def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _Request:
+    """The request with what has no effect at 0.
+
+    Raises:
+        InvalidParameter: If a number is out of range.
+    """
+    check_at_least("thickness", asked.thickness, 1, "cells")
+    if inside and faces == "target":
+        raise InvalidParameter("inside with faces=target leaves nothing in the way; give faces=start or faces=side")
+    least_depth = arena.narrowest if inside else 1
+    if faces == "side":  # an arm shorter than the robot would not be in its way
+        least_depth = max(least_depth, arena.narrowest - asked.thickness)
+    mouth, turns, parts = asked.mouth, asked.turns, asked.parts
+    if asked.depth != CHOSEN:
+        check_at_least("depth", asked.depth, least_depth, "cells")
+    if mouth != CHOSEN:
+        mouth = arena.passage("mouth", mouth)
+    if asked.shape != "spiral":
+        turns = without_effect("turns", turns, f"shape={asked.shape}")
+    elif turns != CHOSEN:
+        check_between("turns", turns, 1, arena.inside, "quarter turns")
+    if asked.shape not in _COUNTED:
+        parts = without_effect("parts", parts, f"shape={asked.shape}")
+    elif parts != CHOSEN:
+        check_between("parts", parts, 1, arena.inside)
+    return _Request(asked.shape, asked.depth, mouth, asked.thickness, turns, parts)
+
+
+def _slanted(
+    rng: RandomStream, arena: Arena, request: _Request, turn: int, angle: int, faces: Faces, *, inside: bool
+) -> World:
+    """The world with an obstacle that may be slanted, a passage all round it.
+
+    Between slanted walls the plan has two cells more than was asked for: raster and thickening take up to as
+    much, so what is clear is never less.
+    """
+    draw = rng.child("slanted")
+    degrees = 90 * (draw.below(4) if turn == CHOSEN else turn) + angle
+    figure = _draw_figure(draw.child("obstacle"), arena, request, degrees, inside=inside)
+    scene = place_turned(draw.child("place"), arena, figure, degrees, faces, inside=inside)
+    return arena.world(scene.walls, scene.start, scene.target, scene.quarter)
+
+
+def _draw_figure(rng: RandomStream, arena: Arena, request: _Request, degrees: int, *, inside: bool) -> Figure:
+    """Fixes what is to be drawn, one number after the other, each such that the least of the rest still fits.
+
+    Raises:
+        InvalidParameter: If nothing fits, or what was given does not.
+    """
+    counts = _COUNTED.get(request.shape, (request.turns, request.turns))
+    if request.shape == "spiral":
+        counts = (1, MOST_TURNS)
+    mirrored = rng.below(2) == 1
+    least = arena.narrowest * (3 if inside and request.shape == "V" else 1)
+
+    def figure(number: int, mouth: int, depth: int) -> Figure:
+        spare = SLANTED_SPARE if degrees % 90 or request.shape == "V" else 0
+        made = _figure(request.shape, depth + spare, mouth + spare, request.thickness, number)
+        return made.mirrored() if mirrored else made
+
+    def fits(number: int, mouth: int, depth: int) -> bool:
+        return room_for(arena, figure(number, mouth, depth), degrees) is None
+
+    asked = request.turns if request.shape == "spiral" else request.parts
+    mouth = least if request.mouth == CHOSEN else request.mouth
+    depth = least if request.depth == CHOSEN else request.depth
+    number = 1 if asked == CHOSEN else asked
+    problem = room_for(arena, figure(number, mouth, depth), degrees)
+    if problem is not None:
+        raise InvalidParameter(
+            f"size={arena.size} has no room for shape={request.shape} with mouth={mouth}, depth={depth}, "
+            f"thickness={request.thickness}, turned by {degrees} degrees: {problem}; "
+            "give a larger size, or a smaller obstacle or robot_radius"
+        )
+    if asked == CHOSEN:
+        first = counts[0] if fits(counts[0], mouth, depth) else 1
+        number = draw_up_to(rng, range(first, counts[1] + 1), lambda value: fits(value, mouth, depth))
+    if request.mouth == CHOSEN:
+        mouth = draw_up_to(rng, range(mouth, arena.inside), lambda value: fits(number, value, depth))
+    if request.depth == CHOSEN:
+        if request.shape == "V" and fits(number, mouth, max(depth, mouth // 2)):
+            depth = max(depth, mouth // 2)  # or it is hardly hollow
+        depth = draw_up_to(rng, range(depth, arena.inside), lambda value: fits(number, mouth, value))
+    return figure(number, mouth, depth)
+
+
+def _figure(shape: Shape, depth: int, mouth: int, thickness: int, number: int) -> Figure:
+    if shape == "V":
+        return chevron(depth, mouth, thickness)
+    if shape == "comb":
+        return comb(depth, mouth, thickness, number)
+    if shape == "nested":
+        return nested(depth, mouth, thickness, number)
+    if shape == "pair":
+        return pair(depth, mouth, thickness)
+    obstacle = _obstacle(shape, depth, mouth, thickness, number if shape == "spiral" else 0)
+    pieces = tuple(box(*piece) for piece in obstacle.boxes)
+    rows, columns, hollow = obstacle.opening, (0, obstacle.width), box(*obstacle.hollow)
+    return Figure(pieces, obstacle.width, obstacle.height, rows, rows, columns, (0, obstacle.height), (hollow,))
 
 
 @dataclass(frozen=True)
@@ -192,21 +303,12 @@ def _draw_to_fit(rng: RandomStream, arena: Arena, request: _Request, faces: Face
         )
     turns, mouth, depth = request.turns, request.mouth, request.depth
     if turns == CHOSEN:
-        turns = _one_of(rng, range(1, MOST_TURNS + 1), lambda value: fits(value, least_mouth, least_depth))
+        turns = draw_up_to(rng, range(1, MOST_TURNS + 1), lambda value: fits(value, least_mouth, least_depth))
     if mouth == CHOSEN:
-        mouth = _one_of(rng, range(low, arena.inside), lambda value: fits(turns, value, least_depth))
+        mouth = draw_up_to(rng, range(low, arena.inside), lambda value: fits(turns, value, least_depth))
     if depth == CHOSEN:
-        depth = _one_of(rng, range(low, arena.inside), lambda value: fits(turns, mouth, value))
+        depth = draw_up_to(rng, range(low, arena.inside), lambda value: fits(turns, mouth, value))
     return shape, depth, mouth, thickness, turns
-
-
-def _one_of(rng: RandomStream, values: range, fits: Callable[[int], bool]) -> int:
-    """One of the values up to the largest that fits; the first is known to."""
-    low, high = values[0], values[-1]
-    while low < high:  # what is larger takes more room, so halving finds the limit
-        middle = (low + high + 1) // 2
-        low, high = (middle, high) if fits(middle) else (low, middle - 1)
-    return rng.between(values[0], low)
 
 
 def _room(arena: Arena, extents: tuple[int, int], faces: Faces) -> str | None:

@@ -1,0 +1,153 @@
+"""Corridors with a plan, narrow places, and widths in widths of the robot."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
+
+from worldgen.errors import GenerationFailed, InvalidParameter
+from worldgen.families._open_ground import in_sight
+from worldgen.families.corridor import corridor
+from worldgen.family import stream_for
+from worldgen.generation import generate
+from worldgen.reach import decide
+
+SEEDS = st.integers(0, 2**64 - 1)
+PLANS = st.sampled_from(["S", "T", "X", "tunnel"])
+THIN = {"robot_radius": 0.05, "width": 1}  # corridors one cell wide, so that cells can be counted
+
+
+def layout(seed=0, **params):
+    return corridor.build(stream_for(seed, "corridor", 0), **corridor.complete(params))
+
+
+def degrees(world):
+    """Of each free cell, how many of its four neighbours are free, of a corridor one cell wide."""
+    free = ~world.walls
+    return np.where(free, sum(np.roll(free, shift, axis) for shift in (1, -1) for axis in (0, 1)), 0)
+
+
+def corners(world):
+    """Free cells with one free neighbour in x and one in y and no more."""
+    free = ~world.walls
+    beside = [sum(np.roll(free, shift, axis).astype(int) for shift in (1, -1)) for axis in (0, 1)]
+    return int((free & (beside[0] == 1) & (beside[1] == 1)).sum())
+
+
+@given(SEEDS, st.integers(1, 25), st.integers(30, 60))
+def test_an_s_has_its_bends_and_no_side_way(seed, bends, size):
+    world = layout(seed, shape="S", bends=bends, size=size, **THIN)
+    assert corners(world) == bends and (degrees(world) == 1).sum() == 2 and degrees(world).max() == 2
+
+
+@given(SEEDS, st.integers(1, 12), st.integers(30, 60))
+def test_a_t_corridor_has_its_junctions_each_with_a_blind_arm(seed, branches, size):
+    world = layout(seed, shape="T", branches=branches, size=size, **THIN)
+    assert (degrees(world) == 3).sum() == branches and (degrees(world) == 1).sum() == branches + 2
+
+
+@given(SEEDS, st.integers(1, 8), st.integers(30, 60))
+def test_crossing_corridors_all_cross(seed, branches, size):
+    world = layout(seed, shape="X", branches=branches, size=size, **THIN)
+    assert (degrees(world) == 4).sum() == branches**2 and (degrees(world) == 1).sum() == 4 * branches
+
+
+@given(SEEDS, st.integers(14, 60))
+def test_a_tunnel_is_one_long_way(seed, size):
+    world = layout(seed, shape="tunnel", size=size, **THIN)
+    assert (degrees(world) == 1).sum() == 2 and degrees(world).max() == 2
+    assert (~world.walls).sum() > size * size / 8
+
+
+@pytest.mark.parametrize("shape", ["S", "T", "X"])
+@pytest.mark.parametrize("lines", [3, 4, 5, 8, 13])
+def test_the_most_that_is_allowed_fits(shape, lines):
+    most = {"S": {"bends": 2 * lines - 3}, "T": {"branches": lines - 2}, "X": {"branches": lines - 2}}[shape]
+    for seed in range(5):
+        assert generate("corridor", seed, shape=shape, size=max(10, 3 * lines + 1), **most)
+
+
+@given(SEEDS, PLANS, st.integers(10, 60))
+def test_start_and_target_are_out_of_sight(seed, shape, size):
+    world = layout(seed, shape=shape, size=size)
+    ends = [(round(20 * point.x), round(20 * point.y)) for point in (world.start, world.target)]
+    assert not in_sight(world.walls, *ends)
+
+
+@given(SEEDS, PLANS, st.integers(10, 60), st.sampled_from([0.03, 0.05, 0.07, 0.1]), st.integers(-1, 0))
+@settings(max_examples=40)
+def test_no_planned_corridor_needs_a_second_attempt(seed, shape, size, robot_radius, necks):
+    params = {"shape": shape, "size": size, "robot_radius": robot_radius, "necks": necks, "robot_widths": 2.0}
+    try:
+        first = layout(seed, **params)
+    except InvalidParameter as refusal:
+        assert "leave no room for two" in str(refusal) or "needs three stretches" in str(refusal)
+        assert size < 20
+        return
+    assert np.array_equal(generate("corridor", seed, **params).walls, first.walls)
+
+
+@given(SEEDS, st.sampled_from(["bends", "S", "tunnel"]), st.integers(2, 3), st.integers(1, 4))
+def test_a_narrow_place_is_as_narrow_and_as_long_as_asked(seed, shape, neck, length):
+    params = {"shape": shape, "size": 60, "width": 5}
+    plain = layout(seed, **params)
+    filled = layout(seed, necks=-1, neck=neck, neck_length=length, **params).walls & ~plain.walls
+    spans = [
+        (rows.stop - rows.start, columns.stop - columns.start)
+        for rows, columns in ndimage.find_objects(ndimage.label(filled)[0])
+    ]
+    assert all(length in span for span in spans)
+    assert filled.sum() % ((5 - neck) * length) == 0 and filled.any()
+
+
+def test_as_many_narrow_places_as_asked():
+    for necks in (1, 2, 4):
+        plain = layout(3, shape="S", size=60, width=4)
+        narrowed = layout(3, shape="S", size=60, width=4, necks=necks, neck=2)
+        assert (narrowed.walls & ~plain.walls).sum() == 2 * necks
+
+
+def test_narrow_places_bar_a_wider_robot():
+    for shape in ("S", "tunnel", "bends"):
+        world = layout(5, shape=shape, size=60, width=5, necks=-1, neck=3)
+        assert decide(world, radius=0.15).result == "reachable" and decide(world, radius=0.16).result == "blocked"
+
+
+@pytest.mark.parametrize(("widths", "cells"), [(1.0, 2), (1.5, 3), (2.0, 3), (3.0, 5)])
+def test_a_width_in_widths_of_the_robot_is_rounded_up(widths, cells):
+    for shape in ("bends", "S", "X"):
+        given_in_cells = layout(4, shape=shape, width=cells, size=40)
+        assert np.array_equal(layout(4, shape=shape, robot_widths=widths, size=40).walls, given_in_cells.walls)
+
+
+@pytest.mark.parametrize(
+    ("params", "message"),
+    [
+        ({"shape": "Z"}, "shape='Z' is not one of bends, dead-ends, junctions, S, T, X, tunnel"),
+        ({"shape": "S", "branches": 2}, "branches=2 has no effect with shape=S"),
+        ({"shape": "T", "bends": 2}, "bends=2 has no effect with shape=T"),
+        ({"shape": "tunnel", "bends": 2}, "bends=2 has no effect with shape=tunnel"),
+        ({"shape": "tunnel", "branches": 2}, "branches=2 has no effect with shape=tunnel"),
+        ({"shape": "S", "bends": 16}, "bends=16 is outside 0 to 15"),
+        ({"shape": "X", "branches": 0}, "branches=0 is outside 1 to 7"),
+        ({"shape": "T", "width": 13}, "shape=T needs three stretches side by side, and there is room for 2"),
+        ({"robot_widths": 0.5}, "robot_widths=0.5 widths of the robot is outside 1 to 1000"),
+        ({"robot_widths": 2.0, "width": 3}, "width=3 has no effect with robot_widths=2"),
+        ({"robot_widths": 500.0}, "width=700 and wall=1 leave no room for two stretches"),
+        ({"necks": -2}, "necks=-2 is outside -1 to 1000"),
+        ({"necks": 2}, "neck=2 is no narrower than the corridor, width=2; give a wider corridor, or leave out necks"),
+        ({"necks": 2, "width": 4, "neck": 1}, "neck=1 is narrower than the robot"),
+        ({"neck": 2}, "neck=2 has no effect with necks=0"),
+        ({"necks": 1, "width": 4, "neck_length": 0}, "neck_length=0 cells is outside 1 to 28 cells"),
+    ],
+    ids=lambda value: str(value)[:30],
+)
+def test_bad_parameters_are_refused(params, message):
+    with pytest.raises(InvalidParameter, match=message):
+        layout(**params)
+
+
+def test_more_narrow_places_than_there_is_room_for_are_refused():
+    with pytest.raises(GenerationFailed, match="have room for 14 narrow places, not for necks=50; give fewer"):
+        layout(1, necks=50, width=4)

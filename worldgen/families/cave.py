@@ -1,0 +1,161 @@
+"""Caves: a cellular automaton hollows out the rock, and tunnels join what it leaves apart."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+from worldgen.families._layout import CHOSEN, Arena
+from worldgen.families._open_ground import components, covered, dig_from, easiest_joints, far_poses
+from worldgen.families._routes import free_windows
+from worldgen.family import check_between, family
+from worldgen.random_streams import RandomStream
+from worldgen.world import World
+
+__all__ = ["cave"]
+
+Shape: TypeAlias = Literal["caverns", "columns", "galleries"]
+
+_ROCK: dict[Shape, tuple[int, int]] = {"caverns": (47, 52), "columns": (38, 44), "galleries": (54, 58)}  # percent
+MOST_ROUNDS = 50  # the automaton has come to rest long before
+_ROUNDS = (3, 6)  # rounds drawn
+_SMOOTHEST = 10  # grain from which corners are rounded no further: each round costs as much as the automaton's
+_HOLLOW = 2  # a hollow stays from so many widths of the robot a side on; smaller ones are filled in
+_HARDEST = 3  # rounds of digging that a place takes at most; tunnels bend round what is hard
+_OPENED_UP = 3  # rounds in which columns rise in wide halls
+
+
+@family("cave", version=1)
+def cave(
+    rng: RandomStream,
+    *,
+    size: int = 30,
+    shape: Shape = "caverns",
+    rock: int = CHOSEN,
+    rounds: int = CHOSEN,
+    grain: int = CHOSEN,
+    cell_size: float = 0.1,
+    robot_radius: float = 0.07,
+    robot_speed: float = 2.0,
+) -> World:
+    """A cave of irregular halls and passages, the start at one end, the target at another.
+
+    No wall is straight, and hollows of every size catch a robot that follows a signal or a wall. Whatever
+    is free can be reached by the robot: hollows that hang apart are joined by tunnels, crannies too narrow
+    for the robot are filled in.
+
+    Args:
+        rng: The only source of chance; equal state, equal world.
+        size: Cells a side, the solid border included; 10 to 2000.
+        shape: caverns: halls and passages, with ways round; columns: one wide hall full of pillars;
+            galleries: small chambers, joined by long tunnels without a way round.
+        rock: Rock before the automaton's first round, in percent, 30 to 65; the more, the narrower the
+            cave; -1: drawn from what suits the shape.
+        rounds: Rounds of the automaton, up to 50; 0 leaves the rock as it was strewn; -1: drawn.
+        grain: Cells a side of the automaton's own cells: the larger, the wider the cave; -1: what suits the
+            robot.
+        cell_size: Side of a cell, m.
+        robot_radius: Radius of the robot, m.
+        robot_speed: Top speed of the robot, m/s.
+
+    Raises:
+        InvalidParameter: If a number is out of range, or the square is less than three robots wide.
+
+    Source: Johnson, Yannakakis, Togelius, "Cellular automata for real-time generation of infinite cave
+    levels", PCGames 2010; the rule of the columns from "Cellular Automata Method for Generating Random
+    Cave-Like Levels", RogueBasin.
+    """
+    arena = Arena(size, cell_size, robot_radius, robot_speed)
+    if rock != CHOSEN:
+        check_between("rock", rock, 30, 65, "percent")
+    check_between("rounds", rounds, CHOSEN, MOST_ROUNDS)
+    check_between("grain", grain, CHOSEN, arena.inside, "cells")
+    if grain == 0:
+        raise InvalidParameter("grain=0 cells is below 1 cells; give at least 1, or -1 for what suits the robot")
+    side = arena.narrowest
+    if arena.inside < 3 * side:
+        raise InvalidParameter(
+            f"size={size} is too small for a cave, {3 * side + 2} cells for a robot {side} cells wide; "
+            "give a larger size or a smaller robot_radius"
+        )
+    grain = max(1, side // 2) if grain == CHOSEN else grain
+    rounds = rng.child("rounds").between(*_ROUNDS) if rounds == CHOSEN else rounds
+    rock = rng.child("share").between(*_ROCK[shape]) if rock == CHOSEN else rock
+
+    walls = _hollowed(rng.child("rock"), arena, rock, rounds, grain, pillars=shape == "columns")
+    _dig_ends(rng.child("ends"), arena, walls)
+    windows = _joined(rng.child("tunnels"), arena, walls)
+    walls = ~covered(windows, side)
+    poses = far_poses(rng.child("poses"), walls, side, int(np.flatnonzero(windows)[0]))
+
+    return arena.world(walls, poses.start, poses.target, poses.quarter)
+
+
+def _hollowed(
+    rng: RandomStream, arena: Arena, rock: int, rounds: int, grain: int, *, pillars: bool
+) -> npt.NDArray[np.bool_]:
+    """Rock strewn at random, then smoothed: a cell is rock if most of the nine round it are."""
+    side = -(-arena.inside // grain)
+    walls = np.ones((side + 2, side + 2), dtype=np.bool_)
+    walls[1:-1, 1:-1] = (rng.bits(side * side) % np.uint64(100) < rock).reshape(side, side)
+    for done in range(rounds):
+        near = _rock_within(walls, 1)
+        grown = near >= 5
+        if pillars and done < min(_OPENED_UP, rounds - 1):
+            grown |= _rock_within(walls, 2) <= 2
+        walls[1:-1, 1:-1] = grown
+    fine = np.ones((arena.size, arena.size), dtype=np.bool_)
+    large = walls[1:-1, 1:-1].repeat(grain, axis=0).repeat(grain, axis=1)
+    fine[1:-1, 1:-1] = large[: arena.inside, : arena.inside]
+    for _ in range(min(grain, _SMOOTHEST) - 1):  # rounds off the corners of large cells
+        fine[1:-1, 1:-1] = _rock_within(fine, 1) >= 5
+    return fine
+
+
+def _rock_within(walls: npt.NDArray[np.bool_], reach: int) -> npt.NDArray[np.uint8]:
+    """Rock in the square round each inner cell, itself included; outside all is rock."""
+    padded = np.pad(walls, reach - 1, constant_values=True)
+    rows, columns = (length - 2 * reach for length in padded.shape)
+    lines = np.zeros((len(padded), columns), dtype=np.uint8)
+    for k in range(2 * reach + 1):
+        lines += padded[:, k : k + columns]
+    counts = np.zeros((rows, columns), dtype=np.uint8)
+    for k in range(2 * reach + 1):
+        counts += lines[k : k + rows]
+    return counts
+
+
+def _dig_ends(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> None:
+    """Digs one chamber each into two opposite corners, in place, so that the cave spans the square."""
+    side = arena.narrowest
+    spare = arena.inside - side
+    flip = rng.below(2)
+    for far in (0, 1):
+        x, y = (rng.between(0, spare // 4) for _ in range(2))
+        column, row = 1 + (spare - x if far else x), 1 + (spare - y if far ^ flip else y)
+        walls[row : row + side, column : column + side] = False
+
+
+def _joined(rng: RandomStream, arena: Arena, walls: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Where the robot's window is free once the small hollows are filled and the others joined by tunnels."""
+    side = arena.narrowest
+    windows = free_windows(walls, side, side)
+    owner, count = components(windows)
+    sizes = np.bincount(owner[owner >= 0], minlength=count)
+    kept = sizes >= min((_HOLLOW * side) ** 2, int(sizes.max()))
+    free = np.flatnonzero(windows)
+    ends = [int(free[0]), int(free[-1])]  # the chambers in the corners lie outermost, or what hangs with them
+    for end in ends:
+        kept[int(owner[end])] = True
+    owner[~kept[owner] & (owner >= 0)] = -1
+    hard = np.zeros(walls.shape, dtype=np.uint8)
+    inner = arena.inside - side + 1
+    hard[1 : 1 + inner, 1 : 1 + inner] = (rng.bits(inner * inner) % np.uint64(_HARDEST) + 1).reshape(inner, inner)
+    dug = dig_from(owner, hard)
+    windows = (owner >= 0).reshape(walls.shape)
+    for one, other in easiest_joints(dug, arena.size, count):
+        windows.reshape(-1)[dug.way_back(one) + dug.way_back(other)] = True
+    return windows

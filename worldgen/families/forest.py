@@ -1,0 +1,168 @@
+"""Forests: round obstacles scattered at random, every two a least gap apart."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+from worldgen.families._layout import CHOSEN, Arena
+from worldgen.families._noise import smooth_noise
+from worldgen.families._open_ground import components, far_poses
+from worldgen.families._planting import disc_cells, plant
+from worldgen.families._routes import free_windows
+from worldgen.family import check_at_least, check_between, family
+from worldgen.lattice import exact
+from worldgen.random_streams import RandomStream
+from worldgen.world import World
+
+__all__ = ["forest"]
+
+Growth: TypeAlias = Literal["even", "thickets", "rows"]
+
+MOST_GAP = 100.0  # widths of the robot
+THICKEST = 64  # cells
+_IN_CLEARINGS = (1, 12)  # share of the trees that stand outside thickets
+_DRAWN_THICKEST = (2, 6)
+
+
+@family("forest", version=1)
+def forest(
+    rng: RandomStream,
+    *,
+    size: int = 30,
+    growth: Growth = "even",
+    thinnest: int = 1,
+    thickest: int = CHOSEN,
+    gap: float = 1.2,
+    density: float = 1.0,
+    cell_size: float = 0.1,
+    robot_radius: float = 0.07,
+    robot_speed: float = 2.0,
+) -> World:
+    """A forest of round trunks, with the start on one side and the target on the other.
+
+    There is a way between any two trunks, so a robot that goes round what it meets arrives; one that turns
+    by rote, or adds up repulsion from many sides, may not. No two trunks, and no trunk and the border, are
+    closer than the gap, which is exact between their cells: every target is reachable, whatever is drawn.
+    A trunk of random thickness is tried at each cell, in random order, and stands if it keeps the gap.
+
+    Args:
+        rng: The only source of chance; equal state, equal world.
+        size: Cells a side, the solid border included; 10 to 2000.
+        growth: even: equally dense everywhere; thickets: dense stands with clearings between;
+            rows: planted in rows, each set off against the next, a little out of line.
+        thinnest: Diameter of the thinnest trunks, cells.
+        thickest: Diameter of the thickest trunks, cells, up to 64; -1: drawn.
+        gap: Least gap between two trunks, and to the border, in widths of the robot; 1 to 100.
+        density: Share of the trunks put down that stay; above 0, up to 1.
+        cell_size: Side of a cell, m.
+        robot_radius: Radius of the robot, m.
+        robot_speed: Top speed of the robot, m/s.
+
+    Raises:
+        InvalidParameter: If a number is out of range, or not one trunk fits.
+
+    Source: Poisson-disc sampling; Bridson, "Fast Poisson disk sampling in arbitrary dimensions", SIGGRAPH
+    2007, gives what this does cell by cell: darts until none fits, Cook 1986.
+    """
+    arena = Arena(size, cell_size, robot_radius, robot_speed)
+    check_between("gap", gap, 1.0, MOST_GAP, "widths of the robot")
+    if not 0.0 < density <= 1.0:
+        raise InvalidParameter(f"density={density:g} is not above 0 and at most 1; give such a share")
+    check_between("thinnest", thinnest, 1, THICKEST, "cells")
+    clear = 2 * arena.radius * exact(gap)
+    free = _clear_of_border(arena, clear)
+    thickest = _thickest(rng.child("thickest"), arena, int(free.any(axis=0).sum()), clear, thinnest, thickest)
+
+    diameters = range(thinnest, thickest + 1)
+    places = _places(rng.child("places"), arena, growth, math.ceil(thickest + clear))
+    kinds = (rng.child("kinds").bits(len(places)) % np.uint64(len(diameters))).astype(np.int64)
+    stands = plant(free, places, kinds, diameters, clear)
+    stands &= ~_felled(rng.child("felled"), arena, growth, density, places, stands)
+    walls = _trunks(arena, places[stands], kinds[stands], diameters)
+    begin = _widest(free_windows(walls, arena.narrowest, arena.narrowest))
+    poses = far_poses(rng.child("poses"), walls, arena.narrowest, begin)
+
+    return arena.world(walls, poses.start, poses.target, poses.quarter)
+
+
+def _thickest(rng: RandomStream, arena: Arena, most: int, clear: Fraction, thinnest: int, thickest: int) -> int:
+    """The largest diameter, drawn if it is to be, of at most ``most`` cells.
+
+    Raises:
+        InvalidParameter: If not even the thinnest trunk fits, or this one does not.
+    """
+    if most < thinnest:
+        raise InvalidParameter(
+            f"size={arena.size} has no room for a trunk of {thinnest} cells and a gap of {float(clear):g} cells "
+            "round it; give a larger size, thinner trunks, or a smaller gap or robot_radius"
+        )
+    if thickest == CHOSEN:
+        return max(thinnest, min(most, rng.between(*_DRAWN_THICKEST)))
+    check_at_least("thickest", thickest, thinnest, "cells")
+    check_between("thickest", thickest, 1, min(most, THICKEST), "cells")
+    return thickest
+
+
+def _clear_of_border(arena: Arena, clear: Fraction) -> npt.NDArray[np.bool_]:
+    """Cells with a gap to the border."""
+    margin = 1 + math.ceil(clear)
+    free = np.zeros((arena.size, arena.size), dtype=np.bool_)
+    free[margin : max(margin, arena.size - margin), margin : max(margin, arena.size - margin)] = True
+    return free
+
+
+def _places(rng: RandomStream, arena: Arena, growth: Growth, pitch: int) -> npt.NDArray[np.int64]:
+    """Columns and rows at which to try, in order: every cell once, or the rows' places a little out of line."""
+    if growth != "rows":
+        order = np.argsort(rng.bits(arena.size * arena.size), kind="stable")
+        return np.stack([order % arena.size, order // arena.size], axis=1)
+    shake = 1 + pitch // 4
+    columns, rows = np.meshgrid(*[np.arange(pitch // 2, arena.size + pitch, pitch + shake - 1)] * 2)
+    columns = columns - (np.arange(len(columns)) % 2 * (pitch // 2))[:, np.newaxis] - rng.below(pitch // 2 + 1)
+    shaken = (rng.bits(2 * columns.size) % np.uint64(shake)).astype(np.int64).reshape(2, -1)
+    places = np.stack([columns.ravel() + shaken[0], rows.ravel() + shaken[1] - rng.below(pitch // 2 + 1)], axis=1)
+    inside = ((places > 0) & (places < arena.size - 1)).all(axis=1)
+    return np.asarray(places[inside] if not rng.below(2) else places[inside][:, ::-1])
+
+
+def _felled(
+    rng: RandomStream,
+    arena: Arena,
+    growth: Growth,
+    density: float,
+    places: npt.NDArray[np.int64],
+    stands: npt.NDArray[np.bool_],
+) -> npt.NDArray[np.bool_]:
+    """Trunks taken out again, by chance; the first stays."""
+    felled = rng.floats(len(places)) >= density
+    if growth == "thickets":
+        noise = smooth_noise(rng.child("clearings"), arena.size, max(4, arena.size // 5))
+        clearing = noise < int(np.median(noise))
+        spared = rng.floats(len(places)) * _IN_CLEARINGS[1] < _IN_CLEARINGS[0]
+        felled |= clearing[places[:, 1], places[:, 0]] & ~spared
+    felled[np.flatnonzero(stands)[:1]] = False
+    return np.asarray(felled)
+
+
+def _trunks(
+    arena: Arena, places: npt.NDArray[np.int64], kinds: npt.NDArray[np.int64], diameters: range
+) -> npt.NDArray[np.bool_]:
+    walls = arena.solid()
+    walls[1:-1, 1:-1] = False
+    for kind, diameter in enumerate(diameters):
+        cells = places[kinds == kind][:, np.newaxis, :] + disc_cells(diameter)[np.newaxis, :, :]
+        walls[cells[..., 1], cells[..., 0]] = True
+    return walls
+
+
+def _widest(windows: npt.NDArray[np.bool_]) -> int:
+    """A place of the largest component."""
+    owner, count = components(windows)
+    largest = int(np.bincount(owner[owner >= 0], minlength=count).argmax())
+    return int(np.flatnonzero(owner == largest)[0])

@@ -1,0 +1,93 @@
+"""Office plans: rooms off corridors or off each other, joined by doors."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from worldgen.errors import InvalidParameter
+from worldgen.families._doors import hang_doors, shut_doors
+from worldgen.families._floor_plan import Sizes, Style, divide, fit_sizes, joined
+from worldgen.families._layout import CHOSEN, Arena, without_effect
+from worldgen.families._open_ground import far_poses
+from worldgen.families._routes import free_windows
+from worldgen.family import check_at_least, check_between, family
+from worldgen.random_streams import RandomStream
+from worldgen.world import World
+
+__all__ = ["rooms"]
+
+
+@family("rooms", version=1)
+def rooms(
+    rng: RandomStream,
+    *,
+    size: int = 30,
+    plan: Style = "wings",
+    room: int = CHOSEN,
+    corridor: int = CHOSEN,
+    door: int = CHOSEN,
+    wall: int = 1,
+    shared: float = 0.15,
+    closed: float = 0.0,
+    cell_size: float = 0.1,
+    robot_radius: float = 0.07,
+    robot_speed: float = 2.0,
+) -> World:
+    """One floor of an office: rooms, corridors and doors, the start in one room, the target in a far one.
+
+    A robot that is drawn to the target ends up behind the wall of the room next door, and must find a door
+    that it may have to go away for. Every room can be reached by construction, unless doors are shut.
+
+    Args:
+        rng: The only source of chance; equal state, equal world.
+        size: Cells a side, the solid border included; 10 to 2000.
+        plan: wings: corridors branch off corridors; spine: one corridor across; suite: no corridor, rooms
+            lead to rooms.
+        room: Least inner side of a room, cells; -1: drawn.
+        corridor: Width of the corridors, cells; -1: the narrowest that lets the robot and a door's width
+            through.
+        door: Width of the doors, cells; -1: the narrowest that lets the robot through.
+        wall: Thickness of the walls, cells.
+        shared: Share of the walls without need of a door that have one too, 0 to 1: between two rooms, or a
+            second way into the corridor.
+        closed: Share of the doors that are shut, 0 to 1; never those on one way to the target.
+        cell_size: Side of a cell, m.
+        robot_radius: Radius of the robot, m.
+        robot_speed: Top speed of the robot, m/s.
+
+    Raises:
+        InvalidParameter: If a number is out of range, or two rooms and their corridor do not fit.
+
+    Source: the square is cut in two again and again, as in binary space partitioning; doors are Kruskal's
+    spanning tree in random order, corridors before rooms.
+    """
+    arena = Arena(size, cell_size, robot_radius, robot_speed)
+    check_at_least("wall", wall, 1, "cells")
+    check_between("shared", shared, 0.0, 1.0)
+    check_between("closed", closed, 0.0, 1.0)
+    door = arena.passage("door", door)
+    corridor = _corridor_width(arena, plan, corridor, door)
+    sizes = fit_sizes(rng.child("sizes"), arena, plan, Sizes(room, corridor, door, wall))
+
+    floor = divide(rng.child("floor"), arena, plan, sizes)
+    joints = joined(floor, sizes)
+    doors = hang_doors(rng.child("doors"), floor, joints, sizes, shared)
+    in_rooms = free_windows(floor.owner < floor.corridors, arena.narrowest, arena.narrowest)  # not in a doorway
+    begin = int(np.flatnonzero(in_rooms)[0])
+    poses = far_poses(rng.child("poses"), doors.walls, arena.narrowest, begin, start_in=in_rooms, target_in=in_rooms)
+    ends = tuple(int(floor.owner[y // 2, x // 2]) for x, y in (poses.start, poses.target))
+    shut_doors(rng.child("shut"), floor, joints, doors, closed, (ends[0], ends[1]))
+
+    return arena.world(doors.walls, poses.start, poses.target, poses.quarter)
+
+
+def _corridor_width(arena: Arena, plan: Style, corridor: int, door: int) -> int:
+    if plan == "suite":
+        return without_effect("corridor", corridor, "plan=suite")
+    if corridor == CHOSEN:
+        return max(arena.narrowest, door)
+    if corridor < door:
+        raise InvalidParameter(
+            f"corridor={corridor} is narrower than the doors, {door} cells; give at least {door}, or -1 for that"
+        )
+    return corridor

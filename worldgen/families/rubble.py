@@ -1,0 +1,213 @@
+"""Collapsed buildings: an office plan whose walls have partly fallen, and a survivor in a pocket under debris."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+from worldgen.families._doors import hang_doors
+from worldgen.families._floor_plan import Sizes, Style, divide, fit_sizes, joined
+from worldgen.families._layout import CHOSEN, STEPS, Arena
+from worldgen.families._noise import smooth_noise
+from worldgen.families._open_ground import FAR, dig_from, steps_from
+from worldgen.families._routes import free_windows
+from worldgen.family import check_at_least, check_between, family
+from worldgen.random_streams import RandomStream
+from worldgen.world import World
+
+__all__ = ["rubble"]
+
+Collapse: TypeAlias = Literal["quake", "blast", "wing"]
+Grid: TypeAlias = npt.NDArray[np.bool_]
+
+_SHARED = 0.25  # doors beyond those that join all rooms
+_NEAR_WALLS = 3  # debris lies so many times as thick beside fallen walls as elsewhere
+_BREACHED = 0.6  # share of the walls in the ruined part that are down
+_DIGGING = 6  # a window with debris in it counts for so many free ones on the way that is cleared
+
+
+@family("rubble", version=1)
+def rubble(
+    rng: RandomStream,
+    *,
+    size: int = 30,
+    collapse: Collapse = "quake",
+    damage: float = 0.5,
+    debris: float = 0.35,
+    room: int = CHOSEN,
+    wall: int = 1,
+    pocket: int = CHOSEN,
+    cell_size: float = 0.1,
+    robot_radius: float = 0.07,
+    robot_speed: float = 2.0,
+) -> World:
+    """A collapsed building: the robot comes in where it still stands, and looks for a survivor in a pocket.
+
+    Walls are down in the ruined part, so there are ways that no plan shows; debris lies where they stood and
+    bars ways that the plan has. The survivor, the target, lies in a pocket that debris closes but for one
+    way in. That way is cleared from the start on, over as little debris as possible and never through a wall
+    that still stands: every world can be solved, whatever falls.
+
+    Args:
+        rng: The only source of chance; equal state, equal world.
+        size: Cells a side, the solid border included; 10 to 2000.
+        collapse: quake: ruined in patches all over; blast: ruined round one place; wing: ruined on one side.
+        damage: Share of the building that is ruined, 0 to 1.
+        debris: Share of the ruined floor that debris covers, 0 to 1; it is thickest where walls fell.
+        room: Least inner side of a room, cells; -1: drawn.
+        wall: Thickness of the walls, cells.
+        pocket: Free cells round the survivor's own place, inside the debris; -1: drawn.
+        cell_size: Side of a cell, m.
+        robot_radius: Radius of the robot, m.
+        robot_speed: Top speed of the robot, m/s.
+
+    Raises:
+        InvalidParameter: If a number is out of range, or two rooms do not fit.
+
+    Source: the rescue robot of the thesis that this program descends from; voids left in a collapse, as in
+    Murphy, "Disaster Robotics", 2014.
+    """
+    arena = Arena(size, cell_size, robot_radius, robot_speed)
+    check_between("damage", damage, 0.0, 1.0)
+    check_between("debris", debris, 0.0, 1.0)
+    check_at_least("wall", wall, 1, "cells")
+    check_between("pocket", pocket, CHOSEN, arena.inside, "cells")
+    side = arena.narrowest
+    pocket = rng.child("pocket").between(0, side) if pocket == CHOSEN else pocket
+
+    building = _building(rng.child("building"), arena, room, wall)
+    ruined = _ruined(rng.child("ruined"), arena, collapse, damage)
+    standing = building & ~(ruined & _fallen(rng.child("fallen"), arena))
+    standing[[0, -1], :] = standing[:, [0, -1]] = True
+    ends = _ends(rng.child("ends"), building, standing, ruined, side)
+    heaps = _heaps(rng.child("debris"), building, ruined, debris) & ~standing
+    _bury(heaps, ends, pocket, side)
+    heaps &= ~standing
+    _clear(heaps, standing, ends, side)
+    walls = standing | heaps
+
+    windows = free_windows(walls, side, side)
+    ways = [way for way, (dx, dy) in enumerate(STEPS) if windows.flat[ends.start + dx + dy * size]]
+    return arena.world(walls, ends.middle(ends.start), ends.middle(ends.target), rng.choice(ways or [0, 1, 2, 3]))
+
+
+@dataclass(frozen=True)
+class _Ends:
+    """Where the robot starts and the survivor lies: flat places of windows, in rows of ``stride`` cells."""
+
+    start: int
+    target: int
+    stride: int
+    side: int
+
+    def middle(self, place: int) -> tuple[int, int]:
+        """A window's middle in half cells."""
+        return 2 * (place % self.stride) + self.side, 2 * (place // self.stride) + self.side
+
+
+def _building(rng: RandomStream, arena: Arena, room: int, wall: int) -> Grid:
+    """The walls as they stood, doors open, of a plan drawn from those that fit."""
+    styles: list[Style] = ["wings", "spine", "suite"]
+    rng.shuffle(styles)
+    width = arena.narrowest
+    for style in sorted(styles, key=lambda style: style == "suite" and rng.below(3) > 0):
+        asked = Sizes(room, 0 if style == "suite" else width, width, wall)
+        try:
+            sizes = fit_sizes(rng.child("sizes"), arena, style, asked, spacious=2 * width)
+        except InvalidParameter as refusal:
+            problem = refusal
+            if style == "suite":
+                break
+            continue
+        floor = divide(rng.child("floor"), arena, style, sizes)
+        return hang_doors(rng.child("doors"), floor, joined(floor, sizes), sizes, _SHARED).walls
+    raise problem
+
+
+def _largest(scores: npt.NDArray[np.int64], within: Grid, share: float) -> Grid:
+    """A share of the cells within, those with the largest scores; more where scores are equal."""
+    inside = scores[within]
+    count = round(share * len(inside))
+    if count == 0:
+        return np.zeros_like(within)
+    limit = np.partition(inside, len(inside) - count)[len(inside) - count]
+    return np.asarray(within & (scores >= limit))
+
+
+def _ruined(rng: RandomStream, arena: Arena, collapse: Collapse, damage: float) -> Grid:
+    """The part of the building that is ruined, its edge ragged."""
+    size, pitch = arena.size, max(4, arena.size // 6)
+    noise = smooth_noise(rng, size, pitch)
+    highest = 1024 * pitch * pitch
+    x, y = np.arange(size)[np.newaxis, :], np.arange(size)[:, np.newaxis]
+    if collapse == "blast":
+        cx, cy = rng.between(1, size - 2), rng.between(1, size - 2)
+        noise = noise * size**2 - 8 * highest * ((x - cx) ** 2 + (y - cy) ** 2)
+    elif collapse == "wing":
+        a, b = rng.between(1, 8) * (2 * rng.below(2) - 1), rng.between(0, 8) * (2 * rng.below(2) - 1)
+        if rng.below(2):
+            a, b = b, a
+        noise = noise * size * (abs(a) + abs(b)) + 4 * highest * (a * x + b * y)
+    inside = np.zeros((size, size), dtype=np.bool_)
+    inside[1:-1, 1:-1] = True
+    return _largest(noise, inside, damage)
+
+
+def _fallen(rng: RandomStream, arena: Arena) -> Grid:
+    """Where a wall is down if it is in the ruined part: stretches wide enough for the robot, and stumps."""
+    everywhere = np.ones((arena.size, arena.size), dtype=np.bool_)
+    return _largest(smooth_noise(rng, arena.size, arena.narrowest + 1), everywhere, _BREACHED)
+
+
+def _ends(rng: RandomStream, building: Grid, standing: Grid, ruined: Grid, side: int) -> _Ends:
+    """A survivor in the ruined part, and a start far from there, where the building stands if it does far away.
+
+    Both lie where the plan was open. Its open places hang together, and still do with walls down.
+    """
+    open_before = free_windows(building, side, side)
+    buried = np.flatnonzero(open_before & ruined)
+    if not len(buried):
+        buried = np.flatnonzero(open_before)
+    target = int(buried[rng.below(len(buried))])
+    steps, order = steps_from(free_windows(standing, side, side), target)
+    order = order[open_before.ravel()[order]]
+    far = order[np.searchsorted(steps[order], int(steps[order[-1]]) * FAR[0] // FAR[1]) :]
+    safe = far[~ruined.ravel()[far]]
+    return _Ends(int(rng.choice((safe if len(safe) else far).tolist())), target, len(standing), side)
+
+
+def _heaps(rng: RandomStream, building: Grid, ruined: Grid, share: float) -> Grid:
+    """Debris on a share of the ruined floor, in heaps, most of them where walls stood."""
+    size = len(building)
+    strewn = (rng.bits(size * size) % np.uint64(1 << 20)).astype(np.int64).reshape(size, size)
+    near_walls = ~free_windows(np.pad(building, 1, constant_values=True), 3, 3)[:size, :size]
+    heaped = np.pad(strewn, 1, mode="edge")
+    heaped = heaped[:, :-2] + heaped[:, 1:-1] + heaped[:, 2:]
+    heaped = heaped[:-2] + heaped[1:-1] + heaped[2:]
+    return _largest(np.where(near_walls, _NEAR_WALLS, 2) * heaped, ruined, share)
+
+
+def _bury(heaps: Grid, ends: _Ends, pocket: int, side: int) -> None:
+    """Closes debris round the survivor's pocket, in place."""
+    row, column = divmod(ends.target, ends.stride)
+    shell = pocket + max(1, side // 2)
+    for reach, solid in ((shell, True), (pocket, False)):
+        rows = slice(max(1, row - reach), min(len(heaps) - 1, row + side + reach))
+        columns = slice(max(1, column - reach), min(len(heaps) - 1, column + side + reach))
+        heaps[rows, columns] = solid
+
+
+def _clear(heaps: Grid, standing: Grid, ends: _Ends, side: int) -> None:
+    """Takes the debris, in place, off the way from start to survivor that goes through least of it."""
+    passable = free_windows(standing, side, side)
+    free = free_windows(standing | heaps, side, side)
+    hard = np.where(free, 1, np.where(passable, _DIGGING, 0)).astype(np.uint8)
+    owner = np.full(hard.size, -1, dtype=np.int32)
+    owner[ends.target] = 0
+    for place in dig_from(owner, hard).way_back(ends.start):
+        row, column = divmod(place, ends.stride)
+        heaps[row : row + side, column : column + side] = False
