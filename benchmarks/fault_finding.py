@@ -123,6 +123,7 @@ def main() -> None:
         row, world = look_for(FAULTS[name], units=given.units, seed=given.seed)
         rows.append(row)
         if given.out and world:
+            given.out.mkdir(parents=True, exist_ok=True)
             write_world(world, given.out / f"{name}.grid", force=True)
         if not given.json:
             click.echo(_in_words(rows[-1]))

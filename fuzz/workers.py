@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from types import FrameType
@@ -12,6 +13,7 @@ from types import FrameType
 __all__ = ["LISTEN", "begin_deaf", "ctrl_c_held_back", "end_workers", "workers_begin_deaf"]
 
 LISTEN = 0.1  # s between two moments at which a waiting driver hears Ctrl-C
+_TO_TERMINATE = 1.0  # s that all processes have together
 
 
 @contextlib.contextmanager
@@ -74,3 +76,8 @@ def end_workers(pool: ProcessPoolExecutor) -> None:
     pool.shutdown(wait=False, cancel_futures=True)
     for process in processes:
         process.terminate()
+    end = time.monotonic() + _TO_TERMINATE
+    for process in processes:
+        process.join(max(end - time.monotonic(), 0.0))
+        if process.is_alive():  # a controller may have made it deaf to that, too
+            process.kill()

@@ -176,7 +176,9 @@ class _Raised(Exception):
 def _its_own_fault() -> Iterator[None]:
     try:
         yield
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         raise _Raised from error
 
 

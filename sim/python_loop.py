@@ -31,6 +31,7 @@ __all__ = ["PythonLoop", "flat_memory", "hidden_state"]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
+_LONGEST_ERROR = 500  # characters of what a controller raised that are kept
 _COMMAND = struct.Struct("3d")  # CMD_SPEED, CMD_TURN_RATE, CMD_DRAW
 
 
@@ -81,9 +82,11 @@ class PythonLoop:
             self._episode(flat_memory(self._controller.reset()), steps, record)
         except Misbehaviour as fault:
             self.fault = fault
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
-            text = re.sub(r"0x[0-9a-fA-F]+", "0x...", f"{type(error).__name__}: {error}")
-            self.fault = Misbehaviour("crash", text.encode("utf-8", "replace").decode())
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
+            text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
+            self.fault = Misbehaviour("crash", text[:_LONGEST_ERROR].encode("utf-8", "replace").decode())
 
     def _episode(self, memory: Memory, steps: int, record: bool) -> None:
         """Lets the kernel stop in each step, and the controller act."""

@@ -341,8 +341,9 @@ def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robo
         robot.counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
         return
     top, limit = scales[layout.SCALE_TOP_SPEED], scales[layout.SCALE_TURN_LIMIT]
-    rate = min(max(rate, -limit), limit)
-    turn = round_away(min(max(rate * scales[layout.SCALE_TURN], -float(TURN // 2)), float(TURN // 2)))
+    most = int(math.floor(min(limit * scales[layout.SCALE_TURN] + 1e-9, float(TURN // 2))))
+    asked = round_away(min(max(rate * scales[layout.SCALE_TURN], -float(TURN)), float(TURN)))
+    turn = min(max(asked, -most), most)  # rounded to the lattice, and never above the limit
     state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + turn) % TURN
     noise = scales[layout.SCALE_ODOMETRY_NOISE]
     if noise > 0.0:

@@ -401,3 +401,15 @@ def test_a_compiled_controller_that_draws_from_numpy_is_refused():
 def test_events_may_be_far_apart(late):
     timeline = Timeline.of([Event(0.1, 8, 8, CellState.SOLID), Event(late, 8, 8, CellState.FREE)])
     assert simulate(replace(arena(), timeline=timeline), "turn-left", steps=50).steps == 50
+
+
+def test_what_a_class_raises_is_told_in_one_line_of_bounded_length():
+    class Shouts:
+        def reset(self):
+            return ()
+
+        def act(self, observation, memory):
+            raise GeneratorExit("no\n" * 10_000)
+
+    error = simulate(arena(), Shouts()).evidence["error"]
+    assert error.startswith("GeneratorExit: no no") and "\n" not in error and len(error) == 500

@@ -346,3 +346,10 @@ def test_a_bad_option_gets_a_sentence(switches, message):
 def test_a_target_seen_by_nobody_is_still_reached():
     world = replace(hall(), start=Pose(5.0, 5.45, 0.0), target=Target(5.45, 5.45, 0.05))
     assert simulate(world, Drive(), sensor_range=0.1).verdict == "reached"
+
+
+@pytest.mark.parametrize("limit", [0.0033, 2.0, 31.0])
+def test_no_turn_is_above_the_limit(limit):
+    trace = simulate(hall(), Drive(0.0, 100.0), turn_limit=limit, record=True, steps=30).trace
+    turned = np.abs(np.angle(np.exp(1j * np.diff(trace.heading))))
+    assert turned.max() <= limit * STEP + 1e-12 and (turned.max() > 0.9 * limit * STEP or limit < 0.01)
