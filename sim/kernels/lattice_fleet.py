@@ -32,7 +32,7 @@ class Fleet(NamedTuple):
         near: (p, height, width) int32, as in :class:`sim.kernels.lattice_state.Arena`.
         clearance: (w, height or 0, width or 0) int32, likewise.
         events: (e, EVENT_SIZE) int64, of all worlds.
-        headings: (65536,) int64.
+        headings: (131072,) int64.
         visited: (n, height, width) uint8.
         page: (n,) int64, a robot's page.
         world: (n,) int64, a robot's world.

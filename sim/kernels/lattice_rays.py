@@ -28,6 +28,13 @@ def _next_line(place: int, cell: int, direction: float) -> float:
     return _FAR
 
 
+@kernel
+def _cosine(headings: npt.NDArray[np.int64], heading: int) -> float:
+    """Of a heading, right to the last bits."""
+    place = heading % TURN
+    return float(headings[place]) / (1 << 30) + float(headings[TURN + place]) / (1 << 60)
+
+
 @rare_kernel
 def ray_distance(cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, heading: int, longest: float) -> float:
     """Distance from a place to the first solid cell in a direction, lattice units; ``longest`` if that is nearer.
@@ -37,9 +44,7 @@ def ray_distance(cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, 
 
     Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
     """
-    scale = float(1 << 30)
-    along = float(headings[heading % TURN]) / scale
-    across = float(headings[(heading - TURN // 4) % TURN]) / scale
+    along, across = _cosine(headings, heading), _cosine(headings, heading - TURN // 4)
     ix, iy = x // UNIT, y // UNIT
     if along < 0.0 and x == ix * UNIT:
         ix -= 1

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from sim.kernels import layout
 from sim.kernels._jit import kernel, rare_kernel
-from sim.kernels.fdlibm import atan
+from sim.kernels.fdlibm import atan, cos, sin
 from sim.kernels.geometry import cell_state
 from sim.kernels.lattice_rays import beam_heading, ray_distance, walls_on_the_way
 from sim.kernels.layout import FREE, TURN, UNIT
@@ -36,17 +36,24 @@ _PER_RADIAN = TURN / (2.0 * math.pi)
 
 
 def heading_table() -> npt.NDArray[np.int64]:
-    """(65536,) int64: cos of every heading times 2**30, exactly symmetric under quarter turns and mirrors.
+    """(131072,) int64: cos of every heading times 2**30, exactly symmetric under quarter turns and mirrors.
 
     The first eighth is rounded from ``math.cos`` and ``math.sin``; no value lies near enough to a half for
-    two good mathematics libraries to round it differently (a test holds that margin).
+    two good mathematics libraries to round it differently (a test holds that margin). The second half of the table
+    has what this rounding left over, times 2**60, from functions of our own that are the same bits everywhere.
     """
     eighth = TURN // 8
     scale = float(1 << _SCALE_BITS)
-    quarter = np.zeros(2 * eighth + 1, np.int64)
+    coarse, fine = np.zeros(2 * eighth + 1, np.int64), np.zeros(2 * eighth + 1, np.int64)
     for k in range(eighth + 1):
-        quarter[k] = math.floor(math.cos(k / _PER_RADIAN) * scale + 0.5)
-        quarter[2 * eighth - k] = math.floor(math.sin(k / _PER_RADIAN) * scale + 0.5)
+        angle = k / _PER_RADIAN
+        for place, rough, exact in ((k, math.cos(angle), cos(angle)), (2 * eighth - k, math.sin(angle), sin(angle))):
+            coarse[place] = math.floor(rough * scale + 0.5)
+            fine[place] = math.floor((exact - coarse[place] / scale) * scale * scale + 0.5)
+    return np.concatenate([_whole_turn(coarse), _whole_turn(fine)])
+
+
+def _whole_turn(quarter: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     half = np.concatenate([quarter, -quarter[-2::-1]])
     return np.concatenate([half, half[-2:0:-1]])
 

@@ -31,7 +31,7 @@ class Arena(NamedTuple):
         clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no rows where
             the masks reach as far as any step.
         events: (n, EVENT_SIZE) int64, sorted by step and time.
-        headings: (65536,) int64, :func:`sim.kernels.lattice_sense.heading_table`.
+        headings: (131072,) int64, :func:`sim.kernels.lattice_sense.heading_table`.
         visited: (height, width) uint8, cells that the centre has been in.
     """
 

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -56,7 +57,7 @@ def test_a_beam_is_as_long_as_shapely_says(cells, place, heading, cells_far):
 
 
 @given(rooms(), FREE_PLACE, st.integers(0, TURN - 1))
-def test_a_beam_that_goes_through_no_corner_agrees_to_a_billionth_of_a_metre(cells, place, heading):
+def test_a_beam_that_goes_through_no_corner_agrees_to_a_billionth_of_a_millimetre(cells, place, heading):
     x, y = place
     cells[y // UNIT, x // UNIT] = 0
     angle = heading / TURN * 2 * math.pi
@@ -67,15 +68,26 @@ def test_a_beam_that_goes_through_no_corner_agrees_to_a_billionth_of_a_metre(cel
     assume(ray.distance(corners) > 1e-3 and walls.distance(shapely.Point(x, y)) > 1)
     metres = 0.1 / UNIT
     expected = shapely.Point(x, y).distance(ray.intersection(walls)) * metres
-    # the table's directions are rounded to 2**-30, a nanometre at one metre
-    assert abs(ray_distance(cells, HEADINGS, x, y, heading, far) * metres - expected) <= 2e-9
+    assert abs(ray_distance(cells, HEADINGS, x, y, heading, far) * metres - expected) <= 1e-12
+
+
+def test_a_beam_of_a_hundred_metres_is_right_to_a_billionth_of_a_metre():
+    side = 1000
+    cells = np.zeros((side, side), np.uint8)
+    for k in range(2000):
+        x, y, heading = 1 + 511 * k % (side * UNIT - 1), 1 + 977 * k % (side * UNIT - 1), 37 * k % TURN
+        along, across = math.cos(heading / TURN * 2 * math.pi), math.sin(heading / TURN * 2 * math.pi)
+        ways = [
+            ((side * UNIT if step > 0 else 0) - at) / step for at, step in ((x, along), (y, across)) if abs(step) > 1e-9
+        ]
+        assert abs(ray_distance(cells, HEADINGS, x, y, heading, 1e9) - min(ways)) * 0.1 / UNIT <= 1e-9
 
 
 def test_a_beam_does_not_pass_between_two_cells_that_touch_at_a_corner():
     cells = np.zeros((SIDE, SIDE), np.uint8)
     cells[4, 3] = cells[3, 4] = 1
     start = (int(3.5 * UNIT), int(3.5 * UNIT))
-    assert ray_distance(cells, HEADINGS, *start, TURN // 8, 9999.0) == (UNIT / 2) / (float(HEADINGS[TURN // 8]) / 2**30)
+    assert ray_distance(cells, HEADINGS, *start, TURN // 8, 9999.0) == pytest.approx(UNIT / 2 * 2**0.5, abs=1e-12)
     cells[4, 3] = 0
     assert ray_distance(cells, HEADINGS, *start, TURN // 8, 3000.0) == 3000.0
 
