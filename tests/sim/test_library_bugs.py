@@ -1,5 +1,6 @@
 """Wall followers and bug algorithms: they arrive, compiled and interpreted alike, and the fuzzer finds nothing."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from sim.controllers.library.wall import wall_left, wall_right
 from tests.helpers.command_line import worldgen
 from tests.helpers.drawn_worlds import drawn
 from tests.helpers.interpreted import Interpreted
-from worldgen import generate
+from worldgen import Pose, Target, World, generate
 from worldgen.timeline import CellState, Event, Timeline
 
 BUGS = [bug1, bug2]
@@ -78,6 +79,15 @@ def test_a_bug_gets_out_of_a_cup(controller):
 def test_a_bug_finds_a_gap_hardly_wider_than_the_robot(controller):
     episode = simulate(drawn(DIAGONAL_GAP), controller)
     assert episode.verdict == "reached"
+
+
+@pytest.mark.parametrize("controller", BUGS, ids=name)
+def test_a_corner_that_a_bug_slides_round_in_a_narrow_gap_is_no_hit(controller):
+    walls = np.zeros((24, 18), bool)
+    for ix, iy in ((14, 21), (12, 19), (16, 19)):
+        walls[iy, ix] = True
+    world = World(walls, Pose(1.7, 2.3, -math.pi / 2), Target(0.1, 0.1, 0.05))
+    assert simulate(world, controller, steps=2200).verdict == "reached"
 
 
 @pytest.mark.parametrize("controller", BUGS, ids=name)

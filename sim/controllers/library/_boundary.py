@@ -109,14 +109,18 @@ def head_for_target(observation: Floats, memory: Floats, command: Floats) -> Non
 def is_stopped(observation: Floats, memory: Floats, far: float) -> bool:
     """Whether a wall stopped the last step to the target, of a length not above a stride, rather than bent it.
 
+    A wall that does not lie ahead any more has only bent it, however far that step came: the disc has slid round it.
+
     Args:
         observation: What is sensed.
         memory: Where the step began.
         far: Distance to the target before the step, m.
     """
     nearer = far - observation[layout.OBS_TARGET_DISTANCE]
-    short = memory[STEP] <= 1.001 * stride(observation)
-    return bool(observation[layout.OBS_BUMP] != 0.0 and short and nearer <= _PROGRESS * memory[STEP])
+    if observation[layout.OBS_BUMP] == 0.0 or memory[STEP] > 1.001 * stride(observation):
+        return False
+    ahead = abs(wrap(touched(observation) - observation[layout.OBS_TARGET_HEADING])) < 0.5 * math.pi
+    return bool(nearer <= (_PROGRESS if ahead else _STANDS) * memory[STEP])
 
 
 @rare_kernel
