@@ -44,34 +44,6 @@ def _renew(arena: Arena, fresh: Arena, settings: Ints) -> None:
 
 
 @rare_kernel
-def _entry_of(
-    arenas: tuple[Arena, Arena],
-    settings: Ints,
-    scales: Floats,
-    act: Any,
-    rooms: tuple[Room, Room],
-    robots: tuple[Robot, Robot],
-    period: int,
-    most: int,
-) -> int:
-    """First step after the last event whose state comes back ``period`` steps later, found by two equal robots.
-
-    Both are at their start; the second sets out ``period`` steps before the first. -1 if there is none up to ``most``.
-    """
-    (slow, fast), quiet = robots, last_event(arenas[0])
-    step, event_slow, event_fast = 0, 0, 0
-    for ahead in range(1, period + 1):
-        event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, ahead, event_fast)
-    while step < quiet or not same(slow.state, fast.state):
-        if step >= most:
-            return -1
-        step += 1
-        event_slow = _lone_step(arenas[0], settings, scales, act, rooms[0], slow, step, event_slow)
-        event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, step + period, event_fast)
-    return step
-
-
-@rare_kernel
 def lattice_entry(
     arenas: tuple[Arena, Arena],
     settings: Ints,
@@ -85,7 +57,7 @@ def lattice_entry(
 ) -> int:
     """First step of a recurrence after the last event; the first robot is left in that step's state.
 
-    -1 if the state does not come again.
+    Two equal robots find it, the second ``period`` steps ahead of the first. -1 if the state does not come again.
 
     Args:
         arenas: Two copies of the surroundings before the first event.
@@ -100,7 +72,17 @@ def lattice_entry(
     """
     for which in range(2):
         set_out(settings, scales, memory, rooms[which], robots[which])
-    return _entry_of(arenas, settings, scales, act, rooms, robots, period, most)
+    (slow, fast), quiet = robots, last_event(arenas[0])
+    step, event_slow, event_fast = 0, 0, 0
+    for ahead in range(1, period + 1):
+        event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, ahead, event_fast)
+    while step < quiet or not same(slow.state, fast.state):
+        if step >= most:
+            return -1
+        step += 1
+        event_slow = _lone_step(arenas[0], settings, scales, act, rooms[0], slow, step, event_slow)
+        event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, step + period, event_fast)
+    return step
 
 
 @rare_kernel
