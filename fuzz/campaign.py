@@ -12,9 +12,9 @@ from typing import Any
 
 from fuzz.shrink import shrink
 from fuzz.unit import CampaignConfig, UnitResult, run_unit
-from fuzz.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import dumps
+from worldgen.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 from worldgen.world import World
 
 __all__ = ["Campaign", "CampaignState", "Found", "Progress", "UnitDone"]

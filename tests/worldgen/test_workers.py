@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from fuzz.workers import ctrl_c_held_back
+from worldgen.workers import ctrl_c_held_back
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends itself SIGINT")
 
