@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
+from worldgen.frozen import frozen
 
 __all__ = ["CellState", "Event", "Timeline"]
 
@@ -37,12 +38,6 @@ class Event(NamedTuple):
     state: CellState
 
 
-def _frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generic]:
-    array = np.array(values, dtype=dtype)
-    array.setflags(write=False)
-    return array
-
-
 @dataclass(frozen=True, eq=False)
 class Timeline:
     """Events in order of time, as parallel arrays.
@@ -61,7 +56,7 @@ class Timeline:
 
     def __post_init__(self) -> None:
         for name, dtype in (("times", np.float64), ("ix", np.int64), ("iy", np.int64), ("states", np.uint8)):
-            object.__setattr__(self, name, _frozen(getattr(self, name), dtype))
+            object.__setattr__(self, name, frozen(getattr(self, name), dtype))
         if not (self.times.ndim == 1 and self.times.shape == self.ix.shape == self.iy.shape == self.states.shape):
             raise InvalidWorld("timeline: times, ix, iy and states must be one-dimensional and of one length")
         if not np.isfinite(self.times).all() or (self.times < 0).any():

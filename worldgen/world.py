@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
+from worldgen.frozen import frozen
 from worldgen.timeline import Timeline
 
 __all__ = [
@@ -100,10 +101,9 @@ class FailureRecord:
 def _frozen_array(
     values: npt.ArrayLike, dtype: npt.DTypeLike, what: str, shape: tuple[int | None, ...]
 ) -> npt.NDArray[np.generic]:
-    array = np.array(values, dtype=dtype)
+    array = frozen(values, dtype)
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
         raise InvalidWorld(f"{what}: shape {array.shape} does not fit {shape}")
-    array.setflags(write=False)
     return array
 
 

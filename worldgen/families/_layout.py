@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between, check_positive
+from worldgen.frozen import hand_over
 from worldgen.lattice import TURN, UNIT, exact, heading_from_lattice, in_cells, lattice_to_metres
 from worldgen.random_streams import RandomStream
 from worldgen.timeline import Timeline
@@ -119,10 +120,13 @@ class Arena:
         quarter: int,
         timeline: Timeline | None = None,
     ) -> World:
-        """The world, without proof: start and target in half cells, the heading in quarter turns."""
+        """The world, without proof: start and target in half cells, the heading in quarter turns.
+
+        The walls are handed over: nobody may write to them any more.
+        """
         heading = heading_from_lattice(quarter * TURN // 4)
         return World(
-            walls=walls,
+            walls=hand_over(walls),
             start=Pose(self.metres(start[0]), self.metres(start[1]), heading),
             target=Target(self.metres(target[0]), self.metres(target[1]), self.metres(1)),
             cell_size=self.cell_size,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 import zlib
+from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
 from typing import Protocol
@@ -13,7 +14,7 @@ from worldgen.errors import FormatError, OutputError
 from worldgen.files import write_bytes
 from worldgen.grid_file.reader import loads
 from worldgen.grid_file.schema import EXPANSION_FLOOR, EXPANSION_RATIO, MAX_FILE_BYTES
-from worldgen.grid_file.writer import dumps
+from worldgen.grid_file.writer import dumps, pieces
 from worldgen.world import World
 
 __all__ = ["expansion_limit", "read_world", "write_world"]
@@ -65,16 +66,17 @@ def write_world(world: World, path: str | PathLike[str], *, force: bool = False)
         InvalidWorld: If the world holds what the format cannot.
         OutputError: If the file is there already, or cannot be written; nothing is left half written.
     """
-    data = dumps(world)
-    if len(data) > MAX_FILE_BYTES:
-        raise OutputError(f"{path}: {len(data)} bytes; a .grid file has at most {MAX_FILE_BYTES}; split the world")
     if _is_compressed(str(path)):
-        packed = _compress(data)
-        if len(data) > expansion_limit(len(packed)):
+        data, length = _compress(pieces(world))
+        if length > expansion_limit(len(data)):
             raise OutputError(
-                f"{path}: {len(data)} bytes would be compressed beyond what reading allows; write it without .gz"
+                f"{path}: {length} bytes would be compressed beyond what reading allows; write it without .gz"
             )
-        data = packed
+    else:
+        data = dumps(world)
+        length = len(data)
+    if length > MAX_FILE_BYTES:
+        raise OutputError(f"{path}: {length} bytes; a .grid file has at most {MAX_FILE_BYTES}; split the world")
     write_bytes(Path(path), data, force=force)
 
 
@@ -87,12 +89,13 @@ def _is_compressed(name: str) -> bool:
     return name.lower().endswith(".gz")
 
 
-def _compress(data: bytes) -> bytes:
-    """Gzip data without name or time, so that equal worlds are equal files."""
-    packed = io.BytesIO()
+def _compress(text: Iterable[bytes]) -> tuple[bytes, int]:
+    """Gzip data without name or time, so that equal worlds are equal files; and the length of what is in it."""
+    packed, length = io.BytesIO(), 0
     with gzip.GzipFile(filename="", mode="wb", compresslevel=_COMPRESSION, fileobj=packed, mtime=0) as stream:
-        stream.write(data)
-    return packed.getvalue()
+        for piece in text:
+            length += stream.write(piece)
+    return packed.getvalue(), length
 
 
 def _expand(data: bytes, source: str) -> bytes:

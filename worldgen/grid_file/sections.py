@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
+from worldgen.frozen import hand_over
 from worldgen.grid_file.header import shown
 from worldgen.grid_file.schema import FREE, SOLID, START, STATES, TARGET, Field, LineSection
 from worldgen.rows import flip_rows
@@ -72,13 +73,13 @@ def read_cells(block: Block) -> Cells:
     if rest or not 0 < width <= MAX_SIDE or height > MAX_SIDE:
         _check_rows(block, width)
     text = np.frombuffer(data, np.uint8, end - begin, begin).reshape(height, width + 1)
-    cells = text[:, :-1]
+    cells = flip_rows(text[:, :-1])
     solid = cells == ord(SOLID)
     start = target = None
     if not ((text[:, -1] == ord("\n")).all() and (solid | (cells == ord(FREE))).all()):
         _check_rows(block, width)
         start, target = _mark(block, START, width), _mark(block, TARGET, width)
-    return Cells(flip_rows(solid), start, target)
+    return Cells(hand_over(solid), start, target)
 
 
 def _mark(block: Block, letter: str, width: int) -> Mark | None:

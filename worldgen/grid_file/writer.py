@@ -15,7 +15,9 @@ from worldgen.rows import flip_rows
 from worldgen.timeline import CellState
 from worldgen.world import DEFAULT_ROBOT_SPEED, Cut, FailureRecord, Provenance, Value, Witness, World
 
-__all__ = ["dumps", "world_digest"]
+__all__ = ["dumps", "pieces", "world_digest"]
+
+_PIECE = 1 << 20  # cells written at a time
 
 
 def dumps(world: World) -> bytes:
@@ -28,19 +30,33 @@ def dumps(world: World) -> bytes:
         InvalidWorld: If the world holds what the format cannot: a number that is not finite, a value
             that is none of ``Value``, more provenance and failure than a header may take.
     """
+    return b"".join(pieces(world))
+
+
+def pieces(world: World) -> Iterator[bytes]:
+    """The same text in pieces of moderate size, so that a large world need not be in memory twice.
+
+    Raises:
+        InvalidWorld: As :func:`dumps`, for the header before the first piece.
+    """
     header = "\n".join(_header_lines(world)).encode("utf-8")
     if len(header) > MAX_HEADER_BYTES - len(MAGIC):
         raise InvalidWorld(
             f"provenance and failure take {len(header)} bytes of header; the limit is {MAX_HEADER_BYTES}; "
             "keep long evidence in a file of its own"
         )
-    sections = "".join(f"{line}\n" for line in _section_lines(world))
-    return b"".join((header, b"\n%cells\n", _cells(world), sections.encode("ascii"), f"%{END}\n".encode("ascii")))
+    yield header + b"\n%cells\n"
+    yield from _cells(world)
+    yield "".join(f"{line}\n" for line in _section_lines(world)).encode("ascii")
+    yield f"%{END}\n".encode("ascii")
 
 
 def world_digest(world: World) -> str:
     """The world's id: SHA-256, in hex, of its canonical bytes without provenance and failure."""
-    return hashlib.sha256(dumps(replace(world, provenance=None, failure=None))).hexdigest()
+    digest = hashlib.sha256()
+    for piece in pieces(replace(world, provenance=None, failure=None)):
+        digest.update(piece)
+    return digest.hexdigest()
 
 
 def _header_lines(world: World) -> Iterator[str]:
@@ -86,10 +102,16 @@ def _table_line(table: str, key: str, values: Mapping[str, Value]) -> Iterator[s
         yield f"{key} = {value_text(values, f'{table}.{key}')}"
 
 
-def _cells(world: World) -> bytes:
-    text = np.full((world.height, world.width + 1), ord("\n"), np.uint8)
-    text[:, :-1] = np.where(flip_rows(world.walls), np.uint8(ord(SOLID)), np.uint8(ord(FREE)))
-    return text.tobytes()
+def _cells(world: World) -> Iterator[bytes]:
+    """The rows, top row first, some at a time."""
+    rows = flip_rows(world.walls)
+    at_once = max(1, _PIECE // world.width)
+    letters = np.array([ord(FREE), ord(SOLID)], np.uint8)
+    for first in range(0, world.height, at_once):
+        some = rows[first : first + at_once]
+        text = np.full((len(some), world.width + 1), ord("\n"), np.uint8)
+        text[:, :-1] = letters[some.view(np.uint8)]
+        yield text.tobytes()
 
 
 def _section_lines(world: World) -> Iterator[str]:

@@ -1,0 +1,68 @@
+"""What is immutable shares its arrays with what is made of it, and never with a writer."""
+
+import dataclasses
+
+import numpy as np
+
+from worldgen.families._layout import Arena
+from worldgen.frozen import frozen, hand_over
+from worldgen.grid_file import dumps, loads
+from worldgen.timeline import CellState, Event, Timeline
+from worldgen.world import Pose, Target, World
+
+ENDS = (Pose(0.15, 0.15), Target(0.35, 0.35, 0.05))
+
+
+def world_of(walls):
+    return World(walls, *ENDS, timeline=Timeline.of([Event(1.0, 2, 2, CellState.SOLID)]))
+
+
+def test_a_changed_world_shares_walls_and_timeline_with_the_first():
+    world = world_of(np.zeros((5, 5), bool))
+    other = dataclasses.replace(world, robot_radius=0.03)
+    assert other.walls is world.walls
+    assert other.timeline is world.timeline
+
+
+def test_what_the_caller_writes_to_is_copied():
+    walls = np.zeros((5, 5), bool)
+    world = world_of(walls)
+    walls[:] = True
+    assert not world.walls.any()
+
+
+def test_a_read_only_view_of_what_the_caller_writes_to_is_copied():
+    walls = np.zeros((5, 5), bool)
+    view = walls[:]
+    view.setflags(write=False)
+    world = world_of(view)
+    walls[:] = True
+    assert not world.walls.any()
+
+
+def test_an_array_that_somebody_made_writable_again_is_copied():
+    world = world_of(np.zeros((5, 5), bool))
+    world.walls.setflags(write=True)
+    assert dataclasses.replace(world).walls is not world.walls
+
+
+def test_a_part_of_a_frozen_array_is_copied():
+    whole = frozen(np.zeros((5, 5)), np.float64)
+    assert not np.shares_memory(frozen(whole[1:], np.float64), whole)
+
+
+def test_another_type_of_element_is_copied():
+    assert frozen(frozen([1, 2], np.int64), np.float64).dtype == np.float64
+
+
+def test_a_view_that_is_handed_over_is_copied_all_the_same():
+    walls = np.zeros((5, 5), bool)
+    assert frozen(hand_over(walls[::-1]), np.bool_) is not walls
+    assert walls.flags.writeable
+
+
+def test_a_familys_walls_and_those_of_a_file_are_not_copied():
+    walls = np.zeros((10, 10), bool)
+    world = Arena(10, 0.1, 0.07, 2.0).world(walls, start=(3, 3), target=(7, 7), quarter=0)
+    assert world.walls is walls
+    assert not loads(dumps(world)).walls.flags.writeable

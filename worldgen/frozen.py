@@ -1,0 +1,50 @@
+"""Arrays that nobody changes: what is immutable holds its own copy, made once and shared from then on."""
+
+from __future__ import annotations
+
+import weakref
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["frozen", "hand_over"]
+
+T = TypeVar("T", bound=np.generic)
+
+# Arrays that were made or handed over here, by identity: of these there is no writable view elsewhere.
+_ours: weakref.WeakValueDictionary[int, npt.NDArray[np.generic]] = weakref.WeakValueDictionary()
+
+
+def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generic]:
+    """The values as an array that nobody can write to; a copy, unless they come from here already.
+
+    Args:
+        values: Anything that NumPy makes an array of.
+        dtype: Type of the elements.
+    """
+    if isinstance(values, np.ndarray) and values.dtype == dtype and _is_ours(values):
+        return values
+    return _keep(np.array(values, dtype=dtype))
+
+
+def hand_over(array: npt.NDArray[T]) -> npt.NDArray[T]:
+    """Freezes an array in place and says that it need not be copied: the caller keeps no writable view of it.
+
+    Args:
+        array: A fresh one. A view of another array is left as it is, and copied later.
+    """
+    if array.base is None and array.flags.c_contiguous:
+        _keep(array)
+    return array
+
+
+def _keep(array: npt.NDArray[T]) -> npt.NDArray[T]:
+    array.setflags(write=False)
+    _ours[id(array)] = array
+    return array
+
+
+def _is_ours(array: npt.NDArray[np.generic]) -> bool:
+    """Whether this very array was kept, and nobody made it writable since."""
+    return not array.flags.writeable and _ours.get(id(array)) is array
