@@ -30,7 +30,18 @@ __all__ = [
 
 Build = Callable[..., World]
 
-_TAKEN = ("name", "seed", "count", "out", "force", "json")  # of generate() and of every family's command
+_TAKEN = (
+    "name",
+    "seed",
+    "count",
+    "out",
+    "force",
+    "json",
+    "metrics",
+    "where",
+    "difficulty",
+    "tries",
+)  # of generate() and of every family's command
 _INT64 = 2**63  # a file holds no larger whole number
 
 

@@ -65,12 +65,22 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """Where a world came from: equal provenance, equal world, byte for byte."""
+    """Where a world came from: equal family, version, seed and params, equal world, byte for byte.
+
+    Args:
+        family: Name of the generator.
+        version: Version of the family.
+        seed: Seed of all chance.
+        params: The family's parameters.
+        metrics: How hard the world is, as :func:`worldgen.difficulty.measure` says; empty if it was not measured.
+            What changes a world's cells, start, target or witness drops its provenance, and these with it.
+    """
 
     family: str
     version: int
     seed: int
     params: Mapping[str, Value] = field(default_factory=dict)
+    metrics: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

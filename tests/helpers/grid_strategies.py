@@ -68,7 +68,8 @@ def worlds_with_everything(draw):
     size = draw(_lengths)
     across, up = st.floats(0.0, width * size), st.floats(0.0, height * size)
     names = st.text(max_size=6)
-    provenances = st.builds(Provenance, names, _integers, _integers, _tables())
+    metrics = st.dictionaries(st.text(max_size=5), _finite | _integers, max_size=3)
+    provenances = st.builds(Provenance, names, _integers, _integers, _tables(), metrics)
     failures = st.builds(FailureRecord, names, names, _integers, names, names, _tables(), _tables(), _tables())
     return World(
         np.array(cells).reshape(height, width),

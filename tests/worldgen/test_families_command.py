@@ -9,6 +9,7 @@ import pytest
 import worldgen.generation
 from tests.helpers.command_line import worldgen as run
 from worldgen.cli.family_command import family_command
+from worldgen.difficulty import with_metrics
 from worldgen.errors import GenerationFailed
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
@@ -28,24 +29,29 @@ def test_every_parameter_is_an_option_with_its_help(name):
 def test_options_left_out_are_the_defaults_of_the_library(name, tmp_path):
     result = run(name, "--seed", 4, "--out", tmp_path / "w.grid")
     assert result.code == 0, result.err
-    assert read_world(tmp_path / "w.grid") == generate(name, 4)
+    assert read_world(tmp_path / "w.grid") == with_metrics(generate(name, 4))
 
 
 def test_options_reach_the_family(tmp_path):
     options = ["--size", 61, "--algorithm", "backtracker", "--braid", 0.5, "--passage", 4, "--wall", 2]
     run("maze", *options, "--robot-radius", 0.15, "--seed", 1, "--out", tmp_path / "w.grid")
     expected = generate("maze", 1, size=61, algorithm="backtracker", braid=0.5, passage=4, wall=2, robot_radius=0.15)
-    assert read_world(tmp_path / "w.grid") == expected
+    assert read_world(tmp_path / "w.grid") == with_metrics(expected)
 
 
 def test_a_flag_reaches_the_family(tmp_path):
     run("trap", "--inside", "--turn", -1, "--seed", 1, "--out", tmp_path / "w.grid")
-    assert read_world(tmp_path / "w.grid") == generate("trap", 1, inside=True)
+    assert read_world(tmp_path / "w.grid") == with_metrics(generate("trap", 1, inside=True))
+
+
+def test_no_metrics_leaves_them_out():
+    result = run("corridor", "--seed", 3, "--no-metrics")
+    assert result.out.encode() == dumps(generate("corridor", 3))
 
 
 def test_without_out_the_world_goes_to_stdout():
     result = run("corridor", "--seed", 3)
-    assert result.out.encode() == dumps(generate("corridor", 3))
+    assert result.out.encode() == dumps(with_metrics(generate("corridor", 3)))
 
 
 def test_one_line_tells_what_was_made(tmp_path):
@@ -96,7 +102,7 @@ def test_count_writes_a_folder_of_rising_seeds(tmp_path):
     assert [entry["seed"] for entry in listed] == [8, 9, 10]
     for entry in listed:
         assert entry["file"] == str(tmp_path / "a" / "b" / f"maze-{entry['seed']}.grid")
-        assert read_world(entry["file"]) == generate("maze", entry["seed"], size=12)
+        assert read_world(entry["file"]) == with_metrics(generate("maze", entry["seed"], size=12))
 
 
 def test_seeds_of_a_count_wrap_at_64_bits(tmp_path):
@@ -115,7 +121,7 @@ def test_force_overwrites_it(tmp_path):
     path = tmp_path / "w.grid"
     path.write_text("mine")
     assert run("maze", "--seed", 1, "--out", path, "--force").code == 0
-    assert read_world(path) == generate("maze", 1)
+    assert read_world(path) == with_metrics(generate("maze", 1))
 
 
 def test_one_file_in_the_way_stops_a_count_before_it_begins(tmp_path):

@@ -32,16 +32,18 @@ def family_command(name: str) -> click.Command:
 
     made_by = FAMILIES.get(name)
 
-    def command(seed: int | None, count: int, out: Path | None, force: bool, as_json: bool, **params: Any) -> None:
+    def command(
+        seed: int | None, count: int, out: Path | None, metrics: bool, force: bool, as_json: bool, **params: Any
+    ) -> None:
         if count == 1:
-            _make_one(made_by, draw_seed(seed), params, out, force=force, as_json=as_json)
+            _make_one(made_by, draw_seed(seed), params, out, metrics=metrics, force=force, as_json=as_json)
         elif out is None:
             raise click.UsageError(f"--count {count} writes {count} files; name a folder for them with --out")
         else:
-            _make_many(made_by, draw_seed(seed), count, params, out, force=force, as_json=as_json)
+            _make_many(made_by, draw_seed(seed), count, params, out, metrics=metrics, force=force, as_json=as_json)
 
     command.__doc__ = made_by.description
-    for decorate in (json_option, force_option, _out_option, _count_option, seed_option):
+    for decorate in (json_option, force_option, _metrics_option, _out_option, _count_option, seed_option):
         command = decorate(command)
     for parameter in reversed(made_by.parameters):
         command = _option(parameter)(command)
@@ -56,6 +58,9 @@ _out_option = click.option(
     type=click.Path(path_type=Path),
     help="File to write, .grid or .grid.gz; for more than one world, a folder. Without it, the world goes to stdout.",
 )
+_metrics_option = click.option(
+    "--metrics/--no-metrics", default=True, show_default=True, help="Measure each world, into its file's header."
+)
 
 
 def _option(parameter: Parameter) -> Any:
@@ -68,12 +73,11 @@ def _option(parameter: Parameter) -> Any:
 
 
 def _make_one(
-    made_by: Family, seed: int, params: dict[str, Value], out: Path | None, *, force: bool, as_json: bool
+    made_by: Family, seed: int, params: dict[str, Value], out: Path | None, *, metrics: bool, force: bool, as_json: bool
 ) -> None:
-    from worldgen.generation import generate
     from worldgen.grid_file import dumps, write_world
 
-    world = generate(made_by, seed, **params)
+    world = _made(made_by, seed, params, metrics=metrics)
     if out is not None:
         write_world(world, out, force=force)
     elif not as_json:
@@ -88,10 +92,17 @@ def _make_one(
 
 
 def _make_many(
-    made_by: Family, first: int, count: int, params: dict[str, Value], folder: Path, *, force: bool, as_json: bool
+    made_by: Family,
+    first: int,
+    count: int,
+    params: dict[str, Value],
+    folder: Path,
+    *,
+    metrics: bool,
+    force: bool,
+    as_json: bool,
 ) -> None:
     """Writes worlds of rising seeds; what is written stays, whatever ends the work."""
-    from worldgen.generation import generate
     from worldgen.grid_file import write_world
 
     seeds = [(first + k) % 2**64 for k in range(count)]
@@ -101,7 +112,7 @@ def _make_many(
     try:
         with _progress(count) as advance:
             for seed, file in zip(seeds, files, strict=True):
-                world = generate(made_by, seed, **params)
+                world = _made(made_by, seed, params, metrics=metrics)
                 _make_folder(folder)
                 write_world(world, file, force=force)
                 results.append({"seed": seed, **_result(world, file)})
@@ -116,6 +127,17 @@ def _make_many(
 
 def _identity(made_by: Family, seed: int, params: dict[str, Value]) -> dict[str, Any]:
     return {"family": made_by.name, "version": made_by.version, "seed": seed, "params": made_by.complete(params)}
+
+
+def _made(made_by: Family, seed: int, params: dict[str, Value], *, metrics: bool) -> World:
+    from worldgen.generation import generate
+
+    world = generate(made_by, seed, **params)
+    if not metrics:
+        return world
+    from worldgen.difficulty import with_metrics
+
+    return with_metrics(world)
 
 
 def _result(world: World, file: Path | None) -> dict[str, Any]:

@@ -106,6 +106,7 @@ def read_provenance(header: Header) -> Provenance | None:
         version=_integer(header, table, "provenance", "version"),
         seed=_integer(header, table, "provenance", "seed"),
         params=_values(header, table, "provenance", "params"),
+        metrics=_numbers(header, table, "provenance", "metrics"),
     )
 
 
@@ -168,6 +169,17 @@ def _values(header: Header, table: Mapping[str, object], name: str, key: str) ->
     if not isinstance(value, dict):
         raise header.fault(f"{name}.{key} is {_kind(value)}; write a table: {key} = {{ name = 1 }}", name, key)
     return {part: _value(header, item, (name, key, part), 2) for part, item in value.items()}
+
+
+def _numbers(header: Header, table: Mapping[str, object], name: str, key: str) -> dict[str, float]:
+    """A table of numbers; whole ones stay whole."""
+    found: dict[str, float] = {}
+    for part, value in _values(header, table, name, key).items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            what = f"{name}.{key}.{shown(part)[1:-1]}"
+            raise header.fault(f"{what} is {_kind(value)}; a metric is a number; leave it out", name, key, part)
+        found[part] = value
+    return found
 
 
 def _value(header: Header, value: object, path: tuple[str, ...], depth: int) -> Value:

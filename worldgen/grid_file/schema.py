@@ -65,13 +65,13 @@ HEADER_KEYS: Final = {
     "target": "[x m, y m, radius m]",
 }
 TABLE_KEYS: Final = {
-    "provenance": ("family", "version", "seed", "params"),
+    "provenance": ("family", "version", "seed", "params", "metrics"),
     "certificate": ("kind", "clearance"),
     "failure": (
         "controller", "motion", "seed", "verdict", "trace_digest", "parameters", "evidence", "details",
     ),
 }  # fmt: skip
-OPTIONAL_KEYS: Final = frozenset({"robot_speed", "params", "parameters", "evidence", "details"})
+OPTIONAL_KEYS: Final = frozenset({"robot_speed", "params", "metrics", "parameters", "evidence", "details"})
 
 MAX_HEADER_BYTES: Final = 1 << 20  # a header is pages at most; TOML costs 100 times its size in memory
 MAX_FILE_BYTES: Final = 512 << 20  # the largest world, 20000 x 20000, takes 382 MiB

@@ -87,6 +87,12 @@ def _provenance_lines(made: Provenance) -> Iterator[str]:
     for key in ("family", "version", "seed"):
         yield f"{key} = {value_text(getattr(made, key), f'provenance.{key}')}"
     yield from _table_line("provenance", "params", made.params)
+    for name, value in made.metrics.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InvalidWorld(
+                f"provenance.metrics.{name} is a {type(value).__name__}: a metric is a number; leave it out"
+            )
+    yield from _table_line("provenance", "metrics", dict(made.metrics))
 
 
 def _failure_lines(failure: FailureRecord) -> Iterator[str]:

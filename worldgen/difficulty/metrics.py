@@ -1,0 +1,91 @@
+"""The metrics of a world: names, units, and which way is harder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Final, NamedTuple
+
+__all__ = ["DIGITS", "METRICS", "Metric", "Metrics", "rounded"]
+
+DIGITS: Final = 6  # significant digits that a metric keeps: more than its meaning bears, fewer than a float's last bits
+
+
+class Metric(NamedTuple):
+    """What a metric is.
+
+    Args:
+        unit: m, s, rad, rad/m, or nothing.
+        harder: 1 if more of it should make a world harder, -1 if less of it should, 0 if neither is expected.
+        meaning: One line for tables.
+        source: Who published it, if it is not ours.
+    """
+
+    unit: str
+    harder: int
+    meaning: str
+    source: str = ""
+
+
+_BARN = "Perille, Truong, Xiao, Stone, Benchmarking Metric Ground Navigation, 2020"
+
+METRICS: Final = {
+    "difficulty": Metric("", 1, "how likely the library's controllers fail, by a fitted model, 0 to 1"),
+    "length": Metric("m", 1, "length of the witness"),
+    "detour": Metric("", 1, "length of the witness over the straight line from start to target"),
+    "turns": Metric("rad", 1, "all turning along the witness"),
+    "turning": Metric("rad/m", 1, "turning over the straight line from start to target"),
+    "bottleneck": Metric("m", -1, "radius of the largest disc that could pass at all"),
+    "bottleneck_radii": Metric("", -1, "the same in radii of the robot"),
+    "concavity": Metric("m", 1, "depth of the deepest pocket into which the target draws"),
+    "retreat": Metric("m", 1, "how much farther from the target than the start every way leads"),
+    "decisions": Metric("", 1, "places along the witness from which three or more ways lead"),
+    "wall_distance": Metric("m", -1, "distance to the closest obstacle, mean along the witness", _BARN),
+    "visibility": Metric("m", -1, "free length of eight rays, mean along the witness", _BARN),
+    "dispersion": Metric("", 1, "changes between wall and free round the robot, mean along the witness", _BARN),
+    "characteristic_dimension": Metric("m", -1, "narrowest of four widths, mean along the witness", _BARN),
+    "tortuosity": Metric("", 1, "length of the witness over the straight line between its ends", _BARN),
+    "solid": Metric("", 0, "share of the cells that are solid at time 0"),
+    "duration": Metric("s", 1, "when the witness arrives"),
+    "waiting": Metric("s", 1, "how long the witness stands still"),
+    "changing": Metric("", 1, "share of the cells that change with time"),
+}
+"""Every metric by name, in the order of tables."""
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """How hard a world is; each field as :data:`METRICS` says, to :data:`DIGITS` significant digits.
+
+    A metric that has no meaning for the world is None: those along a way where none is known, those over the
+    straight line where start and target coincide.
+    """
+
+    difficulty: float | None = None
+    length: float | None = None
+    detour: float | None = None
+    turns: float | None = None
+    turning: float | None = None
+    bottleneck: float | None = None
+    bottleneck_radii: float | None = None
+    concavity: float | None = None
+    retreat: float | None = None
+    decisions: float | None = None
+    wall_distance: float | None = None
+    visibility: float | None = None
+    dispersion: float | None = None
+    characteristic_dimension: float | None = None
+    tortuosity: float | None = None
+    solid: float | None = None
+    duration: float | None = None
+    waiting: float | None = None
+    changing: float | None = None
+
+    def as_dict(self) -> dict[str, float]:
+        """The metrics that have a value, by name, in the order of tables."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+
+def rounded(value: float) -> float:
+    """A number to :data:`DIGITS` significant digits, the same on every machine; no minus zero."""
+    return float(f"{value:.{DIGITS}g}") + 0.0

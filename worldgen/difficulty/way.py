@@ -1,0 +1,93 @@
+"""The witness as a line of whole numbers: its length, its turning, places along it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.lattice import UNIT
+from worldgen.world import Witness, World
+
+__all__ = ["Ints", "Way", "angle", "distance", "way_of"]
+
+Ints = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """A witness without its pauses.
+
+    Args:
+        x: (n,) int64, 1/1024 cell, n at least 1; no two neighbours are the same point.
+        y: (n,) int64, 1/1024 cell.
+        duration: When it arrives, s.
+        waiting: How long it stands still, s.
+    """
+
+    x: Ints
+    y: Ints
+    duration: float
+    waiting: float
+
+    @property
+    def pieces(self) -> list[float]:
+        """Length of each piece, 1/1024 cell."""
+        dx, dy = np.diff(self.x), np.diff(self.y)
+        lengths: list[float] = np.sqrt((dx * dx + dy * dy).astype(np.float64)).tolist()
+        return lengths
+
+    @property
+    def length(self) -> float:
+        """1/1024 cell; rounded once, so that a mirrored way is exactly as long."""
+        return math.fsum(self.pieces)
+
+    @property
+    def turning(self) -> float:
+        """Sum of the angles between each piece and the next, rad."""
+        dx, dy = np.diff(self.x), np.diff(self.y)
+        dot = dx[:-1] * dx[1:] + dy[:-1] * dy[1:]
+        cross = dx[:-1] * dy[1:] - dy[:-1] * dx[1:]
+        return math.fsum(angle(*pair) for pair in zip(dot.tolist(), np.abs(cross).tolist(), strict=True))
+
+
+def way_of(world: World, witness: Witness) -> Way:
+    """The witness's points to the nearest 1/1024 cell, in which the prover gives them.
+
+    Args:
+        world: For its cell size.
+        witness: At least one point.
+    """
+    points = [
+        np.rint(np.asarray(values) / world.cell_size * UNIT).astype(np.int64) for values in (witness.x, witness.y)
+    ]
+    moves = (np.diff(points[0]) != 0) | (np.diff(points[1]) != 0)
+    waits = np.diff(witness.times)[~moves]
+    kept = np.concatenate(([True], moves))
+    return Way(points[0][kept], points[1][kept], witness.duration, math.fsum(waits.tolist()))
+
+
+def distance(ax: float, ay: float, bx: float, by: float) -> float:
+    """Straight distance; square root, not ``hypot``, whose last bit differs between machines."""
+    return math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+
+
+def angle(dot: int, cross: int) -> float:
+    """Angle between two vectors, rad, 0 to pi, from their dot product and the size of their cross product.
+
+    The tangent is halved in angle four times, until its series converges fast: only ``+ - * /`` and square roots,
+    which are the same on every machine, as the arc tangents of C libraries are not. Good to 1e-14.
+    """
+    if cross == 0:
+        return math.pi if dot < 0 else 0.0
+    size = math.sqrt(float(dot * dot + cross * cross))
+    tangent = cross / (size + dot) if dot > 0 else (size - dot) / cross  # neither cancels
+    for _ in range(3):
+        tangent = tangent / (1.0 + math.sqrt(1.0 + tangent * tangent))
+    square, term, total = tangent * tangent, tangent, 0.0
+    for odd in range(1, 25, 2):
+        total += term / odd
+        term *= -square
+    return 16.0 * total
