@@ -9,38 +9,15 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.angles import SCALE, direction
+
 __all__ = ["FINE", "Point", "Polygon", "bounds", "box", "extents", "fill", "to_frame", "turned"]
 
 Point: TypeAlias = tuple[int, int]
 Polygon: TypeAlias = tuple[Point, ...]
 
 FINE = 64  # units a cell
-_SCALE = 1 << 20  # a sine of 1
 _THICKER = 14  # units, more than (sqrt(2) - 1) / 2 cells: a slanted strip of one cell then has no hole, corners too
-_QUARTER = 90  # degrees
-_PI = 3141592653589793238462643383279  # times 10**30
-_DIGITS = 10**30
-
-
-def _sine(degrees: int) -> int:
-    """The sine of 0 to 90 degrees, times ``_SCALE``, rounded; by its series in whole numbers."""
-    x = _PI * degrees // 180
-    term, total, order = x, 0, 1
-    while term:
-        total += term
-        term = -term * x // _DIGITS * x // _DIGITS // ((order + 1) * (order + 2))
-        term = 0 if term == -1 else term  # what floor division leaves of a vanishing negative term
-        order += 2
-    return (2 * total * _SCALE + _DIGITS) // (2 * _DIGITS)
-
-
-def _direction(degrees: int) -> tuple[int, int]:
-    """Cosine and sine of any whole angle, times ``_SCALE``; exactly symmetric under quarter turns."""
-    quarters, rest = divmod(degrees % (4 * _QUARTER), _QUARTER)
-    cos, sin = _sine(_QUARTER - rest), _sine(rest)
-    for _ in range(quarters):
-        cos, sin = -sin, cos
-    return cos, sin
 
 
 def box(x0: int, y0: int, x1: int, y1: int) -> Polygon:
@@ -50,17 +27,17 @@ def box(x0: int, y0: int, x1: int, y1: int) -> Polygon:
 
 def turned(polygon: Sequence[Point], degrees: int) -> Polygon:
     """A polygon turned counter-clockwise about the origin."""
-    cos, sin = _direction(degrees)
-    half = _SCALE // 2
-    return tuple(((x * cos - y * sin + half) // _SCALE, (x * sin + y * cos + half) // _SCALE) for x, y in polygon)
+    cos, sin = direction(degrees)
+    half = SCALE // 2
+    return tuple(((x * cos - y * sin + half) // SCALE, (x * sin + y * cos + half) // SCALE) for x, y in polygon)
 
 
 def to_frame(
     x: npt.NDArray[np.int64], y: npt.NDArray[np.int64], degrees: int
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Points, in units, as seen from a frame turned counter-clockwise about the origin."""
-    cos, sin = _direction(degrees)
-    return (x * cos + y * sin) // _SCALE, (y * cos - x * sin) // _SCALE
+    cos, sin = direction(degrees)
+    return (x * cos + y * sin) // SCALE, (y * cos - x * sin) // SCALE
 
 
 def bounds(polygons: Sequence[Polygon]) -> tuple[int, int, int, int]:

@@ -1,0 +1,246 @@
+"""Pieces: operations that undo each other, and what two pieces make together."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.helpers.pieces import pieces, states_at
+from worldgen.compose import Piece, above, beside, drawn, of_cells, of_family, of_world, read, rectangle
+from worldgen.errors import InvalidParameter
+from worldgen.generation import generate
+from worldgen.grid_file import write_world
+
+HOW = ("over", "union", "intersection", "carve")
+TIMES = (0.0, 0.7, 1.0, 9.0)
+FREE, SOLID, BURNING, SILENT = range(4)
+
+
+@given(pieces(), st.integers(-9, 9))
+def test_four_quarter_turns_change_nothing(piece, first):
+    assert piece.rotate(first).rotate(4 - first) == piece
+
+
+@given(pieces(), st.sampled_from("xy"))
+def test_two_mirrors_change_nothing(piece, axis):
+    assert piece.mirror(axis).mirror(axis) == piece
+
+
+@given(pieces())
+def test_both_mirrors_are_half_a_turn(piece):
+    assert piece.mirror("x").mirror("y") == piece.rotate(2)
+
+
+@given(pieces())
+def test_a_quarter_turn_of_any_angle_is_the_exact_one(piece):
+    assert piece.turn(90) == piece.rotate(1) and piece.turn(-90) == piece.rotate(3)
+
+
+@given(pieces(), pieces(), st.integers(-8, 8), st.integers(-8, 8), st.sampled_from(HOW), st.sampled_from("xy"))
+def test_placing_commutes_with_mirroring(host, piece, x, y, how, axis):
+    placed = host.place(piece, at=(x, y), how=how, outside="clip").mirror(axis)
+    mirrored = (host.width - x - piece.width, y) if axis == "x" else (x, host.height - y - piece.height)
+    assert host.mirror(axis).place(piece.mirror(axis), at=mirrored, how=how, outside="clip") == placed
+
+
+@given(pieces(), pieces(), st.integers(-8, 8), st.integers(-8, 8), st.sampled_from(HOW))
+def test_placing_commutes_with_turning(host, piece, x, y, how):
+    placed = host.place(piece, at=(x, y), how=how, outside="clip").rotate(1)
+    turned = (host.height - y - piece.height, x)
+    assert host.rotate(1).place(piece.rotate(1), at=turned, how=how, outside="clip") == placed
+
+
+def together(host, piece, how):
+    """The documented rule for one cell at one time."""
+    if piece == SILENT or (host == SILENT and how == "carve"):
+        return host
+    if host == SILENT or how == "over":
+        return piece
+    if how == "carve":
+        return FREE if piece == SOLID else host
+    if how == "union":
+        return max(host, piece, key=(FREE, BURNING, SOLID).index)
+    return SOLID if host == piece == SOLID else BURNING if BURNING in (host, piece) else FREE
+
+
+@given(pieces(), pieces(), st.integers(-4, 4), st.integers(-4, 4), st.sampled_from(HOW))
+def test_cells_at_any_time_are_what_both_pieces_have_at_that_time(host, piece, x, y, how):
+    placed = host.place(piece, at=(x, y), how=how, outside="clip")
+    for time in TIMES:
+        below, above_it = states_at(host, time), states_at(piece, time)
+        for (iy, ix), state in np.ndenumerate(states_at(placed, time)):
+            inside = 0 <= ix - x < piece.width and 0 <= iy - y < piece.height
+            said = above_it[iy - y, ix - x] if inside else SILENT
+            assert state == together(below[iy, ix], said, how)
+
+
+@given(pieces(), st.integers(1, 3), st.integers(1, 3))
+def test_a_tiled_piece_holds_the_piece_in_every_tile(piece, columns, rows):
+    tiled = piece.tile(columns, rows)
+    last = tiled.crop((columns - 1) * piece.width, (rows - 1) * piece.height, piece.width, piece.height)
+    assert dataclasses.replace(last, marks=piece.marks) == piece
+
+
+@given(pieces(), st.integers(1, 3))
+def test_every_cell_of_a_scaled_piece_is_that_of_the_piece(piece, factor):
+    scaled = piece.scale(factor)
+    for time in TIMES:
+        assert np.array_equal(states_at(scaled, time)[::factor, ::factor], states_at(piece, time))
+
+
+@given(pieces(), st.integers(1, 3))
+def test_what_a_pad_adds_a_crop_takes_away(piece, cells):
+    assert piece.border(cells).inside(cells) == piece
+
+
+@given(pieces(), st.integers(0, 359))
+def test_a_turned_piece_has_every_wall_of_it_somewhere(piece, degrees):
+    assert piece.turn(degrees).solid.any() == piece.solid.any()
+
+
+@pytest.mark.parametrize("degrees", range(1, 90, 11))
+def test_a_thin_wall_has_no_hole_at_any_angle(degrees):
+    turned = of_cells(np.ones((1, 40))).turn(degrees).solid
+    filled = np.pad(turned, 1)
+    for iy, ix in np.argwhere(filled[:-1, :-1] & filled[1:, 1:]):
+        assert filled[iy, ix + 1] or filled[iy + 1, ix], "the wall hangs together by a corner alone"
+    for iy, ix in np.argwhere(filled[:-1, 1:] & filled[1:, :-1]):
+        assert filled[iy, ix] or filled[iy + 1, ix + 1], "the wall hangs together by a corner alone"
+
+
+def test_a_piece_cannot_be_changed():
+    piece = drawn("#.\n.S")
+    with pytest.raises(ValueError, match="read-only"):
+        piece.solid[0, 0] = False
+    with pytest.raises(TypeError, match="item assignment"):
+        piece.marks["a"] = piece.marks["start"]
+
+
+def test_a_world_goes_through_a_piece_unchanged():
+    for name in ("trap", "fire", "shift"):
+        world = generate(name, 3)
+        made = of_world(world).layout()
+        assert dataclasses.replace(world, certificate=None, provenance=None, timeline=made.timeline) == made
+        assert of_world(made) == of_world(world)
+
+
+def test_union_grows_to_the_larger_sides_and_has_the_walls_of_both():
+    assert drawn("#.").union(drawn("#\n.")) == drawn("#_\n#.")
+
+
+def test_subtracting_a_piece_frees_its_walls():
+    assert drawn("###").subtract(drawn(".#")) == drawn("#.#")
+
+
+def test_intersecting_digs_the_floor_of_the_other():
+    assert drawn("##.").intersect(drawn("#.#")) == drawn("#..")
+
+
+def test_a_mask_silences_what_lies_outside_of_it():
+    assert drawn("#.#").masked(drawn("##.")) == drawn("#._")
+
+
+def test_walls_and_floor_share_the_piece_between_them():
+    piece = drawn("#.\n.#")
+    assert piece.walls() == drawn("#_\n_#") and piece.floor() == drawn("_.\n._")
+    assert piece.walls().place(piece.floor()) == piece
+
+
+def test_trimming_leaves_the_smallest_box():
+    assert drawn("____\n_#a_\n____").trim() == drawn("#a")
+
+
+def test_the_pieces_of_a_row_stand_where_they_are_aligned():
+    low, high = drawn("#\n.\n#"), drawn(".")
+    assert beside([low, high], gap=1, align="high") == drawn("#_.\n.__\n#__")
+    assert above([high, low.rotate(1)], align="centre") == drawn("#.#\n_._")
+
+
+def test_a_joined_row_has_a_way_from_each_target_to_the_next_start():
+    cell = drawn("#####\n#...#\n#S.G#\n#...#\n#####").for_robot(radius=0.04)
+    assert beside([cell] * 3, join=1).world().certificate.length == pytest.approx(1.2)
+    with pytest.raises(InvalidParameter, match="piece 2 of a row has no start to join it"):
+        beside([cell, drawn("...")], join=1)
+
+
+def test_start_and_target_are_the_hosts_unless_said_otherwise():
+    host, piece = drawn("S..G"), drawn("GS")
+    assert host.place(piece).marks == host.marks
+    assert host.place(piece, start="piece").marks["start"].x == 1.5
+    assert host.without_marks("start").place(piece).marks["start"].x == 1.5
+
+
+@pytest.mark.parametrize(
+    ("where", "corner"),
+    [("lower-left", (1, 1)), ("upper-right", (5, 4)), ("centre", (3, 2)), ("left", (1, 2)), ("b", (4, 3))],
+)
+def test_a_word_says_where_a_piece_goes(where, corner):
+    host = rectangle(8, 6).with_mark("b", 5.0, 3.0)
+    assert host.place(rectangle(2, 1, solid=True), at=where) == host.place(rectangle(2, 1, solid=True), at=corner)
+
+
+def test_a_piece_keeps_clear_of_the_sides_and_of_start_and_target_wherever_it_is_drawn():
+    host = of_family("rooms", 2, size=24)
+    block = rectangle(5, 5, solid=True)
+    for seed in range(20):
+        placed = host.place(block, at="anywhere", seed=seed)
+        assert placed.solid[0].all() and placed.layout().start == host.layout().start
+        assert placed == host.place(block, at="anywhere", seed=seed)
+
+
+def test_a_block_on_the_way_makes_the_way_another():
+    host = rectangle(20, 20).border().with_start(2.5, 10.5).with_target(18.5, 10.5)
+    for seed in range(8):
+        world = host.place(rectangle(3, 3, solid=True), at="way", seed=seed).world()
+        assert world.certificate.length > 1.6
+
+
+def test_a_grid_file_becomes_the_piece_of_its_world(tmp_path):
+    world = generate("fire", 4)
+    write_world(world, tmp_path / "w.grid")
+    assert read(tmp_path / "w.grid") == of_world(world)
+
+
+def test_a_foreign_map_becomes_a_piece_without_start():
+    piece = read("corpora/maps/maze-32-32-2.map")
+    assert (piece.width, piece.height, dict(piece.marks)) == (32, 32, {})
+
+
+WRONG = {
+    "axis": (lambda p: p.mirror("z"), "mirror='z' is neither 'x' .* nor 'y'"),
+    "quarters": (lambda p: p.rotate(0.5), "rotate=0.5 is no whole number"),
+    "crop": (lambda p: p.crop(2, 2, 4, 1), r"crop of 4 x 1 cells from \(2, 2\) on reaches beyond the piece of 4 x 3"),
+    "inside": (lambda p: p.inside(2), "crop width=0 is no whole number from 1"),
+    "pad": (lambda p: p.pad(1, -1, 0, 0), "pad right=-1 is no whole number from 0"),
+    "fill": (lambda p: p.pad(1, 1, 0, 0, fill="wall"), "fill='wall' is none of solid, free, nothing"),
+    "tile": (lambda p: p.tile(0, 1), "tile columns=0"),
+    "huge": (lambda p: p.scale(5000), "scale gives 20000 x 15000 cells; a piece has sides of 1 to 20000 and at most"),
+    "mask": (lambda p: p.masked(rectangle(2, 2)), r"a mask of shape \(2, 2\) does not fit a piece of 4 x 3 cells"),
+    "sticks-out": (lambda p: p.place(p, at=(1, 0)), r"4 x 3 cells at \(1, 0\) sticks out of 4 x 3 cells"),
+    "how": (lambda p: p.place(p, how="under"), "how='under' is not one of over, union, intersection, carve"),
+    "word": (lambda p: p.place(p, at="middle"), "at='middle' is no place in the host; .* centre, "),
+    "no-seed": (lambda p: p.place(p, at="anywhere"), "at='anywhere' is drawn; give it a seed"),
+    "no-room": (lambda p: p.place(p, at="anywhere", seed=1), "fits nowhere anywhere in 4 x 3 cells .* a margin of 1"),
+    "no-start": (lambda p: p.place(p, start="piece"), "start='piece', and the piece has no start"),
+    "cell-sizes": (
+        lambda p: p.for_robot(cell_size=0.1).place(p.for_robot(cell_size=0.2)),
+        r"cells of 0.1 m, the piece of 0.2 m; .* for_robot\(cell_size=0.1\)",
+    ),
+    "mark": (lambda p: p.with_start(4.5, 0), r"start at \(4.5, 0\) lies outside the piece of 4 x 3 cells"),
+    "nan": (lambda p: p.with_start(float("nan"), 0), "nan is no place in cells"),
+    "dig": (lambda p: p.dig("a", (0, 0)), "no mark is called 'a'; the piece has none"),
+    "ragged": (lambda p: drawn("##\n#"), "row 2 of a drawing has 1 signs, the first 2"),
+    "sign": (lambda p: drawn("#?"), r"row 1 of a drawing has '\?' at 2"),
+    "twice": (lambda p: drawn("SS"), "row 1 of a drawing has a second 'S'"),
+    "empty": (lambda p: drawn(""), "a drawing has no cells"),
+    "shape": (lambda p: Piece(np.zeros((2, 2)), np.zeros((3, 2))), r"shape \(2, 2\), its mask \(3, 2\)"),
+    "row": (lambda p: beside([]), "there is no piece to put in a row"),
+}
+
+
+@pytest.mark.parametrize(("act", "message"), WRONG.values(), ids=WRONG)
+def test_what_makes_no_sense_is_refused_with_the_way_out(act, message):
+    with pytest.raises(InvalidParameter, match=message):
+        act(rectangle(4, 3))

@@ -1,0 +1,110 @@
+"""Where a piece goes on another: named places, and places that are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.compose._marks import Mark
+from worldgen.errors import InvalidParameter
+from worldgen.random_streams import RandomStream
+from worldgen.world import Witness
+
+__all__ = ["DRAWN", "NAMED", "draw_corner", "named_corner"]
+
+# Shares of the room left over, in halves: lower left is (0, 0), the centre (1, 1), upper right (2, 2).
+NAMED = {
+    "lower-left": (0, 0),
+    "bottom": (1, 0),
+    "lower-right": (2, 0),
+    "left": (0, 1),
+    "centre": (1, 1),
+    "right": (2, 1),
+    "upper-left": (0, 2),
+    "top": (1, 2),
+    "upper-right": (2, 2),
+}
+DRAWN = ("way", "anywhere")
+
+Corner = tuple[int, int]
+
+
+def named_corner(word: str, host: tuple[int, int], piece: tuple[int, int], margin: int) -> Corner:
+    """First cell of a piece at a named place of its host, ``margin`` cells in from the sides; sizes are (x, y)."""
+    corner = []
+    for half, of_host, of_piece in zip(NAMED[word], host, piece, strict=True):
+        low, high = margin, of_host - of_piece - margin
+        corner.append((low, (of_host - of_piece) // 2, high)[half])
+    return corner[0], corner[1]
+
+
+def draw_corner(
+    rng: RandomStream,
+    host: tuple[int, int],
+    piece: tuple[int, int],
+    margin: int,
+    keep_free: Sequence[tuple[Mark, Fraction]],
+    way: Witness | None = None,
+    cell_size: float = 1.0,
+) -> Corner:
+    """A drawn first cell, such that the piece lies inside and covers neither start nor target.
+
+    Args:
+        rng: The source of chance.
+        host: Columns and rows.
+        piece: Columns and rows.
+        margin: Least cells between the piece and the host's sides.
+        keep_free: Discs that the piece must not touch: their middles, and radii in cells.
+        way: The piece's middle lies on it, or as near to it as the sides allow, if it is given.
+        cell_size: Of the way's metres.
+
+    Raises:
+        InvalidParameter: If there is no such place.
+    """
+    most = [of_host - of_piece - margin for of_host, of_piece in zip(host, piece, strict=True)]
+    corners = np.zeros((0, 2), np.int64)
+    if min(most) < margin:
+        pass
+    elif way is not None:
+        corners = _along(way, cell_size, piece).clip(margin, most)  # near a side the way still crosses the piece
+        corners = np.array(list(dict.fromkeys(map(tuple, corners.tolist()))), np.int64)
+    else:
+        columns, rows = (np.arange(margin, last + 1) for last in most)
+        corners = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+    for mark, radius in keep_free:
+        corners = corners[~_touches(corners, piece, mark, radius)]
+    if not len(corners):
+        where = "on the way from start to target" if way is not None else "anywhere"
+        raise InvalidParameter(
+            f"a piece of {piece[0]} x {piece[1]} cells fits nowhere {where} in {host[0]} x {host[1]} cells without "
+            f"covering start or target, with a margin of {margin}; give a smaller piece or margin, or a larger host"
+        )
+    drawn = corners[rng.below(len(corners))]
+    return int(drawn[0]), int(drawn[1])
+
+
+def _along(way: Witness, cell_size: float, piece: tuple[int, int]) -> npt.NDArray[np.int64]:
+    """First cells of a piece whose middle lies on the way, in order."""
+    found: list[npt.NDArray[np.float64]] = []
+    points = np.stack([way.x, way.y], axis=1) / cell_size
+    for begin, end in pairwise(points):
+        steps = max(1, int(np.ceil(2 * np.abs(end - begin).max())))
+        for k in range(steps + 1):
+            middle = begin + (end - begin) * (k / steps)
+            found.append(np.floor(middle - np.array(piece) / 2 + 0.5))
+    return np.array(found).astype(np.int64).reshape(-1, 2)
+
+
+def _touches(
+    corners: npt.NDArray[np.int64], piece: tuple[int, int], mark: Mark, radius: Fraction
+) -> npt.NDArray[np.bool_]:
+    """Whether the piece's box comes nearer to the mark than the radius."""
+    apart = []
+    for axis, at in enumerate((mark.x, mark.y)):
+        low = corners[:, axis]
+        apart.append(np.maximum(np.maximum(low - float(at), float(at) - low - piece[axis]), 0.0))
+    return np.asarray(apart[0] ** 2 + apart[1] ** 2 < float(radius) ** 2 + 1e-9)

@@ -1,0 +1,89 @@
+"""From cells and marks to a world, and its proof."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.compose._marks import START, TARGET, Mark, Marks, pose_of, target_of
+from worldgen.errors import GenerationFailed, InvalidWorld
+from worldgen.interop.place import place
+from worldgen.lattice import in_cells
+from worldgen.reach import REACHABLE, decide
+from worldgen.timeline import Timeline
+from worldgen.world import Witness, World
+
+__all__ = ["proved", "usual", "way_of", "world_of"]
+
+Robot = tuple[float, float, float]  # cell size, radius, m; top speed, m/s
+
+
+def usual(value: float | None, otherwise: float) -> float:
+    """The value, or the usual one where there is none."""
+    return otherwise if value is None else value
+
+
+def world_of(walls: npt.NDArray[np.bool_], marks: Marks, timeline: Timeline, robot: Robot, seed: int) -> World:
+    """The world, without proof; start and target as marked, or placed far apart.
+
+    Raises:
+        InvalidWorld: If there is no room for the robot.
+    """
+    cell_size, radius, speed = robot
+    ends = [marks.get(name) for name in (START, TARGET)]
+    if None in ends:
+        points = [None if mark is None else _metres(mark, cell_size) for mark in ends]
+        placed = place(walls, cell_size, radius, seed, start=points[0], target=points[1])
+        found = [_mark(placed.start, cell_size), _mark(placed.target, cell_size)]
+        ends = [mark or other for mark, other in zip(ends, found, strict=True)]
+    start, target = (mark or Mark(Fraction(0), Fraction(0)) for mark in ends)
+    return World(
+        walls=walls,
+        start=pose_of(start, target, cell_size),
+        target=target_of(target, cell_size),
+        cell_size=cell_size,
+        robot_radius=radius,
+        robot_speed=speed,
+        timeline=timeline,
+    )
+
+
+def _metres(mark: Mark, cell_size: float) -> tuple[float, float]:
+    pose = pose_of(mark, mark, cell_size)
+    return pose.x, pose.y
+
+
+def _mark(point: tuple[float, float], cell_size: float) -> Mark:
+    return Mark(in_cells(point[0], cell_size), in_cells(point[1], cell_size))
+
+
+def way_of(world: World) -> Witness:
+    """A way from start to target through a world as it is at the beginning.
+
+    Raises:
+        InvalidWorld: If there is none.
+    """
+    decision = decide(replace(world, timeline=Timeline()))
+    if not isinstance(decision.certificate, Witness):
+        raise InvalidWorld(
+            f"at='way', and the host has no way from start to target: {decision.reason}; put the piece elsewhere"
+        )
+    return decision.certificate
+
+
+def proved(world: World) -> World:
+    """The world with its witness.
+
+    Raises:
+        GenerationFailed: If there is none; with the reason.
+    """
+    decision = decide(world)
+    if decision.result != REACHABLE:
+        raise GenerationFailed(
+            f"the composed world is {decision.result}: {decision.reason}; move a piece, start or target, "
+            "or make the robot smaller"
+        )
+    return replace(world, certificate=decision.certificate)

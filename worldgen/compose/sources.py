@@ -1,0 +1,243 @@
+"""Where pieces come from: families, worlds, files, drawings, rectangles, other pieces in a row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from os import PathLike
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.compose._marks import START, TARGET, Mark, frozen, marks_of
+from worldgen.compose.piece import Piece, check_size, whole
+from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld, WorldgenError
+from worldgen.family import FAMILIES, Family, check_choice, family
+from worldgen.generation import generate
+from worldgen.interop.formats import read_map
+from worldgen.lattice import in_cells
+from worldgen.random_streams import RandomStream
+from worldgen.rows import flip_rows
+from worldgen.world import MAX_SIDE, Value, World
+
+T = TypeVar("T")
+
+__all__ = [
+    "above",
+    "beside",
+    "drawn",
+    "first_possible",
+    "first_solvable",
+    "of_cells",
+    "of_family",
+    "of_world",
+    "read",
+    "rectangle",
+]
+
+_SIGNS = {"#": True, ".": False, "S": False, "G": False}
+_NOTHING = "_"
+MOST_REFUSALS = 16  # compositions drawn until one fits together
+_HALF = Fraction(1, 2)
+
+
+def of_world(world: World) -> Piece:
+    """A world's cells, with its start, target, timeline and robot."""
+    return Piece(
+        world.walls,
+        np.ones_like(world.walls),
+        marks=marks_of(world),
+        timeline=world.timeline,
+        cell_size=world.cell_size,
+        robot_radius=world.robot_radius,
+        robot_speed=world.robot_speed,
+    )
+
+
+def of_cells(solid: npt.ArrayLike) -> Piece:
+    """Cells as they are: (height, width) bool, True is solid, row 0 the lowest y.
+
+    Raises:
+        InvalidParameter: If they have another shape, or are too many.
+    """
+    cells = np.array(solid, dtype=np.bool_)
+    return Piece(cells, np.ones_like(cells))
+
+
+def of_family(name: str | Family, seed: int | RandomStream = 0, **params: Value) -> Piece:
+    """A world of any family: of a seed, the one that ``generate`` gives; of a stream, a layout that is drawn from it.
+
+    Raises:
+        InvalidParameter: If family or a parameter is unknown, or out of range.
+        GenerationFailed: If the family makes no solvable world of this seed.
+    """
+    if isinstance(seed, RandomStream):
+        made_by = name if isinstance(name, Family) else FAMILIES.get(name)
+        return of_world(made_by.build(seed, **made_by.complete(params)))
+    return of_world(generate(name, seed, **params))
+
+
+def read(path: str | PathLike[str]) -> Piece:
+    """A map file of any format that ``worldgen import`` reads, with what it has of marks, timeline and robot.
+
+    Raises:
+        FormatError: If it cannot be read, or breaks its format's rules.
+    """
+    found = read_map(Path(path))
+    if found.world is not None:
+        return of_world(found.world)
+    marks: dict[str, Mark] = {}
+    if found.target is not None:
+        x, y, radius = (in_cells(value, found.cell_size) for value in found.target)
+        marks[TARGET] = Mark(x, y, radius=radius)
+    return Piece(found.walls, np.ones_like(found.walls), frozen(marks), cell_size=found.cell_size)
+
+
+def drawn(rows: str | Sequence[str]) -> Piece:
+    """A drawing, top row first.
+
+    Args:
+        rows: Lines, or one text of them: ``#`` solid, ``.`` free, ``_`` nothing said; ``S`` and ``G`` mark start and
+            target, small letters other marks, in the middle of their free cells. All lines are equally long.
+
+    Raises:
+        InvalidParameter: If a line has another length or another sign, or a mark stands twice.
+    """
+    lines = rows.strip("\n").split("\n") if isinstance(rows, str) else list(rows)
+    lines = [line.rstrip("\r") for line in lines]
+    if not lines or not lines[0]:
+        raise InvalidParameter("a drawing has no cells; draw rows of # and .")
+    check_size("a drawing", max(len(line) for line in lines), len(lines))
+    marks: dict[str, Mark] = {}
+    solid = np.zeros((len(lines), len(lines[0])), dtype=np.bool_)
+    mask = np.ones_like(solid)
+    for number, line in enumerate(lines, start=1):
+        if len(line) != len(lines[0]):
+            raise InvalidParameter(
+                f"row {number} of a drawing has {len(line)} signs, the first {len(lines[0])}; make all equally long"
+            )
+        solid[number - 1] = [sign == "#" for sign in line]
+        mask[number - 1] = [sign != _NOTHING for sign in line]
+        for column, sign in enumerate(line):
+            if sign not in "#._":
+                _note(marks, sign, number, column, len(lines))
+    return Piece(flip_rows(solid), flip_rows(mask), frozen(marks))
+
+
+def _note(marks: dict[str, Mark], sign: str, row: int, column: int, rows: int) -> None:
+    """Keeps a mark of a drawing."""
+    if sign not in _SIGNS and not ("a" <= sign <= "z"):
+        raise InvalidParameter(
+            f"row {row} of a drawing has {sign!r} at {column + 1}; use # solid, . free, _ nothing, S, G, a to z"
+        )
+    name = {"S": START, "G": TARGET}.get(sign, sign)
+    if name in marks:
+        raise InvalidParameter(f"row {row} of a drawing has a second {sign!r}; a mark stands once")
+    marks[name] = Mark(column + _HALF, rows - row + _HALF)
+
+
+def rectangle(width: int, height: int, *, solid: bool = False) -> Piece:
+    """A box of cells, all free or all solid.
+
+    Raises:
+        InvalidParameter: If it has no cells, or too many.
+    """
+    width, height = (whole(n, v, 1, MAX_SIDE) for n, v in (("width", width), ("height", height)))
+    check_size("a rectangle", width, height)
+    return of_cells(np.full((height, width), solid))
+
+
+_ALIGNED = ("low", "centre", "high")
+
+
+def beside(pieces: Sequence[Piece], *, gap: int = 0, align: str = "low", join: int = 0) -> Piece:
+    """Pieces from left to right; the start is the first one's, the target the last one's.
+
+    Args:
+        pieces: At least one.
+        gap: Cells between two, of which nothing is said.
+        align: ``low``, ``centre`` or ``high``: where shorter pieces stand.
+        join: Width, in cells, of a passage that is dug from each piece's target to the next one's start; 0: none.
+
+    Raises:
+        InvalidParameter: If there is no piece, or one that is to be joined has no start or no target.
+    """
+    return _chain(pieces, gap, align, join, upwards=False)
+
+
+def above(pieces: Sequence[Piece], *, gap: int = 0, align: str = "low", join: int = 0) -> Piece:
+    """Pieces from bottom to top; else as :func:`beside`."""
+    return _chain(pieces, gap, align, join, upwards=True)
+
+
+def _chain(pieces: Sequence[Piece], gap: int, align: str, join: int, *, upwards: bool) -> Piece:
+    if not pieces:
+        raise InvalidParameter("there is no piece to put in a row; give at least one")
+    check_choice("align", align, _ALIGNED)
+    whole("gap", gap, 0, MAX_SIDE)
+    whole("join", join, 0, MAX_SIDE)
+    lengths = [piece.height if upwards else piece.width for piece in pieces]
+    breadths = [piece.width if upwards else piece.height for piece in pieces]
+    length, breadth = sum(lengths) + gap * (len(pieces) - 1), max(breadths)
+    size = (length, breadth) if upwards else (breadth, length)
+    check_size("a row of pieces", size[1], size[0])
+    scene = Piece(np.zeros(size, dtype=np.bool_), np.zeros(size, dtype=np.bool_))
+    at, last = 0, len(pieces) - 1
+    for number, (piece, own, across) in enumerate(zip(pieces, lengths, breadths, strict=True)):
+        off = (0, (breadth - across) // 2, breadth - across)[_ALIGNED.index(align)]
+        kept = piece if number == 0 else _renamed(piece, START, number, join)
+        kept = kept if number == last else _renamed(kept, TARGET, number, join)
+        scene = scene.place(kept, at=(off, at) if upwards else (at, off))
+        at += own + gap
+    for number in range(last if join else 0):
+        scene = scene.dig(f"target {number}", f"start {number + 1}", width=join)
+    joints = [f"{end} {number}" for end in (START, TARGET) for number in range(len(pieces))]
+    return scene.without_marks(*joints)
+
+
+def _renamed(piece: Piece, end: str, number: int, join: int) -> Piece:
+    """A piece of a row with its number behind the name of a mark that is not the row's."""
+    marks = dict(piece.marks)
+    mark = marks.pop(end, None)
+    if mark is not None:
+        marks[f"{end} {number}"] = mark
+    elif join:
+        raise InvalidParameter(f"piece {number + 1} of a row has no {end} to join it to the others; give it one")
+    return replace(piece, marks=marks)
+
+
+def first_solvable(build: Callable[[RandomStream], Piece], seed: int = 0) -> World:
+    """The first of a function's compositions that the robot can get through, proved; up to 64 are tried.
+
+    Args:
+        build: Draws a piece from a stream, and from nothing else.
+        seed: Equal seed, equal world.
+
+    Raises:
+        GenerationFailed: If none is solvable.
+        InvalidParameter: If the function refuses what it has drawn, again and again.
+    """
+
+    @family("composition", version=1)
+    def composition(rng: RandomStream) -> World:
+        return first_possible(lambda drawing: build(drawing).layout(), rng)
+
+    return generate(composition, seed)
+
+
+def first_possible(build: Callable[[RandomStream], T], rng: RandomStream) -> T:
+    """The first of a function's compositions whose parts fit; what was drawn may be too large for its place.
+
+    Raises:
+        WorldgenError: What the function raised first, if it raises every time.
+    """
+    refusals: list[WorldgenError] = []
+    for attempt in range(MOST_REFUSALS):
+        try:
+            return build(rng.child("composition", attempt))
+        except (InvalidParameter, InvalidWorld, GenerationFailed) as refusal:
+            refusals.append(refusal)
+    raise refusals[0]
