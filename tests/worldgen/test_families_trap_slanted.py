@@ -8,9 +8,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from worldgen.angles import SCALE, _sine
 from worldgen.errors import InvalidParameter
 from worldgen.families._open_ground import in_sight
-from worldgen.families._raster import _SCALE, _sine, box, extents, fill, turned
+from worldgen.families._raster import box, extents, fill, turned
 from worldgen.families.trap import trap
 from worldgen.family import stream_for
 from worldgen.generation import generate
@@ -118,7 +119,7 @@ def test_a_square_too_small_is_told(shape):
 
 @pytest.mark.parametrize("degrees", range(91))
 def test_sines_are_rounded_to_the_last_unit(degrees):
-    assert abs(_sine(degrees) - math.sin(math.radians(degrees)) * _SCALE) < 0.51
+    assert abs(_sine(degrees) - math.sin(math.radians(degrees)) * SCALE) < 0.51
 
 
 @given(st.integers(1, 20), st.integers(1, 20), st.integers(-360, 360), st.integers(-9, 9))
