@@ -1,7 +1,7 @@
 """How often each registered controller arrives: over ``corpora/thesis``, and over many worlds of every family.
 
 ``python -m benchmarks.library`` prints the tables of ``docs/library.md``, with ``--json`` one object. With a thousand
-worlds of each family it takes a quarter of an hour on two cores, most of it the dynamic window's.
+worlds of each family it takes half an hour on two cores, most of it the dynamic window's.
 
 Worlds are made here, each from its own seed, so they are the same on every machine, and so is every run. All
 controllers run under ``swept``, the thesis's three, too, each with the sensors that it needs.
@@ -15,17 +15,19 @@ import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from itertools import product
 
 import click
 import numpy as np
 
 from sim import CONTROLLERS, Runs, simulate_many
 from worldgen import generate
+from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.grid_file import read_world
 from worldgen.world import Witness, World
 
-__all__ = ["Row", "controllers", "rows_of", "tables"]
+__all__ = ["Row", "controllers", "family_worlds", "rows_of", "tables"]
 
 WORLDS = 1000  # of each family
 STEPS = 20_000  # five minutes of 15 ms, in which a robot can drive 600 m; the worlds are 3 m wide
@@ -53,12 +55,25 @@ def controllers() -> list[str]:
     return sorted(found.values())
 
 
-def tables(worlds: int, seed: int) -> Iterator[tuple[str, list[World]]]:
+def tables(worlds: int, seed: int, families: Sequence[str]) -> Iterator[tuple[str, list[World]]]:
     """Each table's name and its worlds: the corpus, then a number of each family with seeds from ``seed`` on."""
     files = sorted((file for file in (importlib.resources.files("corpora") / "thesis").iterdir()), key=str)
     yield "corpora/thesis", [read_world(str(file)) for file in files if file.name.endswith(".grid")]
-    for family in FAMILIES.names():
-        yield family, [generate(family, seed + k) for k in range(worlds)]
+    for family in families:
+        yield family, family_worlds(family, worlds, seed)
+
+
+def family_worlds(family: str, count: int, seed: int) -> list[World]:
+    """Worlds of rising seeds, their words (shapes, algorithms, masks) in turn, as far as they go together."""
+    words = {parameter.name: parameter.choices for parameter in FAMILIES.get(family).parameters if parameter.choices}
+    allowed = []
+    for values in product(*words.values()):
+        try:
+            generate(family, seed, **(chosen := dict(zip(words, values, strict=True))))
+        except InvalidParameter:
+            continue
+        allowed.append(chosen)
+    return [generate(family, seed + k, **allowed[k % len(allowed)]) for k in range(count)]
 
 
 def rows_of(worlds: Sequence[World], names: Sequence[str], steps: int) -> list[Row]:
@@ -102,12 +117,13 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="seed of the first world (default 0)")
     parser.add_argument("--steps", type=int, default=STEPS, help=f"budget of a run (default {STEPS})")
     parser.add_argument("--controller", action="append", help="only this one; may be repeated")
+    parser.add_argument("--family", action="append", help="only this one; may be repeated")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     given = parser.parse_args()
     if given.worlds < 1:
         parser.error(f"--worlds {given.worlds} is below 1; give a number of worlds")
     names, all_rows = given.controller or controllers(), {}
-    for title, worlds in tables(given.worlds, given.seed):
+    for title, worlds in tables(given.worlds, given.seed, given.family or FAMILIES.names()):
         rows = rows_of(worlds, names, given.steps)
         all_rows[title] = [{**asdict(row), "detour": None if np.isnan(row.detour) else row.detour} for row in rows]
         if not given.json:

@@ -34,7 +34,10 @@ __all__ = [
     "poses_on",
 ]
 
-COMBINED = ("features", "features", "trap", "features", "maze", "features", "corridor", "fire")
+COMBINED = (
+    "features", "features", "trap", "features", "maze", "features", "corridor", "fire",
+    "features", "rooms", "features", "forest", "features", "cave", "rubble", "shift",
+)  # fmt: skip
 """What unit after unit draws from when no family is named: mostly features, which fail most often per second."""
 
 SEALED = "sealed"

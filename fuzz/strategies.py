@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from fuzz.features import LAYOUT_BYTES, decode_world
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.family import FAMILIES
+from worldgen.family import FAMILIES, Parameter
 from worldgen.generation import generate
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Value, World
@@ -48,9 +48,10 @@ def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
     unknown = set(fixed) - set(made_by.defaults())
     if unknown:
         raise InvalidParameter(f"{family} has no parameter {min(unknown)!r}; it has {', '.join(made_by.defaults())}")
-    params: dict[str, Any] = {"size": draw(st.integers(14, 30))}
-    for name, choices in _VARIED.get(family, {}).items():
-        params[name] = draw(choices)
+    params: dict[str, Any] = {}
+    for parameter in made_by.parameters:
+        if parameter.name not in fixed and (choices := _choices(family, parameter)) is not None:
+            params[parameter.name] = draw(choices)
     params |= fixed
     try:
         return generate(made_by, draw(st.integers(0, 2**32 - 1)), **params)
@@ -59,7 +60,7 @@ def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
 
 
 def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World]:
-    """Reachable worlds with a witness: of one family, or of feature layouts and all built-in families.
+    """Reachable worlds with a witness: of one family, or of feature layouts and all registered families.
 
     Args:
         family: Name of a family; ``None`` for all.
@@ -69,42 +70,26 @@ def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World
         return family_worlds(family, **fixed)
     if fixed:
         raise InvalidParameter(f"{', '.join(fixed)}: name the family that has these parameters")
-    return st.one_of(feature_worlds(), *(family_worlds(name) for name in sorted(_VARIED)))
+    return st.one_of(feature_worlds(), *(family_worlds(name) for name in FAMILIES.names()))
 
 
-# What is drawn beside size and seed, the simplest first.
-_VARIED: dict[str, dict[str, st.SearchStrategy[Any]]] = {
-    "cave": {
-        "shape": st.sampled_from(["columns", "caverns", "galleries"]),
-    },
-    "corridor": {
-        "shape": st.sampled_from(["bends", "dead-ends", "junctions"]),
-        "width": st.sampled_from([2, 3, 4, 5]),
-    },
-    "fire": {
-        "over": st.sampled_from(["trap", "corridor", "maze"]),
-        "spread": st.sampled_from([0.15, 0.3, 0.6]),
-    },
-    "forest": {
-        "growth": st.sampled_from(["rows", "even", "thickets"]),
-        "gap": st.sampled_from([2.0, 1.2, 1.0]),
-    },
-    "maze": {
-        "algorithm": st.sampled_from(["backtracker", "wilson"]),
-        "braid": st.sampled_from([0.0, 0.5, 1.0]),
-        "passage": st.sampled_from([2, 3, 4]),
-    },
-    "rooms": {
-        "plan": st.sampled_from(["suite", "spine", "wings"]),
-        "closed": st.sampled_from([0.0, 0.5]),
-    },
-    "rubble": {
-        "collapse": st.sampled_from(["wing", "blast", "quake"]),
-        "debris": st.sampled_from([0.1, 0.35, 0.6]),
-    },
-    "trap": {
-        "shape": st.sampled_from(["U", "L", "spiral"]),
-        "turn": st.sampled_from([0, 1, 2, 3]),
-        "thickness": st.sampled_from([1, 2]),
-    },
+def _choices(family: str, parameter: Parameter) -> st.SearchStrategy[Any] | None:
+    """What a parameter is drawn from, the simplest first; None where it keeps its default."""
+    if parameter.choices:
+        return st.sampled_from(parameter.choices)
+    if parameter.name == "size":
+        return st.integers(14, 30)
+    varied = _VARIED.get(family, {}).get(parameter.name)
+    return None if varied is None else st.sampled_from(varied)
+
+
+# What is drawn beside size, seed and words, the simplest first.
+_VARIED: dict[str, dict[str, tuple[Value, ...]]] = {
+    "corridor": {"width": (2, 3, 4, 5), "wall": (1, 2), "necks": (0, 1, 3)},
+    "fire": {"spread": (0.15, 0.3, 0.6)},
+    "forest": {"gap": (2.0, 1.2, 1.0)},
+    "maze": {"braid": (0.0, 0.5, 1.0), "passage": (2, 3, 4), "wall": (1, 2), "rooms": (0, 2)},
+    "rooms": {"closed": (0.0, 0.5)},
+    "rubble": {"debris": (0.1, 0.35, 0.6)},
+    "trap": {"turn": (0, 1, 2, 3), "thickness": (1, 2), "angle": (0, 15, 30, 45, 70), "inside": (False, True)},
 }
