@@ -48,15 +48,20 @@ def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
     unknown = set(fixed) - set(made_by.defaults())
     if unknown:
         raise InvalidParameter(f"{family} has no parameter {min(unknown)!r}; it has {', '.join(made_by.defaults())}")
-    params: dict[str, Any] = {}
+    drawn: dict[str, Value] = {}
     for parameter in made_by.parameters:
         if parameter.name not in fixed and (choices := _choices(family, parameter)) is not None:
-            params[parameter.name] = draw(choices)
-    params |= fixed
-    try:
-        return generate(made_by, draw(st.integers(0, 2**32 - 1)), **params)
-    except (GenerationFailed, InvalidParameter):
-        reject()
+            drawn[parameter.name] = draw(choices)
+    seed = draw(st.integers(0, 2**32 - 1))
+    while True:
+        try:
+            return generate(made_by, seed, **{**drawn, **fixed})
+        except GenerationFailed:
+            reject()
+        except InvalidParameter:  # they do not go together: the last drawn goes back to its default
+            if not drawn:
+                reject()
+            drawn.popitem()
 
 
 def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World]:
