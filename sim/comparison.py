@@ -12,8 +12,6 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from scipy.special import betaincinv
-
 from sim.controllers import CONTROLLERS, CompiledController, Controller
 from sim.episode import prepare, simulate
 from sim.motion import MOTIONS
@@ -21,6 +19,7 @@ from sim.motion.base import THESIS
 from sim.run_options import MAX_RECORDED, MAX_STEPS, RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.intervals import interval_95
 from worldgen.world import Value, World
 
 __all__ = [
@@ -33,7 +32,6 @@ __all__ = [
     "Run",
     "Total",
     "compare",
-    "interval_95",
     "standing",
 ]
 
@@ -253,17 +251,6 @@ class Comparison:
             mean_time=round(statistics.fmean(times), 9) if times else None,
             median_time=round(statistics.median(times), 9) if times else None,
         )
-
-
-def interval_95(count: int, total: int) -> tuple[float, float]:
-    """Two-sided 95 % interval of a probability of which ``count`` of ``total`` were seen.
-
-    Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated in the
-    case of the binomial", Biometrika 1934.
-    """
-    low = float(betaincinv(count, total - count + 1, 0.025)) if count else 0.0
-    high = float(betaincinv(count + 1, total - count, 0.975)) if count < total else 1.0
-    return low, high
 
 
 def standing(times: Sequence[float]) -> tuple[tuple[int, ...], tuple[int, ...]]:

@@ -14,13 +14,14 @@ from PIL import Image
 from scipy.stats import binomtest
 
 from sim import Scenario, simulate
-from sim.comparison import NamedWorld, compare, interval_95, standing
+from sim.comparison import NamedWorld, compare, standing
 from sim.comparison_report import as_csv, as_text
 from sim.published import agreement, read_figures
 from tests.helpers.command_line import worldgen
 from tests.sim.test_thesis_options import hall
 from tests.sim.test_thesis_vectors import VECTORS, world_of
 from worldgen import FormatError, InvalidParameter, InvalidWorld, Pose, read_world, write_world
+from worldgen.intervals import interval_95
 
 EMPTY = NamedWorld("empty", hall((15, 15)))
 WALL = NamedWorld("wall", hall((24, 24), walls=[(x, 15) for x in range(10, 19)]))

@@ -22,7 +22,9 @@ EXAMPLES = (
 @click.command("import", epilog=EXAMPLES)
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write.")
-@click.option("--from", "name", metavar="FORMAT", help="movingai, ros, thesis or grid; recognised if left out.")
+@click.option(
+    "--from", "name", metavar="FORMAT", help="movingai, ros, thesis, grid, npy or text; recognised if left out."
+)
 @click.option("--radius", type=float, help="Robot's radius, m.  [default: 0.7 cells; 0.4 with --scen]")
 @click.option("--speed", type=float, help="Robot's top speed, m/s.  [default: 2.0]")
 @click.option("--start", metavar="X,Y[,HEADING]", help="m and rad, from the lower-left corner; placed if left out.")
@@ -53,8 +55,9 @@ def import_map(
     """Read a foreign map and place start and target.
 
     PATH is a MovingAI octile map (.map), a ROS map_server file (.yaml beside its .pgm or .png), a map
-    of the thesis's simulator (.gex), or a .grid, whose places it keeps unless told otherwise. Start and
-    target that are not given are placed far apart in the largest region the robot can drive through.
+    of the thesis's simulator (.gex), a .grid, whose places it keeps unless told otherwise, a NumPy array
+    (.npy), or a drawing (.txt). Start and target that are not given are placed far apart in the largest
+    region the robot can drive through.
     """
     from worldgen import interop
     from worldgen.grid_file import write_world

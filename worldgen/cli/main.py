@@ -70,6 +70,7 @@ class LazyGroup(click.Group):
 # One line per command of our own, so that --help need not import them; tests hold it against the commands.
 _SUMMARY = {
     "audit": "Say whether a trajectory, recorded in any simulator, was possible in a world.",
+    "census": "Count in how many foreign maps a disc can reach its target, and where only a grid says so.",
     "compare": "Run controllers in many worlds and print one table of times, failures, best and worst.",
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
     "find": "Find a world in which given controllers have given outcomes, or come as near as the budget allows.",

@@ -14,7 +14,9 @@ from worldgen.family import check_between
 from worldgen.grid_file import read_world
 from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, digest, read_bounded
 from worldgen.interop.movingai import read_movingai
+from worldgen.interop.numpy_map import read_numpy_map
 from worldgen.interop.ros_map import read_ros_map
+from worldgen.interop.text_map import read_text_map
 from worldgen.interop.thesis_map import read_thesis_map
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
@@ -68,6 +70,14 @@ def _read_thesis(path: Path, options: ReadOptions) -> ForeignMap:
     return read_thesis_map(path, DEFAULT_CELL_SIZE if options.cell_size is None else options.cell_size)
 
 
+def _read_text(path: Path, options: ReadOptions) -> ForeignMap:
+    return read_text_map(path, DEFAULT_CELL_SIZE if options.cell_size is None else options.cell_size)
+
+
+def _read_numpy(path: Path, options: ReadOptions) -> ForeignMap:
+    return read_numpy_map(path, DEFAULT_CELL_SIZE if options.cell_size is None else options.cell_size)
+
+
 def _read_grid(path: Path, options: ReadOptions) -> ForeignMap:
     params: dict[str, Value] = {"format": "grid", "source": path.name, "sha256": digest(read_bounded(path))}
     world = read_world(path)
@@ -97,6 +107,14 @@ FORMATS = {
         MapFormat(
             "grid", "a world of ours, .grid or .grid.gz", (".grid", ".gz"),
             re.compile(rb"%worldgen-grid"), _read_grid,
+        ),
+        MapFormat(
+            "npy", "NumPy array of cells, .npy", (".npy",),
+            re.compile(rb"\x93NUMPY"), _read_numpy, ("cell_size",),
+        ),
+        MapFormat(
+            "text", "drawing with a character a cell, .txt", (".txt",),
+            re.compile(rb"[ .SGE]*#[# .SGE]*\r?\n[# .SGE]+(\r?\n|\Z)"), _read_text, ("cell_size",),
         ),
     )
 }  # fmt: skip

@@ -20,7 +20,7 @@ from worldgen.lattice import UNIT, lattice_to_metres
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
-__all__ = ["BLOCKED", "PASSABLE", "Scenario", "read_movingai", "read_scenario"]
+__all__ = ["BLOCKED", "PASSABLE", "Scenario", "read_movingai", "read_scenario", "scenario_contents"]
 
 # Swamp can be entered from plain ground; water cannot, so for a robot that starts on ground it is a wall.
 PASSABLE = b".GS"
@@ -200,6 +200,26 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
             raise FormatError(message, line=row + 1, source=source)
     start, goal = (_centre(numbers[at], numbers[at + 1], height, cell_size) for at in (2, 4))
     return Scenario(start, goal, float(fields[8]), fields[1].decode("utf-8", "backslashreplace"))
+
+
+def scenario_contents(path: Path) -> tuple[str, int]:
+    """The file name of the map that a ``.scen`` file is for, and how many problems it has.
+
+    Args:
+        path: The scenario file; its first problem names the map.
+
+    Raises:
+        FormatError: If it is no scenario file, or has no problem.
+    """
+    source = str(path)
+    lines = read_bounded(path, _MAX_SCENARIO_BYTES).split(b"\n", _MAX_SCENARIOS)
+    if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", lines[0].strip()):
+        raise FormatError(f"{shown(lines[0])} came where `version 1` belongs", line=1, source=source)
+    rows = [line for line in lines[1:] if line.strip()]
+    if not rows:
+        raise FormatError("has no problem; give a scenario file with some", source=source)
+    name = _fields(rows[0].removesuffix(b"\r"), 2, source)[1].decode("utf-8", "backslashreplace")
+    return name.replace("\\", "/").rpartition("/")[2], len(rows)
 
 
 def _fields(line: bytes, number: int, source: str) -> list[bytes]:

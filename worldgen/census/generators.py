@@ -1,0 +1,174 @@
+"""The maps of a third-party generator, through a function that hands them over one by one.
+
+The function takes ``seed`` and whatever options it likes as keywords, and yields for each map a tuple: a name and
+the walls, and if the generator has them the cells of start and target. ``walls`` is an array of two axes, True (or 1)
+where solid, row 0 the top row, as it would be printed; a cell is (row, column) in it. A generator that knows metres
+yields a :class:`worldgen.census.CensusMap` instead.
+"""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.census.case import CensusMap, Ends, Refused, cell_ends
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.interop.foreign_map import check_sides
+from worldgen.registry import Registry, user_code
+from worldgen.rows import flip_rows
+from worldgen.world import DEFAULT_CELL_SIZE, Value
+
+__all__ = ["GeneratedMaps", "generated_maps"]
+
+_END = object()
+_TRUE, _FALSE = ("1", "true", "yes"), ("0", "false", "no")
+
+
+def _accept(name: str, thing: Any) -> Callable[..., Any]:
+    if not callable(thing):
+        raise InvalidParameter(f"generator {name!r} is a {type(thing).__name__}; name a function that yields maps")
+    return thing  # type: ignore[no-any-return]
+
+
+GENERATORS: Registry[Callable[..., Any]] = Registry("worldgen.map_generators", "generator", _accept)
+
+
+@dataclass(frozen=True)
+class GeneratedMaps:
+    """Maps to come.
+
+    Args:
+        name: Of the function, as it was given.
+        function: It.
+        count: How many maps to take.
+        seed: Handed to the function.
+        options: Likewise.
+        cell_size: Side of a cell, m, of maps without units.
+    """
+
+    name: str
+    function: Callable[..., Any]
+    count: int
+    seed: int
+    options: Mapping[str, Value]
+    cell_size: float = DEFAULT_CELL_SIZE
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __iter__(self) -> Iterator[CensusMap | Refused]:
+        with user_code(f"generator {self.name!r}"):
+            maps = iter(self.function(seed=self.seed, **self.options))
+        for index in itertools.count():
+            if index == self.count:
+                return
+            with user_code(f"generator {self.name!r}, map {index + 1}"):
+                item = next(maps, _END)
+            if item is _END:
+                return
+            yield self._judgeable(item, index)
+
+    def _judgeable(self, item: Any, index: int) -> CensusMap | Refused:
+        name = f"map {index + 1}"
+        try:
+            if isinstance(item, CensusMap):
+                height, width = item.walls.shape
+                check_sides(width, height)
+                return item
+            if not isinstance(item, tuple) or len(item) not in (2, 4) or not isinstance(item[0], str):
+                raise InvalidParameter(
+                    f"a {type(item).__name__} came; yield (name, walls) or (name, walls, start, target)"
+                )
+            name = item[0]
+            walls = _walls(item[1])
+            ends: tuple[Ends, ...] = ()
+            if len(item) == 4:
+                start, target = _cell("start", item[2], walls), _cell("target", item[3], walls)
+                ends = (cell_ends(start, target, self.cell_size),)
+            params: dict[str, Value] = {"generator": self.name, "number": index, **self.options}
+            return CensusMap(name, flip_rows(walls), self.cell_size, ends, params)
+        except (InvalidParameter, FormatError) as error:
+            return Refused(name, str(error))
+
+
+def generated_maps(
+    name: str,
+    *,
+    count: int,
+    seed: int,
+    options: Mapping[str, str] | None = None,
+    cell_size: float = DEFAULT_CELL_SIZE,
+) -> GeneratedMaps:
+    """The first maps of a generator.
+
+    Args:
+        name: ``./file.py:function`` or ``package.module:function``.
+        count: How many.
+        seed: Handed to the function.
+        options: More keywords of the function, as text; each becomes what its default is.
+        cell_size: Side of a cell, m, of maps without units.
+
+    Raises:
+        InvalidParameter: If there is no such function, it takes no ``seed``, or an option is none of its keywords.
+    """
+    function = GENERATORS.get(name)
+    try:
+        known = inspect.signature(function).parameters
+    except (TypeError, ValueError) as error:
+        raise InvalidParameter(f"generator {name!r} does not say what it takes; wrap it in a function") from error
+    if "seed" not in known:
+        raise InvalidParameter(f"generator {name!r} takes no seed; write it as def maps(seed): ... yield name, walls")
+    defaults = {key: given.default for key, given in known.items() if key != "seed"}
+    return GeneratedMaps(name, function, count, seed, _converted(name, options or {}, defaults), cell_size)
+
+
+def _converted(name: str, options: Mapping[str, str], defaults: Mapping[str, Any]) -> dict[str, Value]:
+    found: dict[str, Value] = {}
+    for key, text in options.items():
+        if key not in defaults:
+            raise InvalidParameter(f"generator {name!r} has no option {key!r}; it has {', '.join(defaults) or 'none'}")
+        default = defaults[key]
+        try:
+            if isinstance(default, bool):
+                if text.lower() not in _TRUE + _FALSE:
+                    raise ValueError
+                found[key] = text.lower() in _TRUE
+            else:
+                found[key] = type(default)(text) if isinstance(default, int | float) else text
+        except ValueError as error:
+            kind = type(default).__name__
+            raise InvalidParameter(f"option {key}={text[:40]!r} is no {kind}; give one like {default}") from error
+    return found
+
+
+def _walls(given: Any) -> npt.NDArray[np.bool_]:
+    try:
+        array = np.asarray(given)
+    except ValueError:
+        array = np.empty(0)
+    if array.ndim != 2 or array.dtype.kind not in "biu":
+        raise InvalidParameter(
+            f"walls of shape {array.shape} and type {array.dtype} came; they have two axes of bool, True where solid"
+        )
+    if array.dtype.kind != "b" and ((array != 0) & (array != 1)).any():
+        raise InvalidParameter("walls hold numbers other than 0 and 1; yield walls == WALL")
+    check_sides(array.shape[1], array.shape[0])
+    return array.astype(np.bool_)
+
+
+def _cell(what: str, cell: Any, walls: npt.NDArray[np.bool_]) -> tuple[int, int]:
+    """Column and row from below of a cell given as (row, column) from the top."""
+    try:
+        row, column = (int(value) for value in cell)
+    except (TypeError, ValueError) as error:
+        raise InvalidParameter(f"{what} {str(cell)[:40]} is no cell; it is (row, column), row 0 the top") from error
+    height, width = walls.shape
+    if not (0 <= row < height and 0 <= column < width):
+        raise InvalidParameter(f"{what} ({row}, {column}) lies outside the {height} rows and {width} columns")
+    return column, height - 1 - row

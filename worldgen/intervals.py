@@ -1,0 +1,18 @@
+"""Confidence intervals of shares."""
+
+from __future__ import annotations
+
+from scipy.special import betaincinv
+
+__all__ = ["interval_95"]
+
+
+def interval_95(count: int, total: int) -> tuple[float, float]:
+    """Two-sided 95 % interval of a probability of which ``count`` of ``total`` were seen.
+
+    Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated in the
+    case of the binomial", Biometrika 1934.
+    """
+    low = float(betaincinv(count, total - count + 1, 0.025)) if count else 0.0
+    high = float(betaincinv(count + 1, total - count, 0.975)) if count < total else 1.0
+    return low, high
