@@ -4,6 +4,7 @@ Contents, each imported when it is first used:
     World, Pose, Target, Witness, Cut, Provenance, FailureRecord: what a world is made of.
     Timeline, Event, CellState: what changes in it.
     generate: a world of a family, with its proof.
+    stream: such worlds one after another, made when they are asked for.
     read_world, write_world, world_digest: the ``.grid`` file.
     decide, check_certificate: reachability, proved and checked apart from each other.
     WorldgenError and its kinds: what went wrong, as a sentence.
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
         OutputError,
         WorldgenError,
     )
-    from worldgen.generation import generate
+    from worldgen.generation import generate, stream
     from worldgen.grid_file import read_world, world_digest, write_world
     from worldgen.reach import check_certificate, decide
     from worldgen.timeline import CellState, Event, Timeline
@@ -38,7 +39,7 @@ _HOME = {
         "OutputError",
         "WorldgenError",
     ),
-    "generation": ("generate",),
+    "generation": ("generate", "stream"),
     "grid_file": ("read_world", "world_digest", "write_world"),
     "reach": ("check_certificate", "decide"),
     "timeline": ("CellState", "Event", "Timeline"),
@@ -49,7 +50,7 @@ _MODULE = {name: f"worldgen.{module}" for module, names in _HOME.items() for nam
 __all__ = [
     "CellState", "Cut", "Event", "FailureRecord", "FormatError", "GenerationFailed", "InvalidParameter",
     "InvalidWorld", "OutputError", "Pose", "Provenance", "Target", "Timeline", "Witness", "World",
-    "WorldgenError", "check_certificate", "decide", "generate", "read_world", "world_digest", "write_world",
+    "WorldgenError", "check_certificate", "decide", "generate", "read_world", "stream", "world_digest", "write_world",
 ]  # fmt: skip
 
 

@@ -30,18 +30,8 @@ __all__ = [
 
 Build = Callable[..., World]
 
-_TAKEN = (
-    "name",
-    "seed",
-    "count",
-    "out",
-    "force",
-    "json",
-    "metrics",
-    "where",
-    "difficulty",
-    "tries",
-)  # of generate() and of every family's command
+# parameters of generate(), and options of every family's command
+_TAKEN = ("name", "seed", "count", "out", "force", "json", "metrics", "where", "difficulty", "tries", "workers")
 _INT64 = 2**63  # a file holds no larger whole number
 
 
@@ -125,6 +115,19 @@ class Family:
     def defaults(self) -> dict[str, Value]:
         """Every parameter with its default, in order of declaration."""
         return {parameter.name: parameter.default for parameter in self.parameters}
+
+    def options(self, params: Mapping[str, Value]) -> list[str]:
+        """What to type after the family's name for these parameters; those that are defaults are left out."""
+        words: list[str] = []
+        for parameter in self.parameters:
+            value, flag = params.get(parameter.name, parameter.default), parameter.name.replace("_", "-")
+            if value == parameter.default:
+                continue
+            if isinstance(value, bool):
+                words.append(f"--{flag}" if value else f"--no-{flag}")
+            else:
+                words += [f"--{flag}", str(value)]
+        return words
 
     def complete(self, params: Mapping[str, Value]) -> dict[str, Value]:
         """The parameters with defaults filled in.

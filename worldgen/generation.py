@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import count as rising
 
-from worldgen.errors import GenerationFailed
+from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES, Family, stream_for
 from worldgen.random_streams import MASK64
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Provenance, Value, World
 
-__all__ = ["MAX_ATTEMPTS", "generate"]
+__all__ = ["MAX_ATTEMPTS", "generate", "stream"]
 
 MAX_ATTEMPTS = 64  # layouts tried per seed before the parameters are called unsolvable
 
@@ -44,3 +46,28 @@ def generate(name: str | Family, seed: int = 0, **params: Value) -> World:
         f"{made_by.name}: none of {MAX_ATTEMPTS} layouts lets the robot through (seed {seed}; {settings}); "
         "give it more room: a larger size, a smaller robot_radius, or fewer obstacles"
     )
+
+
+def stream(name: str | Family, seed: int = 0, count: int | None = None, **params: Value) -> Iterator[World]:
+    """The worlds of a family with rising seeds, each made when it is asked for.
+
+    Args:
+        name: Name of a registered family, ``./file.py:name``, or the family itself.
+        seed: Of the first world; after 2**64 - 1 comes 0.
+        count: How many; without it there is no end.
+        **params: The family's parameters.
+
+    Returns:
+        The worlds, each with certificate and provenance.
+
+    Raises:
+        InvalidParameter: If the family or a parameter is unknown, at once; if a value is out of range, with the
+            first world.
+        GenerationFailed: With a world that cannot be made.
+    """
+    made_by = name if isinstance(name, Family) else FAMILIES.get(name)
+    complete = made_by.complete(params)
+    if count is not None and count < 0:
+        raise InvalidParameter(f"count={count} is below 0; give how many worlds, or leave it out for no end")
+    numbers = rising() if count is None else range(count)
+    return (generate(made_by, (seed + k) & MASK64, **complete) for k in numbers)

@@ -23,11 +23,10 @@ def replay(paths: tuple[Path, ...], controller: str | None, with_picture: bool, 
     """
     from fuzz.failure import replay as replay_failure
     from fuzz.session import describe
-    from worldgen.grid_file import read_world
+    from worldgen.world_files import read_worlds
 
     results = []
-    for path in _files(paths):
-        world = read_world(path)
+    for path, world in read_worlds(paths):
         outcome = replay_failure(world, controller)
         results.append({"file": str(path), "verdict": outcome.verdict, "confirmed": outcome.confirmed})
         if not as_json:
@@ -44,19 +43,3 @@ def replay(paths: tuple[Path, ...], controller: str | None, with_picture: bool, 
         click.echo(f"{confirmed} of {len(results)} confirmed")
     if confirmed < len(results):
         raise SystemExit(1)
-
-
-def _files(paths: tuple[Path, ...]) -> list[Path]:
-    """The failure files that paths and folders name."""
-    from worldgen.errors import InvalidParameter
-
-    files: list[Path] = []
-    for path in paths:
-        if path.is_dir():
-            found = sorted(file for pattern in ("*.grid", "*.grid.gz") for file in path.rglob(pattern))
-            if not found:
-                raise InvalidParameter(f"{path} holds no .grid file; name a folder of failures")
-            files += found
-        else:
-            files.append(path)
-    return files

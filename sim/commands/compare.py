@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,11 +13,12 @@ import click
 from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from sim.comparison import NamedWorld
     from sim.published import Figure
     from sim.scenario import Scenario
+    from worldgen.world import World
 
 __all__ = ["compare"]
 
@@ -28,7 +30,6 @@ EXAMPLES = (
 PATH = click.Path(path_type=Path)
 PUBLISHED = "published.csv"
 _TIME_FOR_NEVER = 300.0  # s; most of the thesis's endless runs have proved to be loops by then
-_ENDINGS = (".grid", ".grid.gz")
 
 
 @click.command(epilog=EXAMPLES)
@@ -147,18 +148,17 @@ def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
     """The worlds of all files, with names of their own."""
     from sim.comparison import NamedWorld
     from worldgen.errors import InvalidParameter
-    from worldgen.grid_file import read_world
 
-    files = [(file, str(path) if path.is_dir() else "") for path in paths for file in _files(path)]
-    stems = [_stem(file) for file, _ in files]
-    resolved = [file.resolve() for file, _ in files]
+    found = [(file, world, str(path) if path.is_dir() else "") for path in paths for file, world in _read(path)]
+    stems = Counter(_stem(file) for file, _, _ in found)
+    resolved = Counter(file.resolve() for file, _, _ in found)
     worlds = []
-    for index, (file, folder) in enumerate(files):
-        if resolved.count(resolved[index]) > 1:
+    for file, world, folder in found:
+        if resolved[file.resolve()] > 1:
             raise InvalidParameter(f"{file} is given twice; give each world once")
-        stem = stems[index]
-        name = stem if stems.count(stem) == 1 else str(file.with_name(stem))
-        worlds.append(NamedWorld(name, read_world(file), stem, folder))
+        stem = _stem(file)
+        name = stem if stems[stem] == 1 else str(file.with_name(stem))
+        worlds.append(NamedWorld(name, world, stem, folder))
     return worlds
 
 
@@ -169,17 +169,15 @@ def _with_time(world: NamedWorld, figures: Sequence[Figure]) -> NamedWorld:
     return replace(world, least_time=max(times, default=0.0))
 
 
-def _files(path: Path) -> list[Path]:
-    """The worlds of a folder, or, if there is none, of the folders below; a file is itself."""
-    from worldgen.errors import InvalidParameter
+def _read(path: Path) -> Iterator[tuple[Path, World]]:
+    """The worlds of a folder, or, if there is none, of the folders below; of an archive; or of the one file."""
+    from worldgen.world_files import is_world_file, read_worlds
 
-    if not path.is_dir():
-        return [path]
-    for entries in (path.iterdir(), path.rglob("*")):
-        files = sorted(file for file in entries if file.name.endswith(_ENDINGS) and file.is_file())
-        if files:
-            return files
-    raise InvalidParameter(f"{path} has no .grid file in it, nor in a folder below; name worlds or their folder")
+    if path.is_dir():
+        own = sorted(file for file in path.iterdir() if is_world_file(file.name) and file.is_file())
+        if own:
+            return read_worlds(own)
+    return read_worlds([path])
 
 
 def _stem(file: Path) -> str:

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-import worldgen.generation
+import worldgen.sets.making
 from tests.helpers.command_line import worldgen as run
 from worldgen.cli.family_command import family_command
 from worldgen.difficulty import with_metrics
@@ -107,7 +107,9 @@ def test_count_writes_a_folder_of_rising_seeds(tmp_path):
 
 def test_seeds_of_a_count_wrap_at_64_bits(tmp_path):
     run("maze", "--count", 2, "--seed", 2**64 - 1, "--size", 12, "--out", tmp_path)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["maze-0.grid", f"maze-{2**64 - 1}.grid"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "manifest.jsonl", "maze-0.grid", f"maze-{2**64 - 1}.grid",
+    ]  # fmt: skip
 
 
 def test_a_file_that_is_there_stays(tmp_path):
@@ -127,19 +129,19 @@ def test_force_overwrites_it(tmp_path):
 def test_one_file_in_the_way_stops_a_count_before_it_begins(tmp_path):
     (tmp_path / "maze-9.grid").write_text("mine")
     result = run("maze", "--count", 3, "--seed", 8, "--out", tmp_path)
-    assert result.code == 2 and "maze-9.grid is there already" in result.err
+    assert result.code == 2 and "holds other files: maze-9.grid;" in result.err
     assert [path.name for path in tmp_path.iterdir()] == ["maze-9.grid"]
 
 
 def _stop_at(monkeypatch, seed, error):
-    real = worldgen.generation.generate
+    real = worldgen.sets.making.generate
 
     def stopping(name, number, **params):
         if number == seed:
             raise error
         return real(name, number, **params)
 
-    monkeypatch.setattr(worldgen.generation, "generate", stopping)
+    monkeypatch.setattr(worldgen.sets.making, "generate", stopping)
 
 
 @pytest.mark.parametrize(
@@ -151,7 +153,7 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
     _stop_at(monkeypatch, 10, error)
     result = run("maze", "--count", 5, "--seed", 8, "--size", 12, "--out", tmp_path)
     assert result.code == code and f"{tmp_path}: 2 of 5 worlds are written" in result.err
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["maze-8.grid", "maze-9.grid"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["manifest.jsonl", "maze-8.grid", "maze-9.grid"]
 
 
 @pytest.mark.parametrize(
@@ -167,6 +169,8 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
         (["--count", 2], "--count 2 writes 2 files; name a folder for them with --out"),
         (["--out", "/no/such/folder/w.grid"], "the folder /no/such/folder does not exist"),
         (["--count", 2, "--out", __file__], "is a file; name a folder for more than one world"),
+        (["--count", 2, "--out", "w.grid"], "w.grid names one world's file; for 2 name a folder or an archive"),
+        (["--out", "w.zip"], "w.zip names an archive; say with --count how many worlds go into it"),
     ],
     ids=lambda value: " ".join(map(str, value))[:30] if isinstance(value, list) else "",
 )

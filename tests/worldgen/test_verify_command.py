@@ -91,15 +91,13 @@ def test_one_false_certificate_of_several_is_a_failure(save, tmp_path):
 
 
 def test_a_folder_without_worlds_is_refused(tmp_path):
-    result = run(tmp_path)
-    assert result.exit_code == 2
-    assert "holds no .grid file" in result.stderr
+    error = run(tmp_path).exception
+    assert isinstance(error, FormatError) and "holds no .grid file" in str(error)
 
 
 def test_a_missing_file_is_refused(tmp_path):
-    result = run(tmp_path / "none.grid")
-    assert result.exit_code == 2
-    assert "does not exist" in result.stderr
+    error = run(tmp_path / "none.grid").exception
+    assert isinstance(error, FormatError) and "there is no such file" in str(error)
 
 
 def test_a_broken_file_is_an_error_of_the_format(tmp_path):

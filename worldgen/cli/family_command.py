@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import functools
-import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import click
 
 from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option
-from worldgen.errors import OutputError, WorldgenError
 
 if TYPE_CHECKING:
     from worldgen.family import Family, Parameter
@@ -33,34 +29,66 @@ def family_command(name: str) -> click.Command:
     made_by = FAMILIES.get(name)
 
     def command(
-        seed: int | None, count: int, out: Path | None, metrics: bool, force: bool, as_json: bool, **params: Any
+        seed: int | None,
+        count: int | None,
+        out: Path | None,
+        workers: int | None,
+        metrics: bool,
+        force: bool,
+        as_json: bool,
+        **params: Any,
     ) -> None:
-        if count == 1:
+        if _is_one(count, out):
             _make_one(made_by, draw_seed(seed), params, out, metrics=metrics, force=force, as_json=as_json)
         elif out is None:
             raise click.UsageError(f"--count {count} writes {count} files; name a folder for them with --out")
         else:
-            _make_many(made_by, draw_seed(seed), count, params, out, metrics=metrics, force=force, as_json=as_json)
+            from worldgen.cli.set_output import make_many
+            from worldgen.sets import plan_set
+
+            plan = plan_set(name, 0, count or 1, params, metrics=metrics)
+            make_many(plan, seed, out, workers=workers, force=force, as_json=as_json)
 
     command.__doc__ = made_by.description
-    for decorate in (json_option, force_option, _metrics_option, _out_option, _count_option, seed_option):
+    for decorate in (json_option, force_option, *reversed(_SET_OPTIONS), seed_option):
         command = decorate(command)
     for parameter in reversed(made_by.parameters):
         command = _option(parameter)(command)
     return click.command(name)(command)
 
 
+def _is_one(count: int | None, out: Path | None) -> bool:
+    """Whether one file is wanted, not a set.
+
+    Raises:
+        UsageError: If the output's name is of the other kind.
+    """
+    from worldgen.archives import is_archive
+    from worldgen.world_files import is_world_file
+
+    if count is None and out is not None and is_archive(out):
+        raise click.UsageError(f"{out} names an archive; say with --count how many worlds go into it")
+    if (count or 1) > 1 and out is not None and is_world_file(out.name):
+        raise click.UsageError(f"{out} names one world's file; for {count} name a folder or an archive")
+    return count is None or (count == 1 and (out is None or is_world_file(out.name)))
+
+
 _count_option = click.option(
-    "--count", type=click.IntRange(1), default=1, show_default=True, help="Number of worlds, of rising seeds."
+    "--count", type=click.IntRange(1), help="Make a set of so many worlds, of rising seeds, with a manifest."
 )
 _out_option = click.option(
     "--out",
     type=click.Path(path_type=Path),
-    help="File to write, .grid or .grid.gz; for more than one world, a folder. Without it, the world goes to stdout.",
+    help="File to write, .grid or .grid.gz; with --count a folder, or an archive: .zip, .tar.gz or .tar.bz2. "
+    "Without it, the world goes to stdout.",
+)
+_workers_option = click.option(
+    "--workers", type=click.IntRange(1, 256), help="Processes that make a set [default: one a core, for large ones]."
 )
 _metrics_option = click.option(
     "--metrics/--no-metrics", default=True, show_default=True, help="Measure each world, into its file's header."
 )
+_SET_OPTIONS = (_count_option, _out_option, _workers_option, _metrics_option)
 
 
 def _option(parameter: Parameter) -> Any:
@@ -91,40 +119,6 @@ def _make_one(
         emit_json({**_identity(made_by, seed, params), **result})
 
 
-def _make_many(
-    made_by: Family,
-    first: int,
-    count: int,
-    params: dict[str, Value],
-    folder: Path,
-    *,
-    metrics: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
-    """Writes worlds of rising seeds; what is written stays, whatever ends the work."""
-    from worldgen.grid_file import write_world
-
-    seeds = [(first + k) % 2**64 for k in range(count)]
-    files = [folder / f"{made_by.name}-{seed}.grid" for seed in seeds]
-    _check_free(folder, files, force=force)
-    results: list[dict[str, Any]] = []
-    try:
-        with _progress(count) as advance:
-            for seed, file in zip(seeds, files, strict=True):
-                world = _made(made_by, seed, params, metrics=metrics)
-                _make_folder(folder)
-                write_world(world, file, force=force)
-                results.append({"seed": seed, **_result(world, file)})
-                advance()
-    except (KeyboardInterrupt, WorldgenError):
-        note(f"{folder}: {len(results)} of {count} worlds are written")
-        raise
-    note(f"{folder}: {count} worlds of {made_by.name}, seeds {seeds[0]} to {seeds[-1]}")
-    if as_json:
-        emit_json({**_identity(made_by, first, params), "count": count, "files": results})
-
-
 def _identity(made_by: Family, seed: int, params: dict[str, Value]) -> dict[str, Any]:
     return {"family": made_by.name, "version": made_by.version, "seed": seed, "params": made_by.complete(params)}
 
@@ -150,33 +144,3 @@ def _result(world: World, file: Path | None) -> dict[str, Any]:
         "witness_length": witness.length,
         "witness_time": witness.duration,
     }
-
-
-def _check_free(folder: Path, files: Sequence[Path], *, force: bool) -> None:
-    if folder.exists() and not folder.is_dir():
-        raise OutputError(f"{folder} is a file; name a folder for more than one world")
-    if not force:
-        for file in files:
-            if file.exists():
-                raise OutputError(f"{file} is there already; give --force to overwrite it, or another folder")
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be made: {error.strerror or error}; choose another place") from error
-
-
-@contextmanager
-def _progress(count: int) -> Iterator[Callable[[], None]]:
-    """Gives what to call after each world; a bar on stderr where that is a terminal."""
-    if not sys.stderr.isatty():
-        yield lambda: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("worlds", total=count)
-        yield lambda: progress.advance(task)

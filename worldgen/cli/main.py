@@ -78,6 +78,7 @@ _SUMMARY = {
     "fuzz": "Search for worlds in which a controller fails; prove, shrink and save what is found.",
     "import": "Read a foreign map and place start and target.",
     "new-controller": "Write a working, commented controller to begin from.",
+    "regenerate": "Make a set of worlds again from its manifest, byte for byte, or check it.",
     "replay": "Run saved failures again and compare verdict, evidence, trace digest and certificate.",
     "run": "Run a controller in a world and say how it ends.",
     "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",

@@ -16,7 +16,7 @@ __all__ = ["verify", "verify_world"]
 
 
 @click.command()
-@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
+@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--radius", type=float, metavar="R", help="Ask for a disc of this radius, m, instead of the robot's.")
 @click.option("--widest", is_flag=True, help="Say too which is the largest disc that could get to the target at all.")
 @json_option
@@ -25,22 +25,22 @@ def verify(paths: tuple[Path, ...], radius: float | None, widest: bool, as_json:
 
     A file's certificate is checked by code that shares nothing with the code that made it. A map without a
     certificate is decided afresh, and so is a certificate that says nothing about the radius asked for; what
-    was decided is then checked in the same way. A folder stands for the .grid files in it.
+    was decided is then checked in the same way. A folder or an archive stands for the
+    .grid files in it.
 
     Exits with 0 if every certificate holds or every map could be decided (blocked is an answer too), with 1
     if a certificate does not hold or a map stays undecided, with 2 if a file cannot be read.
     """
-    from worldgen.grid_file import read_world
     from worldgen.reach import widest_disc
+    from worldgen.world_files import read_worlds
 
     results = []
-    for path in _files(paths):
-        world = read_world(path)
+    for path, world in read_worlds(paths):
         results.append({"path": str(path), **verify_world(world, radius)})
         if widest:
             results[-1]["widest"] = widest_disc(world)
-    for result in results if not as_json else []:
-        click.echo(_line(result))
+        if not as_json:
+            click.echo(_line(results[-1]))
     if as_json:
         emit_json(results[0] if len(results) == 1 else {"files": results})
     if not all(result["certificate_valid"] for result in results):
@@ -80,16 +80,6 @@ def verify_world(world: World, radius: float | None = None) -> dict[str, Any]:
         answer |= {"result": claim if report.valid else UNDECIDED, "certificate": kind}
         answer |= {"certificate_valid": report.valid, "clearance": report.clearance, "reason": report.reason}
     return answer
-
-
-def _files(paths: tuple[Path, ...]) -> list[Path]:
-    found: list[Path] = []
-    for path in paths:
-        inside = sorted(path.rglob("*.grid")) + sorted(path.rglob("*.grid.gz")) if path.is_dir() else [path]
-        if not inside:
-            raise click.UsageError(f"{path} holds no .grid file; name a file, or a folder with some")
-        found += inside
-    return found
 
 
 def _line(result: dict[str, Any]) -> str:

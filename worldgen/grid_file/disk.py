@@ -10,6 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Protocol
 
+from worldgen.archives import Member, archive_in, members
 from worldgen.errors import FormatError, OutputError
 from worldgen.files import write_bytes
 from worldgen.grid_file.reader import loads
@@ -17,7 +18,7 @@ from worldgen.grid_file.schema import EXPANSION_FLOOR, EXPANSION_RATIO, MAX_FILE
 from worldgen.grid_file.writer import dumps, pieces
 from worldgen.world import World
 
-__all__ = ["expansion_limit", "read_world", "write_world"]
+__all__ = ["expansion_limit", "read_world", "unpack_world", "write_world"]
 
 
 _COMPRESSION = 6  # zlib's own default; fixed, so that equal worlds are equal files
@@ -34,6 +35,9 @@ class _SupportsRead(Protocol):
 def read_world(path: str | PathLike[str]) -> World:
     """The world in a file; names ending in ``.gz`` are decompressed.
 
+    Args:
+        path: The file; one in an archive has the archive's path and then its own name, ``set.zip/maze-7.grid``.
+
     Raises:
         FormatError: If the file cannot be read, or is no ``.grid`` file; with the line where there is one.
     """
@@ -41,6 +45,11 @@ def read_world(path: str | PathLike[str]) -> World:
     try:
         with Path(path).open("rb") as stream:
             data = _read_up_to(stream, MAX_FILE_BYTES)
+    except NotADirectoryError as error:
+        place = archive_in(Path(path))
+        if place is None:
+            raise FormatError("there is no such file; check the name", source=source) from error
+        return _read_archived(*place, source)
     except FileNotFoundError as error:
         raise FormatError("there is no such file; check the name", source=source) from error
     except IsADirectoryError as error:
@@ -52,6 +61,30 @@ def read_world(path: str | PathLike[str]) -> World:
     if data is None:
         raise FormatError(f"longer than {MAX_FILE_BYTES} bytes, the limit of a .grid file", source=source)
     return loads(_expand(data, source) if _is_compressed(source) else data, source)
+
+
+def unpack_world(member: Member, source: str) -> World:
+    """The world in a file of an archive.
+
+    Args:
+        member: The file.
+        source: Its name in messages.
+
+    Raises:
+        FormatError: If it cannot be read, or is no ``.grid`` file.
+    """
+    limit = expansion_limit(member.packed)
+    data = member.read(limit)
+    if data is None:
+        raise FormatError(f"longer than {limit} bytes, the limit in such an archive; unpack it by hand", source=source)
+    return loads(_expand(data, source) if _is_compressed(source) else data, source)
+
+
+def _read_archived(archive: Path, name: str, source: str) -> World:
+    for member in members(archive):
+        if member.name == name:
+            return unpack_world(member, source)
+    raise FormatError(f"holds no file {name!r}; list its files to find the name", source=str(archive))
 
 
 def write_world(world: World, path: str | PathLike[str], *, force: bool = False) -> None:

@@ -1,0 +1,431 @@
+"""Sets of worlds: what is interrupted goes on, what is there is not lost, a manifest gives the set back."""
+
+import hashlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+import worldgen.sets.stores
+from tests.helpers.command_line import worldgen as run
+from worldgen.archives import members
+from worldgen.difficulty import with_metrics
+from worldgen.errors import FormatError, InvalidParameter, OutputError
+from worldgen.generation import generate, stream
+from worldgen.grid_file import dumps, read_world, world_digest
+from worldgen.sets import check_set, make_set, manifest_of, plan_set, regenerate_set
+from worldgen.sets.journal import Journal
+
+SMALL = {"size": 12}
+TRAPS = ("trap", "--size", 12, "--seed", 5, "--count", 6)
+OWN = """
+from worldgen import Pose, Target, World
+from worldgen.family import family
+
+@family("pillars", version=1)
+def pillars(rng, *, size: int = 12):
+    \"""A room with a pillar.\"""
+    walls = [[x in (0, size - 1) or y in (0, size - 1) for x in range(size)] for y in range(size)]
+    walls[rng.between(4, 7)][rng.between(4, 7)] = True
+    return World(walls, start=Pose(0.2, 0.2), target=Target(1.0, 1.0, 0.05))
+"""
+every_kind = pytest.mark.parametrize("out", ["set", "set.zip", "set.tar.gz", "set.tar.bz2"])
+
+
+def contents(place):
+    """Names and bytes of all files of a set, or the bytes of an archive."""
+    if place.is_file():
+        return place.read_bytes()
+    return {path.relative_to(place).as_posix(): path.read_bytes() for path in place.rglob("*") if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A folder with the set of traps in each form, never interrupted; not to be changed."""
+    folder = tmp_path_factory.mktemp("whole")
+    for out in ("set", "set.zip", "set.tar.gz", "set.tar.bz2"):
+        assert run(*TRAPS, "--out", folder / out).code == 0
+    return folder
+
+
+@pytest.fixture
+def traps(whole, tmp_path):
+    """A copy of the set's folder."""
+    return shutil.copytree(whole / "set", tmp_path / "set")
+
+
+def test_a_manifest_says_of_each_world_what_it_is(whole):
+    lines = [json.loads(line) for line in (whole / "set/manifest.jsonl").read_text().splitlines()]
+    assert lines[0]["format"] == "worldgen-set 1" and lines[0]["count"] == 6 and lines[0]["seed"] == 5
+    for seed, line in enumerate(lines[1:], 5):
+        world = with_metrics(generate("trap", seed, size=12))
+        assert line["metrics"] == world.provenance.metrics
+        assert line["digest"] == world_digest(world) and line["params"] == dict(world.provenance.params)
+        assert (line["family"], line["version"], line["seed"]) == ("trap", world.provenance.version, seed)
+        assert (whole / "set" / line["file"]).read_bytes() == dumps(world) and line["bytes"] == len(dumps(world))
+
+
+@every_kind
+def test_an_archive_holds_what_the_folder_does(whole, out):
+    if out != "set":
+        held = {member.name: member.read(1 << 20) for member in members(whole / out)}
+        assert held == contents(whole / "set")
+
+
+@pytest.mark.parametrize("out", ["set", "set.zip"])
+def test_equal_commands_make_equal_bytes_with_any_workers(whole, tmp_path, out):
+    assert run(*TRAPS, "--workers", 3, "--out", tmp_path / out).code == 0
+    assert contents(tmp_path / out) == contents(whole / out)
+
+
+@every_kind
+def test_a_set_is_made_again_from_its_manifest_byte_for_byte(whole, tmp_path, out):
+    manifest = shutil.copy(whole / "set/manifest.jsonl", tmp_path / "kept.jsonl")
+    assert run("regenerate", manifest, "--out", tmp_path / out).code == 0
+    assert contents(tmp_path / out) == contents(whole / out)
+
+
+@every_kind
+def test_every_set_is_what_its_manifest_says(whole, out):
+    result = run("regenerate", whole / out, "--check", "--json")
+    assert result.code == 0 and json.loads(result.out)["differences"] == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends SIGKILL")
+@pytest.mark.parametrize("out", ["set", "set.zip"])
+def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
+    command = ["maze", "--seed", 1, "--count", 60, "--workers", 1, "--out", tmp_path / out]
+    manifest = tmp_path / (out if out == "set" else out + ".part") / "manifest.jsonl"
+    for lines in (3, 20):
+        process = subprocess.Popen([sys.executable, "-m", "worldgen", *map(str, command)], stderr=subprocess.DEVNULL)
+        while not manifest.is_file() or manifest.read_bytes().count(b"\n") < lines:
+            assert process.poll() is None
+            time.sleep(0.002)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    assert "worlds are there already; going on" in run(*command).err
+    run(*command[:-1], tmp_path / f"whole-{out}")
+    assert contents(tmp_path / out) == contents(tmp_path / f"whole-{out}")
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([out, f"whole-{out}"])
+
+
+@pytest.mark.parametrize("torn", [1, 30, 700], ids="{} bytes short".format)
+def test_a_torn_manifest_goes_on_from_its_last_whole_line(whole, traps, torn):
+    manifest = traps / "manifest.jsonl"
+    manifest.write_bytes(manifest.read_bytes()[:-torn])
+    assert run(*TRAPS, "--out", traps).code == 0
+    assert contents(traps) == contents(whole / "set")
+
+
+def test_a_manifest_torn_in_its_first_line_begins_anew(whole, tmp_path):
+    (tmp_path / "set").mkdir()
+    (tmp_path / "set/manifest.jsonl").write_bytes(b'{"format": "worldg')
+    assert run(*TRAPS, "--out", tmp_path / "set").code == 0
+    assert contents(tmp_path / "set") == contents(whole / "set")
+
+
+@pytest.mark.parametrize("left", [None, b""], ids=["gone", "empty"])
+def test_a_file_that_a_power_cut_took_is_made_again(whole, traps, left):
+    lines = (traps / "manifest.jsonl").read_bytes().splitlines(keepends=True)
+    (traps / "manifest.jsonl").write_bytes(b"".join(lines[:5]))
+    (traps / "trap-7.grid").unlink() if left is None else (traps / "trap-7.grid").write_bytes(left)
+    assert run(*TRAPS, "--out", traps).code == 0
+    assert contents(traps) == contents(whole / "set")
+
+
+def test_bytes_that_an_archive_lost_are_made_again(whole, tmp_path, monkeypatch):
+    monkeypatch.setattr(worldgen.sets.stores.ArchiveStore, "finish", lambda self: None)
+    run(*TRAPS, "--out", tmp_path / "set.zip")
+    monkeypatch.undo()
+    worlds = tmp_path / "set.zip.part/worlds"
+    worlds.write_bytes(worlds.read_bytes()[: 3 * manifest_of(whole / "set").entries[0].size])
+    assert " worlds are there already; going on" in run(*TRAPS, "--out", tmp_path / "set.zip").err
+    assert contents(tmp_path / "set.zip") == contents(whole / "set.zip")
+
+
+def test_a_drawn_seed_is_taken_up_again(tmp_path):
+    options = ("trap", "--size", 12, "--count", 4, "--out", tmp_path / "set")
+    seed = run(*options).err.split()[1]
+    manifest = tmp_path / "set/manifest.jsonl"
+    manifest.write_bytes(b"".join(manifest.read_bytes().splitlines(keepends=True)[:3]))
+    assert run(*options).err.startswith(f"seed {seed}\n")
+    assert len(manifest_of(tmp_path / "set").entries) == 4
+
+
+@pytest.mark.parametrize(
+    ("other", "lines", "message"),
+    [
+        ((), 7, "holds this set already, finished; give --force"),
+        (("--shape", "V"), 4, "holds 3 of 6 worlds of another set: trap from seed 5"),
+        (("--count", 7), 7, "holds 6 of 6 worlds of another set"),
+        (("--seed", 6), 7, "name another place, or give --force to replace it"),
+    ],
+    ids=["finished", "unfinished", "longer", "elsewhere"],
+)
+def test_what_is_there_is_not_replaced_unasked(traps, other, lines, message):
+    manifest = traps / "manifest.jsonl"
+    manifest.write_bytes(b"".join(manifest.read_bytes().splitlines(keepends=True)[:lines]))
+    before = contents(traps)
+    result = run(*TRAPS, *other, "--out", traps)
+    assert result.code == 2 and message in result.err and contents(traps) == before
+
+
+def test_an_archive_that_is_there_is_not_replaced_unasked(tmp_path):
+    (tmp_path / "set.zip").write_text("mine")
+    result = run(*TRAPS, "--out", tmp_path / "set.zip")
+    assert result.code == 2 and "is there already; give --force" in result.err
+    assert (tmp_path / "set.zip").read_text() == "mine"
+
+
+def test_force_replaces_the_files_of_a_set_and_no_others(traps):
+    (traps / "notes.txt").write_text("mine")
+    assert run("maze", "--size", 12, "--seed", 1, "--count", 2, "--out", traps, "--force").code == 0
+    assert sorted(contents(traps)) == ["manifest.jsonl", "maze-1.grid", "maze-2.grid", "notes.txt"]
+
+
+def test_force_with_bad_parameters_replaces_nothing(traps, whole):
+    assert run("maze", "--size", 5, "--count", 2, "--out", traps, "--force").code == 2
+    assert contents(traps) == contents(whole / "set")
+
+
+def test_a_file_that_a_person_changed_stays(traps):
+    manifest = traps / "manifest.jsonl"
+    manifest.write_bytes(manifest.read_bytes()[:-1])
+    (traps / "trap-6.grid").write_text("mine")
+    result = run(*TRAPS, "--out", traps)
+    assert result.code == 2 and "trap-6.grid has other content than the set's" in result.err
+    assert (traps / "trap-6.grid").read_text() == "mine"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no file locks")
+def test_two_commands_do_not_write_one_set(traps):
+    other = Journal(traps / "manifest.jsonl")
+    other.read()
+    assert "is being written by another command" in run(*TRAPS, "--out", traps).err
+    other.close()
+    assert "holds this set already" in run(*TRAPS, "--out", traps).err
+
+
+def test_a_full_disk_loses_nothing_and_the_command_goes_on(whole, tmp_path, monkeypatch):
+    real = worldgen.sets.stores.place_file
+
+    def full(file, data):
+        if file.name == "trap-8.grid":
+            raise OSError(28, "No space left on device")
+        real(file, data)
+
+    monkeypatch.setattr(worldgen.sets.stores, "place_file", full)
+    result = run(*TRAPS, "--out", tmp_path / "set")
+    assert result.code == 2 and "3 of 6 worlds are written; the same command goes on from there" in result.err
+    assert "trap-8.grid: cannot be written: No space left on device" in result.err
+    monkeypatch.undo()
+    run(*TRAPS, "--out", tmp_path / "set")
+    assert contents(tmp_path / "set") == contents(whole / "set")
+
+
+@pytest.mark.parametrize("out", ["set", "set.zip"])
+def test_a_place_that_cannot_be_written_is_one_sentence(tmp_path, out):
+    (tmp_path / "file").write_text("")
+    result = run(*TRAPS, "--out", tmp_path / "file" / out)
+    assert result.code == 2 and "Traceback" not in result.err and "cannot be written: " in result.err
+
+
+def damage(folder, kind):
+    if kind == "missing":
+        (folder / "trap-7.grid").unlink()
+    elif kind == "changed":
+        (folder / "trap-7.grid").write_bytes((folder / "trap-7.grid").read_bytes().replace(b"#", b".", 1))
+    elif kind == "extra":
+        (folder / "sub").mkdir()
+        (folder / "sub/trap-7.grid").write_text("")
+    else:
+        lines = (folder / "manifest.jsonl").read_bytes().splitlines(keepends=True)
+        (folder / "manifest.jsonl").write_bytes(b"".join(lines[:6]))
+        (folder / "trap-10.grid").unlink()
+
+
+@pytest.mark.parametrize(
+    ("kind", "file"),
+    [
+        ("missing", "trap-7.grid"),
+        ("changed", "trap-7.grid"),
+        ("extra", "sub/trap-7.grid"),
+        ("unfinished", "manifest.jsonl"),
+    ],
+)
+def test_every_kind_of_difference_is_found(traps, kind, file):
+    damage(traps, kind)
+    result = run("regenerate", traps, "--check", "--json")
+    assert result.code == 1 and json.loads(result.out)["differences"] == [{"kind": kind, "file": file}]
+
+
+def test_a_set_elsewhere_is_checked_against_a_manifest(whole, traps):
+    damage(traps, "changed")
+    result = run("regenerate", whole / "set/manifest.jsonl", "--out", traps, "--check")
+    assert result.code == 1 and result.out == f"{traps / 'trap-7.grid'}: changed\n"
+
+
+def test_an_archive_is_checked_file_by_file(whole, traps, tmp_path):
+    damage(traps, "changed")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(traps)
+        shutil.make_archive(str(tmp_path / "packed"), "zip", ".")
+    assert [str(found.kind) for found in check_set(tmp_path / "packed.zip", manifest_of(whole / "set"))] == ["changed"]
+
+
+def test_what_is_missing_is_made_again_beside_its_manifest(whole, traps):
+    damage(traps, "missing")
+    result = run("regenerate", traps)
+    assert (
+        result.code == 0 and "1 worlds made, 5 were there" in result.err and contents(traps) == contents(whole / "set")
+    )
+
+
+def test_what_was_changed_is_made_again_only_with_force(whole, traps):
+    damage(traps, "changed")
+    assert "give --force" in run("regenerate", traps).err
+    assert run("regenerate", traps, "--force").code == 0 and contents(traps) == contents(whole / "set")
+
+
+def edited(whole, tmp_path, old, new):
+    text = (whole / "set/manifest.jsonl").read_text().replace(old, new)
+    (tmp_path / "manifest.jsonl").write_text(text)
+    return tmp_path / "manifest.jsonl"
+
+
+def test_a_family_of_another_version_is_refused(whole, tmp_path):
+    version = generate("trap").provenance.version
+    manifest = edited(whole, tmp_path, f'"version": {version}', f'"version": {version + 1}')
+    result = run("regenerate", manifest, "--out", tmp_path / "again")
+    assert result.code == 2 and f"trap version {version + 1}, and this is version {version}" in result.err
+    assert not (tmp_path / "again").exists()
+
+
+def test_a_world_that_comes_out_otherwise_is_told_and_not_written(whole, tmp_path):
+    sha256 = manifest_of(whole / "set").entries[2].sha256
+    manifest = edited(whole, tmp_path, sha256, "0" * 64)
+    result = run("regenerate", manifest, "--out", tmp_path / "again")
+    assert result.code == 1 and "trap-7.grid comes out otherwise" in result.err
+    assert not (tmp_path / "again/trap-7.grid").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("worldgen-set 1", "worldgen-set 9", r'format "worldgen-set 9" must be "worldgen-set 1"'),
+        ('"file": "trap-7.grid"', '"file": "../../trap-7.grid"', "4: file .* is no name of a world's file in a set"),
+        ('"file": "trap-7.grid"', '"file": "trap-6.grid"', "4: trap-6.grid is there twice"),
+        ('"seed": 7', '"seed": "7"', '4: seed "7" must be a whole number'),
+        ('"seed": 7, ', "", "4: seed is missing, and must be a whole number"),
+        ('{"file": "trap-7.grid"', "[", "4: no line of JSON"),
+        ('"count": 6', '"count": 5', "6 worlds, and the first line counts 5"),
+    ],
+)
+def test_a_manifest_with_a_fault_is_refused_with_its_line(whole, tmp_path, old, new, message):
+    with pytest.raises(FormatError, match=message):
+        manifest_of(edited(whole, tmp_path, old, new))
+
+
+def test_a_familys_own_file_is_named_again(tmp_path):
+    (tmp_path / "mine.py").write_text(OWN)
+    place = f"{tmp_path}/mine.py:pillars"
+    run(place, "--count", 2, "--seed", 1, "--out", tmp_path / "set")
+    assert "say where it is: --family ./file.py:name" in run("regenerate", tmp_path / "set", "--out", "x").err
+    again = run("regenerate", tmp_path / "set", "--family", place, "--out", tmp_path / "again")
+    assert again.code == 0 and contents(tmp_path / "again") == contents(tmp_path / "set")
+
+
+def test_a_set_without_metrics_is_made_again_without(tmp_path):
+    run(*TRAPS, "--no-metrics", "--out", tmp_path / "set")
+    assert "metrics" not in (tmp_path / "set/trap-5.grid").read_text()
+    run("regenerate", tmp_path / "set", "--out", tmp_path / "again")
+    assert contents(tmp_path / "again") == contents(tmp_path / "set")
+
+
+def test_a_manifest_from_before_a_parameter_was_added_gives_the_same_bytes(whole, tmp_path):
+    text = (whole / "set/manifest.jsonl").read_text().replace('"angle": 0, ', "")
+    for seed in range(5, 11):
+        old = (whole / f"set/trap-{seed}.grid").read_bytes()
+        new = old.replace(b"angle = 0, ", b"")
+        text = text.replace(hashlib.sha256(old).hexdigest(), hashlib.sha256(new).hexdigest())
+    (tmp_path / "manifest.jsonl").write_text(text)
+    result = run("regenerate", tmp_path / "manifest.jsonl", "--out", tmp_path / "again")
+    assert result.code == 0 and b"angle" not in (tmp_path / "again/trap-7.grid").read_bytes()
+
+
+def test_large_sets_are_in_folders_of_a_thousand():
+    plan = plan_set("maze", 0, 10_001, {})
+    assert [plan.file(k) for k in (0, 999, 1000, 10_000)] == [
+        "0000/maze-0.grid", "0000/maze-999.grid", "0001/maze-1000.grid", "0010/maze-10000.grid",
+    ]  # fmt: skip
+    assert plan_set("maze", 0, 10_000, {}).file(9_999) == "maze-9999.grid"
+
+
+def test_a_set_in_subfolders_is_made_and_checked(tmp_path, monkeypatch):
+    monkeypatch.setattr(worldgen.sets.plan, "_FLAT", 3)
+    monkeypatch.setattr(worldgen.sets.plan, "_SHARD", 2)
+    run(*TRAPS, "--out", tmp_path / "set")
+    assert (tmp_path / "set/0002/trap-10.grid").is_file()
+    assert run("regenerate", tmp_path / "set", "--check").code == 0
+    run(*TRAPS, "--out", tmp_path / "set", "--force", "--shape", "V")
+    assert run("regenerate", tmp_path / "set", "--check").code == 0
+
+
+@every_kind
+def test_commands_read_sets_in_every_form(whole, out):
+    result = json.loads(run("verify", whole / out, "--json").out)
+    assert sorted(found["path"] for found in result["files"]) == sorted(
+        str(whole / out / f"trap-{seed}.grid") for seed in range(5, 11)
+    )
+    assert all(found["certificate_valid"] for found in result["files"])
+    assert read_world(whole / out / "trap-7.grid") == with_metrics(generate("trap", 7, size=12))
+
+
+def test_a_file_that_an_archive_lacks_is_one_sentence(whole):
+    result = run("show", whole / "set.zip/trap-99.grid")
+    assert result.code == 2 and "set.zip: holds no file 'trap-99.grid'" in result.err
+
+
+@pytest.mark.parametrize("out", ["set.zip", "set.tar.gz", "set.tar.bz2"])
+@pytest.mark.parametrize("end", [100, -700], ids=["head", "most"])
+def test_an_archive_that_is_cut_off_is_one_sentence(whole, tmp_path, out, end):
+    (tmp_path / out).write_bytes((whole / out).read_bytes()[:end])
+    result = run("verify", tmp_path / out)
+    assert result.code == 2 and "worldgen: " in result.err and "fault of our own" not in result.err
+
+
+def test_a_stream_gives_the_worlds_of_a_set_and_makes_no_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    worlds = list(stream("trap", seed=5, count=3, **SMALL))
+    assert worlds == [generate("trap", seed, **SMALL) for seed in (5, 6, 7)] and not list(tmp_path.iterdir())
+
+
+def test_a_stream_without_a_count_has_no_end_and_goes_on_at_0():
+    worlds = stream("trap", seed=2**64 - 2, **SMALL)
+    assert [next(worlds).provenance.seed for _ in range(4)] == [2**64 - 2, 2**64 - 1, 0, 1]
+
+
+@pytest.mark.parametrize(("params", "match"), [({"sise": 3}, "no parameter 'sise'"), ({"count": -1}, "below 0")])
+def test_a_stream_refuses_at_once_what_can_give_no_world(params, match):
+    with pytest.raises(InvalidParameter, match=match):
+        stream("trap", **params)
+
+
+def test_json_tells_of_a_set(tmp_path):
+    told = json.loads(run(*TRAPS, "--out", tmp_path / "set.zip", "--json").out)
+    assert (told["count"], told["seed"], told["resumed"], told["out"]) == (6, 5, 0, str(tmp_path / "set.zip"))
+    assert told["files"][1]["file"] == str(tmp_path / "set.zip/trap-6.grid") and told["files"][1]["seed"] == 6
+
+
+def test_from_python_a_set_tells_how_far_it_is(whole, tmp_path):
+    seen = []
+    plan = plan_set("trap", 5, 6, SMALL)
+    make_set(plan, tmp_path / "set", progress=seen.append)
+    assert seen == list(range(7)) and contents(tmp_path / "set") == contents(whole / "set")
+    with pytest.raises(OutputError, match="holds this set already"):
+        regenerate_set(manifest_of(tmp_path / "set"), tmp_path / "set")

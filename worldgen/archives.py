@@ -1,0 +1,207 @@
+"""Archives of many small files: written byte for byte alike, read one file at a time and within bounds.
+
+Times, owners and modes are fixed, so equal files in equal order are an equal archive. How bytes are compressed is
+zlib's and libbz2's business: see ``docs/sets.md`` for what that means on other machines.
+"""
+
+from __future__ import annotations
+
+import bz2
+import contextlib
+import gzip
+import tarfile
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Protocol
+
+from worldgen.errors import FormatError
+
+__all__ = ["ENDINGS", "ArchiveWriter", "Member", "archive_in", "is_archive", "members", "writer_for"]
+
+ENDINGS = (".zip", ".tar.gz", ".tgz", ".tar.bz2", ".tar")
+
+_LEVEL = 6  # of zlib, its own default; fixed
+_FIRST_DAY = (1980, 1, 1, 0, 0, 0)  # a zip file knows no earlier one
+_MODE = 0o644
+_BLOCK = 512  # bytes, of a tar file
+_PIECE = 1 << 20  # bytes skipped at a time
+
+
+class SupportsRead(Protocol):
+    """What can be read piece by piece."""
+
+    def read(self, size: int, /) -> bytes:
+        """The next bytes, none at the end."""
+
+
+class ArchiveWriter(Protocol):
+    """An archive that grows file by file."""
+
+    def add(self, name: str, data: bytes) -> None:
+        """Appends a file."""
+
+    def close(self) -> None:
+        """Writes what comes last."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """A file of an archive.
+
+    Args:
+        name: Its name there, with forward slashes.
+        packed: Bytes that it takes compressed; of the whole archive where it is compressed as one.
+        read: Gives its bytes, or ``None`` if there are more than the number it is called with. Of a tar file it
+            must be called before the next member is asked for.
+    """
+
+    name: str
+    packed: int
+    read: Callable[[int], bytes | None]
+
+
+class _Zip:
+    def __init__(self, stream: IO[bytes]) -> None:
+        self._zip = zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED, compresslevel=_LEVEL)
+
+    def add(self, name: str, data: bytes) -> None:
+        entry = zipfile.ZipInfo(name, _FIRST_DAY)
+        entry.compress_type, entry.create_system, entry.external_attr = zipfile.ZIP_DEFLATED, 3, _MODE << 16
+        self._zip.writestr(entry, data, compresslevel=_LEVEL)
+
+    def close(self) -> None:
+        self._zip.close()
+
+
+class _Tar:
+    """A plain tar file, and what compresses it, if anything does."""
+
+    def __init__(self, stream: IO[bytes] | gzip.GzipFile | bz2.BZ2File, *, compresses: bool) -> None:
+        self._stream, self._compresses, self._size = stream, compresses, 0
+
+    def add(self, name: str, data: bytes) -> None:
+        entry = tarfile.TarInfo(name)
+        entry.size, entry.mode = len(data), _MODE
+        self._write(entry.tobuf(tarfile.USTAR_FORMAT, "utf-8", "strict"))
+        self._write(data + bytes(-len(data) % _BLOCK))
+
+    def close(self) -> None:
+        end = 2 * _BLOCK
+        self._write(bytes(end + -(self._size + end) % tarfile.RECORDSIZE))
+        if self._compresses:
+            self._stream.close()
+
+    def _write(self, data: bytes) -> None:
+        self._stream.write(data)
+        self._size += len(data)
+
+
+def is_archive(path: Path) -> bool:
+    """Whether a file of this name is taken for an archive."""
+    return path.name.lower().endswith(ENDINGS)
+
+
+def writer_for(path: Path, stream: IO[bytes]) -> ArchiveWriter:
+    """A writer of the kind that the path's name asks for.
+
+    Args:
+        path: Its ending counts.
+        stream: Where the bytes go.
+    """
+    name = path.name.lower()
+    if name.endswith(".zip"):
+        return _Zip(stream)
+    if name.endswith((".gz", ".tgz")):
+        packed = gzip.GzipFile(filename="", mode="wb", compresslevel=_LEVEL, fileobj=stream, mtime=0)
+        return _Tar(packed, compresses=True)
+    if name.endswith(".bz2"):
+        return _Tar(bz2.BZ2File(stream, "wb"), compresses=True)
+    return _Tar(stream, compresses=False)
+
+
+@contextlib.contextmanager
+def _told(source: str) -> Iterator[None]:
+    """Makes one sentence of whatever a broken archive raises."""
+    try:
+        yield
+    except FileNotFoundError as error:
+        raise FormatError("there is no such file; check the name", source=source) from error
+    except (zipfile.BadZipFile, tarfile.TarError, EOFError, zlib.error, gzip.BadGzipFile, ValueError) as error:
+        if isinstance(error, FormatError):
+            raise
+        raise FormatError(f"no sound archive: {error or 'it is cut off'}; copy it again", source=source) from error
+    except (NotImplementedError, RuntimeError) as error:  # another compression, or encrypted
+        raise FormatError(f"cannot be unpacked: {error}; pack it anew without that", source=source) from error
+    except OSError as error:
+        raise FormatError(f"cannot be read: {error.strerror or error}", source=source) from error
+
+
+def members(path: Path) -> Iterator[Member]:
+    """The files of an archive in their order, one at a time.
+
+    Raises:
+        FormatError: If it cannot be read.
+    """
+    with _told(str(path)), path.open("rb") as stream:
+        name = path.name.lower()
+        packed = path.stat().st_size
+        if name.endswith(".zip"):
+            yield from _zip_members(stream, str(path), packed)
+        elif name.endswith((".gz", ".tgz")):
+            yield from _tar_members(gzip.GzipFile(fileobj=stream), str(path), packed)
+        else:
+            yield from _tar_members(bz2.BZ2File(stream) if name.endswith(".bz2") else stream, str(path), packed)
+
+
+def archive_in(path: Path) -> tuple[Path, str] | None:
+    """The archive of which a path names a file, and the file's name there: ``set.zip/maze-7.grid``."""
+    for parent in path.parents:
+        if is_archive(parent) and parent.is_file():
+            return parent, path.relative_to(parent).as_posix()
+    return None
+
+
+def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
+    with zipfile.ZipFile(stream) as archive:
+        for entry in archive.infolist():
+
+            def read(limit: int, entry: zipfile.ZipInfo = entry) -> bytes | None:
+                with _told(f"{source}/{entry.filename}"), archive.open(entry) as file:
+                    data = file.read(limit + 1)
+                return data if len(data) <= limit else None
+
+            if not entry.is_dir():
+                yield Member(entry.filename, min(entry.compress_size, most), read)
+
+
+def _tar_members(stream: SupportsRead, source: str, packed: int) -> Iterator[Member]:
+    """Reads tar by hand: the library takes the length of a long header at its word."""
+    while len(head := stream.read(_BLOCK)) == _BLOCK and head.strip(b"\0"):
+        entry = tarfile.TarInfo.frombuf(head, "utf-8", "surrogateescape")
+        if entry.size < 0:
+            raise tarfile.ReadError("a file in it has a length below 0")
+        left = entry.size + -entry.size % _BLOCK
+
+        def read(limit: int, size: int = entry.size) -> bytes | None:
+            nonlocal left
+            if size > limit:
+                return None
+            with _told(source):
+                data = stream.read(size)
+                if len(data) < size:
+                    raise EOFError("it is cut off")
+            left -= size
+            return data
+
+        if entry.type in (tarfile.REGTYPE, tarfile.AREGTYPE):
+            yield Member(entry.name, packed, read)
+        while left > 0:
+            skipped = len(stream.read(min(left, _PIECE)))
+            if not skipped:
+                raise EOFError("it is cut off")
+            left -= skipped
+    if 0 < len(head) < _BLOCK:
+        raise EOFError("it is cut off")

@@ -1,0 +1,114 @@
+"""What the commands that make sets of worlds share: a bar, what an interruption leaves, one object of JSON."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from worldgen.cli.output import draw_seed, emit_json, note
+from worldgen.errors import OutputError, WorldgenError
+
+if TYPE_CHECKING:
+    from worldgen.sets import SetPlan
+
+__all__ = ["make_many", "told", "workers_for"]
+
+_LARGE = 200  # worlds; below it takes longer to start processes than to do without
+
+
+def make_many(plan: SetPlan, seed: int | None, out: Path, *, workers: int | None, force: bool, as_json: bool) -> None:
+    """Makes a set, or goes on with it.
+
+    Args:
+        plan: The set, from any seed on.
+        seed: The first world's; without it, that of an unfinished set there, or else one that is drawn.
+        out: Folder or archive.
+        workers: Processes.
+        force: Whether to replace what is there.
+        as_json: Whether to print one object.
+    """
+    from worldgen.sets import make_set, manifest_of
+
+    plan = plan.with_seed(_seed(plan, seed, out, force=force))
+    header, count = plan.header, plan.header.count
+    with told(out, count) as progress:
+        done = make_set(plan, out, workers=workers_for(count, workers), force=force, progress=progress)
+    note(f"{out}: {count} worlds of {header.family}, seeds {plan.seed(0)} to {plan.seed(count - 1)}")
+    if as_json:
+        asked = {"family": header.family, "version": header.version, "seed": header.seed, "params": header.params}
+        entries = [entry.as_dict() for entry in manifest_of(out).entries]
+        files = [{**entry, "file": str(out / entry["file"])} for entry in entries]
+        emit_json({**asked, "count": count, "out": str(out), "resumed": done.resumed, "files": files})
+
+
+def _seed(plan: SetPlan, seed: int | None, out: Path, *, force: bool) -> int:
+    from worldgen.sets import begun_set
+
+    begun = begun_set(out) if seed is None and not force else None
+    if begun is not None and begun == plan.with_seed(begun.seed).header:
+        note(f"seed {begun.seed}")
+        return begun.seed
+    return draw_seed(seed)
+
+
+def workers_for(count: int, workers: int | None) -> int:
+    """Processes for so many worlds, where nobody said how many."""
+    return workers or (min(os.cpu_count() or 1, 256) if count >= _LARGE else 1)
+
+
+@contextmanager
+def told(out: Path, count: int) -> Iterator[Callable[[int], None]]:
+    """Gives what to call with the number of worlds that are safe; tells it when the work ends early.
+
+    A bar with the rate is on stderr where that is a terminal.
+    """
+    safe = -1
+    with _bar(count) as show:
+
+        def progress(done: int) -> None:
+            nonlocal safe
+            if safe < 0 < done:
+                note(f"{out}: {done} of {count} worlds are there already; going on")
+            safe = done
+            show(done)
+
+        try:
+            yield progress
+        except (KeyboardInterrupt, WorldgenError) as error:
+            if safe >= 0:
+                on = "" if isinstance(error, WorldgenError) and not isinstance(error, OutputError) else _ON
+                note(f"{out}: {safe} of {count} worlds are written{on}")
+            raise
+
+
+_ON = "; the same command goes on from there"
+
+
+@contextmanager
+def _bar(count: int) -> Iterator[Callable[[int], None]]:
+    if not sys.stderr.isatty():
+        yield lambda done: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.text import Text
+
+    class Rate(ProgressColumn):
+        def render(self, task: Any) -> Text:
+            return Text(f"{task.speed or 0.0:,.0f} worlds/s")
+
+    columns = (TextColumn("worlds"), BarColumn(), MofNCompleteColumn(), Rate(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("worlds", total=count)
+        first = True
+
+        def show(done: int) -> None:
+            nonlocal first
+            progress.reset(task, completed=done) if first else progress.update(task, completed=done)
+            first = False
+
+        yield show

@@ -1,0 +1,91 @@
+"""Compares a set with its manifest."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from worldgen.archives import is_archive, members
+from worldgen.errors import FormatError
+from worldgen.sets.manifest import MANIFEST, Manifest, parse_manifest, read_manifest
+
+__all__ = ["Difference", "check_set", "manifest_of"]
+
+_MOST = 512 << 20  # bytes of a file: a .grid file has no more
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One way in which a set is not what its manifest says.
+
+    Args:
+        kind: ``missing``, ``changed``, ``extra`` or ``unfinished``.
+        file: Name of the file in the set.
+    """
+
+    kind: str
+    file: str
+
+
+def manifest_of(path: Path) -> Manifest:
+    """The manifest of a set.
+
+    Args:
+        path: The set's folder, its archive, or the manifest itself.
+
+    Raises:
+        FormatError: If there is none, or it cannot be read.
+    """
+    if path.is_dir():
+        return read_manifest(path / MANIFEST)
+    if not is_archive(path):
+        return read_manifest(path)
+    for member in members(path):
+        if member.name == MANIFEST:
+            data = member.read(_MOST)
+            if data is None:
+                raise FormatError(f"longer than {_MOST} bytes; unpack it by hand", source=f"{path}/{MANIFEST}")
+            return parse_manifest(data.splitlines(keepends=True), f"{path}/{MANIFEST}")
+    raise FormatError(f"holds no {MANIFEST}; it is no set", source=str(path))
+
+
+def check_set(place: Path, manifest: Manifest) -> list[Difference]:
+    """Every way in which a set differs from a manifest, in the manifest's order, then what is extra.
+
+    Args:
+        place: The set's folder or archive.
+        manifest: What it is to be.
+
+    Raises:
+        FormatError: If the archive or a file cannot be read.
+    """
+    found = dict(_archived(place) if is_archive(place) and place.is_file() else _in_folder(place))
+    differences = []
+    for entry in manifest.entries:
+        sha256 = found.pop(entry.file, None)
+        if sha256 != entry.sha256:
+            differences.append(Difference("missing" if sha256 is None else "changed", entry.file))
+    found.pop(MANIFEST, None)
+    differences += [Difference("extra", name) for name in sorted(found)]
+    if not manifest.finished:
+        differences.append(Difference("unfinished", MANIFEST))
+    return differences
+
+
+def _in_folder(folder: Path) -> Iterator[tuple[str, str]]:
+    for path in folder.rglob("*"):
+        name = path.relative_to(folder)
+        if path.is_file() and not any(part.startswith(".") for part in name.parts):
+            try:
+                with path.open("rb") as stream:
+                    yield name.as_posix(), hashlib.file_digest(stream, "sha256").hexdigest()
+            except OSError as error:
+                raise FormatError(f"cannot be read: {error.strerror or error}", source=str(path)) from error
+
+
+def _archived(archive: Path) -> Iterator[tuple[str, str]]:
+    for member in members(archive):
+        data = member.read(_MOST)
+        yield member.name, "" if data is None else hashlib.sha256(data).hexdigest()

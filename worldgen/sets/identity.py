@@ -1,0 +1,48 @@
+"""From a manifest's lines back to worlds: the family must be here, and in the same version."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from worldgen.errors import InvalidParameter
+from worldgen.family import FAMILIES
+from worldgen.sets.making import Job
+from worldgen.sets.manifest import Entry
+
+__all__ = ["entry_jobs"]
+
+
+def entry_jobs(entries: Iterable[Entry], families: Sequence[str] = ()) -> list[Job]:
+    """What is to be made for these lines.
+
+    Args:
+        entries: The lines.
+        families: Where families are that are not registered, as ``./file.py:name``.
+
+    Raises:
+        InvalidParameter: If a family is unknown or of another version than the manifest's.
+    """
+    places = {FAMILIES.get(place).name: place for place in families}
+    checked: dict[tuple[str, int], str] = {}
+    jobs = []
+    for entry in entries:
+        key = (entry.family, entry.version)
+        if key not in checked:
+            checked[key] = _place(entry, places.get(entry.family, entry.family))
+        jobs.append(Job(checked[key], entry.seed, entry.params, entry.metrics))
+    return jobs
+
+
+def _place(entry: Entry, place: str) -> str:
+    if place == entry.family and place not in FAMILIES.names():
+        raise InvalidParameter(
+            f"the set is of family {place!r}, which is none of {', '.join(FAMILIES.names())}; "
+            "say where it is: --family ./file.py:name"
+        )
+    found = FAMILIES.get(place)
+    if found.version != entry.version:
+        raise InvalidParameter(
+            f"the set is of {entry.family} version {entry.version}, and this is version {found.version}, which makes "
+            "other worlds; install the worldgen that the manifest names"
+        )
+    return place

@@ -1,0 +1,123 @@
+"""The manifest of a set that is being made: a world's line is appended when its file is safe."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from worldgen.errors import OutputError
+from worldgen.sets.manifest import Manifest, parse_manifest
+
+try:
+    import fcntl
+except ImportError:  # Windows, where nothing keeps a second command out
+    fcntl = None  # type: ignore[assignment]
+
+__all__ = ["Journal"]
+
+
+class Journal:
+    """A manifest that grows by whole lines, whatever ends the process, and that one process writes at a time.
+
+    Args:
+        path: The file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._file: int | None = None
+        self._end = 0  # bytes of whole lines
+
+    def read(self) -> Manifest | None:
+        """What is there already, kept from other processes until ``close``.
+
+        Returns:
+            The manifest; ``None`` if there is none, or not even a whole first line.
+
+        Raises:
+            FormatError: If it is no manifest.
+            OutputError: If another process is writing it, or it may not be written.
+        """
+        if not self.path.is_file():
+            return None
+        self._open(os.O_RDWR)
+        with self._told(), self.path.open("rb") as stream:
+            lines = list(stream)
+        if not lines or not lines[0].endswith(b"\n"):
+            return None
+        return parse_manifest(lines, str(self.path))
+
+    def start(self, header: bytes) -> None:
+        """Begins anew with this line.
+
+        Raises:
+            OutputError: If it cannot be written, or another process has begun meanwhile.
+        """
+        if self._file is None:
+            self._open(os.O_RDWR | os.O_CREAT)
+        self.cut(0)
+        self.append(header)
+
+    def cut(self, end: int) -> None:
+        """Drops what stands after so many bytes; from there it goes on."""
+        with self._told():
+            os.ftruncate(self._opened(), end)
+        self._end = end
+
+    def append(self, line: bytes) -> None:
+        """Adds a line, or leaves all as it was.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        with self._told():
+            try:
+                append_at(self._opened(), self._end, line)
+            except OSError:
+                with contextlib.suppress(OSError):
+                    os.ftruncate(self._opened(), self._end)
+                raise
+        self._end += len(line)
+
+    def sync(self) -> None:
+        """Waits until the disk has it."""
+        with self._told():
+            os.fsync(self._opened())
+
+    def close(self) -> None:
+        """Lets other processes at it."""
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
+
+    def _open(self, flags: int) -> None:
+        with self._told():
+            self._file = os.open(self.path, flags | getattr(os, "O_BINARY", 0), 0o666)
+        if fcntl is not None:
+            try:
+                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                self.close()
+                raise OutputError(f"{self.path} is being written by another command; let that one end first") from error
+
+    def _opened(self) -> int:
+        if self._file is None:
+            raise OutputError(f"{self.path} is not open; start the set first")
+        return self._file
+
+    @contextlib.contextmanager
+    def _told(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise OutputError(f"{self.path}: cannot be written: {error.strerror or error}") from error
+
+
+def append_at(file: int, end: int, data: bytes) -> None:
+    """Writes all of the data behind ``end`` bytes of an open file."""
+    os.lseek(file, end, os.SEEK_SET)
+    left = memoryview(data)
+    while left:
+        left = left[os.write(file, left) :]

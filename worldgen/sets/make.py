@@ -1,0 +1,236 @@
+"""Makes a set, from a plan or from a manifest, and goes on with one that was interrupted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from worldgen.errors import OutputError, WorldgenError
+from worldgen.sets.identity import entry_jobs
+from worldgen.sets.making import Job, Made, make_all
+from worldgen.sets.manifest import MANIFEST, Entry, Header, Manifest, read_manifest
+from worldgen.sets.plan import SetPlan
+from worldgen.sets.stores import PART, FolderStore, Store, store_for
+
+__all__ = ["SetDiffers", "SetDone", "begun_set", "make_set", "regenerate_set", "restore_set"]
+
+Progress = Callable[[int], None]
+"""Called with the number of worlds that are safe, at the beginning and then after each."""
+
+
+class SetDiffers(WorldgenError):
+    """A world came out otherwise than its manifest says.
+
+    Args:
+        message: What, and what to do.
+        file: The world's file.
+    """
+
+    def __init__(self, message: str, file: str) -> None:
+        super().__init__(message)
+        self.file = file
+
+
+@dataclass(frozen=True)
+class SetDone:
+    """A set that is finished.
+
+    Args:
+        worlds: How many it has.
+        resumed: How many of them were there before.
+    """
+
+    worlds: int
+    resumed: int
+
+
+@dataclass(frozen=True)
+class _Work:
+    """The worlds that are to be written.
+
+    Args:
+        header: First line of the manifest.
+        count: How many.
+        jobs: Those from this one on.
+        named: Name of a file, and its line in the manifest.
+        refuse: Raises if the set that is there is another, or is finished.
+    """
+
+    header: bytes
+    count: int
+    jobs: Callable[[int], Iterator[Job]]
+    named: Callable[[int, Made], tuple[str, bytes]]
+    refuse: Callable[[Manifest], None]
+
+
+def begun_set(out: Path) -> Header | None:
+    """What an unfinished set in this place is to be; ``None`` if there is none that can be read."""
+    folder = out if out.is_dir() else out.with_name(out.name + PART)
+    try:
+        found = read_manifest(folder / MANIFEST)
+    except WorldgenError:  # whoever writes there will say what is wrong
+        return None
+    return None if found.finished else found.header
+
+
+def make_set(
+    plan: SetPlan, out: Path, *, workers: int = 1, force: bool = False, progress: Progress | None = None
+) -> SetDone:
+    """Makes a set as a folder or an archive; goes on with the same one where that is unfinished.
+
+    Args:
+        plan: What it is to hold.
+        out: A folder; or a file that ends in ``.zip``, ``.tar.gz`` or ``.tar.bz2``.
+        workers: Processes; the bytes are the same for any number.
+        force: Whether to replace what is there.
+        progress: Called as the work goes on.
+
+    Raises:
+        OutputError: If something else is there, or cannot be written; what was made stays.
+        GenerationFailed: If a world cannot be made.
+    """
+    header = plan.header
+
+    def named(k: int, made: Made) -> tuple[str, bytes]:
+        name, seed = plan.file(k), plan.seed(k)
+        digests = (made.digest, made.sha256, len(made.data), made.metrics)
+        return name, Entry(name, header.family, header.version, seed, header.params, *digests).line()
+
+    def refuse(old: Manifest) -> None:
+        if old.first != header.line():
+            raise OutputError(_other(old, header, out))
+
+    return _fill(_Work(header.line(), header.count, plan.jobs, named, refuse), out, workers, force, progress)
+
+
+def regenerate_set(
+    manifest: Manifest,
+    out: Path,
+    *,
+    families: tuple[str, ...] = (),
+    workers: int = 1,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> SetDone:
+    """Makes a set again from its manifest, byte for byte, each world compared before it is written.
+
+    Args:
+        manifest: The manifest.
+        out: As for :func:`make_set`; goes on where that is unfinished, too.
+        families: Where families are that are not registered, as ``./file.py:name``.
+        workers: Processes.
+        force: Whether to replace what is there.
+        progress: Called as the work goes on.
+
+    Raises:
+        SetDiffers: If a world comes out otherwise; those before it stay.
+        InvalidParameter: If a family is unknown, or of another version.
+        OutputError: As for :func:`make_set`.
+    """
+    jobs = entry_jobs(manifest.entries, families)
+
+    def named(k: int, made: Made) -> tuple[str, bytes]:
+        _check_same(manifest.entries[k], made, manifest.header)
+        return manifest.entries[k].file, manifest.lines[k]
+
+    def refuse(old: Manifest) -> None:
+        if old.first != manifest.first or old.lines != manifest.lines[: len(old.lines)]:
+            raise OutputError(_other(old, manifest.header, out))
+
+    work = _Work(manifest.first, len(jobs), lambda first: iter(jobs[first:]), named, refuse)
+    return _fill(work, out, workers, force, progress)
+
+
+def restore_set(
+    manifest: Manifest,
+    folder: Path,
+    *,
+    families: tuple[str, ...] = (),
+    workers: int = 1,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> SetDone:
+    """Makes again what is missing in the folder of a set.
+
+    Args:
+        manifest: The manifest.
+        folder: Where its files belong.
+        families: As for :func:`regenerate_set`.
+        workers: Processes.
+        force: Whether files with other content are written over.
+        progress: Called as the work goes on.
+
+    Raises:
+        SetDiffers: If a world comes out otherwise; those before it stay.
+        InvalidParameter: If a family is unknown, or of another version.
+        OutputError: If a file has other content, or cannot be written.
+    """
+    store = FolderStore(folder)
+    wanted = [entry for entry in manifest.entries if not store.holds(entry, force=force)]
+    done = len(manifest.entries) - len(wanted)
+    for entry, made in zip(wanted, make_all(entry_jobs(wanted, families), workers), strict=True):
+        _check_same(entry, made, manifest.header)
+        store.put(entry.file, made.data)
+        done += 1
+        if progress is not None:
+            progress(done)
+    return SetDone(len(manifest.entries), len(manifest.entries) - len(wanted))
+
+
+def _fill(work: _Work, out: Path, workers: int, force: bool, progress: Progress | None) -> SetDone:
+    store = store_for(out)
+    try:
+        old = store.find(force=force)
+        resumed = 0
+        if old is not None and not force:
+            work.refuse(old)
+            resumed = store.resume(old)
+            if len(old.entries) == work.count == resumed and isinstance(store, FolderStore):
+                raise OutputError(f"{out} holds this set already, finished; give --force to make it anew")
+        _write_all(work, store, resumed, old, started=old is not None and not force, workers=workers, progress=progress)
+        store.finish()
+        return SetDone(work.count, resumed)
+    finally:
+        store.close()
+
+
+def _write_all(
+    work: _Work,
+    store: Store,
+    done: int,
+    old: Manifest | None,
+    *,
+    started: bool,
+    workers: int,
+    progress: Progress | None,
+) -> None:
+    tell = progress or (lambda _: None)
+    tell(done)
+    for made in make_all(work.jobs(done), workers):
+        if not started:  # not before a world is there to be written: bad parameters change nothing
+            store.start(work.header, old)
+            started = True
+        name, line = work.named(done, made)
+        store.write(name, made.data, line)
+        done += 1
+        tell(done)
+
+
+def _check_same(entry: Entry, made: Made, header: Header) -> None:
+    if made.sha256 == entry.sha256:
+        return
+    what = "is another world" if made.digest != entry.digest else "is the same world in another file"
+    raise SetDiffers(
+        f"{entry.file} comes out otherwise: {entry.family} with seed {entry.seed} {what} here than in the manifest, "
+        f"which worldgen {header.worldgen} wrote; install that version",
+        entry.file,
+    )
+
+
+def _other(old: Manifest, wanted: Header, out: Path) -> str:
+    held = old.header
+    what = f"{out} holds {len(old.entries)} of {held.count} worlds of another set: {held.family} from seed {held.seed}"
+    if held.worldgen != wanted.worldgen:
+        what += f", by worldgen {held.worldgen}"
+    return f"{what}; name another place, or give --force to replace it"

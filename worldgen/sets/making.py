@@ -1,0 +1,146 @@
+"""Worlds of given identities, made in this process or in several; the same bytes in the same order either way."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, replace
+from itertools import islice
+from multiprocessing import get_context
+from typing import cast
+
+from worldgen.difficulty import measure
+from worldgen.errors import GenerationFailed, WorldgenError
+from worldgen.generation import generate
+from worldgen.grid_file import dumps, world_digest
+from worldgen.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
+from worldgen.world import Provenance, Value
+
+__all__ = ["Job", "Made", "make_all"]
+
+_CELLS = 50_000  # of floor that a process is given at a time: some tenths of a second
+_MOST = 64  # worlds, likewise
+_WAITING = 2  # pieces of work a process that are handed out or done before their turn
+
+
+@dataclass(frozen=True)
+class Job:
+    """A world that is wanted.
+
+    Args:
+        family: Its family, as the registry finds it.
+        seed: Seed.
+        params: Parameters; the file's provenance names these and no others.
+        metrics: What the file's provenance says was measured; ``None`` if it is to be measured now.
+    """
+
+    family: str
+    seed: int
+    params: Mapping[str, Value]
+    metrics: Mapping[str, float] | None
+
+
+@dataclass(frozen=True)
+class Made:
+    """A world that was made.
+
+    Args:
+        data: Bytes of its file.
+        digest: The world's id.
+        sha256: Of the bytes.
+        metrics: What was measured of it.
+    """
+
+    data: bytes
+    digest: str
+    sha256: str
+    metrics: Mapping[str, float]
+
+
+_Done = tuple[list[Made], WorldgenError | None]
+
+
+def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
+    """Makes worlds in the order of the jobs.
+
+    Args:
+        jobs: What is wanted.
+        workers: Processes; 1 works in this one.
+
+    Raises:
+        WorldgenError: As making one of them does, after all before it were given; or if a process dies.
+    """
+    if workers == 1:
+        yield from map(_make, jobs)
+        return
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=begin_deaf)
+    with ctrl_c_held_back() as listen:
+        try:
+            yield from _with_pool(pool, iter(jobs), workers, listen)
+        except BrokenProcessPool as error:
+            end_workers(pool)
+            raise GenerationFailed(
+                "a worker process died, perhaps for want of memory; give fewer with --workers"
+            ) from error
+        except BaseException:
+            end_workers(pool)
+            raise
+        pool.shutdown()
+
+
+def _with_pool(
+    pool: ProcessPoolExecutor, jobs: Iterator[Job], workers: int, listen: Callable[[], None]
+) -> Iterator[Made]:
+    waiting: deque[Future[_Done]] = deque()
+    while True:
+        while len(waiting) < workers * _WAITING and (piece := _next_piece(jobs)):
+            with workers_begin_deaf():
+                waiting.append(pool.submit(_make_piece, piece))
+        if not waiting:
+            return
+        made, error = _wait(waiting.popleft(), listen)
+        for world in made:
+            yield world
+            listen()
+        if error is not None:
+            raise error
+
+
+def _wait(future: Future[_Done], listen: Callable[[], None]) -> _Done:
+    while True:
+        listen()
+        try:
+            return future.result(LISTEN)
+        except TimeoutError:
+            if future.done():  # the work itself timed out
+                raise
+
+
+def _next_piece(jobs: Iterator[Job]) -> list[Job]:
+    first = next(jobs, None)
+    if first is None:
+        return []
+    side = first.params.get("size", 100)
+    cells = side * side if isinstance(side, int) and side > 0 else _CELLS
+    return [first, *islice(jobs, min(_MOST, _CELLS // cells))]
+
+
+def _make_piece(jobs: list[Job]) -> _Done:
+    made: list[Made] = []
+    for job in jobs:
+        try:
+            made.append(_make(job))
+        except WorldgenError as error:
+            return made, error
+    return made, None
+
+
+def _make(job: Job) -> Made:
+    world = generate(job.family, job.seed, **job.params)
+    made = cast("Provenance", world.provenance)  # generate() gives no world without one
+    metrics = measure(world).as_dict() if job.metrics is None else job.metrics
+    data = dumps(replace(world, provenance=replace(made, params=job.params, metrics=metrics)))
+    return Made(data, world_digest(world), hashlib.sha256(data).hexdigest(), metrics)

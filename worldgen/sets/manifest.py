@@ -1,0 +1,240 @@
+"""The manifest of a set: what each of its worlds is, one line of JSON each."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from worldgen.errors import FormatError
+from worldgen.world import Value
+
+__all__ = ["FORMAT", "MANIFEST", "Entry", "Header", "Manifest", "parse_manifest", "read_manifest"]
+
+FORMAT = "worldgen-set 1"
+MANIFEST = "manifest.jsonl"
+
+_LONGEST = 1 << 20  # bytes of a line, as of a .grid file's header
+_SAFE = re.compile(r"(?:[0-9]{1,12}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,200}\.grid\Z")
+_HEX = re.compile(r"[0-9a-f]{64}\Z")
+
+
+@dataclass(frozen=True)
+class Header:
+    """The first line: what was asked for.
+
+    Args:
+        family: Name of the family.
+        version: Its version.
+        params: All its parameters.
+        seed: Of the first world.
+        count: Worlds in the finished set.
+        metrics: Whether each is measured.
+        worldgen: Version of worldgen that made the set.
+    """
+
+    family: str
+    version: int
+    params: Mapping[str, Value]
+    seed: int
+    count: int
+    metrics: bool
+    worldgen: str
+
+    def line(self) -> bytes:
+        """The line, with its end."""
+        head = {"format": FORMAT, "worldgen": self.worldgen, "family": self.family, "version": self.version}
+        asked = {"seed": self.seed, "count": self.count, "params": _sorted(self.params), "metrics": self.metrics}
+        return _line({**head, **asked})
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A world's line.
+
+    Args:
+        file: Name of its file in the set.
+        family: Name of the family.
+        version: Its version.
+        seed: Seed.
+        params: All parameters.
+        digest: The world's id, 64 hex digits.
+        sha256: Of the file's bytes, 64 hex digits.
+        size: Length of the file, bytes.
+        metrics: What was measured of the world, as its file has it.
+    """
+
+    file: str
+    family: str
+    version: int
+    seed: int
+    params: Mapping[str, Value]
+    digest: str
+    sha256: str
+    size: int
+    metrics: Mapping[str, float] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Keys and values as the line has them."""
+        return {
+            "file": self.file, "family": self.family, "version": self.version, "seed": self.seed,
+            "params": _sorted(self.params), "digest": self.digest, "sha256": self.sha256, "bytes": self.size,
+            "metrics": _sorted(self.metrics),
+        }  # fmt: skip
+
+    def line(self) -> bytes:
+        """The line, with its end."""
+        return _line(self.as_dict())
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """A manifest that was read.
+
+    Args:
+        header: Its first line, read.
+        first: Its first line as it stands, byte for byte.
+        entries: The worlds, in order.
+        lines: The worlds' lines as they stand, in the same order.
+    """
+
+    header: Header
+    first: bytes
+    entries: list[Entry]
+    lines: list[bytes]
+
+    @property
+    def finished(self) -> bool:
+        """Whether every world has its line."""
+        return len(self.entries) >= self.header.count
+
+
+def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
+    """Reads a manifest; a last line without its end, as an interruption leaves it, is left out.
+
+    Args:
+        lines: The lines, ends included.
+        source: The file's name in messages.
+
+    Raises:
+        FormatError: If a whole line is none of a manifest's, with its number.
+    """
+    reader = _whole_lines(lines, source)
+    first = next(reader, None)
+    if first is None:
+        raise FormatError("is empty; a manifest begins with a line about the set", source=source)
+    header = _Fields(_object(first, 1, source), 1, source).header()
+    entries, kept, files = [], [], set()
+    for number, line in enumerate(reader, 2):
+        entry = _Fields(_object(line, number, source), number, source).entry(header)
+        if entry.file in files:
+            raise FormatError(f"{entry.file} is there twice; a file has one line", line=number, source=source)
+        files.add(entry.file)
+        entries.append(entry)
+        kept.append(line)
+    if len(entries) > header.count:
+        message = f"{len(entries)} worlds, and the first line counts {header.count}; correct one of them"
+        raise FormatError(message, source=source)
+    return Manifest(header, first, entries, kept)
+
+
+def read_manifest(path: Path) -> Manifest:
+    """The manifest in a file.
+
+    Raises:
+        FormatError: If it cannot be read, or is none.
+    """
+    try:
+        with path.open("rb") as stream:
+            return parse_manifest(iter(lambda: stream.readline(_LONGEST + 1), b""), str(path))
+    except FileNotFoundError as error:
+        raise FormatError("there is no such file; check the name", source=str(path)) from error
+    except OSError as error:
+        raise FormatError(f"cannot be read: {error.strerror or error}", source=str(path)) from error
+
+
+def _whole_lines(lines: Iterable[bytes], source: str) -> Iterator[bytes]:
+    for number, line in enumerate(lines, 1):
+        if len(line) > _LONGEST:
+            raise FormatError(f"a line of more than {_LONGEST} bytes; give a manifest", line=number, source=source)
+        if line.endswith(b"\n"):
+            yield line
+
+
+def _object(line: bytes, number: int, source: str) -> dict[str, Any]:
+    try:
+        found = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        reason = error.msg if isinstance(error, json.JSONDecodeError) else type(error).__name__
+        raise FormatError(f"no line of JSON: {reason}; give a manifest", line=number, source=source) from error
+    if not isinstance(found, dict):
+        raise FormatError("no object of JSON; each line of a manifest is one", line=number, source=source)
+    return found
+
+
+@dataclass(frozen=True)
+class _Fields:
+    """Takes the fields of one line, each of the type that it must have."""
+
+    found: dict[str, Any]
+    number: int
+    source: str
+
+    def header(self) -> Header:
+        """The set."""
+        if self.found.get("format") != FORMAT:
+            raise self._wrong("format", f'must be "{FORMAT}"; is this the manifest of a set, of a later version?')
+        metrics = self.found.get("metrics")
+        if not isinstance(metrics, bool):
+            raise self._wrong("metrics", "must be true or false")
+        family, version, params = self._text("family"), self._whole("version", 0, 2**63), self._table("params")
+        seed, count = self._whole("seed", 0, 2**64 - 1), self._whole("count", 1, 2**63)
+        return Header(family, version, params, seed, count, metrics, self._text("worldgen"))
+
+    def entry(self, header: Header) -> Entry:
+        """A world; one with the set's parameters shares them, as a hundred thousand do."""
+        file = self._text("file")
+        if not _SAFE.match(file):
+            raise self._wrong("file", "is no name of a world's file in a set, such as maze-7.grid or 0012/maze-7.grid")
+        for key in ("digest", "sha256"):
+            if not _HEX.match(self._text(key)):
+                raise self._wrong(key, "must be 64 hex digits")
+        found = self.found
+        version, seed = self._whole("version", 0, 2**63), self._whole("seed", 0, 2**64 - 1)
+        size, metrics = self._whole("bytes", 0, 2**63), self._table("metrics")
+        params = header.params if self._table("params") == header.params else found["params"]
+        family = self._text("family")
+        return Entry(file, family, version, seed, params, found["digest"], found["sha256"], size, metrics)
+
+    def _text(self, key: str) -> str:
+        value = self.found.get(key)
+        if not isinstance(value, str):
+            raise self._wrong(key, "must be text")
+        return value
+
+    def _whole(self, key: str, least: int, most: int) -> int:
+        value = self.found.get(key)
+        if type(value) is not int or not least <= value <= most:
+            raise self._wrong(key, f"must be a whole number of {least} to {most}")
+        return value
+
+    def _table(self, key: str) -> dict[str, Any]:
+        value = self.found.get(key)
+        if not isinstance(value, dict):
+            raise self._wrong(key, "must be an object")
+        return value
+
+    def _wrong(self, key: str, rule: str) -> FormatError:
+        came = json.dumps(self.found[key])[:80] if key in self.found else "is missing, and"
+        return FormatError(f"{key} {came} {rule}", line=self.number, source=self.source)
+
+
+def _line(value: Mapping[str, Any]) -> bytes:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False).encode() + b"\n"
+
+
+def _sorted(values: Mapping[str, Any]) -> dict[str, Any]:
+    return dict(sorted(values.items()))

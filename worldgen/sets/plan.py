@@ -1,0 +1,74 @@
+"""What a set is to hold, before any of it is made."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+
+from worldgen.errors import InvalidParameter
+from worldgen.family import FAMILIES, Family
+from worldgen.random_streams import MASK64
+from worldgen.sets.making import Job
+from worldgen.sets.manifest import Header
+from worldgen.world import Value
+
+__all__ = ["SetPlan", "plan_set"]
+
+_FLAT = 10_000  # worlds at most in one folder
+_SHARD = 1_000  # worlds in each subfolder where there are more
+_ODD = re.compile(r"[^A-Za-z0-9._-]+")
+
+
+@dataclass(frozen=True)
+class SetPlan:
+    """A set that is wanted.
+
+    Args:
+        family: The family as the registry finds it: its name, or ``./file.py:name``.
+        header: The manifest's first line.
+    """
+
+    family: str
+    header: Header
+
+    def jobs(self, first: int = 0) -> Iterator[Job]:
+        """The worlds from this one on, counted from 0."""
+        for k in range(first, self.header.count):
+            yield Job(self.family, self.seed(k), self.header.params, None if self.header.metrics else {})
+
+    def seed(self, k: int) -> int:
+        """Seed of the world counted ``k`` from 0."""
+        return (self.header.seed + k) & MASK64
+
+    def with_seed(self, seed: int) -> SetPlan:
+        """The same, from another seed on."""
+        return replace(self, header=replace(self.header, seed=seed))
+
+    def file(self, k: int) -> str:
+        """Name of the file of the world counted ``k`` from 0."""
+        header = self.header
+        name = f"{_ODD.sub('-', header.family).lstrip('.') or 'world'}-{self.seed(k)}.grid"
+        return f"{k // _SHARD:04}/{name}" if header.count > _FLAT else name
+
+
+def plan_set(family: str, seed: int, count: int, params: Mapping[str, Value], *, metrics: bool = True) -> SetPlan:
+    """The plan of ``count`` worlds with seeds from ``seed`` on.
+
+    Args:
+        family: Name of a registered family, or ``./file.py:name``.
+        seed: Of the first world.
+        count: How many.
+        params: The family's parameters; those left out have their defaults.
+        metrics: Whether each world is measured.
+
+    Raises:
+        InvalidParameter: If the family or a parameter is unknown, or there is to be no world at all.
+    """
+    if count < 1:
+        raise InvalidParameter(f"count={count} is below 1; a set has at least one world")
+    found: Family = FAMILIES.get(family)
+    complete = found.complete(params)
+    header = Header(found.name, found.version, complete, seed & MASK64, count, metrics, version("worldgen"))
+    return SetPlan(family, header)

@@ -1,0 +1,299 @@
+"""Where a set's files go: a folder, or an archive that grows in a folder beside it."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO, Protocol
+
+from worldgen.archives import is_archive, writer_for
+from worldgen.errors import FormatError, OutputError
+from worldgen.sets.journal import Journal, append_at
+from worldgen.sets.manifest import MANIFEST, Entry, Manifest, read_manifest
+
+__all__ = ["PART", "ArchiveStore", "FolderStore", "Store", "store_for"]
+
+PART = ".part"  # behind an archive's name: the folder in which it grows
+_WORLDS = "worlds"  # in that: the files' bytes, one after another
+
+
+class Store(Protocol):
+    """A place for the files of a set, one after another; whatever ends the process, what was written counts."""
+
+    def find(self, *, force: bool) -> Manifest | None:
+        """What an earlier run left there.
+
+        Args:
+            force: Whether something else may be there.
+
+        Raises:
+            OutputError: If something else is there, and may not be.
+        """
+
+    def start(self, header: bytes, over: Manifest | None = None) -> None:
+        """Begins a set.
+
+        Args:
+            header: The first line of its manifest.
+            over: A set that it takes the place of.
+        """
+
+    def resume(self, old: Manifest) -> int:
+        """Goes on with a set; gives the number of worlds, from the first, that are there whole."""
+
+    def write(self, name: str, data: bytes, line: bytes) -> None:
+        """Adds a file and then its line in the manifest."""
+
+    def finish(self) -> None:
+        """Makes a whole of it."""
+
+    def close(self) -> None:
+        """Lets go of it, finished or not."""
+
+
+def store_for(out: Path) -> Store:
+    """An archive where the name is one's, else a folder.
+
+    Raises:
+        OutputError: If a folder has an archive's name, or something else another's.
+    """
+    if is_archive(out):
+        if out.is_dir():
+            raise OutputError(f"{out} is a folder with the name of an archive; give another name")
+        return ArchiveStore(out)
+    if out.exists() and not out.is_dir():
+        raise OutputError(f"{out} is a file; name a folder for more than one world, or a .zip, .tar.gz or .tar.bz2")
+    return FolderStore(out)
+
+
+class FolderStore:
+    """A folder with a file for each world.
+
+    Args:
+        folder: The folder; made when the first file is written.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._over_others = False
+        self._journal = Journal(folder / MANIFEST)
+        self._made: set[Path] = set()
+
+    def find(self, *, force: bool) -> Manifest | None:
+        """What an earlier run left; a folder with other files in it is refused."""
+        self._over_others = force
+        try:
+            found = self._journal.read()
+        except FormatError:
+            if not force:
+                raise
+            return None
+        if found is None and not force and self._folder.is_dir():
+            others = sorted(path.name for path in self._folder.iterdir() if not path.name.startswith("."))
+            others = [name for name in others if name != MANIFEST]
+            if others:
+                more = f" and {len(others) - 1} more" if len(others) > 1 else ""
+                raise OutputError(
+                    f"{self._folder} holds other files: {others[0]}{more}; a set has a folder to itself: name another, "
+                    "or give --force to overwrite files of the same names"
+                )
+        return found
+
+    def start(self, header: bytes, over: Manifest | None = None) -> None:
+        """Makes the folder and the manifest's first line; the files of an old set go before."""
+        with _told(self._folder):
+            self._folder.mkdir(parents=True, exist_ok=True)
+            for entry in over.entries if over else ():
+                (self._folder / entry.file).unlink(missing_ok=True)
+                if "/" in entry.file:
+                    with contextlib.suppress(OSError):  # it is not empty yet
+                        (self._folder / entry.file).parent.rmdir()
+        self._journal.start(header)
+
+    def resume(self, old: Manifest) -> int:
+        """Counts the files that are there as said; behind one that is gone or empty all are made again."""
+        end, done = len(old.first), 0
+        for entry, line in zip(old.entries, old.lines, strict=True):
+            if not self.holds(entry, force=False):
+                break
+            end, done = end + len(line), done + 1
+        self._journal.cut(end)
+        return done
+
+    def holds(self, entry: Entry, *, force: bool) -> bool:
+        """Whether a world's file is there as said; one that is gone or empty, as after a power cut, is not.
+
+        Raises:
+            OutputError: If it has other content, and ``force`` does not allow to write over that.
+        """
+        file = self._folder / entry.file
+        with _told(file):
+            data = file.read_bytes() if file.is_file() else b""
+        same = hashlib.sha256(data).hexdigest() == entry.sha256
+        if data and not same and not force:
+            raise OutputError(f"{file} has other content than the set's; move it away, or give --force")
+        return same
+
+    def write(self, name: str, data: bytes, line: bytes) -> None:
+        """Puts the file there, then adds the line."""
+        file = self._folder / name
+        if not self._over_others and file.is_file():
+            with _told(file):
+                other = file.read_bytes()
+            if other and other != data:
+                raise OutputError(f"{file} has other content than the set's; move it away, or give --force")
+        self.put(name, data)
+        self._journal.append(line)
+
+    def put(self, name: str, data: bytes) -> None:
+        """Writes a file under another name first, so that it is there whole or not at all."""
+        file = self._folder / name
+        with _told(file):
+            if file.parent not in self._made:
+                file.parent.mkdir(exist_ok=True)
+                self._made.add(file.parent)
+            place_file(file, data)
+
+    def finish(self) -> None:
+        """Waits until the disk has the manifest."""
+        self._journal.sync()
+
+    def close(self) -> None:
+        """Lets other commands at it."""
+        self._journal.close()
+
+
+class ArchiveStore:
+    """An archive; until it is whole, its manifest and its worlds' bytes are two files in a folder beside it.
+
+    Args:
+        archive: The archive.
+    """
+
+    def __init__(self, archive: Path) -> None:
+        self._archive = archive
+        self._part = archive.with_name(archive.name + PART)
+        self._journal = Journal(self._part / MANIFEST)
+        self._worlds: int | None = None
+        self._end = 0
+
+    def find(self, *, force: bool) -> Manifest | None:
+        """What an earlier run left of an archive that is not whole; a whole one is refused."""
+        try:
+            found = self._journal.read()
+        except FormatError:
+            if not force:
+                raise
+            return None
+        if self._archive.exists() and not force:
+            if found is not None and found.finished:  # killed between its last two steps
+                self._remove_part()
+            raise OutputError(f"{self._archive} is there already; give --force to replace it, or another name")
+        if found is None and not force and self._part.exists() and any(self._part.iterdir()):
+            raise OutputError(f"{self._part} is in the way and is no unfinished set; move it away, or give --force")
+        return found
+
+    def start(self, header: bytes, over: Manifest | None = None) -> None:
+        """Makes the folder beside the archive."""
+        with _told(self._archive):
+            self._archive.parent.mkdir(parents=True, exist_ok=True)
+            self._part.mkdir(exist_ok=True)
+        self._journal.start(header)
+        self._open_worlds(0)
+
+    def resume(self, old: Manifest) -> int:
+        """Counts the worlds whose bytes are there as said; behind one that is not all are made again."""
+        end, done = len(old.first), 0
+        size = 0
+        worlds = self._part / _WORLDS
+        if worlds.is_file():
+            with worlds.open("rb") as stream:
+                for entry, line in zip(old.entries, old.lines, strict=True):
+                    data = _exactly(stream, entry.size)
+                    if data is None or hashlib.sha256(data).hexdigest() != entry.sha256:
+                        break
+                    end, done, size = end + len(line), done + 1, size + entry.size
+        self._journal.cut(end)
+        self._open_worlds(size)
+        return done
+
+    def write(self, name: str, data: bytes, line: bytes) -> None:
+        """Appends the bytes and then the line."""
+        if self._worlds is None:
+            raise OutputError(f"{self._archive} is not open; start the set first")
+        with _told(self._archive):
+            append_at(self._worlds, self._end, data)
+        self._journal.append(line)
+        self._end += len(data)
+
+    def finish(self) -> None:
+        """Packs what was made, the manifest first."""
+        packed = self._part / "packed"
+        manifest = read_manifest(self._journal.path)
+        with _told(self._archive):
+            with packed.open("wb") as stream, (self._part / _WORLDS).open("rb") as worlds:
+                archive = writer_for(self._archive, stream)
+                archive.add(MANIFEST, b"".join((manifest.first, *manifest.lines)))
+                for entry in manifest.entries:
+                    archive.add(entry.file, _bytes_of(entry, worlds))
+                archive.close()
+                stream.flush()
+                os.fsync(stream.fileno())
+            packed.replace(self._archive)
+        self.close()
+        self._remove_part()
+
+    def close(self) -> None:
+        """Lets other commands at it."""
+        self._journal.close()
+        if self._worlds is not None:
+            os.close(self._worlds)
+            self._worlds = None
+
+    def _open_worlds(self, size: int) -> None:
+        with _told(self._archive):
+            self._worlds = os.open(self._part / _WORLDS, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
+            os.ftruncate(self._worlds, size)
+        self._end = size
+
+    def _remove_part(self) -> None:
+        self.close()
+        shutil.rmtree(self._part, ignore_errors=True)
+
+
+def place_file(file: Path, data: bytes) -> None:
+    """Puts a file where it belongs in one step; without waiting for the disk, whose faults ``resume`` finds."""
+    part = file.with_name(f".{file.name}{PART}")
+    try:
+        part.write_bytes(data)
+        part.replace(file)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            part.unlink()
+        raise
+
+
+def _exactly(stream: IO[bytes], size: int) -> bytes | None:
+    left = os.fstat(stream.fileno()).st_size - stream.tell()
+    return stream.read(size) if size <= left else None
+
+
+def _bytes_of(entry: Entry, worlds: IO[bytes]) -> bytes:
+    data = _exactly(worlds, entry.size)
+    if data is None or hashlib.sha256(data).hexdigest() != entry.sha256:
+        raise OutputError(f"{entry.file} was changed on the disk meanwhile; give the same command again")
+    return data
+
+
+@contextlib.contextmanager
+def _told(place: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"{place}: cannot be written: {error.strerror or error}; choose another place") from error
+    except ValueError as error:  # a name with a NUL
+        raise OutputError(f"{str(place)!r}: cannot be written: {error}; choose another name") from error
