@@ -88,13 +88,16 @@ def _choices(family: str, parameter: Parameter) -> st.SearchStrategy[Any] | None
     return None if varied is None else st.sampled_from(varied)
 
 
+_STILL = ("maze", "corridor", "trap", "rooms", "cave", "forest", "rubble")  # grounds of worlds that change
+
 # What is drawn beside size, seed and words, the simplest first.
 _VARIED: dict[str, dict[str, tuple[Value, ...]]] = {
     "corridor": {"width": (2, 3, 4, 5), "wall": (1, 2), "necks": (0, 1, 3)},
-    "fire": {"spread": (0.15, 0.3, 0.6)},
+    "fire": {"over": _STILL, "spread": (0.15, 0.3, 0.6), "monotone": (False, True)},
     "forest": {"gap": (2.0, 1.2, 1.0)},
     "maze": {"braid": (0.0, 0.5, 1.0), "passage": (2, 3, 4), "wall": (1, 2), "rooms": (0, 2)},
     "rooms": {"closed": (0.0, 0.5)},
     "rubble": {"debris": (0.1, 0.35, 0.6)},
+    "shift": {"over": _STILL},
     "trap": {"turn": (0, 1, 2, 3), "thickness": (1, 2), "angle": (0, 15, 30, 45, 70), "inside": (False, True)},
 }

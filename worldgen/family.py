@@ -18,6 +18,7 @@ from worldgen.world import Value, World
 
 __all__ = [
     "FAMILIES",
+    "MARGIN",
     "Family",
     "Parameter",
     "check_at_least",
@@ -30,6 +31,7 @@ __all__ = [
 
 Build = Callable[..., World]
 
+MARGIN = "margin"  # of every parameter so called: seconds by which the witness may begin later
 # parameters of generate(), and options of every family's command
 _TAKEN = ("name", "seed", "count", "out", "force", "json", "metrics", "where", "difficulty", "tries", "workers")
 _INT64 = 2**63  # a file holds no larger whole number
@@ -81,11 +83,13 @@ class Family:
         name: The world's noun, as on the command line.
         version: Goes up whenever some seed yields another world than before.
         build: ``build(rng, **params) -> World``, all parameters keyword-only with defaults.
+        changes: Whether its worlds change with time, so that no other family can change them.
     """
 
     name: str
     version: int
     build: Build
+    changes: bool = False
 
     @functools.cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -168,18 +172,32 @@ def _check_signature(name: str, build: Build) -> None:
             raise InvalidParameter(
                 f"family {name!r}: parameter {parameter.name!r} needs a default that is a bool, int, float or str"
             )
+        if parameter.name == MARGIN and type(parameter.default) is not float:
+            raise InvalidParameter(
+                f"family {name!r}: {MARGIN} is the margin in seconds that the witness gets; give it a default that is "
+                "a float, or call the parameter something else"
+            )
 
 
-def family(name: str, *, version: int) -> Callable[[Build], Family]:
+def family(name: str, *, version: int, changes: bool = False) -> Callable[[Build], Family]:
     """Makes a family of a function ``(rng, *, size=..., ...) -> World``; register it as an entry point.
 
+    A parameter called ``margin`` has a meaning of its own: so many seconds later than at once may the robot set out
+    on the witness that the world gets, and still arrive.
+
+    Args:
+        name: The world's noun.
+        version: Of what seeds yield.
+        changes: Whether its worlds change with time.
+
     Raises:
-        InvalidParameter: If a parameter is positional, has no plain default, or is called name or seed.
+        InvalidParameter: If a parameter is positional, has no plain default, or is called name or seed, or
+            ``margin`` is no float.
     """
 
     def decorate(build: Build) -> Family:
         _check_signature(name, build)
-        made = Family(name, version, build)
+        made = Family(name, version, build, changes)
         object.__setattr__(made, "__doc__", build.__doc__)
         return made
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import count as rising
+from typing import cast
 
 from worldgen.errors import GenerationFailed, InvalidParameter
-from worldgen.family import FAMILIES, Family, stream_for
+from worldgen.family import FAMILIES, MARGIN, Family, stream_for
 from worldgen.random_streams import MASK64
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Provenance, Value, World
@@ -23,7 +24,8 @@ def generate(name: str | Family, seed: int = 0, **params: Value) -> World:
     Args:
         name: Name of a registered family, or the family itself.
         seed: Any integer; its low 64 bits count. Equal seed and parameters, equal world.
-        **params: The family's parameters; see its documentation.
+        **params: The family's parameters; see its documentation. One called ``margin`` is the number of seconds by
+            which the robot may begin the witness later.
 
     Returns:
         The world, with certificate and provenance.
@@ -35,9 +37,10 @@ def generate(name: str | Family, seed: int = 0, **params: Value) -> World:
     made_by = name if isinstance(name, Family) else FAMILIES.get(name)
     complete = made_by.complete(params)
     seed &= MASK64
+    margin = float(cast("float", complete.get(MARGIN, 0.0)))
     for attempt in range(MAX_ATTEMPTS):
         world = made_by.build(stream_for(seed, made_by.name, attempt), **complete)
-        decision = decide(world)
+        decision = decide(world, margin=margin)
         if decision.result == REACHABLE:
             provenance = Provenance(made_by.name, made_by.version, seed, complete)
             return replace(world, certificate=decision.certificate, provenance=provenance)

@@ -33,6 +33,10 @@ GOLDEN: dict[str, tuple[str, str]] = {
     "fire-maze": ("85e03006e606b231", "566baf5b204b7a2a"),
     "fire-corridor": ("4cf5a8823775096e", "5b89ade9729bfcca"),
     "fire-trap": ("129820e1065071e8", "6457001266bd1e04"),
+    "fire-cave": ("499090a63c4d4c1a", "8ff159f8b09890f1"),
+    "fire-forest": ("d425a77283698481", "69b24402439a999f"),
+    "fire-rooms": ("51e3b280b8010b12", "cc03441678506149"),
+    "fire-rubble": ("5f2bd71914beb4ff", "1a8005982a714f29"),
     "forest-even": ("c70196d7f84ea9f0", "e1a90d9e18d6b5e2"),
     "forest-thickets": ("599186ed5b01c2b7", "161290c94602ac7c"),
     "forest-rows": ("c6acf33ef2f10e3d", "a5ab2184ec65e553"),
@@ -42,6 +46,10 @@ GOLDEN: dict[str, tuple[str, str]] = {
     "shift-trap": ("39ed03026e164eaf", "fd6b9d558fb0a3c0"),
     "shift-corridor": ("7445d72521d3620f", "609ee55b847d50eb"),
     "shift-maze": ("107737634b8ea486", "69386e8904c656fd"),
+    "shift-cave": ("53c9a668427c98bb", "380d7336d133a129"),
+    "shift-forest": ("bef57ce12a439ad4", "3889b2f18febb366"),
+    "shift-rooms": ("78e64753b7201773", "ffcd86a6644cb4e1"),
+    "shift-rubble": ("3871cec2a9977891", "78631769485783e2"),
     "maze-wilson": ("502bb80046a9f524", "42e68eb0644acdd0"),
     "maze-aldous-broder": ("62064b5a74649fcb", "58637f9e73f427cb"),
     "maze-backtracker": ("ec3f05760ade6dc3", "f647469fb0177a34"),
@@ -69,12 +77,19 @@ GOLDEN: dict[str, tuple[str, str]] = {
 }
 
 
+STILL = [name for name in FAMILIES if not FAMILIES.get(name).changes]
+
+
 def _shapes():
-    """Every family with every word of its first parameter that has words: algorithm, shape, over."""
+    """Every family with every word of its first parameter that has words, algorithm or shape; or over every ground."""
     for name in FAMILIES:
-        choices = [known for known in FAMILIES.get(name).parameters if known.choices]
-        for word in choices[0].choices if choices else ():
-            yield pytest.param(name, {choices[0].name: word}, id=f"{name}-{word}")
+        parameters = FAMILIES.get(name).parameters
+        choices = {known.name: known.choices for known in parameters if known.choices}
+        if any(known.name == "over" for known in parameters):
+            choices = {"over": STILL}
+        for first, words in list(choices.items())[:1]:
+            for word in words:
+                yield pytest.param(name, {first: word}, id=f"{name}-{word}")
 
 
 every_shape = pytest.mark.parametrize(("name", "shape"), list(_shapes()))

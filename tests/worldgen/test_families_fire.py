@@ -223,7 +223,7 @@ def test_over_a_trap_every_shape_comes_up():
 @pytest.mark.parametrize(
     ("params", "message"),
     [
-        ({"over": "lake"}, "over='lake' is not one of maze, corridor, trap"),
+        ({"over": "lake"}, "no family is called 'lake'; known: "),
         ({"ignitions": 0}, "ignitions=0 is outside 1 to 100"),
         ({"spread": 0.0}, "spread=0 s is outside 0.01 to 60 s"),
         ({"burn": -1.0}, "burn=-1 s is outside 0.01 to 600 s"),

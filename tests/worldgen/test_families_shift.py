@@ -116,7 +116,7 @@ def test_the_ground_is_what_it_is_without_swaps(seed):
 @pytest.mark.parametrize(
     ("params", "message"),
     [
-        ({"over": "fire"}, "over='fire' is not one of trap, corridor, maze"),
+        ({"over": "fire"}, "over=fire: fire changes by itself; give one of cave, corridor, forest, "),
         ({"interval": 0.0}, "interval=0 s is outside 0.01 to 60 s"),
         ({"chance": 1.5}, "chance=1.5 is outside 0 to 1"),
         ({"chance": -0.1}, "chance=-0.1 is outside 0 to 1"),

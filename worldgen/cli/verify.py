@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,12 +57,13 @@ def verify_world(world: World, radius: float | None = None) -> dict[str, Any]:
 
     Returns:
         ``result``, ``certificate`` (witness, cut or None), ``certificate_valid``, ``decided`` (afresh,
-        or read from the file), ``clearance``, ``radius`` and ``reason``.
+        or read from the file), ``clearance``, ``radius`` and ``reason``; of a witness in a world that changes
+        also ``margin``: s by which it may begin later, None for any time.
 
     Raises:
         InvalidParameter: If the radius is not a finite number above 0.
     """
-    from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, check_certificate, decide
+    from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, check_certificate, decide, witness_margin
     from worldgen.reach.decision import check_radius
     from worldgen.world import Witness
 
@@ -79,7 +81,13 @@ def verify_world(world: World, radius: float | None = None) -> dict[str, Any]:
         kind, claim = ("witness", REACHABLE) if isinstance(certificate, Witness) else ("cut", BLOCKED)
         answer |= {"result": claim if report.valid else UNDECIDED, "certificate": kind}
         answer |= {"certificate_valid": report.valid, "clearance": report.clearance, "reason": report.reason}
+        if world.is_dynamic and report.valid and isinstance(certificate, Witness):
+            answer["margin"] = _finite(witness_margin(world, certificate, radius=asked))
     return answer
+
+
+def _finite(seconds: float) -> float | None:
+    return round(seconds, 9) if math.isfinite(seconds) else None
 
 
 def _line(result: dict[str, Any]) -> str:
@@ -91,5 +99,9 @@ def _line(result: dict[str, Any]) -> str:
         how = "decided afresh and checked" if result["decided"] else "checked"
         disc = f"a disc of {result['radius']:g} m"
         verdict = f"{result['result']} for {disc}, {result['certificate']} {how}: {result['reason']}"
+    if "margin" in result:
+        verdict += ", if it begins " + (
+            "at any time" if result["margin"] is None else f"up to {result['margin']:g} s late"
+        )
     at_all = f"; the largest disc that could pass at all: {result['widest']:.9g} m" if "widest" in result else ""
     return f"{result['path']}: {verdict}{at_all}"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from itertools import product
 
 from worldgen.errors import InvalidParameter
 from worldgen.families._layout import Arena
-from worldgen.family import FAMILIES
+from worldgen.family import FAMILIES, Family, Parameter
 from worldgen.random_streams import RandomStream
 from worldgen.world import Value, World
 
@@ -21,34 +22,100 @@ DRAWN: dict[str, dict[str, tuple[str, ...]]] = {
     "trap": {"shape": ("U", "L", "spiral")},
 }
 
+# ``./a+b/mine.py:own+width=3`` ends in one setting; a ``+`` in a folder's name begins none.
+_SETTING = r"\+[A-Za-z][A-Za-z0-9_-]*(?:=[^+/\\]*)?"
+_OVER = re.compile(rf"(?P<name>.+?)(?P<settings>(?:{_SETTING})*)", re.DOTALL)
+
 
 def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
-    """A world of the family ``over``, its words drawn from those that fit.
+    """A world of the family that ``over`` names, its words drawn from those that fit.
+
+    Args:
+        rng: The only source of chance.
+        over: Name of a family whose worlds stand still, then ``+parameter=value`` as often as wanted.
+        arena: What both families share; a family that lacks one of these parameters keeps its own way.
 
     Raises:
-        InvalidParameter: If none fits.
+        InvalidParameter: If there is no such family, it changes by itself, a setting is wrong, or no word fits.
     """
-    below = FAMILIES.get(over)
-    params: dict[str, Value] = {
+    below, given = _parse(over)
+    shared: dict[str, Value] = {
         "size": arena.size,
         "cell_size": arena.cell_size,
         "robot_radius": arena.robot_radius,
         "robot_speed": arena.robot_speed,
     }
-    if over == "maze":
-        params["braid"] = MAZE_BRAID
-    drawn = DRAWN.get(over, {})
-    words_of = {known.name: drawn.get(known.name, known.choices) for known in below.parameters if known.choices}
+    for name in given:
+        if name in shared:
+            raise InvalidParameter(f"over={over}: {name} is the whole world's; give it as a parameter of its own")
+    if below.name == "maze":
+        given.setdefault("braid", MAZE_BRAID)
+    params = {name: value for name, value in shared.items() if name in below.defaults()} | given
+    drawn = DRAWN.get(below.name, {})
+    words_of = {
+        known.name: drawn.get(known.name, known.choices)
+        for known in below.parameters
+        if known.choices and known.name not in given
+    }
     names, shapes = list(words_of), list(product(*words_of.values()))
     rng.shuffle(shapes)
     refusals: list[InvalidParameter] = []
     for words in shapes:
+        complete = below.complete({**params, **dict(zip(names, words, strict=True))})
         try:
-            complete = below.complete({**params, **dict(zip(names, words, strict=True))})
-            return below.build(rng.child("layout"), **complete)
+            ground = below.build(rng.child("layout"), **complete)
         except InvalidParameter as refusal:
             refusals.append(refusal)
+            continue
+        return _still(ground, over)
     raise InvalidParameter(
         f"size={arena.size} with robot_radius={arena.robot_radius:g} m has no room for over={over}; "
         f"give a larger size or a smaller robot_radius (for one of its shapes: {refusals[0]})"
     )
+
+
+def _parse(over: str) -> tuple[Family, dict[str, Value]]:
+    """The family and its parameters as given."""
+    parts = _OVER.fullmatch(over.strip())
+    if parts is None:
+        raise InvalidParameter(f"over={over!r} names no family; give one, such as maze, or maze+algorithm=eller")
+    below = FAMILIES.get(parts["name"])
+    if below.changes:
+        still = ", ".join(name for name in FAMILIES if not FAMILIES.get(name).changes)
+        raise InvalidParameter(f"over={over}: {below.name} changes by itself; give one of {still}")
+    known = {parameter.name: parameter for parameter in below.parameters}
+    given: dict[str, Value] = {}
+    for setting in re.findall(_SETTING, parts["settings"]):
+        word, equals, text = setting[1:].partition("=")
+        name = word.replace("-", "_")
+        if name not in known:
+            raise InvalidParameter(f"over={over}: {below.name} has no parameter {name!r}; it has {', '.join(known)}")
+        given[name] = _value(known[name], text.strip() if equals else None, over)
+    return below, given
+
+
+def _value(parameter: Parameter, text: str | None, over: str) -> Value:
+    """The value of one setting as written; a switch needs none."""
+    kind = type(parameter.default)
+    words = {"true": True, "false": False} if kind is bool else {}
+    if text is None and kind is bool:
+        return True
+    try:
+        if not text:
+            raise ValueError
+        value: Value = words[text.lower()] if words else kind(text)
+    except (ValueError, KeyError):
+        what = "true or false" if kind is bool else {int: "a whole number", float: "a number"}.get(kind, "a word")
+        shown = parameter.name if text is None else f"{parameter.name}={text}"
+        raise InvalidParameter(f"over={over}: {shown} is not {what}; write +{parameter.name}=VALUE") from None
+    return parameter.accept(value, over)
+
+
+def _still(ground: World, over: str) -> World:
+    """The ground, if it stands still."""
+    if ground.is_dynamic:
+        raise InvalidParameter(
+            f"over={over}: its worlds change by themselves; give a family whose worlds stand still, and say "
+            "changes=True where this one is declared"
+        )
+    return ground

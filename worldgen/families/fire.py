@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-import heapq
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from worldgen.errors import InvalidParameter
+from worldgen.families._blaze import (
+    FIREBREAK,
+    Plan,
+    Times,
+    burn_over,
+    burn_walls,
+    delay,
+    hold_back,
+    ignite,
+    in_turn,
+    leaves_a_way,
+    weak_walls,
+)
 from worldgen.families._ground import lay_ground
-from worldgen.families._layout import Arena
-from worldgen.families._routes import free_windows, shortest_way, window_at
+from worldgen.families._layout import CHOSEN, Arena, without_effect
 from worldgen.family import check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.timeline import CellState, Timeline
@@ -20,30 +30,40 @@ from worldgen.world import World
 
 __all__ = ["fire"]
 
-FIREBREAK = 2  # cells round the robot at its start that never burn: there it can wait
-THICKEST = 6  # cells of wall that fire eats through
 WALL_FACTOR = 5  # a wall catches so many times slower than the floor
+DRAWN = "drawn"
+LOAD_PITCH = 6  # cells from one place of heavy fuel to the next
 
-Times: TypeAlias = dict[int, int]  # flat cell: ms
 
-
-@family("fire", version=1)
+@family("fire", version=1, changes=True)
 def fire(
     rng: RandomStream,
     *,
     size: int = 30,
-    over: Literal["maze", "corridor", "trap"] = "maze",
+    over: str = "maze",
     ignitions: int = 2,
+    ignite_at: Literal["mixed", "way", "anywhere", "rim"] = "mixed",
+    ignite_cells: str = DRAWN,
+    apart: float = 0.0,
     spread: float = 0.15,
+    scatter: float = 0.5,
+    wind: float = 0.0,
+    wind_to: int = -1,
+    fuel: float = 1.0,
+    grain: int = 3,
     burn: float = 2.0,
+    uneven: float = 0.0,
     spread_cells: int = 300,
     debris: float = 0.2,
+    clear: float = 0.0,
     burn_through: int = 3,
+    monotone: bool = False,
+    margin: float = 0.0,
     cell_size: float = 0.1,
     robot_radius: float = 0.07,
     robot_speed: float = 2.0,
 ) -> World:
-    """A maze, corridor or trap in which fire breaks out on the way to the target.
+    """A world of another family in which fire breaks out on the way to the target.
 
     What is true when the robot sets out is not true when it arrives: ways burn, fall shut behind the fire,
     and open where walls burn through. The floor round the start never burns, so that the robot can wait.
@@ -51,233 +71,161 @@ def fire(
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included; 10 to 2000.
-        over: Family whose world burns; its shape is drawn.
-        ignitions: Places where fire breaks out at time 0, the first on the shortest way to the target.
+        over: Family whose world burns, with its own parameters: maze, rooms, maze+algorithm=eller+passage=3. Words
+            that are not given are drawn.
+        ignitions: Places where fire breaks out.
+        ignite_at: Where: on the shortest way, anywhere, at the rim, or the first on the way and the others anywhere.
+        ignite_cells: Cells where fire breaks out: drawn as the two above say, or given, such as 12:5,20:7.
+        apart: Mean time from one fire to the next, s; 0: all break out at time 0.
         spread: Mean time that fire takes from one cell of floor to the next, s.
+        scatter: Share by which times differ from their means, 0 to 0.9.
+        wind: Share by which fire goes faster with the wind and slower against it, 0 to 0.9.
+        wind_to: Where the wind blows to: quarter turns counter-clockwise from +x; -1: drawn.
+        fuel: Share of the floor that has fuel; the rest never burns.
+        grain: Cells across a patch without fuel; 1: single cells.
         burn: Mean time that a cell burns, s.
+        uneven: Share by which that mean differs from place to place, 0 to 0.9.
         spread_cells: Cells of floor that burn at most.
         debris: Share of the burnt floor, off one way to the target, that falls shut when it is burnt out.
+        clear: Mean time after which debris is cleared, s; 0: never.
         burn_through: Places where a wall burns away and opens a passage, if fire gets near so many.
+        monotone: Nothing ever opens: all that burns falls shut for good, and no wall burns through.
+        margin: The robot may set out on its witness up to this much later and still arrive, s.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
 
     Raises:
-        InvalidParameter: If a number is out of range.
+        InvalidParameter: If a number is out of range, or there is no such ground.
 
     Source: fire spreads as in first-passage percolation: Hammersley and Welsh, "First-passage percolation,
     subadditive processes, stochastic networks, and generalized renewal theory", 1965.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    check_between("ignitions", ignitions, 1, 100)
-    check_between("spread", spread, 0.01, 60.0, "s")
-    check_between("burn", burn, 0.01, 600.0, "s")
-    check_between("spread_cells", spread_cells, 1, 100_000, "cells")
-    check_between("debris", debris, 0.0, 1.0)
-    check_between("burn_through", burn_through, 0, 1000)
+    _check_fires(ignitions, apart, spread, scatter, wind, wind_to)
+    _check_fuel(fuel, grain, burn, uneven, spread_cells)
+    _check_what_is_left(debris, clear, burn_through, monotone, margin)
 
     ground = lay_ground(rng.child("ground"), over, arena)
-    plan = _Plan.of(arena, ground)
-    embers = _ignite(rng.child("ignite"), plan, ignitions)
-    floor = _burn(rng.child("floor"), plan, embers, plan.burns, spread, spread_cells)
-    slots = _weak_walls(rng.child("walls"), plan, floor, burn_through)
-    walls = _burn_walls(rng.child("wall-times"), plan, floor, slots, WALL_FACTOR * spread)
-    closing = _debris(rng.child("debris"), plan, floor, walls, debris)
-    timeline = _timeline(rng.child("burn"), size, floor | walls, closing, burn)
-
-    return World(
-        walls=ground.walls,
-        start=ground.start,
-        target=ground.target,
-        cell_size=cell_size,
-        robot_radius=robot_radius,
-        robot_speed=robot_speed,
-        timeline=timeline,
-    )
+    plan = Plan.of(ground).with_fuel(rng.child("fuel"), fuel, grain)
+    if ignite_cells != DRAWN:
+        embers = in_turn(rng.child("apart"), _cells(ignite_cells, plan), apart, scatter)
+    else:
+        embers = ignite(rng.child("ignite"), plan, ignitions, ignite_at, apart, scatter)
+    floor = _spread(rng, plan, embers, spread, scatter, wind, wind_to, spread_cells, margin if monotone else None)
+    slots = weak_walls(rng.child("walls"), plan, floor, 0 if monotone else burn_through)
+    walls = burn_walls(rng.child("wall-times"), plan, floor, slots, WALL_FACTOR * spread)
+    closing = set(floor) if monotone else _debris(rng.child("debris"), plan, floor, walls, debris)
+    lasts = _lasts(rng, plan, floor | walls, burn, uneven, scatter)
+    return replace(ground, timeline=_timeline(rng.child("clear"), plan, floor | walls, lasts, closing, clear))
 
 
-@dataclass(frozen=True)
-class _Plan:
-    """The ground as flat cells.
-
-    Args:
-        walls: (size, size) bool.
-        side: Cells of the narrowest passage, and of the square that stands for the robot.
-        flammable: Cells of floor that can burn.
-        start: Window at the start.
-        goal: Window at the target.
-    """
-
-    walls: npt.NDArray[np.bool_]
-    side: int
-    flammable: npt.NDArray[np.bool_]
-    start: int
-    goal: int
-
-    @classmethod
-    def of(cls, arena: Arena, ground: World) -> _Plan:
-        """Takes a ground apart."""
-        start, goal = (
-            tuple(window_at(round(2 * value / arena.cell_size), arena.narrowest) for value in (point.x, point.y))
-            for point in (ground.start, ground.target)
-        )
-        x, y = ground.start.x / arena.cell_size, ground.start.y / arena.cell_size
-        reach = float(arena.radius) + FIREBREAK
-        index = np.arange(arena.size)
-        dx = np.maximum(np.maximum(index - x, x - index - 1), 0.0)
-        dy = np.maximum(np.maximum(index - y, y - index - 1), 0.0)
-        near = dx[np.newaxis, :] ** 2 + dy[:, np.newaxis] ** 2 < reach * reach
-        return cls(
-            walls=ground.walls,
-            side=arena.narrowest,
-            flammable=(~ground.walls & ~near).ravel(),
-            start=start[1] * arena.size + start[0],
-            goal=goal[1] * arena.size + goal[0],
-        )
-
-    @property
-    def stride(self) -> int:
-        """Cells a row."""
-        return int(self.walls.shape[1])
-
-    def way(self, opened: Iterable[int] = ()) -> list[int]:
-        """Windows of a shortest way from start to target, some cells opened."""
-        walls = self.walls.copy()
-        walls.ravel()[list(opened)] = False
-        return shortest_way(free_windows(walls, self.side, self.side), self.start, self.goal)
-
-    def burns(self, cell: int) -> bool:
-        """Whether the cell is floor that can burn."""
-        return bool(self.flammable[cell])
-
-    def neighbours(self, cell: int) -> tuple[int, int, int, int]:
-        """The four cells beside a cell that is not on the rim."""
-        return cell + 1, cell + self.stride, cell - 1, cell - self.stride
-
-    def window(self, first: int) -> list[int]:
-        """Cells of the window at ``first``."""
-        return [first + dy * self.stride + dx for dy in range(self.side) for dx in range(self.side)]
+def _check_fires(ignitions: int, apart: float, spread: float, scatter: float, wind: float, wind_to: int) -> None:
+    check_between("ignitions", ignitions, 1, 100)
+    check_between("apart", apart, 0.0, 600.0, "s")
+    check_between("spread", spread, 0.01, 60.0, "s")
+    check_between("scatter", scatter, 0.0, 0.9)
+    check_between("wind", wind, 0.0, 0.9)
+    check_between("wind_to", wind_to, -1, 3, "quarter turns")
+    if wind == 0.0:
+        without_effect("wind_to", wind_to, "wind=0")
 
 
-def _ignite(rng: RandomStream, plan: _Plan, ignitions: int) -> Times:
-    """Cells that burn at time 0: the first in the middle part of the shortest way, the others anywhere."""
-    way = plan.way()
-    middle = way[len(way) // 3 : 1 + 3 * len(way) // 4]
-    on_way = [cell for first in middle for cell in plan.window(first) if plan.flammable[cell]]
-    anywhere = np.flatnonzero(plan.flammable)
-    embers = [rng.choice(on_way)] if on_way else []
-    while len(embers) < ignitions and len(anywhere):
-        embers.append(int(anywhere[rng.below(len(anywhere))]))
-    return dict.fromkeys(embers, 0)
+def _check_fuel(fuel: float, grain: int, burn: float, uneven: float, spread_cells: int) -> None:
+    check_between("fuel", fuel, 0.0, 1.0)
+    check_between("grain", grain, 1, 1000, "cells")
+    check_between("burn", burn, 0.01, 600.0, "s")
+    check_between("uneven", uneven, 0.0, 0.9)
+    check_between("spread_cells", spread_cells, 1, 100_000, "cells")
 
 
-def _delay(rng: RandomStream, mean: float) -> int:
-    """A time in ms between half and one and a half of the mean, in s; at least 1."""
-    return max(1, rng.between(round(500 * mean), round(1500 * mean)))
+def _check_what_is_left(debris: float, clear: float, burn_through: int, monotone: bool, margin: float) -> None:
+    check_between("debris", debris, 0.0, 1.0)
+    check_between("clear", clear, 0.0, 600.0, "s")
+    check_between("burn_through", burn_through, 0, 1000)
+    check_between("margin", margin, 0.0, 3600.0, "s")
+    if monotone and clear > 0.0:
+        raise InvalidParameter(f"clear={clear:g} s opens what fell shut, and monotone lets nothing open; leave one out")
 
 
-def _burn(
-    rng: RandomStream, plan: _Plan, embers: Times, can_burn: Callable[[int], bool], mean: float, limit: int
+def _cells(text: str, plan: Plan) -> list[int]:
+    """Flat cells of ``ix:iy,ix:iy``."""
+    height, width = plan.walls.shape
+    cells = []
+    for part in text.split(","):
+        column, _, row = part.strip().partition(":")
+        if not (column.isdecimal() and row.isdecimal()):
+            raise InvalidParameter(f"ignite_cells={text!r}: {part!r} is no cell; write IX:IY,IX:IY, such as 12:5,20:7")
+        ix, iy = int(column[:9]), int(row[:9])
+        if not (ix < width and iy < height):
+            raise InvalidParameter(f"ignite_cells: cell {part.strip()} is outside the {width} x {height} cells")
+        cell = iy * width + ix
+        if not plan.flammable[cell]:
+            what = "a wall" if plan.walls[iy, ix] else f"within {FIREBREAK} cells of the robot, or without fuel"
+            raise InvalidParameter(f"ignite_cells: cell {part.strip()} is {what}; give one of floor that can burn")
+        cells.append(cell)
+    return cells
+
+
+def _spread(
+    rng: RandomStream,
+    plan: Plan,
+    embers: Times,
+    spread: float,
+    scatter: float,
+    wind: float,
+    wind_to: int,
+    limit: int,
+    race: float | None,
 ) -> Times:
-    """When each cell catches, for the earliest ``limit`` of them: Dijkstra's algorithm over random delays.
+    """When each cell of floor catches; ``race`` is the margin of a robot that must get by, if nothing ever opens."""
+    factors = [1.0, 1.0, 1.0, 1.0]
+    if wind > 0.0:
+        to = rng.child("wind").below(4) if wind_to == CHOSEN else wind_to
+        factors[to], factors[(to + 2) % 4] = 1.0 - wind, 1.0 + wind
+    given = (factors[0], factors[1], factors[2], factors[3])
 
-    A cell's delay is its own, whatever side the fire comes from; so the first neighbour to burn decides.
-    """
-    burning: Times = {}
-    front = [(time, cell) for cell, time in embers.items()]
-    heapq.heapify(front)
-    caught = set(embers)
-    while front and len(burning) < limit:
-        time, cell = heapq.heappop(front)
-        burning[cell] = time
-        for there in plan.neighbours(cell):
-            if there not in caught and can_burn(there):
-                caught.add(there)
-                heapq.heappush(front, (time + _delay(rng, mean), there))
-    return burning
+    def spread_over(held: Times | None) -> Times:
+        stream = rng.child("floor")
+        return burn_over(stream, plan, embers, plan.burns, spread, limit, scatter=scatter, factors=given, held=held)
 
-
-def _weak_walls(rng: RandomStream, plan: _Plan, floor: Times, count: int) -> set[int]:
-    """Cells of up to ``count`` slots through walls that burning floor touches, apart from each other."""
-    burnt = np.zeros(plan.walls.shape, dtype=np.bool_)
-    burnt.ravel()[list(floor)] = True
-    slots = [
-        slot
-        for thickness in range(1, THICKEST + 1)
-        for slot in (
-            *_slots(plan.walls, burnt, plan.side, thickness, (1, plan.stride)),
-            *_slots(plan.walls.T, burnt.T, plan.side, thickness, (plan.stride, 1)),
-        )
-    ]
-    chosen: set[int] = set()
-    taken: set[int] = set()
-    left = count
-    for k in np.argsort(rng.bits(len(slots)), kind="stable").tolist():
-        if left == 0:
-            break
-        slot = slots[k]
-        if taken.isdisjoint(slot):
-            left -= 1
-            chosen.update(slot)
-            taken.update(slot, *(plan.neighbours(cell) for cell in slot))
-    return chosen
+    floor = spread_over(None)
+    if race is None or leaves_a_way(plan, floor, race):
+        return floor
+    return spread_over(hold_back(plan, embers, race))
 
 
-def _slots(
-    walls: npt.NDArray[np.bool_],
-    burnt: npt.NDArray[np.bool_],
-    side: int,
-    thickness: int,
-    strides: tuple[int, int],
-) -> Iterator[list[int]]:
-    """Flat cells of every slot, in +x, whose removal joins a free square to another and that fire touches.
-
-    Args:
-        walls: (rows, columns) bool.
-        burnt: (rows, columns) bool.
-        side: Cells of the squares, and of the slot in y.
-        thickness: Cells of the slot in x.
-        strides: Step between flat cells in x and y.
-    """
-    reach = side + thickness
-    columns = walls.shape[1] - reach
-    if columns < 1:
-        return
-    free = free_windows(walls, side, side)
-    solid = free_windows(~walls, thickness, side)[:, side:][:, :columns]
-    touched = ~free_windows(burnt, 1, side)
-    near = touched[:, side - 1 :][:, :columns] | touched[:, reach:]
-    for y, x in np.argwhere(free[:, :columns] & solid & free[:, reach:] & near).tolist():
-        first = (x + side) * strides[0] + y * strides[1]
-        yield [first + i * strides[0] + j * strides[1] for i in range(thickness) for j in range(side)]
-
-
-def _burn_walls(rng: RandomStream, plan: _Plan, floor: Times, slots: set[int], mean: float) -> Times:
-    """When the cells of the slots catch from the floor beside them, and from each other."""
-    embers = {
-        cell: min(floor[there] for there in plan.neighbours(cell) if there in floor) + _delay(rng, mean)
-        for cell in sorted(slots)
-        if any(there in floor for there in plan.neighbours(cell))
-    }
-    return _burn(rng, plan, embers, slots.__contains__, mean, len(slots))
-
-
-def _debris(rng: RandomStream, plan: _Plan, floor: Times, walls: Times, share: float) -> set[int]:
+def _debris(rng: RandomStream, plan: Plan, floor: Times, walls: Times, share: float) -> set[int]:
     """Cells that fall shut: a share of the burnt floor off a shortest way over what is open in the end."""
-    goal = plan.goal
-    round_target = (goal + 1, goal + plan.stride, goal + plan.stride + 1)  # it may lie between two windows
-    kept = {cell for first in (*plan.way(walls), *round_target) for cell in plan.window(first)}
+    kept = plan.kept(plan.way(walls))
     return {cell for cell in floor if cell not in kept and rng.random() < share}
 
 
-def _timeline(rng: RandomStream, size: int, burning: Times, closing: set[int], mean: float) -> Timeline:
-    """Every cell burns, then is free, or solid if it falls shut; in order of time, then of place."""
-    cells = np.array([*burning, *burning], dtype=np.int64)
+def _lasts(rng: RandomStream, plan: Plan, burning: Times, mean: float, uneven: float, scatter: float) -> list[int]:
+    """How long each cell burns, ms."""
+    stream = rng.child("burn")
+    if uneven == 0.0:
+        return [delay(stream, mean, scatter) for _ in burning]
+    heights = plan.noise(rng.child("load"), LOAD_PITCH)
+    low, high = int(heights.min()), int(heights.max())
+    spare = max(1, high - low)
+    means = (mean * (1.0 + uneven * (2 * (int(heights[cell]) - low) / spare - 1.0)) for cell in burning)
+    return [delay(stream, each, scatter) for each in means]
+
+
+def _timeline(
+    rng: RandomStream, plan: Plan, burning: Times, lasts: list[int], closing: set[int], clear: float
+) -> Timeline:
+    """Every cell burns, then is free, or solid if it falls shut, until that is cleared; by time, then by place."""
+    shut = [cell for cell in burning if cell in closing] if clear > 0.0 else []
+    cells = np.array([*burning, *burning, *shut], dtype=np.int64)
     caught = np.array([*burning.values()], dtype=np.int64)
-    out = caught + np.array([_delay(rng, mean) for _ in burning], dtype=np.int64)
+    out = caught + np.array(lasts, dtype=np.int64)
     after = [CellState.SOLID if cell in closing else CellState.FREE for cell in burning]
-    times = np.concatenate([caught, out])
-    states = np.array([CellState.BURNING] * len(burning) + after, dtype=np.uint8)
+    fell = dict(zip(burning, out.tolist(), strict=True))
+    cleared = np.array([fell[cell] + delay(rng, clear) for cell in shut], dtype=np.int64)
+    times = np.concatenate([caught, out, cleared])
+    states = np.array([CellState.BURNING] * len(burning) + after + [CellState.FREE] * len(shut), dtype=np.uint8)
     order = np.lexsort((cells, times))
-    iy, ix = np.divmod(cells[order], size)
+    iy, ix = np.divmod(cells[order], plan.stride)
     return Timeline(times=times[order] / 1000.0, ix=ix, iy=iy, states=states[order])

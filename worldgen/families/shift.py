@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 
+from worldgen.errors import InvalidParameter
 from worldgen.families._ground import lay_ground
 from worldgen.families._layout import Arena
 from worldgen.family import check_between, family
@@ -18,20 +19,21 @@ from worldgen.world import World
 __all__ = ["shift"]
 
 
-@family("shift", version=1)
+@family("shift", version=1, changes=True)
 def shift(
     rng: RandomStream,
     *,
     size: int = 30,
-    over: Literal["trap", "corridor", "maze"] = "trap",
+    over: str = "trap",
     interval: float = 0.5,
     chance: float = 0.1,
     duration: float = 60.0,
+    margin: float = 0.0,
     cell_size: float = 0.1,
     robot_radius: float = 0.07,
     robot_speed: float = 2.0,
 ) -> World:
-    """A trap, corridor or maze whose cells change places, as the thesis's world shifter moves them.
+    """A world of another family whose cells change places, as the thesis's world shifter moves them.
 
     Again and again, with some chance, a cell drawn from the whole square is swapped with its mirror image
     along the diagonal from the upper left to the lower right: a wall goes from one side of it to the other.
@@ -42,10 +44,12 @@ def shift(
     Args:
         rng: The only source of chance; equal state, equal world.
         size: Cells a side, the solid border included; 10 to 2000.
-        over: Family whose world moves; its shape is drawn.
+        over: Family whose world moves, with its own parameters: trap, rooms, trap+shape=U+depth=9. Words that are not
+            given are drawn.
         interval: Time between two draws, s.
         chance: Share of the draws that swap two cells.
         duration: Time after which all stays as it is, s.
+        margin: The robot may set out on its witness up to this much later and still arrive, s.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
@@ -59,19 +63,14 @@ def shift(
     check_between("interval", interval, 0.01, 60.0, "s")
     check_between("chance", chance, 0.0, 1.0)
     check_between("duration", duration, 0.0, 600.0, "s")
+    check_between("margin", margin, 0.0, 3600.0, "s")
 
     ground = lay_ground(rng.child("ground"), over, arena)
-    timeline = _swaps(rng.child("swaps"), ground, interval, chance, duration)
-
-    return World(
-        walls=ground.walls,
-        start=ground.start,
-        target=ground.target,
-        cell_size=cell_size,
-        robot_radius=robot_radius,
-        robot_speed=robot_speed,
-        timeline=timeline,
-    )
+    if ground.width != ground.height:
+        raise InvalidParameter(
+            f"over={over}: {ground.width} x {ground.height} cells have no mirror image; give a ground that is square"
+        )
+    return replace(ground, timeline=_swaps(rng.child("swaps"), ground, interval, chance, duration))
 
 
 def _swaps(rng: RandomStream, ground: World, interval: float, chance: float, duration: float) -> Timeline:

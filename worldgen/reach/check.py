@@ -21,7 +21,16 @@ from worldgen.reach.check_target import TooMuch, poses_to_part
 from worldgen.timeline import CellState
 from worldgen.world import Certificate, Cut, Witness, World
 
-__all__ = ["TOLERANCE", "CheckReport", "check_certificate"]
+__all__ = [
+    "TOLERANCE",
+    "BlockedSpans",
+    "CheckReport",
+    "Floats",
+    "Path",
+    "blocked_spans",
+    "check_certificate",
+    "path_of",
+]
 
 TOLERANCE = 1e-8  # cells; a path may come this much nearer to a wall than the radius
 SPEED_TOLERANCE = 1e-9  # share of the speed by which a piece may be too fast
@@ -83,7 +92,7 @@ def _require(holds: bool, otherwise: str) -> None:
 
 
 @dataclass(frozen=True)
-class _Spans:
+class BlockedSpans:
     """When the cells that change are blocked (solid or burning): from ``begin`` to before ``end``, s."""
 
     ix: Cells
@@ -92,7 +101,7 @@ class _Spans:
     end: Floats
 
 
-def _blocked_spans(world: World) -> _Spans:
+def blocked_spans(world: World) -> BlockedSpans:
     """One row per uninterrupted state of each cell that changes."""
     line = world.timeline
     order = np.lexsort((np.arange(len(line)), line.times, line.iy, line.ix))
@@ -108,10 +117,10 @@ def _blocked_spans(world: World) -> _Spans:
     wall = np.where(world.walls[iy[len(state) :], ix[len(state) :]], int(CellState.SOLID), int(CellState.FREE))
     state = np.concatenate([state, wall])
     kept = (state != int(CellState.FREE)) & (begin < end)
-    return _Spans(ix[kept], iy[kept], begin[kept], end[kept])
+    return BlockedSpans(ix[kept], iy[kept], begin[kept], end[kept])
 
 
-def _always_blocked(world: World, spans: _Spans) -> npt.NDArray[np.bool_]:
+def _always_blocked(world: World, spans: BlockedSpans) -> npt.NDArray[np.bool_]:
     """(height, width) bool: solid or burning at every time from 0 on."""
     blocked = world.walls.copy()
     blocked[world.timeline.iy, world.timeline.ix] = False
@@ -132,7 +141,7 @@ def _always_blocked(world: World, spans: _Spans) -> npt.NDArray[np.bool_]:
 
 
 @dataclass(frozen=True)
-class _Path:
+class Path:
     """A witness in cells and seconds; of two points at least."""
 
     times: Floats
@@ -163,7 +172,7 @@ def _lines(a: Floats, b: Floats) -> npt.NDArray[np.object_]:
 
 def _check_witness(world: World, witness: Witness, radius: float, measured: list[float]) -> None:
     size = world.cell_size
-    path = _path_of(world, witness)
+    path = path_of(world, witness)
     clearance, where = _static_clearance(world, path)
     if world.is_dynamic:
         clearance, where = _timed_clearance(world, path, clearance, where, max(radius, witness.clearance) / size)
@@ -178,7 +187,7 @@ def _check_witness(world: World, witness: Witness, radius: float, measured: list
     )
 
 
-def _path_of(world: World, witness: Witness) -> _Path:
+def path_of(world: World, witness: Witness) -> Path:
     """The witness, once it starts and ends where it must, stays in the grid and keeps to the speed."""
     times, x, y, size = witness.times, witness.x, witness.y, world.cell_size
     finite = all(np.isfinite(values).all() for values in (times, x, y))
@@ -197,15 +206,15 @@ def _path_of(world: World, witness: Witness) -> _Path:
     fast = np.nonzero(steps > world.robot_speed / size * waits * (1 + SPEED_TOLERANCE) + 1e-11)[0]
     _require(not len(fast), f"the witness is faster than {world.robot_speed} m/s after point {_first(fast)}")
     if len(times) == 1:
-        return _Path(np.repeat(times, 2), np.repeat(x, 2), np.repeat(y, 2))
-    return _Path(times, x, y)
+        return Path(np.repeat(times, 2), np.repeat(x, 2), np.repeat(y, 2))
+    return Path(times, x, y)
 
 
 def _first(found: npt.NDArray[np.intp]) -> int:
     return int(found[0]) if len(found) else 0
 
 
-def _static_clearance(world: World, path: _Path) -> tuple[float, str]:
+def _static_clearance(world: World, path: Path) -> tuple[float, str]:
     """Distance, cells, from a path to the nearest cell that is solid and never changes, or to the outside."""
     # The outside is the complement of a convex box: the path is nearest to it at one of its points.
     rim = min(path.x.min(), path.y.min(), world.width - path.x.max(), world.height - path.y.max())
@@ -225,9 +234,9 @@ def _static_clearance(world: World, path: _Path) -> tuple[float, str]:
     return clearance, where
 
 
-def _timed_clearance(world: World, path: _Path, clearance: float, where: str, claim: float) -> tuple[float, str]:
+def _timed_clearance(world: World, path: Path, clearance: float, where: str, claim: float) -> tuple[float, str]:
     """The same with the cells that change, each while it is solid or burning; at most the claim and a cell."""
-    spans, begin, end = _blocked_spans(world), path.times[:-1], path.times[1:]
+    spans, begin, end = blocked_spans(world), path.times[:-1], path.times[1:]
     early = spans.begin <= end[-1]
     ix, iy, since, until = spans.ix[early], spans.iy[early], spans.begin[early], spans.end[early]
     reach = max(0.0, min(clearance, claim + 1.0))
@@ -266,7 +275,7 @@ def _check_cut(world: World, cut: Cut, radius: float, measured: list[float]) -> 
         wide < (2 * in_cells) ** 2,
         f"the gap between cells {cells[at]} and {cells[(at + 1) % len(cells)]} is not narrower than the disc",
     )
-    spans = _blocked_spans(world)
+    spans = blocked_spans(world)
     if _start_is_covered(world, cells, in_cells, spans):
         return "the start is nearer to a solid cell than the radius"
     if 2 * in_cells > min(world.width, world.height):
@@ -287,7 +296,7 @@ def _gap_sq(a: tuple[int, int], b: tuple[int, int]) -> int:
     return max(abs(a[0] - b[0]) - 1, 0) ** 2 + max(abs(a[1] - b[1]) - 1, 0) ** 2
 
 
-def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fraction, spans: _Spans) -> bool:
+def _start_is_covered(world: World, cells: list[tuple[int, int]], radius: Fraction, spans: BlockedSpans) -> bool:
     """Whether a cell of the chain, solid or burning at time 0, is nearer to the start than the radius."""
     now = world.walls.copy()
     now[world.timeline.iy, world.timeline.ix] = False

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from worldgen.errors import InvalidParameter
 from worldgen.world import Certificate
 
-__all__ = ["BLOCKED", "REACHABLE", "UNDECIDED", "Decision", "check_radius"]
+__all__ = ["BLOCKED", "REACHABLE", "UNDECIDED", "Decision", "check_margin", "check_radius"]
 
 REACHABLE = "reachable"
 BLOCKED = "blocked"
@@ -38,3 +38,13 @@ def check_radius(radius: float) -> None:
     """
     if not (math.isfinite(radius) and radius > 0):
         raise InvalidParameter(f"radius={radius} m: must be a finite number above 0")
+
+
+def check_margin(margin: float) -> None:
+    """Refuses a margin by which nothing can be late.
+
+    Raises:
+        InvalidParameter: If it is not a finite number, 0 or above.
+    """
+    if not (math.isfinite(margin) and margin >= 0):
+        raise InvalidParameter(f"margin={margin} s: must be a finite number, 0 or above")

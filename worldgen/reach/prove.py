@@ -11,7 +11,7 @@ import numpy as np
 
 from worldgen.lattice import UNIT, exact, in_cells, metres_to_lattice
 from worldgen.reach.cut import MOST_TARGETS, find_chain
-from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_radius
+from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_margin, check_radius
 from worldgen.reach.disc import Disc, beyond, parts, target_disc
 from worldgen.reach.lattice_graph import Graph, build_graph, find_path, nodes_within
 from worldgen.reach.path import make_witness, root_up, shorten
@@ -31,27 +31,32 @@ _MOST_TIMED_NODES = 4_000_000  # likewise in time
 _ROUNDING = Fraction(1, 2**120)  # share of the radius by which a way to a pose that is no fraction may be too near
 
 
-def decide(world: World, *, radius: float | None = None) -> Decision:
+def decide(world: World, *, radius: float | None = None, margin: float = 0.0) -> Decision:
     """Whether a disc can get from the start to the target.
 
     Args:
         world: The world; its own certificate is not looked at.
         radius: Radius of the disc, m; the robot's where left out.
+        margin: s. The witness of a world that changes holds too when the robot first waits at the start for any time
+            up to this long, and then does everything so much later.
 
     Raises:
-        InvalidParameter: If the radius is not a finite number above 0.
+        InvalidParameter: If the radius is not a finite number above 0, or the margin not one from 0 on.
     """
     radius = world.robot_radius if radius is None else radius
     check_radius(radius)
+    check_margin(margin)
     try:
         with np.errstate(all="ignore"):  # event times near the largest float
-            return _decide_changing(world, radius) if world.is_dynamic else _Question(world, radius).answer()
+            if world.is_dynamic:
+                return _decide_changing(world, radius, margin)
+            return _Question(world, radius).answer()
     except OverflowError:
         return Decision(UNDECIDED, None, "lengths, speed and times are too far apart for numbers to hold them")
 
 
-def _decide_changing(world: World, radius: float) -> Decision:
-    spans = Spans(world)
+def _decide_changing(world: World, radius: float, margin: float) -> Decision:
+    spans = Spans(world, margin)
     still = replace(world, timeline=Timeline(), certificate=None)
     at_once = _Question(replace(still, walls=spans.at_start), radius)
     bad_start = at_once.judge_start()
@@ -70,7 +75,8 @@ def _decide_changing(world: World, radius: float) -> Decision:
             for_ever = _Question(replace(still, walls=spans.always), radius).answer()
             if for_ever.result == BLOCKED:
                 return for_ever
-    reason = "no timed path was found, and the cells that never open leave no cut"
+    late = f" that may begin {margin:g} s late" if margin else ""
+    reason = f"no timed path{late} was found, and the cells that never open leave no cut"
     return Decision(UNDECIDED, None, reason)
 
 

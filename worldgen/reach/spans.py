@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.lattice import UNIT
+from worldgen.lattice import UNIT, exact
 from worldgen.reach.path import ticks_per_second
 from worldgen.reach.walls import Cell, ExactPoint, Number, Walls, segment_box_sq
 from worldgen.timeline import CellState
@@ -26,6 +26,13 @@ Ints = npt.NDArray[np.int64]
 class Spans:
     """The cells that change, and when they are blocked: solid or burning.
 
+    What is clear of spans that begin ``early`` seconds earlier stays clear when it comes up to so much later: for some
+    delay up to ``early``, t + delay is b or later exactly if t is b - early or later.
+
+    Args:
+        world: The world.
+        early: s by which every span begins earlier than the cell is blocked; it moves ``begin`` alone.
+
     Attributes:
         ticks: Ticks per second.
         fixed: (height, width) bool, solid and never changed.
@@ -37,11 +44,12 @@ class Spans:
         end: (n,) int64, tick until which it does; ``FOREVER`` if it stays so.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, early: float = 0.0) -> None:
         line, size = world.timeline, world.walls.size
         self.width = world.width
         self.ticks = ticks_per_second(world.cell_size, world.robot_speed)
-        while self.ticks > 1 and float(line.times[-1]) * self.ticks > _LAST:
+        last = max(float(line.times.max(initial=0.0)), early)
+        while self.ticks > 1 and last * self.ticks > _LAST:
             self.ticks //= 10
         place = line.iy * world.width + line.ix
         changed = np.unique(place)
@@ -67,6 +75,7 @@ class Spans:
         cell, since, until = place[heads], since[heads], until[tails]
         self.first: Ints = np.searchsorted(cell, np.arange(size + 1)).astype(np.int64)
         self.begin: Ints = np.floor(np.minimum(since * self.ticks, 2 * _LAST)).astype(np.int64) - MARGIN
+        self.begin -= min(math.ceil(exact(early) * self.ticks), int(2 * _LAST))
         late = until * self.ticks > 2 * _LAST
         self.end: Ints = np.where(late, FOREVER, np.ceil(np.where(late, 0.0, until) * self.ticks) + MARGIN)
         self.end = self.end.astype(np.int64)

@@ -144,7 +144,7 @@ def _approximate(pose: _Pose) -> tuple[float, float]:
 
 def _almost_clear(walls: Walls, at: Floats) -> npt.NDArray[np.bool_]:
     """(n,) whether points (n, 2) are clear, or nearly; in floats."""
-    reach, limit = math.ceil(walls.radius) + 1, float(walls.radius) - _SLACK
+    reach, limit = math.ceil(walls.radius) + 1, max(0.0, float(walls.radius) - _SLACK)
     pad = reach + 1
     solid = np.pad(walls.solid, pad, constant_values=True)
     inside = ((at >= 0.0) & (at <= (walls.width, walls.height))).all(axis=1)

@@ -1,0 +1,119 @@
+"""The ground of a world that changes: any family, with parameters of its own."""
+
+import numpy as np
+import pytest
+
+from worldgen.errors import InvalidParameter
+from worldgen.families.fire import fire
+from worldgen.family import FAMILIES, family
+from worldgen.generation import generate
+from worldgen.reach import check_certificate
+from worldgen.timeline import Event, Timeline
+from worldgen.world import Pose, Target, World
+
+PLUGIN = """
+import numpy as np
+from worldgen.family import family
+from worldgen.world import Pose, Target, World
+
+
+@family("pillars", version=1)
+def pillars(rng, *, width: int = 24, pillars: int = 20, closed: bool = False) -> World:
+    walls = np.zeros((20, width), dtype=bool)
+    walls[-1] = closed
+    for _ in range(pillars):
+        walls[rng.between(4, 16), rng.between(4, width - 4)] = True
+    return World(walls, start=Pose(0.2, 0.2), target=Target(width / 10 - 0.2, 1.73, 0.05), robot_radius=0.08)
+"""
+
+
+@pytest.fixture
+def plugin(tmp_path):
+    path = tmp_path / "a+b" / "mine.py"
+    path.parent.mkdir()
+    path.write_text(PLUGIN)
+    return f"{path}:pillars"
+
+
+@pytest.mark.parametrize("name", ["fire", "shift"])
+@pytest.mark.parametrize(
+    ("over", "same"),
+    [
+        ("maze+algorithm=eller+passage=3", {"algorithm": "eller", "passage": 3}),
+        ("rooms+plan=suite+closed=0.5", {"plan": "suite", "closed": 0.5}),
+        ("trap+shape=L+inside", {"shape": "L", "inside": True}),
+    ],
+)
+def test_a_grounds_own_parameters_can_be_set(name, over, same, monkeypatch):
+    below = FAMILIES.get(over.partition("+")[0])
+    asked = []
+
+    def build(rng, **params):
+        asked.append(params)
+        return below.build(rng, **params)
+
+    monkeypatch.setitem(FAMILIES._loaded, below.name, _Spy(below, build))
+    generate(name, 4, over=over)
+    assert all(params.items() >= same.items() for params in asked) and asked
+
+
+class _Spy:
+    """A family whose build is watched."""
+
+    def __init__(self, below, build):
+        self._below, self.build = below, build
+
+    def __getattr__(self, name):
+        return getattr(self._below, name)
+
+
+def test_a_ground_from_a_file_burns_though_it_is_no_square_and_has_no_border(plugin):
+    for seed in range(5):
+        world = generate("fire", seed, over=f"{plugin}+width=40+pillars=60+closed", margin=1.0)
+        assert world.walls.shape == (20, 40) and world.robot_radius == 0.08 and world.is_dynamic
+        assert check_certificate(world).valid
+
+
+def test_a_ground_that_is_no_square_cannot_be_mirrored(plugin):
+    with pytest.raises(InvalidParameter, match="40 x 20 cells have no mirror image"):
+        generate("shift", 1, over=f"{plugin}+width=40")
+
+
+@pytest.mark.parametrize(
+    ("over", "message"),
+    [
+        ("", "over='' names no family; give one, such as maze"),
+        ("fire", "over=fire: fire changes by itself; give one of cave, corridor, "),
+        ("shift+over=maze", "shift changes by itself"),
+        ("mase", "no family is called 'mase'; did you mean 'maze'"),
+        ("maze+size=40", "over=maze\\+size=40: size is the whole world's; give it as a parameter of its own"),
+        ("maze+robot-radius=0.1", "robot_radius is the whole world's"),
+        ("maze+passages=3", "maze has no parameter 'passages'; it has size, "),
+        ("maze+passage=wide", "passage=wide is not a whole number; write \\+passage=VALUE"),
+        ("maze+passage", "passage is not a whole number; write"),
+        ("trap+inside=maybe", "inside=maybe is not true or false"),
+        ("maze+algorithm=ellen", "algorithm='ellen' is not one of wilson, "),
+        ("maze+braid=2", "no room for over=maze\\+braid=2.*braid=2 is outside 0 to 1"),
+        ("rooms+door=nan", "door=nan is not a whole number"),
+    ],
+)
+def test_a_wrong_ground_is_refused(over, message):
+    with pytest.raises(InvalidParameter, match=message):
+        generate("fire", 1, over=over)
+
+
+def test_a_ground_that_changes_without_saying_so_is_refused(monkeypatch):
+    @family("restless", version=1)
+    def restless(rng, *, size: int = 12) -> World:
+        return World(np.zeros((size, size), bool), Pose(0.3, 0.3), Target(0.8, 0.8, 0.05),
+                     timeline=Timeline.of([Event(1.0, 5, 5, 1)]))  # fmt: skip
+
+    monkeypatch.setitem(FAMILIES._loaded, "restless", restless)
+    monkeypatch.setattr(type(FAMILIES), "get", lambda self, name: self._loaded[name])
+    with pytest.raises(InvalidParameter, match="its worlds change by themselves"):
+        generate(fire, 1, over="restless")
+
+
+def test_a_margin_that_is_no_float_is_told():
+    with pytest.raises(InvalidParameter, match="margin is the margin in seconds that the witness gets"):
+        family("own", version=1)(lambda rng, *, margin=1: None)
