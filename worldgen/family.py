@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import functools
+import importlib
 import inspect
 import math
 import re
 import typing
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from worldgen.errors import InvalidParameter
@@ -20,6 +21,7 @@ __all__ = [
     "FAMILIES",
     "MARGIN",
     "Family",
+    "FamilyRegistry",
     "Parameter",
     "check_at_least",
     "check_between",
@@ -84,12 +86,15 @@ class Family:
         version: Goes up whenever some seed yields another world than before.
         build: ``build(rng, **params) -> World``, all parameters keyword-only with defaults.
         changes: Whether its worlds change with time, so that no other family can change them.
+        constants: What beside the parameters makes its worlds what they are, such as the text of a recipe; it goes
+            with them into provenance and, from there, back to ``generate``, which refuses any other.
     """
 
     name: str
     version: int
     build: Build
     changes: bool = False
+    constants: Mapping[str, Value] = field(default_factory=dict)
 
     @functools.cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -141,11 +146,21 @@ class Family:
         """
         known = {parameter.name: parameter for parameter in self.parameters}
         for name in params:
-            if name not in known:
+            if name in self.constants:
+                self._check_constant(name, params[name])
+            elif name not in known:
                 raise InvalidParameter(f"{self.name} has no parameter {name!r}; it has {', '.join(known)}")
-        return {
+        complete = {
             name: parameter.accept(params.get(name, parameter.default), self.name) for name, parameter in known.items()
         }
+        return {**complete, **self.constants}
+
+    def _check_constant(self, name: str, value: Value) -> None:
+        if value != self.constants[name]:
+            raise InvalidParameter(
+                f"{self.name}: {name} is {str(value)[:60]!r}, here it is {str(self.constants[name])[:60]!r}; this "
+                "version makes other worlds: take the one that the world was made with"
+            )
 
 
 def _choices(hint: Any) -> tuple[str, ...]:
@@ -210,7 +225,45 @@ def _accept(name: str, thing: Any) -> Family:
     return thing
 
 
-FAMILIES: Registry[Family] = Registry("worldgen.families", "family", _accept)
+class FamilyRegistry(Registry[Family]):
+    """Families by entry point, as ``package.module:name``, ``./file.py:name`` or ``./recipe.toml``."""
+
+    def get(self, name: str) -> Family:
+        """The family called ``name``; a recipe is read afresh each time.
+
+        Raises:
+            InvalidParameter: If nothing is called so, or what is found is no family.
+            FormatError: If it is a recipe with a fault.
+        """
+        if name.endswith(".toml"):
+            return self._from_recipe(name)
+        return super().get(name)
+
+    def find(self, name: str, params: Mapping[str, Value]) -> Family:
+        """The family that provenance names; of a recipe's world the text is among the parameters.
+
+        Raises:
+            InvalidParameter: If there is no such family, or the recipe is another's.
+            FormatError: If the recipe has a fault.
+        """
+        text, files = params.get("recipe"), params.get("files", {})
+        if not (name.startswith(RECIPE) and isinstance(text, str)):
+            return self.get(name)
+        if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
+            raise InvalidParameter(f"{name}: files is no table of texts; take it as it stands in a world's provenance")
+        made_by = self._from_recipe(text, files=files)
+        if made_by.name != name:
+            raise InvalidParameter(f"{name}: its recipe is that of {made_by.name}; name that, or give the other recipe")
+        return made_by
+
+    def _from_recipe(self, recipe: str, **options: Any) -> Family:
+        module = importlib.import_module("worldgen.compose.recipe")  # it builds on families, so it comes late
+        made_by: Family = module.family_from_recipe(recipe, **options)
+        return made_by
+
+
+RECIPE = "recipe:"  # begins the name of every family that a recipe makes
+FAMILIES = FamilyRegistry("worldgen.families", "family", _accept)
 
 
 def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> None:

@@ -22,7 +22,7 @@ def generate(name: str | Family, seed: int = 0, **params: Value) -> World:
     """A world of a family, with a witness that its target can be reached.
 
     Args:
-        name: Name of a registered family, or the family itself.
+        name: Name of a registered family, ``./recipe.toml``, ``./file.py:name``, or the family itself.
         seed: Any integer; its low 64 bits count. Equal seed and parameters, equal world.
         **params: The family's parameters; see its documentation. One called ``margin`` is the number of seconds by
             which the robot may begin the witness later.
@@ -34,7 +34,7 @@ def generate(name: str | Family, seed: int = 0, **params: Value) -> World:
         InvalidParameter: If the family or a parameter is unknown, or a value is out of range.
         GenerationFailed: If no layout in ``MAX_ATTEMPTS`` is solvable for the disc.
     """
-    made_by = name if isinstance(name, Family) else FAMILIES.get(name)
+    made_by = name if isinstance(name, Family) else FAMILIES.find(name, params)
     complete = made_by.complete(params)
     seed &= MASK64
     margin = float(cast("float", complete.get(MARGIN, 0.0)))
@@ -44,7 +44,7 @@ def generate(name: str | Family, seed: int = 0, **params: Value) -> World:
         if decision.result == REACHABLE:
             provenance = Provenance(made_by.name, made_by.version, seed, complete)
             return replace(world, certificate=decision.certificate, provenance=provenance)
-    settings = ", ".join(f"{key}={value}" for key, value in complete.items())
+    settings = ", ".join(f"{parameter.name}={complete[parameter.name]}" for parameter in made_by.parameters)
     raise GenerationFailed(
         f"{made_by.name}: none of {MAX_ATTEMPTS} layouts lets the robot through (seed {seed}; {settings}); "
         "give it more room: a larger size, a smaller robot_radius, or fewer obstacles"

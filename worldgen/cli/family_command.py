@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from worldgen.family import Family, Parameter
     from worldgen.world import Value, Witness, World
 
-__all__ = ["family_command"]
+__all__ = ["command_of", "family_command"]
 
 
 @functools.cache
@@ -26,7 +26,11 @@ def family_command(name: str) -> click.Command:
     """
     from worldgen.family import FAMILIES
 
-    made_by = FAMILIES.get(name)
+    return command_of(FAMILIES.get(name), name)
+
+
+def command_of(made_by: Family, name: str) -> click.Command:
+    """The command that generates worlds of this family."""
 
     def command(
         seed: int | None,

@@ -39,7 +39,8 @@ class LazyGroup(click.Group):
             if not isinstance(command, click.Command):
                 raise click.ClickException(f"command {cmd_name!r} ({point.value}) is no click command")
             return command
-        if cmd_name in self._points("worldgen.families") or ":" in cmd_name:  # ./mine.py:my_family
+        if cmd_name in self._points("worldgen.families") or ":" in cmd_name or cmd_name.endswith(".toml"):
+            # ./mine.py:my_family, ./recipe.toml
             from worldgen.cli.family_command import family_command
 
             return family_command(cmd_name)
@@ -72,6 +73,7 @@ _SUMMARY = {
     "audit": "Say whether a trajectory, recorded in any simulator, was possible in a world.",
     "census": "Count in how many foreign maps a disc can reach its target, and where only a grid says so.",
     "compare": "Run controllers in many worlds and print one table of times, failures, best and worst.",
+    "compose": "Make worlds of parts, by a recipe: a trap in a maze, a fire in one wing.",
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
     "find": "Find a world in which given controllers have given outcomes, or come as near as the budget allows.",
     "export": "Write a world in another program's format.",

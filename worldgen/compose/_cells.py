@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.errors import InvalidParameter
 from worldgen.timeline import CellState, Timeline
 
 __all__ = ["HOW", "Bools", "Events", "How", "put_together", "settled", "state_of_two", "taken", "timeline_of"]
@@ -15,6 +16,7 @@ Bools: TypeAlias = npt.NDArray[np.bool_]
 Whole: TypeAlias = npt.NDArray[np.int64]
 How: TypeAlias = Literal["over", "union", "intersection", "carve"]
 
+MAX_EVENTS = 4_000_000  # of one piece; a repeated fire could take all memory
 SILENT = 3  # for a cell of which a piece says nothing
 _FREE, _SOLID, _BURNING = (int(state) for state in (CellState.FREE, CellState.SOLID, CellState.BURNING))
 _F, _S, _B = _FREE, _SOLID, _BURNING
@@ -79,6 +81,9 @@ def taken(events: Events, source: Whole, cells: int) -> Events:
         events: Of the cells that were taken from.
         source: (n,) the flat cell that each new one was taken from, -1 for none.
         cells: How many cells there were.
+
+    Raises:
+        InvalidParameter: If there are too many.
     """
     if not len(events.cells):
         return events
@@ -88,6 +93,10 @@ def taken(events: Events, source: Whole, cells: int) -> Events:
     new = new[np.argsort(source[new], kind="stable")]
     first = np.searchsorted(source[new], events.cells, "left")
     count = np.searchsorted(source[new], events.cells, "right") - first
+    if int(count.sum()) > MAX_EVENTS:
+        raise InvalidParameter(
+            f"{int(count.sum())} changes of cells; a piece has at most {MAX_EVENTS}; repeat less of what changes"
+        )
     which = np.repeat(np.arange(len(events.cells)), count)
     offset = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
     return Events(new[first[which] + offset], events.times[which], events.states[which])

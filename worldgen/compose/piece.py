@@ -31,7 +31,7 @@ from worldgen.world import (
 
 __all__ = ["MAX_CELLS", "Piece", "whole"]
 
-MAX_CELLS = 64_000_000  # of one piece, 8000 x 8000: its index arrays then take half a gigabyte
+MAX_CELLS = 16_000_000  # of one piece, 4000 x 4000: its index arrays then take 128 MB each
 _FINE = 64  # units a cell, where a piece is turned by any angle
 _THICKER = 14  # units, more than (sqrt(2) - 1) / 2 cells: a slanted wall of one cell then has no hole
 

@@ -49,13 +49,14 @@ class Header:
         text: The TOML, whole lines, without the first line of the file.
         line: Line of the file in which ``text`` begins.
         source: The file's name for messages.
+        noun: What the text is called in messages.
 
     Raises:
         FormatError: If the text is no TOML, or goes beyond the format's limits.
     """
 
-    def __init__(self, text: str, line: int, source: str | None) -> None:
-        self._text, self._line, self.source = text, line, source
+    def __init__(self, text: str, line: int, source: str | None, noun: str = "the header") -> None:
+        self._text, self._line, self.source, self._noun = text, line, source, noun
         self._last_line = self._line_at(len(text))
         self._guard()
         try:
@@ -72,6 +73,10 @@ class Header:
             if best < len(statement) <= len(path) and path[: len(statement)] == statement:
                 best, found = len(statement), self._line_at(offset)
         return found
+
+    def statements(self) -> list[tuple[int, tuple[str, ...]]]:
+        """Line and full key path of every table line and every ``key = value``, in order."""
+        return [(self._line_at(offset), path) for offset, path in self._statement_paths()]
 
     def fault(self, message: str, *path: str) -> FormatError:
         """An error at the line of a key."""
@@ -91,7 +96,7 @@ class Header:
             line, column = self._line + int(place[1]) - 1, f", column {place[2]}"
         reason = _PLACE.sub("", message)
         raise FormatError(
-            f"the header is not TOML{column}: {reason}; write `key = value`, text in quotes, [table]",
+            f"{self._noun} is not TOML{column}: {reason}; write `key = value`, text in quotes, [table]",
             line=line,
             source=self.source,
         )
@@ -116,7 +121,7 @@ class Header:
                 self._refuse(token.start(), f"a word of {length} characters; the limit is {MAX_WORD}; shorten it")
 
     def _refuse(self, offset: int, message: str) -> NoReturn:
-        raise FormatError(f"the header has {message}", line=self._line_at(offset), source=self.source)
+        raise FormatError(f"{self._noun} has {message}", line=self._line_at(offset), source=self.source)
 
     def _statement_paths(self) -> Iterator[tuple[int, tuple[str, ...]]]:
         """Offset and full key path of every table line and every ``key = value``, in order."""

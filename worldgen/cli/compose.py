@@ -1,0 +1,46 @@
+"""``worldgen compose``: worlds of a recipe, with the options of every family and the recipe's own."""
+
+from __future__ import annotations
+
+import click
+
+__all__ = ["compose"]
+
+
+class _Recipes(click.Group):
+    """A group whose commands are recipes, each with its own parameters."""
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of a recipe, whatever its file is called."""
+        from worldgen.cli.family_command import command_of
+        from worldgen.compose.recipe import family_from_recipe
+
+        if cmd_name.startswith("-"):
+            return None
+        from pathlib import Path
+
+        return command_of(family_from_recipe(Path(cmd_name)), cmd_name)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """None: any file may be one."""
+        return []
+
+
+EXAMPLES = (
+    "\b\n  worldgen compose recipe.toml --seed 7 --out w.grid\n  worldgen compose recipe.toml --help\n"
+    "  worldgen compose recipe.toml --count 20 --out worlds/\n\n"
+    "RECIPE --help lists the recipe's own parameters. docs/compose.md says what a recipe is."
+)
+
+
+@click.group(
+    cls=_Recipes,
+    epilog=EXAMPLES,
+    subcommand_metavar="RECIPE [OPTIONS]",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+def compose() -> None:
+    """Make worlds of parts, by a recipe: a trap in a maze, a fire in one wing.
+
+    RECIPE is a TOML file; its parameters are options, like those of a family.
+    """

@@ -1,0 +1,247 @@
+"""Running a recipe: its parts are made one after the other, each with draws of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from worldgen.compose._recipe_text import ROBOT, Part, RecipeText, Step
+from worldgen.compose._values import Scalar, Spec, value_of
+from worldgen.compose.piece import Piece, whole
+from worldgen.compose.sources import above, beside, drawn, of_family, rectangle
+from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
+from worldgen.family import FAMILIES, check_choice
+from worldgen.random_streams import RandomStream
+from worldgen.world import MAX_SIDE
+
+__all__ = ["Run", "Work"]
+
+MOST_WORK = 64_000_000  # cells of all pieces that a recipe makes on the way to its world
+MOST_TIMES = 100  # repetitions of one step
+
+Options: TypeAlias = dict[str, Any]
+
+
+@dataclass
+class Work:
+    """Cells made so far."""
+
+    cells: int = 0
+
+
+class Run:
+    """One layout of a recipe.
+
+    Args:
+        recipe: What to make.
+        files: The pieces of its ``file`` parts, by their names.
+        params: Its parameters.
+        rng: The only source of chance.
+        work: Cells made so far, for this layout and for those that did not fit before it.
+    """
+
+    def __init__(
+        self,
+        recipe: RecipeText,
+        files: Mapping[str, Piece],
+        params: Mapping[str, Scalar],
+        rng: RandomStream,
+        work: Work,
+    ) -> None:
+        self._recipe, self._files, self._params, self._rng, self._work = recipe, files, params, rng, work
+        self._made: dict[str, Piece] = {}
+
+    def piece(self) -> Piece:
+        """The part that becomes the world, for the recipe's robot.
+
+        Raises:
+            InvalidParameter: If something does not fit; with its place.
+            InvalidWorld: If there is no room for the robot.
+            GenerationFailed: If a part of a given seed cannot be made.
+        """
+        made = self._part(self._recipe.world)
+        cell_size, radius, speed = (float(self._params[name]) for name in ROBOT)
+        if made.cell_size is not None and made.cell_size != cell_size:
+            raise InvalidParameter(
+                f"the world's cells are {made.cell_size:g} m a side, the parameter cell_size is {cell_size:g} m; "
+                f"write cell_size = {made.cell_size:g} under [parameters]"
+            )
+        return made.for_robot(radius=radius, speed=speed, cell_size=cell_size)
+
+    def _part(self, name: str) -> Piece:
+        if name not in self._made:
+            part = self._recipe.parts[name]
+            rng = self._rng.child("part", name)
+            with _at(part.place):
+                piece = self._count(self._source(part, rng))
+            for number, step in enumerate(part.steps):
+                with _at(step.place):
+                    piece = self._count(self._step(piece, step, rng.child("step", number)))
+            self._made[name] = piece
+        return self._made[name]
+
+    def _count(self, piece: Piece) -> Piece:
+        self._work.cells += piece.width * piece.height
+        if self._work.cells > MOST_WORK:
+            raise InvalidParameter(
+                f"the recipe makes more than {MOST_WORK} cells on its way; use smaller or fewer parts"
+            )
+        return piece
+
+    def _value(self, spec: Spec, rng: RandomStream, label: str) -> Any:
+        return value_of(spec, self._params, rng.child(label))
+
+    def _source(self, part: Part, rng: RandomStream) -> Piece:
+        value = self._value(part.value, rng, part.source)
+        options = {key: self._value(spec, rng, key) for key, spec in part.options.items()}
+        if part.source == "family":
+            return self._family(str(value), part, options.get("seed"), rng)
+        if part.source == "rows":
+            return drawn(str(value))
+        if part.source == "file":
+            return self._files[str(value)]
+        if part.source == "box":
+            width, height = _numbers(value, 2, "box")
+            fill = options.get("fill", "free")
+            check_choice("fill", fill, ("free", "solid"))
+            return rectangle(width, height, solid=fill == "solid")
+        if part.source == "part":
+            return self._part(str(value))
+        row = beside if part.source == "beside" else above
+        return row([self._part(name) for name in value], **options)
+
+    def _family(self, name: str, part: Part, seed: Any, rng: RandomStream) -> Piece:
+        made_by = FAMILIES.get(name)
+        known = made_by.defaults()
+        params = {key: self._params[key] for key in ROBOT if key in known}
+        for key, spec in part.params.items():
+            value = self._value(spec, rng.child("params"), key)
+            params[key] = float(value) if type(known.get(key)) is float and type(value) is int else value
+        if seed is not None:
+            return of_family(made_by, whole("seed", seed, 0, 2**64 - 1), **params)
+        return of_family(made_by, rng.child("layout"), **params)
+
+    def _step(self, piece: Piece, step: Step, rng: RandomStream) -> Piece:
+        if step.verb == "place":
+            return self._place(piece, step, rng)
+        value = self._value(step.value, rng, step.verb)
+        options = {key: self._value(spec, rng, key) for key, spec in step.options.items()}
+        if step.verb == "mask":
+            return piece.masked(self._part(str(value)))
+        return _STEPS[step.verb](piece, value, options)
+
+    def _place(self, piece: Piece, step: Step, rng: RandomStream) -> Piece:
+        times = 1
+        if "times" in step.options:
+            times = whole("times", self._value(step.options["times"], rng, "times"), 0, MOST_TIMES)
+        for time in range(times):
+            draw = rng.child(time)
+            options = {key: self._value(spec, draw, key) for key, spec in step.options.items() if key != "times"}
+            at = options.get("at", [0, 0])
+            options["at"] = at if isinstance(at, str) else tuple(_numbers(at, 2, "at"))
+            if "margin" in options:
+                whole("margin", options["margin"], 0, MAX_SIDE)
+            part = self._part(str(self._value(step.value, draw, "place")))
+            piece = self._count(piece.place(part, seed=draw.child("where"), **options))
+        return piece
+
+
+@contextmanager
+def _at(place: str) -> Iterator[None]:
+    """Faults inside get their place, once: an inner part's is the nearer."""
+    try:
+        yield
+    except _Placed:
+        raise
+    except (InvalidParameter, InvalidWorld) as error:
+        raise _Placed(f"{place}: {error}") from error
+    except GenerationFailed as error:
+        raise GenerationFailed(f"{place}: {error}") from error
+
+
+class _Placed(InvalidParameter):
+    """A fault with its place."""
+
+
+def _numbers(value: Any, count: int, name: str) -> list[int]:
+    if not isinstance(value, list) or len(value) != count:
+        raise InvalidParameter(f"{name}={value!r} is no list of {count} whole numbers; give one")
+    return [whole(name, item, -MAX_SIDE, MAX_SIDE) for item in value]
+
+
+def _point(value: Any, name: str) -> tuple[float, float]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise InvalidParameter(f"{name}={value!r} is no place; give [x, y] in cells")
+    return value[0], value[1]
+
+
+def _pad(piece: Piece, value: Any, options: Options) -> Piece:
+    sides = _numbers(value, 4, "pad") if isinstance(value, list) else [whole("pad", value, 0, MAX_SIDE)] * 4
+    return piece.pad(*sides, fill=options.get("with", "nothing"))
+
+
+def _keep(piece: Piece, value: Any, options: Options) -> Piece:
+    check_choice("keep", value, ("walls", "floor"))
+    return piece.walls() if value == "walls" else piece.floor()
+
+
+def _dig(piece: Piece, value: Any, options: Options) -> Piece:
+    if "to" not in options:
+        raise InvalidParameter('a passage leads from somewhere to somewhere; write { dig = "a", to = [8, 3] }')
+    ends = [end if isinstance(end, str) else _point(end, "dig") for end in (value, options["to"])]
+    return piece.dig(ends[0], ends[1], width=options.get("width", 2))
+
+
+def _mark(piece: Piece, value: Any, options: Options) -> Piece:
+    if "at" not in options:
+        raise InvalidParameter("a mark is somewhere; give at = [x, y]")
+    return piece.with_mark(str(value), *_point(options["at"], "at"), degrees=options.get("degrees"))
+
+
+def _trim(piece: Piece, value: Any, options: Options) -> Piece:
+    if value is not True:
+        raise InvalidParameter(f"trim={value!r} says nothing; write trim = true, or leave it out")
+    return piece.trim()
+
+
+def _tile(piece: Piece, value: Any, options: Options) -> Piece:
+    columns, rows = _numbers(value, 2, "tile")
+    return piece.tile(columns, rows)
+
+
+def _crop(piece: Piece, value: Any, options: Options) -> Piece:
+    x, y, width, height = _numbers(value, 4, "crop")
+    return piece.crop(x, y, width, height)
+
+
+def _forget(piece: Piece, value: Any, options: Options) -> Piece:
+    names = value if isinstance(value, list) else [value]
+    for name in names:
+        if name not in piece.marks:
+            raise InvalidParameter(f"no mark is called {name!r}; the part has {', '.join(piece.marks) or 'none'}")
+    return piece.without_marks(*names)
+
+
+_STEPS: dict[str, Callable[[Piece, Any, Options], Piece]] = {
+    "mirror": lambda piece, value, options: piece.mirror(value),
+    "rotate": lambda piece, value, options: piece.rotate(value),
+    "turn": lambda piece, value, options: piece.turn(value),
+    "crop": _crop,
+    "inside": lambda piece, value, options: piece.inside(value),
+    "trim": _trim,
+    "pad": _pad,
+    "border": lambda piece, value, options: piece.border(whole("border", value, 0, MAX_SIDE)),
+    "tile": _tile,
+    "scale": lambda piece, value, options: piece.scale(value),
+    "keep": _keep,
+    "fill": lambda piece, value, options: piece.filled(value),
+    "dig": _dig,
+    "start": lambda piece, value, options: piece.with_start(*_point(value, "start"), degrees=options.get("degrees")),
+    "target": lambda piece, value, options: piece.with_target(
+        *_point(value, "target"), radius=options.get("radius", 0.5)
+    ),
+    "mark": _mark,
+    "forget": _forget,
+}

@@ -1,0 +1,349 @@
+"""Reading a recipe: strictly, every fault one message with its place."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from worldgen.compose._values import Choice, Scalar, Spec, spec_of
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.grid_file.header import Header, shown
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
+
+__all__ = ["MAX_BYTES", "ROBOT", "Declared", "Part", "RecipeText", "Step", "read_recipe", "words_of"]
+
+MAX_BYTES = 64 << 10  # of a recipe; it travels in the header of every world that it makes
+MAX_PARAMETERS, MAX_PARTS, MAX_STEPS = 50, 64, 256  # the last for all parts together
+_NAME = re.compile(r"[a-z][a-z0-9-]{0,39}\Z")
+_PARAMETER = re.compile(r"[a-z][a-z0-9_]{0,39}\Z")
+
+ROBOT: dict[str, tuple[float, str]] = {
+    "cell_size": (DEFAULT_CELL_SIZE, "Side of a cell, m."),
+    "robot_radius": (DEFAULT_ROBOT_RADIUS, "Radius of the robot, m."),
+    "robot_speed": (DEFAULT_ROBOT_SPEED, "Top speed of the robot, m/s."),
+}
+_RESERVED = ("recipe", "files", "made_with")  # what provenance keeps beside the parameters
+_TOP = ("recipe", "version", "about", "world", "parameters", "part")
+_DECLARED = ("default", "least", "most", "choices", "help")
+
+# What a part is made of, with what may stand beside it.
+SOURCES: dict[str, tuple[str, ...]] = {
+    "family": ("params", "seed"),
+    "rows": (),
+    "file": (),
+    "box": ("fill",),
+    "part": (),
+    "beside": ("gap", "align", "join"),
+    "above": ("gap", "align", "join"),
+}
+# What a step does, with what may stand beside it.
+VERBS: dict[str, tuple[str, ...]] = {
+    "place": ("at", "how", "outside", "start", "target", "margin", "times"),
+    "mirror": (),
+    "rotate": (),
+    "turn": (),
+    "crop": (),
+    "inside": (),
+    "trim": (),
+    "pad": ("with",),
+    "border": (),
+    "tile": (),
+    "scale": (),
+    "mask": (),
+    "keep": (),
+    "fill": (),
+    "dig": ("to", "width"),
+    "start": ("degrees",),
+    "target": ("radius",),
+    "mark": ("at", "degrees"),
+    "forget": (),
+}
+NAMING_PARTS = ("place", "mask")  # verbs whose value is the name of a part
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A parameter of the recipe."""
+
+    default: Scalar
+    least: float | None = None
+    most: float | None = None
+    choices: tuple[str, ...] = ()
+    help: str = "A parameter of the recipe."
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of a part: what it does, to what, and how."""
+
+    verb: str
+    value: Spec
+    options: Mapping[str, Spec]
+    place: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part: where it comes from, and what is done to it."""
+
+    name: str
+    source: str
+    value: Spec
+    options: Mapping[str, Spec]
+    params: Mapping[str, Spec]
+    steps: tuple[Step, ...]
+    place: str
+    line: int
+
+    def uses(self) -> Iterator[str]:
+        """Names of the parts that it is made of."""
+        named = [step.value for step in self.steps if step.verb in NAMING_PARTS]
+        if self.source in ("part", "beside", "above"):
+            named.append(self.value)
+        for value in named:
+            yield from words_of(value)
+
+
+def words_of(value: Spec) -> tuple[str, ...]:
+    """All words that a value may turn out to be: itself, those of a list, those drawn from.
+
+    Raises:
+        InvalidParameter: If it may be no word.
+    """
+    items = value.options if isinstance(value, Choice) else value if isinstance(value, tuple) else (value,)
+    if not items or not all(isinstance(item, str) for item in items):
+        raise InvalidParameter("names are words in quotes, or { any = [...] } of such; give one")
+    return tuple(str(item) for item in items)
+
+
+@dataclass(frozen=True)
+class RecipeText:
+    """A recipe as it stands there."""
+
+    name: str
+    version: int
+    about: str
+    world: str
+    parameters: Mapping[str, Declared]
+    parts: Mapping[str, Part] = field(default_factory=dict)
+
+
+class _Reader:
+    """The text with the places of its tables, for messages."""
+
+    def __init__(self, text: str, source: str | None) -> None:
+        self.header = Header(text, 1, source, noun="the recipe")
+        self.source = source
+        self._statements = self.header.statements()
+
+    def line(self, part: int | None, *path: str) -> int:
+        """Line of a key, of the n-th ``[[part]]`` if it is in one."""
+        if part is None:
+            return self.header.line_of(*path)
+        begins = [k for k, (_, found) in enumerate(self._statements) if found == ("part",)]
+        if part >= len(begins):  # parts written as one list
+            return self.header.line_of("part")
+        until = begins[part + 1] if part + 1 < len(begins) else len(self._statements)
+        for line, found in self._statements[begins[part] : until]:
+            if found[1 : 1 + len(path)] == path and path:
+                return line
+        return self._statements[begins[part]][0]
+
+    @contextmanager
+    def at(self, place: str, part: int | None, *path: str) -> Iterator[None]:
+        """Faults inside get their place."""
+        try:
+            yield
+        except InvalidParameter as error:
+            message = f"{place}: {error}" if place else str(error)
+            raise FormatError(message, line=self.line(part, *path), source=self.source) from error
+
+
+def _check(holds: bool, message: str) -> None:
+    if not holds:
+        raise InvalidParameter(message)
+
+
+def _known_keys(table: Mapping[str, Any], known: Sequence[str]) -> None:
+    for key in table:
+        if key not in known:
+            close = difflib.get_close_matches(key, known, n=1)
+            hint = f"did you mean {close[0]!r}? " if close else ""
+            raise InvalidParameter(f"no key is called {shown(key)}; {hint}known: {', '.join(known)}")
+
+
+def read_recipe(text: str, source: str | None = None) -> RecipeText:
+    """A recipe's text, read and checked as far as it can be without making anything.
+
+    Args:
+        text: TOML.
+        source: The file's name for messages.
+
+    Raises:
+        FormatError: With the line and the place of the first fault.
+    """
+    if len(text.encode("utf-8", "surrogatepass")) > MAX_BYTES:
+        raise FormatError(f"a recipe has at most {MAX_BYTES} bytes; put maps into files", source=source)
+    reader = _Reader(text, source)
+    data = reader.header.data
+    with reader.at("", None):
+        _known_keys(data, _TOP)
+        parts_table = data.get("part", [])
+        tables = isinstance(parts_table, list) and all(isinstance(table, Mapping) for table in parts_table)
+        _check(tables, "a recipe's parts are tables; begin each with [[part]]")
+        _check(len(parts_table) > 0, "there is no part; begin one with [[part]]")
+        _check(len(parts_table) <= MAX_PARTS, f"{len(parts_table)} parts; the limit is {MAX_PARTS}; split the recipe")
+    name, about = data.get("recipe"), data.get("about", "A world made by a recipe.")
+    with reader.at("recipe", None, "recipe"):
+        _check(
+            isinstance(name, str) and _NAME.match(name) is not None,
+            f'{shown(name)} is no name; write recipe = "my-recipe", in small letters, digits and -',
+        )
+    with reader.at("version", None, "version"):
+        version = _whole(data.get("version", 1), 1)
+    with reader.at("about", None, "about"):
+        _check(isinstance(about, str), f"{shown(about)} is no text; give a sentence in quotes")
+    parameters = _read_parameters(reader, data.get("parameters", {}))
+    parts = _read_parts(reader, data["part"], tuple(parameters))
+    world = data.get("world", next(reversed(parts)))
+    with reader.at("world", None, "world"):
+        _check(
+            isinstance(world, str) and world in parts,
+            f"{shown(world)} is no part; it has {', '.join(parts)}; name one of these, or leave it out for the last",
+        )
+    return RecipeText(str(name), version, " ".join(str(about).split()), world, parameters, parts)
+
+
+def _whole(value: object, least: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**31:
+        raise InvalidParameter(f"{shown(value)} is no whole number from {least} on; give one")
+    return value
+
+
+def _read_parameters(reader: _Reader, table: Any) -> dict[str, Declared]:
+    found = {name: Declared(default, help=note) for name, (default, note) in ROBOT.items()}
+    with reader.at("parameters", None, "parameters"):
+        _check(isinstance(table, Mapping), f"{shown(table)} is no table; write [parameters]")
+        _check(len(table) <= MAX_PARAMETERS, f"{len(table)} parameters; the limit is {MAX_PARAMETERS}; leave some out")
+    own: dict[str, Declared] = {}
+    for name, raw in table.items():
+        with reader.at(f"parameters.{name}", None, "parameters", name):
+            _check(_PARAMETER.match(name) is not None, "is no name; use small letters, digits and _")
+            _check(name not in _RESERVED, f"is a word of provenance, as {', '.join(_RESERVED)}; take another")
+            own[name] = _declared(raw)
+            if name in ROBOT:
+                _check(isinstance(own[name].default, float | int), "is a number; give one")
+                _check(not isinstance(own[name].default, bool), "is a number; give one")
+                note = own[name].help if isinstance(raw, Mapping) and "help" in raw else ROBOT[name][1]
+                default = own[name].default
+                own[name] = Declared(float(default), own[name].least, own[name].most, (), note)
+    return {**own, **{name: known for name, known in found.items() if name not in own}}
+
+
+def _declared(raw: Any) -> Declared:
+    if not isinstance(raw, Mapping):
+        raw = {"default": raw}
+    _known_keys(raw, _DECLARED)
+    default, least, most = raw.get("default"), raw.get("least"), raw.get("most")
+    choices, note = raw.get("choices", []), raw.get("help", "A parameter of the recipe.")
+    if not isinstance(default, bool | int | float | str):
+        raise InvalidParameter(f"default={shown(default)} is no number, text or truth; give one")
+    _check(isinstance(note, str), f"help={shown(note)} is no text; give a sentence in quotes")
+    _check(
+        isinstance(choices, list) and all(isinstance(word, str) for word in choices),
+        'choices are a list of texts; write choices = ["U", "V"]',
+    )
+    _check(not choices or default in choices, f"default={shown(default)} is none of its choices; give one of them")
+    for name, value in (("least", least), ("most", most)):
+        if value is not None:
+            numeric = type(value) in (int, float) and type(default) in (int, float)
+            _check(
+                numeric, f"{name}={shown(value)} goes with numbers; leave it out, or make it and the default numbers"
+            )
+    if isinstance(default, int | float) and not isinstance(default, bool):
+        low, high = (float("-inf") if least is None else least), (float("inf") if most is None else most)
+        _check(low <= default <= high, f"default={default} is not between least and most; give one that is")
+    return Declared(default, least, most, tuple(choices), " ".join(str(note).split()) or "A parameter of the recipe.")
+
+
+def _read_parts(reader: _Reader, raw: list[Any], names: Sequence[str]) -> dict[str, Part]:
+    parts: dict[str, Part] = {}
+    steps = 0
+    for number, table in enumerate(raw):
+        with reader.at(f"part {number + 1}", number, "name"):
+            name = table.get("name")
+            _check(
+                isinstance(name, str) and _NAME.match(name) is not None,
+                f'name={shown(name)} is no name; write name = "my-part", in small letters, digits and -',
+            )
+            _check(name not in parts, f"name={shown(name)} is that of an earlier part; give another")
+        part = _read_part(reader, number, str(name), table, names)
+        steps += len(part.steps)
+        with reader.at(part.place, number):
+            _check(steps <= MAX_STEPS, f"more than {MAX_STEPS} steps in all; split the recipe")
+            for used in part.uses():
+                earlier = ", ".join(parts) or "none"
+                _check(used in parts, f"{shown(used)} is no part that stands before it; there are: {earlier}")
+        parts[part.name] = part
+    return parts
+
+
+def _read_part(reader: _Reader, number: int, name: str, table: Mapping[str, Any], names: Sequence[str]) -> Part:
+    place = f"part {name!r}"
+    with reader.at(place, number):
+        sources = [key for key in SOURCES if key in table]
+        _check(
+            len(sources) == 1,
+            f"is made of {' and '.join(sources) or 'nothing'}; give just one of {', '.join(SOURCES)}",
+        )
+        source = sources[0]
+        _known_keys(table, ("name", source, *SOURCES[source], "steps"))
+        params = table.get("params", {})
+        _check(isinstance(params, Mapping), f"params={shown(params)} is no table; write params = {{ size = 20 }}")
+        _check(isinstance(table.get("steps", []), list), "steps are a list; write steps = [ { rotate = 1 } ]")
+    with reader.at(f"{place}, {source}", number, source):
+        value = spec_of(table[source], names)
+        if source in ("beside", "above"):
+            is_list = isinstance(value, tuple) and value and all(isinstance(item, str) for item in value)
+            _check(bool(is_list), f'is a list of parts; write {source} = ["a", "b"]')
+        elif source in ("family", "part"):
+            _check(not isinstance(value, tuple), f"is one word; to draw one write {source} = {{ any = [...] }}")
+            words_of(value)
+        elif source != "box":
+            _check(isinstance(value, str), f"{shown(table[source])} is no text; give one in quotes")
+    options, chosen = {}, {}
+    for key in SOURCES[source]:
+        if key in table and key != "params":
+            with reader.at(f"{place}, {key}", number, key):
+                options[key] = spec_of(table[key], names)
+    for key, raw in params.items():
+        with reader.at(f"{place}, params.{key}", number, "params", key):
+            chosen[key] = spec_of(raw, names)
+    steps = []
+    for index, raw in enumerate(table.get("steps", [])):
+        with reader.at(f"{place}, step {index + 1}", number, "steps"):
+            steps.append(_read_step(raw, f"{place}, step {index + 1}", names))
+    return Part(name, source, value, options, chosen, tuple(steps), place, reader.line(number, source))
+
+
+def _read_step(raw: object, place: str, names: Sequence[str]) -> Step:
+    if not isinstance(raw, Mapping):
+        raise InvalidParameter(f"{shown(raw)} is no table; write {{ rotate = 1 }}")
+    verbs = [key for key in raw if key in VERBS]
+    if len(verbs) > 1:  # start and target of a place are its options
+        verbs = [verb for verb in verbs if not any(verb in VERBS[other] for other in verbs if other != verb)]
+    if len(verbs) != 1:
+        said = " and ".join(verbs) or ", ".join(str(key)[:40] for key in raw) or "nothing"
+        raise InvalidParameter(f"says {said}; a step does one of {', '.join(VERBS)}")
+    verb = verbs[0]
+    _known_keys(raw, (verb, *VERBS[verb]))
+    value = spec_of(raw[verb], names)
+    if verb in NAMING_PARTS:
+        _check(not isinstance(value, tuple), f"{verb} is one part; to draw one write {{ any = [...] }}")
+        words_of(value)
+    options = {key: spec_of(raw[key], names) for key in VERBS[verb] if key in raw}
+    return Step(verb, value, options, f"{place} ({verb})")

@@ -1,0 +1,192 @@
+"""Values of a recipe: given, computed from parameters, or drawn."""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from worldgen.errors import InvalidParameter
+from worldgen.random_streams import RandomStream
+
+__all__ = [
+    "Choice",
+    "Formula",
+    "Range",
+    "Scalar",
+    "Spec",
+    "compute",
+    "is_drawn",
+    "parse_formula",
+    "spec_of",
+    "value_of",
+]
+
+Scalar: TypeAlias = bool | int | float | str
+
+_LONGEST = 200  # characters of a formula
+_LARGEST = 2**53  # beyond, not every whole number is a float
+_BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+}
+_CALLS: dict[str, Callable[..., Any]] = {"min": min, "max": max}
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A number computed from parameters: ``= size // 2 - 3``."""
+
+    text: str
+    tree: ast.expr
+
+
+@dataclass(frozen=True)
+class Range:
+    """A number drawn from ``low`` to ``high``, both included where they are whole."""
+
+    low: Spec
+    high: Spec
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of some values, each as likely."""
+
+    options: tuple[Spec, ...]
+
+
+Spec: TypeAlias = "Scalar | Formula | Range | Choice | tuple[Spec, ...]"
+
+
+def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
+    """What a value in a recipe means.
+
+    Args:
+        raw: As TOML has it: a scalar, a list, ``{from, to}`` or ``{any}``.
+        names: Parameters that a formula may use.
+        depth: How deep it is nested.
+
+    Raises:
+        InvalidParameter: If it means nothing.
+    """
+    if depth > 4:
+        raise InvalidParameter("values are nested too deep; flatten them")
+    if isinstance(raw, str) and raw.lstrip().startswith("="):
+        return parse_formula(raw.strip()[1:].strip(), names)
+    if isinstance(raw, bool | int | float | str):
+        return raw
+    if isinstance(raw, list):
+        return tuple(spec_of(item, names, depth + 1) for item in raw)
+    if isinstance(raw, Mapping) and set(raw) == {"from", "to"}:
+        return Range(spec_of(raw["from"], names, depth + 1), spec_of(raw["to"], names, depth + 1))
+    if isinstance(raw, Mapping) and set(raw) == {"any"} and isinstance(raw["any"], list) and raw["any"]:
+        return Choice(tuple(spec_of(item, names, depth + 1) for item in raw["any"]))
+    shown = "a table of " + ", ".join(map(str, raw)) if isinstance(raw, Mapping) else f"a {type(raw).__name__}"
+    raise InvalidParameter(
+        f'{shown[:80]} is no value; give a value, "= a formula", {{ from = 1, to = 3 }} or {{ any = [...] }}'
+    )
+
+
+def parse_formula(text: str, names: Sequence[str]) -> Formula:
+    """A formula of numbers, parameters, + - * / // %, brackets, min() and max().
+
+    Raises:
+        InvalidParameter: If it is anything else.
+    """
+    if len(text) > _LONGEST:
+        raise InvalidParameter(f"a formula of {len(text)} characters; the limit is {_LONGEST}; make it shorter")
+    try:
+        tree = ast.parse(text, mode="eval").body
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        raise InvalidParameter(f"{text!r} is no formula; write one like size // 2 - 3") from None
+    _check(tree, names, text)
+    return Formula(text, tree)
+
+
+def _check(node: ast.expr, names: Sequence[str], text: str) -> None:
+    if isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
+        _check(node.left, names, text)
+        _check(node.right, names, text)
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        _check(node.operand, names, text)
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _CALLS:
+        if not node.args or node.keywords:
+            raise InvalidParameter(f"{text!r}: {node.func.id}() takes numbers between commas; give some")
+        for item in node.args:
+            _check(item, names, text)
+    elif isinstance(node, ast.Name):
+        if node.id not in names:
+            known = ", ".join(names)
+            raise InvalidParameter(f"{text!r}: no parameter is called {node.id!r}; the recipe has {known}")
+    elif not (isinstance(node, ast.Constant) and type(node.value) in (int, float)):
+        raise InvalidParameter(f"{text!r}: a formula has numbers, parameters, + - * / // %, brackets, min and max")
+
+
+def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
+    """A formula's number.
+
+    Raises:
+        InvalidParameter: If it divides by zero, grows too large, or computes with a word.
+    """
+
+    def at(node: ast.expr) -> int | float:
+        if isinstance(node, ast.BinOp):
+            value = _BINARY[type(node.op)](at(node.left), at(node.right))
+        elif isinstance(node, ast.UnaryOp):
+            value = -at(node.operand)
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            value = _CALLS[node.func.id]([at(item) for item in node.args])
+        elif isinstance(node, ast.Name):
+            value = params[node.id]
+            if isinstance(value, str | bool):
+                raise InvalidParameter(f"{formula.text!r}: {node.id} is {value!r}, no number; leave it out")
+        else:
+            value = node.value  # type: ignore[attr-defined]  # a constant: _check has seen to it
+        if not abs(value) < _LARGEST:
+            raise InvalidParameter(f"{formula.text!r} grows beyond {_LARGEST}; give smaller numbers")
+        return value  # type: ignore[no-any-return]  # a number: _check has seen to it
+
+    try:
+        return at(formula.tree)
+    except ZeroDivisionError:
+        raise InvalidParameter(f"{formula.text!r} divides by zero; change it or its parameters") from None
+
+
+def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any:
+    """The value: computed, or drawn from a stream of its own.
+
+    Raises:
+        InvalidParameter: If it cannot be computed, or a range is none.
+    """
+    if isinstance(spec, Formula):
+        return compute(spec, params)
+    if isinstance(spec, Range):
+        low, high = (value_of(end, params, rng.child(name)) for name, end in (("from", spec.low), ("to", spec.high)))
+        for end in (low, high):
+            if isinstance(end, bool) or not isinstance(end, int | float) or not math.isfinite(end):
+                raise InvalidParameter(f"from {low!r} to {high!r} is no range of numbers; give two")
+        if low > high:
+            raise InvalidParameter(f"from {low} to {high} is empty; give the smaller number first")
+        if isinstance(low, int) and isinstance(high, int):
+            return rng.between(low, high) if high - low < 2**63 else low
+        return rng.uniform(low, high)
+    if isinstance(spec, Choice):
+        return value_of(rng.choice(spec.options), params, rng.child("any"))
+    if isinstance(spec, tuple):
+        return [value_of(item, params, rng.child(k)) for k, item in enumerate(spec)]
+    return spec
+
+
+def is_drawn(spec: Spec) -> bool:
+    """Whether chance has a say in it."""
+    if isinstance(spec, tuple):
+        return any(is_drawn(item) for item in spec)
+    return isinstance(spec, Range | Choice)

@@ -1,0 +1,208 @@
+"""Recipes: small TOML files that become families.
+
+A recipe's whole text travels in the provenance of every world that it makes, with the ``.grid`` files that it
+reads; so a world is made again from its file alone. Larger maps, and those of other formats, travel as their
+SHA-256: when they are read again they must be the same.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import re
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+from typing import Any, Literal
+
+from worldgen.compose._recipe_run import Run, Work
+from worldgen.compose._recipe_text import MAX_BYTES, Declared, RecipeText, read_recipe, words_of
+from worldgen.compose._values import Scalar, is_drawn
+from worldgen.compose._where import DRAWN
+from worldgen.compose.piece import Piece
+from worldgen.compose.sources import first_possible, of_world, read
+from worldgen.errors import FormatError, GenerationFailed, InvalidParameter
+from worldgen.family import FAMILIES, Build, Family, check_at_least, check_between, family
+from worldgen.grid_file import loads
+from worldgen.interop.foreign_map import read_bounded
+from worldgen.random_streams import RandomStream
+from worldgen.reach import REACHABLE, decide
+from worldgen.world import Value, World
+
+__all__ = ["family_from_recipe"]
+
+VERSION = 1  # goes up whenever some recipe makes another world than before
+_PLAIN = re.compile(r"[A-Za-z0-9_-]{1,60}\Z")
+_MOST_CARRIED = 256 << 10  # bytes of .grid files that travel in provenance
+_DIGEST = "sha256:"
+
+
+def family_from_recipe(
+    recipe: str | Path, *, folder: Path | None = None, files: Mapping[str, str] | None = None
+) -> Family:
+    """The family that a recipe describes; its parameters are those that the recipe declares.
+
+    Args:
+        recipe: A path; or the text itself, which has a line end.
+        folder: Where its ``file`` parts lie; the recipe's own, or of a text the working directory.
+        files: Its files as provenance has them: their text, or ``sha256:`` and their digest.
+
+    Raises:
+        FormatError: If it cannot be read, or breaks a rule; with its line.
+    """
+    source = None
+    if isinstance(recipe, Path) or "\n" not in recipe:
+        path = Path(recipe)
+        source, folder = str(path), folder or path.parent
+        try:
+            text = read_bounded(path, MAX_BYTES).decode("utf-8")
+        except UnicodeDecodeError as error:
+            raise FormatError(f"is no UTF-8 text at byte {error.start}; save it as UTF-8", source=source) from error
+    else:
+        text = recipe
+    text = text.replace("\r\n", "\n")
+    read_text = read_recipe(text, source)
+    _check_families(read_text, source)
+    pieces, kept = _read_files(read_text, folder or Path(), dict(files or {}), source)
+    constants: dict[str, Value] = {"recipe": text, "made_with": _versions(read_text)}
+    if kept:
+        constants["files"] = {**kept}
+    try:
+        made = family(f"recipe:{read_text.name}", version=read_text.version)(_builder(read_text, pieces))
+    except InvalidParameter as error:  # a parameter called like an option of every family
+        raise FormatError(str(error), source=source) from error
+    return Family(made.name, made.version, made.build, constants)
+
+
+def _versions(recipe: RecipeText) -> dict[str, Value]:
+    """Versions of all that a recipe's worlds depend on beside its text and files."""
+    found: dict[str, Value] = {"compose": VERSION}
+    for part in recipe.parts.values():
+        if part.source == "family":
+            found |= {name: FAMILIES.get(name).version for name in words_of(part.value)}
+    return found
+
+
+def _check_families(recipe: RecipeText, source: str | None) -> None:
+    """Refuses unknown families, parameters that they do not have, and values of another type."""
+    for part in recipe.parts.values():
+        if part.source != "family":
+            continue
+        for name in words_of(part.value):
+            try:
+                if not _PLAIN.match(name):  # a file from elsewhere must not load code when it is made again
+                    raise InvalidParameter(
+                        f"family={name[:60]!r} is no registered family; register your own as a package "
+                        "(docs/families.md)"
+                    )
+                known = {parameter.name: parameter for parameter in FAMILIES.get(name).parameters}
+                for key, spec in part.params.items():
+                    if key not in known:
+                        raise InvalidParameter(f"{name} has no parameter {key!r}; it has {', '.join(known)}")
+                    if isinstance(spec, bool | int | float | str):
+                        known[key].accept(spec, name)
+            except InvalidParameter as error:
+                raise FormatError(f"{part.place}: {error}", line=part.line, source=source) from error
+
+
+def _read_files(
+    recipe: RecipeText, folder: Path, given: dict[str, str], source: str | None
+) -> tuple[dict[str, Piece], dict[str, str]]:
+    """The pieces of a recipe's files, and what provenance keeps of each."""
+    pieces: dict[str, Piece] = {}
+    kept: dict[str, str] = {}
+    for part in recipe.parts.values():
+        if part.source != "file" or str(part.value) in pieces:
+            continue
+        name = str(part.value)
+        pure = PurePosixPath(name)
+        if pure.is_absolute() or ".." in pure.parts or "\\" in name or "\0" in name:
+            raise FormatError(
+                f"{part.place}: file={name[:60]!r} lies elsewhere; put it beside the recipe, or in a folder there",
+                line=part.line,
+                source=source,
+            )
+        try:
+            pieces[name], kept[name] = _read_file(folder / name, given.get(name), sum(map(len, kept.values())))
+        except (FormatError, InvalidParameter) as error:
+            raise FormatError(f"{part.place}: {error}", line=part.line, source=source) from error
+    return pieces, kept
+
+
+def _read_file(path: Path, given: str | None, carried: int) -> tuple[Piece, str]:
+    """A file's piece, and what provenance keeps of it; ``given`` is what it kept."""
+    if given is not None and not given.startswith(_DIGEST):
+        return of_world(loads(given.encode(), str(path))), given
+    data = read_bounded(path)
+    digest = _DIGEST + hashlib.sha256(data).hexdigest()
+    if given is not None and given != digest:
+        raise InvalidParameter(f"{path} has changed since the world was made of it; put the old file there")
+    piece = read(path)
+    if given is None and path.suffix == ".grid" and carried + len(data) <= _MOST_CARRIED:
+        return piece, data.decode("utf-8")
+    return piece, digest
+
+
+def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
+    """The function that lays out a world of the recipe, with the recipe's parameters as its own."""
+    drawn = _is_drawn(recipe)
+
+    def build(rng: RandomStream, **values: Any) -> World:
+        params: dict[str, Scalar] = {name: values[name] for name in recipe.parameters}
+        for name, declared in recipe.parameters.items():
+            _check_range(name, params[name], declared)
+        work = Work()
+        if not drawn:
+            return _only(recipe.name, Run(recipe, pieces, params, rng, work).piece().layout())
+        return first_possible(lambda stream: Run(recipe, pieces, params, stream, work).piece().layout(), rng)
+
+    listed = recipe.parameters.items()
+    rng = inspect.Parameter("rng", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    own = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=known.default) for name, known in listed]
+    build.__signature__ = inspect.Signature([rng, *own])  # type: ignore[attr-defined]
+    build.__annotations__ = {
+        name: Literal.__getitem__(known.choices) if known.choices else type(known.default) for name, known in listed
+    }
+    notes = "\n".join(f"    {name}: {known.help}" for name, known in listed)
+    build.__doc__ = f"{recipe.about}\n\nArgs:\n    rng: The only source of chance.\n{notes}\n"
+    return build
+
+
+def _only(name: str, world: World) -> World:
+    """The one world of a recipe in which nothing is drawn; where it cannot be solved, no other seed helps.
+
+    Raises:
+        GenerationFailed: If it cannot be solved, with the reason.
+    """
+    decision = decide(world)
+    if decision.result != REACHABLE:
+        raise GenerationFailed(
+            f"recipe {name}: its world is {decision.result}: {decision.reason}; nothing in it is drawn, so no seed "
+            "helps: move a part, start or target"
+        )
+    return world
+
+
+def _is_drawn(recipe: RecipeText) -> bool:
+    """Whether chance has a say in a recipe's worlds."""
+    for part in recipe.parts.values():
+        if part.source == "family" and "seed" not in part.options:
+            return True
+        specs = [part.value, *part.options.values(), *part.params.values()]
+        for step in part.steps:
+            specs += [step.value, *step.options.values()]
+            if step.options.get("at") in DRAWN:
+                return True
+        if any(is_drawn(spec) for spec in specs):
+            return True
+    return False
+
+
+def _check_range(name: str, value: Scalar, declared: Declared) -> None:
+    if isinstance(value, str):
+        return
+    if declared.least is not None and declared.most is not None:
+        check_between(name, value, declared.least, declared.most)
+    elif declared.least is not None:
+        check_at_least(name, value, declared.least)
+    elif declared.most is not None and value > declared.most:
+        raise InvalidParameter(f"{name}={value} is above {declared.most}; give at most {declared.most}")
