@@ -68,7 +68,7 @@ def stream(name: str | Family, seed: int = 0, count: int | None = None, **params
             first world.
         GenerationFailed: With a world that cannot be made.
     """
-    made_by = name if isinstance(name, Family) else FAMILIES.get(name)
+    made_by = name if isinstance(name, Family) else FAMILIES.find(name, params)
     complete = made_by.complete(params)
     if count is not None and count < 0:
         raise InvalidParameter(f"count={count} is below 0; give how many worlds, or leave it out for no end")

@@ -14,7 +14,7 @@ from worldgen.errors import FormatError, GenerationFailed, InvalidParameter, Wor
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
 from worldgen.grid_file import dumps, loads, world_digest, write_world
-from worldgen.reach import check_certificate
+from worldgen.reach import check_certificate, witness_margin
 
 EXAMPLES = sorted(Path("examples/recipes").glob("*.toml"))
 every_example = pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -87,6 +87,15 @@ def test_parameters_of_a_recipe_are_parameters_of_its_family():
     }  # fmt: skip
     assert made.parameters[0].help == "Cells a side." and made.parameters[1].choices == ("left", "right")
     assert generate(made, 1, size=20, robot_radius=0.05).width == 22
+
+
+def test_a_recipe_whose_parts_change_is_told_from_one_that_stands_still_and_gets_its_margin():
+    office, maze = (
+        family_from_recipe(Path(f"examples/recipes/{name}.toml")) for name in ("office-wing", "trap-in-maze")
+    )
+    assert office.changes and not maze.changes
+    world = generate(office, 1, margin=2.0)
+    assert witness_margin(world, world.certificate) >= 2.0
 
 
 @pytest.mark.parametrize(
@@ -270,3 +279,18 @@ def test_a_recipe_is_found_among_the_families_and_read_afresh(tmp_path):
     first = FAMILIES.get(str(tmp_path / "r.toml"))
     (tmp_path / "r.toml").write_text(edited('"small"', '"smaller"'))
     assert (first.name, FAMILIES.get(str(tmp_path / "r.toml")).name) == ("recipe:small", "recipe:smaller")
+
+
+def test_a_set_of_a_recipes_worlds_is_made_again_from_its_manifest(tmp_path):
+    folder = tmp_path / "set"
+    done = worldgen("compose", EXAMPLES[0], "--seed", 7, "--count", 2, "--out", folder)
+    assert done.code == 0 and (folder / "recipe-double-comb-8.grid").is_file()
+    again = worldgen("regenerate", folder, "--out", tmp_path / "again")
+    assert again.code == 0
+    for file in folder.glob("*.grid"):
+        assert (tmp_path / "again" / file.name).read_bytes() == file.read_bytes()
+
+
+def test_what_is_no_recipe_by_its_name_is_refused():
+    done = worldgen("compose", "recipe.txt", "--seed", 1)
+    assert done.code == 2 and "a recipe's name ends in .toml; rename it" in done.err

@@ -11,15 +11,15 @@ class _Recipes(click.Group):
     """A group whose commands are recipes, each with its own parameters."""
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of a recipe, whatever its file is called."""
-        from worldgen.cli.family_command import command_of
-        from worldgen.compose.recipe import family_from_recipe
+        """The command of a recipe."""
+        from worldgen.cli.family_command import family_command
+        from worldgen.errors import InvalidParameter
 
         if cmd_name.startswith("-"):
             return None
-        from pathlib import Path
-
-        return command_of(family_from_recipe(Path(cmd_name)), cmd_name)
+        if not cmd_name.endswith(".toml"):
+            raise InvalidParameter(f"{cmd_name}: a recipe's name ends in .toml; rename it, or name another file")
+        return family_command(cmd_name)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """None: any file may be one."""

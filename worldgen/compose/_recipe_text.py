@@ -6,11 +6,12 @@ import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from worldgen.compose._values import Choice, Scalar, Spec, spec_of
 from worldgen.errors import FormatError, InvalidParameter
+from worldgen.family import MARGIN
 from worldgen.grid_file.header import Header, shown
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
 
@@ -27,6 +28,10 @@ ROBOT: dict[str, tuple[float, str]] = {
     "robot_speed": (DEFAULT_ROBOT_SPEED, "Top speed of the robot, m/s."),
 }
 _RESERVED = ("recipe", "files", "made_with")  # what provenance keeps beside the parameters
+_NOTES = {
+    MARGIN: "Time by which the robot may set out on its witness later, s.",
+    **{name: note for name, (_, note) in ROBOT.items()},
+}
 _TOP = ("recipe", "version", "about", "world", "parameters", "part")
 _DECLARED = ("default", "least", "most", "choices", "help")
 
@@ -235,12 +240,12 @@ def _read_parameters(reader: _Reader, table: Any) -> dict[str, Declared]:
             _check(_PARAMETER.match(name) is not None, "is no name; use small letters, digits and _")
             _check(name not in _RESERVED, f"is a word of provenance, as {', '.join(_RESERVED)}; take another")
             own[name] = _declared(raw)
-            if name in ROBOT:
-                _check(isinstance(own[name].default, float | int), "is a number; give one")
-                _check(not isinstance(own[name].default, bool), "is a number; give one")
-                note = own[name].help if isinstance(raw, Mapping) and "help" in raw else ROBOT[name][1]
+            if name in ROBOT or name == MARGIN:
                 default = own[name].default
-                own[name] = Declared(float(default), own[name].least, own[name].most, (), note)
+                if isinstance(default, bool | str):
+                    raise InvalidParameter(f"default={shown(default)} is no number; give one")
+                note = own[name].help if isinstance(raw, Mapping) and "help" in raw else _NOTES[name]
+                own[name] = replace(own[name], default=float(default), help=note)
     return {**own, **{name: known for name, known in found.items() if name not in own}}
 
 

@@ -74,13 +74,13 @@ def way_of(world: World) -> Witness:
     return decision.certificate
 
 
-def proved(world: World) -> World:
-    """The world with its witness.
+def proved(world: World, margin: float = 0.0) -> World:
+    """The world with its witness, which may be begun ``margin`` seconds later.
 
     Raises:
         GenerationFailed: If there is none; with the reason.
     """
-    decision = decide(world)
+    decision = decide(world, margin=margin)
     if decision.result != REACHABLE:
         raise GenerationFailed(
             f"the composed world is {decision.result}: {decision.reason}; move a piece, start or target, "

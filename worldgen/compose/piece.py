@@ -529,14 +529,18 @@ class Piece:
         walls = np.asarray(self.solid | ~self.mask)
         return world_of(walls, self.marks, self.timeline, (cell_size, radius, speed), seed)
 
-    def world(self, *, seed: int = 0) -> World:
+    def world(self, *, seed: int = 0, margin: float = 0.0) -> World:
         """The world with a witness, proved like every generated world; like :meth:`layout` else.
+
+        Args:
+            seed: Where the search for far places begins.
+            margin: Seconds by which the robot may begin the witness later, where something changes.
 
         Raises:
             InvalidWorld: If there is no room for the robot.
             GenerationFailed: If the target cannot be reached, or was not proved to be; it says why.
         """
-        return proved(self.layout(seed=seed))
+        return proved(self.layout(seed=seed), margin)
 
 
 def _is_piece(name: str, whose: str, piece: Piece) -> bool:

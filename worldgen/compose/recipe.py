@@ -11,6 +11,7 @@ import hashlib
 import inspect
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
@@ -21,7 +22,7 @@ from worldgen.compose._where import DRAWN
 from worldgen.compose.piece import Piece
 from worldgen.compose.sources import first_possible, of_world, read
 from worldgen.errors import FormatError, GenerationFailed, InvalidParameter
-from worldgen.family import FAMILIES, Build, Family, check_at_least, check_between, family
+from worldgen.family import FAMILIES, MARGIN, Build, Family, check_at_least, check_between, family
 from worldgen.grid_file import loads
 from worldgen.interop.foreign_map import read_bounded
 from worldgen.random_streams import RandomStream
@@ -70,7 +71,7 @@ def family_from_recipe(
         made = family(f"recipe:{read_text.name}", version=read_text.version)(_builder(read_text, pieces))
     except InvalidParameter as error:  # a parameter called like an option of every family
         raise FormatError(str(error), source=source) from error
-    return Family(made.name, made.version, made.build, constants)
+    return replace(made, constants=constants, changes=_changes(read_text, pieces))
 
 
 def _versions(recipe: RecipeText) -> dict[str, Value]:
@@ -80,6 +81,12 @@ def _versions(recipe: RecipeText) -> dict[str, Value]:
         if part.source == "family":
             found |= {name: FAMILIES.get(name).version for name in words_of(part.value)}
     return found
+
+
+def _changes(recipe: RecipeText, pieces: Mapping[str, Piece]) -> bool:
+    """Whether a recipe's worlds may change with time."""
+    families = [name for part in recipe.parts.values() if part.source == "family" for name in words_of(part.value)]
+    return any(FAMILIES.get(name).changes for name in families) or any(len(p.timeline) for p in pieces.values())
 
 
 def _check_families(recipe: RecipeText, source: str | None) -> None:
@@ -152,7 +159,8 @@ def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
             _check_range(name, params[name], declared)
         work = Work()
         if not drawn:
-            return _only(recipe.name, Run(recipe, pieces, params, rng, work).piece().layout())
+            margin = params.get(MARGIN, 0.0)
+            return _only(recipe.name, Run(recipe, pieces, params, rng, work).piece().layout(), margin)
         return first_possible(lambda stream: Run(recipe, pieces, params, stream, work).piece().layout(), rng)
 
     listed = recipe.parameters.items()
@@ -167,13 +175,13 @@ def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
     return build
 
 
-def _only(name: str, world: World) -> World:
+def _only(name: str, world: World, margin: Scalar) -> World:
     """The one world of a recipe in which nothing is drawn; where it cannot be solved, no other seed helps.
 
     Raises:
         GenerationFailed: If it cannot be solved, with the reason.
     """
-    decision = decide(world)
+    decision = decide(world, margin=float(margin))
     if decision.result != REACHABLE:
         raise GenerationFailed(
             f"recipe {name}: its world is {decision.result}: {decision.reason}; nothing in it is drawn, so no seed "

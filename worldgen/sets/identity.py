@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from worldgen.errors import InvalidParameter
-from worldgen.family import FAMILIES
+from worldgen.family import FAMILIES, RECIPE
 from worldgen.sets.making import Job
 from worldgen.sets.manifest import Entry
 
@@ -34,6 +34,9 @@ def entry_jobs(entries: Iterable[Entry], families: Sequence[str] = ()) -> list[J
 
 
 def _place(entry: Entry, place: str) -> str:
+    if place.startswith(RECIPE):  # its text is among the parameters
+        FAMILIES.find(place, entry.params).complete(entry.params)
+        return place
     if place == entry.family and place not in FAMILIES.names():
         raise InvalidParameter(
             f"the set is of family {place!r}, which is none of {', '.join(FAMILIES.names())}; "
