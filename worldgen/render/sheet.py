@@ -48,13 +48,14 @@ class Panel:
     notes: tuple[str, ...] = ()
 
 
-def draw_sheet(panels: Sequence[Panel], robots: Sequence[str], *, columns: int = 0) -> bytes:
+def draw_sheet(panels: Sequence[Panel], robots: Sequence[str], *, columns: int = 0, pixels: int = _PANEL) -> bytes:
     """The worlds side by side, as the bytes of a PNG file.
 
     Args:
         panels: The worlds.
         robots: Names of the robots, for the legend; without any there is none.
         columns: Panels in a row; 0 chooses.
+        pixels: Longer side of a map, px.
 
     Raises:
         InvalidParameter: If there is no world, or there are more robots than colours.
@@ -64,7 +65,7 @@ def draw_sheet(panels: Sequence[Panel], robots: Sequence[str], *, columns: int =
     if len(robots) > len(COLOURS):
         raise InvalidParameter(f"{len(robots)} robots are more than a picture tells apart; give at most {len(COLOURS)}")
     columns = columns or min(len(panels), 5 if len(panels) > 8 else 4)
-    drawn = [_panel(panel) for panel in panels]
+    drawn = [_panel(panel, pixels) for panel in panels]
     width, height = max(image.width for image in drawn), max(image.height for image in drawn)
     rows = -(-len(drawn) // columns)
     legend = _LINE + _GAP if robots else 0
@@ -78,8 +79,8 @@ def draw_sheet(panels: Sequence[Panel], robots: Sequence[str], *, columns: int =
     return stream.getvalue()
 
 
-def _panel(panel: Panel) -> Image.Image:
-    frame = Frame.of(panel.world, _PANEL)
+def _panel(panel: Panel, pixels: int) -> Image.Image:
+    frame = Frame.of(panel.world, pixels)
     parts = map_parts(panel.world, frame)
     for k, trail in enumerate(panel.trails):
         parts += _way(trail, frame, k, len(panel.trails))

@@ -1,0 +1,180 @@
+"""Writes ``docs/gallery.md`` and its pictures: ``python docs/draw_gallery.py [FAMILY ...]``.
+
+A picture carries the ids of the worlds that it shows, and so does the page; a test makes the worlds by the page's
+commands and compares.
+"""
+
+from __future__ import annotations
+
+import io
+import shlex
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+from worldgen import generate, world_digest
+from worldgen.family import FAMILIES, Family
+from worldgen.render import Panel, Trail, draw_sheet
+from worldgen.world import Value, Witness, World
+
+DOCS = Path(__file__).parent
+FIRST, EACH = 1, 3  # seeds of every kind
+COLUMNS, PIXELS = 6, 150  # panels across; 5 px for each cell of a world of 30
+COLOURS = 48
+ID = 8  # hex digits of a world's id that the page and the picture name
+
+INTRO = f"""# Gallery
+
+Every family with every one of its words, each with seeds {FIRST} to {FIRST + EACH - 1}. The orange line is the witness:
+it proves that a disc of the robot's size gets from the start (green, with its heading) to the target (blue). Hatched
+cells burn, dotted outlines change. Below each picture stand the commands that make its worlds, as sets
+([sets.md](sets.md)), and the first {ID} hex digits of the worlds' ids. What the words mean: [families.md](families.md).
+
+`python docs/draw_gallery.py` makes this page and its pictures.
+"""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Worlds of one family with the same parameters.
+
+    Args:
+        label: What stands above them.
+        params: Those that are not defaults.
+        recipe: The file, seen from the repository's root, if a recipe makes them.
+    """
+
+    label: str
+    params: dict[str, Value]
+    recipe: str = ""
+
+
+def _words(parameter: str, *words: str, before: str = "", **others: Value) -> list[Kind]:
+    return [Kind(before + word, {**others, parameter: word}) for word in words]
+
+
+GALLERY: dict[str, list[Kind]] = {
+    "corridor": [
+        *_words("shape", "bends", "dead-ends", "junctions", "S", "T", "X", "tunnel"),
+        Kind("S with necks", {"shape": "S", "robot_widths": 3.5, "necks": 6}),
+    ],
+    "trap": [
+        *_words("shape", "U", "L", "spiral", "V", "comb", "nested", "pair"),
+        Kind("spiral at 30 degrees", {"shape": "spiral", "angle": 30}),
+        Kind("U, faces target", {"faces": "target"}),
+        Kind("L, faces side", {"shape": "L", "faces": "side"}),
+        Kind("nested, start inside", {"shape": "nested", "inside": True, "size": 40}),
+        Kind("comb at 45 degrees", {"shape": "comb", "angle": 45, "size": 40}),
+    ],
+    "maze": [
+        *_words("algorithm", "wilson", "aldous-broder", "backtracker", "hunt-and-kill", "kruskal", size=50),
+        *_words("algorithm", "prim", "growing-tree", "eller", "sidewinder", "binary-tree", size=50),
+        *_words("algorithm", "recursive-division", size=50),
+        Kind("growing-tree, oldest 1", {"algorithm": "growing-tree", "newest": 0.0, "oldest": 1.0, "size": 50}),
+        *_words("mask", "disc", "ring", "cross", "diamond", size=50),
+        Kind("braid 1", {"braid": 1.0, "size": 50}),
+        Kind("rooms 3", {"rooms": 3, "size": 50}),
+        Kind("the default size", {}),
+        Kind("passage 4, wall 2", {"passage": 4, "wall": 2}),
+    ],
+    "rooms": [
+        *_words("plan", "wings", "spine", "suite", size=50),
+        Kind("suite, 40 % shut", {"plan": "suite", "closed": 0.4}),
+    ],
+    "cave": [*_words("shape", "caverns", "columns", "galleries", size=50), Kind("the default size", {})],
+    "forest": [*_words("growth", "even", "thickets", "rows", size=50), Kind("thick", {"thinnest": 3, "thickest": 7})],
+    "rubble": [*_words("collapse", "quake", "blast", "wing", size=50), Kind("more debris", {"debris": 0.5})],
+    "fire": [
+        *_words("over", "maze", "corridor", "trap", "rooms", "cave", "forest", "rubble", before="over "),
+        *_words("ignite_at", "way", "anywhere", "rim", before="ignites at: ", over="rooms"),
+        Kind("monotone, margin 2 s", {"over": "rooms", "monotone": True, "margin": 2.0}),
+        Kind("wind", {"over": "forest", "wind": 0.8, "spread_cells": 600}),
+    ],
+    "shift": _words("over", "trap", "corridor", "maze", "rooms", before="over ", chance=1.0),
+}
+
+RECIPES = "recipes"
+GALLERY[RECIPES] = [
+    Kind(file.stem, {}, file.relative_to(DOCS.parent).as_posix())
+    for file in sorted((DOCS.parent / "examples" / "recipes").glob("*.toml"))
+]
+
+
+def command(family: str, kind: Kind) -> str:
+    """What makes the worlds of one kind, as a set, in the repository's root."""
+    made_by = family_of(family, kind)
+    options = made_by.options(made_by.complete(kind.params))
+    words = ["compose", kind.recipe] if kind.recipe else [family]
+    return shlex.join(["worldgen", *words, *options, "--seed", str(FIRST), "--count", str(EACH), "--out", "worlds/"])
+
+
+def family_of(family: str, kind: Kind) -> Family:
+    """What makes the worlds of one kind."""
+    return FAMILIES.get(str(DOCS.parent / kind.recipe) if kind.recipe else family)
+
+
+def worlds(family: str, kind: Kind) -> Iterator[World]:
+    """The worlds of one kind."""
+    made_by = family_of(family, kind)
+    for seed in range(FIRST, FIRST + EACH):
+        yield generate(made_by, seed, **kind.params)
+
+
+def draw(family: str) -> bytes:
+    """The picture of a family, as a PNG file's bytes; it names the worlds that it shows."""
+    panels: list[Panel] = []
+    for kind in GALLERY[family]:
+        for seed, world in enumerate(worlds(family, kind), FIRST):
+            way = world.certificate
+            trail = Trail(way.x, way.y) if isinstance(way, Witness) else None
+            panels.append(Panel(world, kind.label if seed == FIRST else f"seed {seed}", (trail,)))
+    picture = Image.open(io.BytesIO(draw_sheet(panels, (), columns=COLUMNS, pixels=PIXELS)))
+    about = PngInfo()
+    about.add_text("worlds", " ".join(world_digest(panel.world)[:ID] for panel in panels))
+    stream = io.BytesIO()
+    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(stream, "PNG", optimize=True, pnginfo=about)
+    return stream.getvalue()
+
+
+def page() -> str:
+    """The page; it goes by what the pictures say that they show."""
+    parts = [INTRO]
+    for family, kinds in GALLERY.items():
+        names = iter(shown(family))
+        rows = [
+            f"| {kind.label} | `{command(family, kind)}` | {' '.join(next(names) for _ in range(EACH))} |"
+            for kind in kinds
+        ]
+        parts.append(f"## {heading(family)}\n")
+        parts.append(f"![{family}: {', '.join(kind.label for kind in kinds)}](pictures/gallery-{family}.png)\n")
+        parts.append("\n".join(["| worlds | command | ids |", "| --- | --- | --- |", *rows]) + "\n")
+    return "\n".join(parts)
+
+
+def heading(family: str) -> str:
+    """The heading of a family, and what it says of itself."""
+    if family == RECIPES:
+        return f"Recipes\n\nWorlds put together from parts, each by a file ([compose.md](compose.md)); {EACH} seeds of each."
+    about = FAMILIES.get(family)
+    return f"`{family}`, version {about.version}\n\n{about.description.splitlines()[0]}"
+
+
+def picture_of(family: str) -> Path:
+    """Where a family's picture is."""
+    return DOCS / "pictures" / f"gallery-{family}.png"
+
+
+def shown(family: str) -> list[str]:
+    """Ids of the worlds that a picture says it shows."""
+    with Image.open(picture_of(family)) as picture:
+        return str(picture.info["worlds"]).split()
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or GALLERY:
+        picture_of(name).write_bytes(draw(name))
+    (DOCS / "gallery.md").write_text(page(), encoding="utf-8")

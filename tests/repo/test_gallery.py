@@ -1,0 +1,64 @@
+"""The gallery shows every family with all its words, and its commands make the worlds of its pictures."""
+
+import importlib.util
+import re
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.command_line import worldgen
+from worldgen.family import FAMILIES
+from worldgen.sets import manifest_of
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "gallery.md").read_text(encoding="utf-8")
+AGAIN = "run python docs/draw_gallery.py, and look at what it draws"
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location("draw_gallery", DOCS / "draw_gallery.py")
+    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)  # dataclasses look there
+    spec.loader.exec_module(module)
+    return module
+
+
+def section(family):
+    heading = f"`{family}`, version" if family in FAMILIES.names() else family.capitalize()
+    return re.search(rf"^## {heading}.*?(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL).group()
+
+
+@pytest.mark.parametrize("family", FAMILIES.names())
+def test_every_word_of_every_family_is_shown(script, family):
+    assert f"pictures/gallery-{family}.png" in section(family)
+    shown = [{**FAMILIES.get(family).defaults(), **kind.params} for kind in script.GALLERY[family]]
+    for parameter in FAMILIES.get(family).parameters:
+        assert set(parameter.choices) <= {params[parameter.name] for params in shown}
+
+
+def test_every_recipe_is_shown(script):
+    for file in (DOCS.parent / "examples/recipes").glob("*.toml"):
+        assert f"`worldgen compose examples/recipes/{file.name} " in section(script.RECIPES)
+
+
+@pytest.mark.parametrize("family", [*FAMILIES.names(), "recipes"])
+def test_the_commands_make_the_worlds_of_the_picture(script, family, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(DOCS.parent / "examples")
+    made = []
+    for command, ids in re.findall(r"^\|[^|]*\| `worldgen (.*?)` \| ([0-9a-f ]+) \|$", section(family), re.MULTILINE):
+        assert worldgen(*shlex.split(command), "--no-metrics", "--force").code == 0
+        digests = [entry.digest[: script.ID] for entry in manifest_of(tmp_path / "worlds").entries]
+        assert digests == ids.split(), AGAIN
+        made += digests
+    assert made == script.shown(family) and len(made) == script.EACH * len(script.GALLERY[family]), AGAIN
+
+
+def test_the_page_is_what_its_script_writes(script):
+    assert script.page() == PAGE, AGAIN
+
+
+def test_the_pictures_are_small(script):
+    assert sum(script.picture_of(family).stat().st_size for family in script.GALLERY) < 1_500_000
