@@ -158,7 +158,10 @@ def page() -> str:
 def heading(family: str) -> str:
     """The heading of a family, and what it says of itself."""
     if family == RECIPES:
-        return f"Recipes\n\nWorlds put together from parts, each by a file ([compose.md](compose.md)); {EACH} seeds of each."
+        about = (
+            "Worlds put together from parts, each by a file ([compose.md](compose.md)). One that draws nothing is the"
+        )
+        return f"Recipes\n\n{about}\nsame world for every seed."
     about = FAMILIES.get(family)
     return f"`{family}`, version {about.version}\n\n{about.description.splitlines()[0]}"
 
