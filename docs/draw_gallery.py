@@ -23,7 +23,8 @@ from worldgen.world import Value, Witness, World
 
 DOCS = Path(__file__).parent
 FIRST, EACH = 1, 3  # seeds of every kind
-COLUMNS, PIXELS = 6, 150  # panels across; 5 px for each cell of a world of 30
+LOOK = {"columns": 6, "pixels": 150}  # panels across; 5 px for each cell of a world of 30
+LARGE = {"columns": 3, "pixels": 320}
 COLOURS = 48
 ID = 8  # hex digits of a world's id that the page and the picture name
 
@@ -132,7 +133,7 @@ def draw(family: str) -> bytes:
             way = world.certificate
             trail = Trail(way.x, way.y) if isinstance(way, Witness) else None
             panels.append(Panel(world, kind.label if seed == FIRST else f"seed {seed}", (trail,)))
-    picture = Image.open(io.BytesIO(draw_sheet(panels, (), columns=COLUMNS, pixels=PIXELS)))
+    picture = Image.open(io.BytesIO(draw_sheet(panels, (), **(LARGE if family == RECIPES else LOOK))))
     about = PngInfo()
     about.add_text("worlds", " ".join(world_digest(panel.world)[:ID] for panel in panels))
     stream = io.BytesIO()

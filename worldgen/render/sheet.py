@@ -66,14 +66,18 @@ def draw_sheet(panels: Sequence[Panel], robots: Sequence[str], *, columns: int =
         raise InvalidParameter(f"{len(robots)} robots are more than a picture tells apart; give at most {len(COLOURS)}")
     columns = columns or min(len(panels), 5 if len(panels) > 8 else 4)
     drawn = [_panel(panel, pixels) for panel in panels]
-    width, height = max(image.width for image in drawn), max(image.height for image in drawn)
-    rows = -(-len(drawn) // columns)
+    width = max(image.width for image in drawn)
+    rows = [drawn[k : k + columns] for k in range(0, len(drawn), columns)]
+    heights = [max(image.height for image in row) + _GAP for row in rows]
     legend = _LINE + _GAP if robots else 0
-    sheet = Image.new("RGB", (columns * (width + _GAP) + _GAP, legend + rows * (height + _GAP) + _GAP), PAPER)
+    sheet = Image.new("RGB", (columns * (width + _GAP) + _GAP, legend + sum(heights) + _GAP), PAPER)
     if robots:
         _draw_legend(sheet, robots)
-    for k, image in enumerate(drawn):
-        sheet.paste(image, (_GAP + k % columns * (width + _GAP), legend + _GAP + k // columns * (height + _GAP)))
+    top = legend + _GAP
+    for row, height in zip(rows, heights, strict=True):
+        for k, image in enumerate(row):
+            sheet.paste(image, (_GAP + k * (width + _GAP), top))
+        top += height
     stream = io.BytesIO()
     sheet.save(stream, "PNG")
     return stream.getvalue()
