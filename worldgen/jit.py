@@ -10,6 +10,7 @@ import functools
 import hashlib
 import os
 import tempfile
+import types
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -79,9 +80,9 @@ def kernel(function: F, *, signature: Any = None, allocates: bool = True, inline
 
 def _without_literals(dispatcher: Any) -> Any:
     """Lets calls with constants share one compilation: to numba a bare 0 is of a type of its own."""
-    from numba.core import types
+    from numba.core import types as numba_types
 
-    unliteral: Any = types.unliteral
+    unliteral: Any = numba_types.unliteral
     typed = getattr(dispatcher, "get_call_template", None)
     if typed is not None:  # there is none where numba compiles nothing
         dispatcher.get_call_template = lambda args, kws: typed(
@@ -90,14 +91,36 @@ def _without_literals(dispatcher: Any) -> Any:
     return dispatcher
 
 
-def lazy_kernel(function: F) -> F:
-    """The compiled twin of a function, made at its first call: numba costs a second that small worlds save."""
+def lazy_kernel(function: F, *helpers: Callable[..., Any]) -> F:
+    """The compiled twin of a function, made at its first call: numba costs a second that small worlds save.
+
+    Args:
+        function: What to compile.
+        *helpers: Plain functions of its module that it calls, or that a later one of them calls, and that make
+            no arrays; in the twin their code stands in place of each call.
+    """
     made: list[F] = []
 
     @functools.wraps(function)
     def call(*args: Any) -> Any:
         if not made:
-            made.append(kernel(function))
+            made.append(kernel(_with_compiled(function, helpers)))
         return made[0](*args)
 
     return cast(F, call)
+
+
+def _with_compiled(function: F, helpers: tuple[Callable[..., Any], ...]) -> F:
+    """A copy of a function whose helpers are kernels; the function itself goes on calling plain Python."""
+    if not helpers:
+        return function
+    names = dict(function.__globals__)
+    for helper in helpers:
+        names[helper.__name__] = kernel(_copy(helper, names), allocates=False, inline=True)
+    return _copy(function, names)
+
+
+def _copy(function: F, names: dict[str, Any]) -> F:
+    copy = types.FunctionType(function.__code__, names, function.__name__, function.__defaults__)
+    copy.__qualname__, copy.__module__ = function.__qualname__, function.__module__
+    return cast(F, copy)

@@ -15,8 +15,9 @@ from tests.helpers.drawn_worlds import drawn, still_worlds, tight_worlds
 from tests.helpers.grid_strategies import worlds_with_everything
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import radius_in_cells
-from worldgen.reach import BLOCKED, REACHABLE, check_certificate, cut, decide, lattice_graph
+from worldgen.reach import BLOCKED, REACHABLE, check_certificate, decide
 from worldgen.reach.cut import find_chain, linked_offsets
+from worldgen.reach.effort import PATIENCE, effort
 from worldgen.reach.walls import segment_box_sq
 from worldgen.world import Pose, Target, World
 
@@ -175,9 +176,9 @@ def test_compiled_searches_find_what_plain_python_finds(density, monkeypatch):
     walls = np.random.default_rng(1).random((40, 40)) < density
     walls[:3, :3] = walls[-3:, -3:] = False
     world = World(walls, Pose(0.15, 0.15), Target(3.85, 3.85, 0.05))
+    monkeypatch.setattr(effort, "spent", 0)
     plain = decide(world)
-    monkeypatch.setattr(lattice_graph, "_SMALL", 0)
-    monkeypatch.setattr(cut, "_SMALL", 0)
+    monkeypatch.setattr(effort, "spent", PATIENCE)
     assert decide(world) == plain
 
 

@@ -3,8 +3,9 @@
 Two cells are linked when their gap is below 2 r. Each link carries a bit: whether its line (centre, closest
 point, closest point, centre) crosses the ray from the start upwards, xor the same for the target. A cycle
 whose bits add up to an odd number parts start from target, and there is one exactly if the two lie in
-different components of the clear poses (docs/reachability.md). A union-find that keeps bits tells whether
-there is one; a breadth-first search over (cell, bit) then finds a short one.
+different components of the clear poses (docs/reachability.md). A breadth-first search over (cell, bit) tells whether
+there is one, and then finds a short one. It strikes out each cell that it has seen from its row, so that it never
+looks at a cell twice: of a wide disc's thousands of links from each cell, it follows those to new cells only.
 
 Several targets get a bit each; then only a cycle all of whose bits are odd parts the start from them all.
 
@@ -31,16 +32,21 @@ __all__ = ["MOST_TARGETS", "find_chain", "linked_offsets", "rim_cells"]
 MOST_TARGETS = 6
 """Poses that a chain is sought for at once; no more than a byte has bits."""
 
-_SMALL = 400_000  # links that plain Python unites in less time than loading numba takes
+_SMALL = 100_000  # cells times rows in reach that plain Python searches in less time than loading numba takes
 _FINE_BITS = 10  # by which the unit may be finer before coordinates outgrow 64-bit products
 _STARTS = 24  # cells from which a short cycle is sought
-_WORK = 2_000_000  # links that those searches may follow in plain Python; 200 times that when compiled
+_WORK = 20_000_000  # looks at rows and cells that those searches may take: 0.1 s, compiled
 
 Ints = npt.NDArray[np.int64]
 
 
 def find_chain(
-    solid: npt.NDArray[np.bool_], radius: Fraction, start: ExactPoint, targets: Sequence[ExactPoint]
+    solid: npt.NDArray[np.bool_],
+    radius: Fraction,
+    start: ExactPoint,
+    targets: Sequence[ExactPoint],
+    *,
+    compiled: bool = False,
 ) -> list[Cell] | None:
     """A chain of cells that parts one clear pose from others for a disc of ``radius`` cells, or None if there is none.
 
@@ -49,26 +55,16 @@ def find_chain(
         radius: cells.
         start: A clear pose, 1/1024 cell.
         targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the start.
+        compiled: Whether to run compiled code even where there is little to do; the chain is the same.
 
     Returns:
         Cells (ix, iy) in chain order; -1 and the grid's sides stand for the cells just outside.
     """
-    links = _Links(solid, radius, start, targets)
+    links = _Links(solid, radius, start, targets, compiled)
     if links.bits > 1:
         return _short_cycle(links, np.ones(len(links.cells), np.bool_))
-    cells = len(links.cells)
-    parent, bit, odd_one = np.arange(cells), np.zeros(cells, np.uint8), np.zeros(cells, np.uint8)
-    graph: Any = links.arrays()
-    if links.plain:
-        lists: Any = (parent.tolist(), bit.tolist(), odd_one.tolist())
-        _unite(*graph, *lists)
-        parent, odd_one = np.array(lists[0]), np.array(lists[2])
-    else:
-        tree: Any = (parent, bit, odd_one)
-        _unite_compiled(*graph, *tree)
-    if not odd_one.any():
-        return None
-    return _short_cycle(links, odd_one[_roots(parent)] > 0)
+    has_odd = links.in_odd_cycles()
+    return _short_cycle(links, has_odd) if has_odd.any() else None
 
 
 def linked_offsets(radius: Fraction) -> list[Cell]:
@@ -92,54 +88,114 @@ class _Links:
     """The cells of the rim, their links, and the bits of those.
 
     Attributes:
-        cells: (n, 2) int64, (ix, iy) of the solid cells that touch a free one, the ring outside included.
-        number: Flat raster, wide enough for every offset, with each cell's number or -1.
-        place: (n,) where in ``number`` a cell is.
-        steps: (m,) what each offset adds to a place.
-        slot: (n,) row of ``odd`` for cells near a ray, else -1.
-        odd: (k, m) uint8, bits of each link of these cells, one for each target; all other links have 0.
+        cells: (n, 2) int64, (ix, iy) of the solid cells that touch a free one, the ring outside included; by rows.
+        rank: How many cells lie before a place of the flat raster, which is wide enough for every offset.
+        place: (n,) where in that raster a cell is.
+        rows: (m, 2) what to add to a place for the row of an offset, and how far to either side that row is linked.
         bits: How many targets there are.
+        slot: (n,) number of each cell that has a link across a ray, else -1.
+        begins: (k + 1,) where in ``ends`` the links of such a cell begin.
+        ends: (l,) the cells that they lead to.
+        odd: (l,) uint8, their bits, one for each target; links of all other cells have none.
     """
 
     def __init__(
-        self, solid: npt.NDArray[np.bool_], radius: Fraction, start: ExactPoint, targets: Sequence[ExactPoint]
+        self,
+        solid: npt.NDArray[np.bool_],
+        radius: Fraction,
+        start: ExactPoint,
+        targets: Sequence[ExactPoint],
+        compiled: bool,
     ) -> None:
         fine = 1 if all(value == int(value) for point in (start, *targets) for value in point) else _fineness(radius)
         self.unit, self.bits = UNIT * fine, len(targets)
         self.points: list[Point] = [(round(x * fine), round(y * fine)) for x, y in (start, *targets)]
-        self.offsets = np.array(offsets := linked_offsets(radius), np.int64)
+        self.offsets = np.array(linked_offsets(radius), np.int64)
         reach = int(self.offsets.max())
         rim = np.pad(rim_cells(solid), reach)
         stride = rim.shape[1]
         rows, columns = np.nonzero(rim)
         self.cells: Ints = np.stack([columns, rows], axis=1) - (reach + 1)
         self.place: Ints = rows * stride + columns
-        self.number: Ints = np.full(rim.size, -1, np.int64)
-        self.number[self.place] = np.arange(len(rows))
-        self.steps: Ints = self.offsets[:, 1] * stride + self.offsets[:, 0]
-        near = np.zeros(len(rows), np.bool_)
-        for x, _ in self.points:
-            near |= np.abs(self.cells[:, 0] - x // self.unit) <= reach + 1
-        chosen = self.cells[near]
-        self.odd = self._link_bits(chosen[:, :1], chosen[:, 1:], self.offsets[:, 0], self.offsets[:, 1])
-        some = self.odd.any(axis=1)
-        self.odd = self.odd[some]
-        self.slot: Ints = np.full(len(rows), -1, np.int64)
-        self.slot[np.nonzero(near)[0][some]] = np.arange(int(np.count_nonzero(some)))
-        self.plain = len(rows) * len(offsets) // 2 <= _SMALL
+        self.rank = np.zeros(rim.size + 1, np.int32)
+        np.cumsum(rim.ravel(), dtype=np.int32, out=self.rank[1:])
+        heights = np.arange(-reach, reach + 1)
+        wide = [int(self.offsets[self.offsets[:, 1] == height, 0].max()) for height in heights]
+        self.rows: Ints = np.stack([heights * stride, np.array(wide, np.int64)], axis=1)
+        self._list_crossing(reach)
+        self.plain = 2 * len(rows) * len(heights) <= _SMALL and not compiled
+        self._work: Any = None
 
-    def arrays(self) -> tuple[Any, ...]:
-        """What the searches read; lists where plain Python reads them."""
-        arrays = (self.number, self.place, self.steps, self.slot, self.odd.ravel())
-        return tuple(array.tolist() for array in arrays) if self.plain else arrays
+    def _list_crossing(self, reach: int) -> None:
+        """Sets ``slot``, ``begins``, ``ends`` and ``odd``."""
+        near = np.zeros(len(self.cells), np.bool_)
+        for x, y in self.points:
+            beside, above = np.abs(self.cells[:, 0] - x // self.unit), self.cells[:, 1] - y // self.unit
+            near |= (beside <= reach + 1) & (above >= -reach - 1)
+        chosen = np.flatnonzero(near)
+        row = self.place[chosen, None] + self.rows[:, 0]
+        first = self.rank[row - self.rows[:, 1]].ravel()
+        count = self.rank[row + self.rows[:, 1] + 1].ravel() - first
+        begins = np.repeat(chosen, count.reshape(len(chosen), -1).sum(axis=1))
+        ends = np.arange(count.sum()) + np.repeat(first - np.cumsum(count) + count, count)
+        begins, ends = begins[begins != ends], ends[begins != ends]
+        odd = self._link_bits(self.cells[begins], self.cells[ends])
+        crossing = np.zeros(len(self.cells), np.bool_)
+        crossing[begins[odd > 0]] = True
+        kept = crossing[begins]
+        self.ends, self.odd = ends[kept], odd[kept]
+        self.slot: Ints = np.where(crossing, np.cumsum(crossing) - 1, -1)
+        self.begins = np.searchsorted(begins[kept], [*np.flatnonzero(crossing).tolist(), len(self.cells)])
+
+    def search(self, source: int, limit: int, *, thorough: bool = False) -> tuple[list[int], int]:
+        """The shortest cycle through a cell whose bits are all odd, of fewer than ``limit`` links; and the work done.
+
+        A thorough search goes on to all that it can reach, and leaves ``came`` and the rows as they are.
+        """
+        if self._work is None:
+            size, layer = len(self.cells) << self.bits, len(self.cells) + 1
+            before, order, chain = np.full(size, -1, np.int32), np.zeros(size, np.int32), np.zeros(size, np.int32)
+            skip = np.tile(np.arange(layer, dtype=np.int32), 1 << self.bits)
+            skip += np.repeat(np.arange(1 << self.bits, dtype=np.int32) * layer, layer)
+            graph = (self.rank, self.place, self.rows.ravel(), self.slot, self.begins, self.ends, self.odd)
+            self._work = (*graph, before, order, skip, chain)
+            if self.plain:
+                self._work = tuple(array.tolist() for array in self._work)
+        walk: Any = _odd_walk if self.plain else _odd_walk_compiled
+        found, looked = walk(*self._work, self.bits, source, limit, thorough)
+        return [int(cell) for cell in self._work[-1][:found]], int(looked)
+
+    def in_odd_cycles(self) -> npt.NDArray[np.bool_]:
+        """(n,) whether a cell has a link across a ray, and is joined to a cycle whose bits add up to an odd number."""
+        sources = np.nonzero(self.slot >= 0)[0].tolist()
+        for source in sources:
+            before = self._work[7] if self._work is not None else {}
+            if self._work is None or (before[2 * source] < 0 and before[2 * source + 1] < 0):
+                self.search(source, 2 * len(self.cells), thorough=True)
+        has_odd = np.zeros(len(self.cells), np.bool_)
+        if sources:
+            seen = np.asarray(self._work[7]).reshape(-1, 2) >= 0
+            has_odd[sources] = seen[sources].all(axis=1)
+        self._work = None
+        return has_odd
 
     def is_odd(self, cells: Ints) -> npt.NDArray[np.bool_]:
         """For each cell of a closed chain, whether its link to the next has bit 1."""
-        delta = np.roll(cells, -1, axis=0) - cells
-        return self._link_bits(cells[:, 0], cells[:, 1], delta[:, 0], delta[:, 1]) > 0
+        return self._link_bits(cells, np.roll(cells, -1, axis=0)) > 0
 
-    def _link_bits(self, x: Ints, y: Ints, dx: Ints, dy: Ints) -> npt.NDArray[np.uint8]:
-        """The bits of links from cells (x, y) to cells (x + dx, y + dy); the arrays are broadcast."""
+    def _link_bits(self, begins: Ints, ends: Ints) -> npt.NDArray[np.uint8]:
+        """(n,) the bits of links between cells, (n, 2) each."""
+        bits = np.zeros(len(begins), np.uint8)
+        astride = np.zeros(len(begins), np.bool_)  # few links are; the others need no arithmetic
+        for x, _ in self.points:
+            low, high = np.minimum(begins[:, 0], ends[:, 0]), np.maximum(begins[:, 0], ends[:, 0])
+            astride |= (low <= x // self.unit) & (high >= x // self.unit)
+        (x, y), (to_x, to_y) = begins[astride].T, ends[astride].T
+        bits[astride] = self._crossing_bits(x, y, to_x - x, to_y - y)
+        return bits
+
+    def _crossing_bits(self, x: Ints, y: Ints, dx: Ints, dy: Ints) -> npt.NDArray[np.uint8]:
+        """The bits of links from cells (x, y) to cells (x + dx, y + dy)."""
         if self.unit > UNIT << _FINE_BITS:  # products of coordinates need more than 64 bits
             x, y, dx, dy = (array.astype(object) for array in (x, y, dx, dy))
         unit, half = self.unit, self.unit // 2
@@ -147,7 +203,7 @@ class _Links:
         dx_, dy_ = ax + unit * dx, ay + unit * dy
         bx, cx = ax + half * np.sign(dx), dx_ - half * np.sign(dx)
         by, cy = ay + half * np.sign(dy), dy_ - half * np.sign(dy)
-        together = np.zeros(np.broadcast_shapes(x.shape, dx.shape), np.uint8)
+        together = np.zeros(x.shape, np.uint8)
         all_bits = (1 << self.bits) - 1
         for px, py, qx, qy in ((ax, ay, bx, by), (bx, by, cx, cy), (cx, cy, dx_, dy_)):
             for point, bit in zip(self.points, (all_bits, *(1 << k for k in range(self.bits))), strict=True):
@@ -182,47 +238,6 @@ def _crosses(px: Ints, py: Ints, qx: Ints, qy: Ints, sx: int, sy: int) -> npt.ND
     return crossing
 
 
-def _unite(number: Any, place: Any, steps: Any, slot: Any, odd: Any, parent: Any, bit: Any, odd_one: Any) -> None:
-    """Unites linked cells; ``odd_one`` is 1 at the root of each set that has a cycle of odd sum.
-
-    ``bit[u]`` is the sum along the tree from u to ``parent[u]``. The same text runs plain and compiled.
-    """
-    width = len(steps)
-    for u in range(len(place)):
-        for o in range(width // 2):
-            v = number[place[u] + steps[o]]
-            if v < 0:
-                continue
-            total = odd[slot[u] * width + o] if slot[u] >= 0 else 0
-            a, b = u, v
-            while parent[a] != a:
-                bit[a] ^= bit[parent[a]]
-                parent[a] = parent[parent[a]]
-                total ^= bit[a]
-                a = parent[a]
-            while parent[b] != b:
-                bit[b] ^= bit[parent[b]]
-                parent[b] = parent[parent[b]]
-                total ^= bit[b]
-                b = parent[b]
-            if a != b:
-                if a > b:
-                    a, b = b, a
-                parent[b] = a
-                bit[b] = total
-                odd_one[a] |= odd_one[b]
-            elif total == 1:
-                odd_one[a] = 1
-
-
-def _roots(parent: Ints) -> Ints:
-    while True:
-        further = parent[parent]
-        if np.array_equal(further, parent):
-            return parent
-        parent = further
-
-
 def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell] | None:
     """The shortest odd cycle through one of a few cells at the rays."""
     sources = np.nonzero(has_odd & (links.slot >= 0))[0]
@@ -231,73 +246,90 @@ def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell] | 
     sources = sources[np.argsort(np.min(near, axis=0), kind="stable")]
     few = np.unique(np.linspace(0, len(sources) - 1, _STARTS).astype(np.int64))
     chosen = sources[few] if links.bits == 1 else np.concatenate([sources[few], np.delete(sources, few)])
-    bits, all_odd = links.bits, (1 << links.bits) - 1
-    size = len(links.cells) << bits
-    graph: Any = links.arrays()
-    work = _WORK if links.plain else 200 * _WORK
-    search: Any = _odd_cycle if links.plain else _odd_cycle_compiled
+    size = len(links.cells) << links.bits
+    work = (10 if links.bits > 1 else 1) * _WORK
     best: list[int] = []
     for source in chosen.tolist():
-        before: Any = [-1] * size if links.plain else np.full(size, -1, np.int64)
-        order: Any = [0] * size if links.plain else np.zeros(size, np.int64)
-        looked = int(search(*graph, bits, source, len(best) or size, before, order))
-        state, chain = (source << bits) + all_odd, list[int]()
-        while before[state] >= 0 and (state != source << bits or not chain):
-            chain.append(state >> bits)
-            state = int(before[state])
+        chain, looked = links.search(source, len(best) or size)
         if chain and (not best or len(chain) < len(best)):
             best = chain
         work -= looked
-        if work < 0 and (best or bits > 1):
+        if work < 0 and (best or links.bits > 1):
             break
-    if bits > 1:
+    if links.bits > 1:
         return [tuple(cell) for cell in links.cells[best].tolist()] or None
     return _simple(links, best)
 
 
-def _odd_cycle(
-    number: Any,
-    place: Any,
-    steps: Any,
-    slot: Any,
-    odd: Any,
-    bits: Any,
-    source: Any,
-    limit: Any,
-    before: Any,
-    order: Any,
-) -> Any:
+def _odd_walk(
+    rank: Any, place: Any, rows: Any, slot: Any, begins: Any, ends: Any, odd: Any, before: Any, order: Any, skip: Any,
+    chain: Any, bits: Any, source: Any, limit: Any, thorough: Any,
+) -> Any:  # fmt: skip
     """Breadth-first search from (source, no bit) to (source, all bits), below ``limit`` links.
 
-    ``before[state]`` is the state before it. Returns the number of links looked at.
+    ``before[state]`` is the state before it. ``skip[layer * (n + 1) + u]`` leads to the next cell from u on that was
+    not seen in that layer. Unless it is thorough, both end as they began. The same text runs plain and compiled.
+
+    Returns:
+        Number of cells in ``chain``, the last first and the source last; and the number of looks.
     """
-    width, full = len(steps), (1 << bits) - 1
+    full, layer_size = (1 << bits) - 1, len(place) + 1
+    goal, head, tail, level_end, depth, looked = (source << bits) + full, 0, 1, 1, 0, 0
     order[0] = source << bits
     before[source << bits] = source << bits
-    head, tail, level_end, depth, looked = 0, 1, 1, 0, 0
-    while head < tail:
+    skip[source] = source + 1
+    while head < tail and (thorough or before[goal] < 0):
         if head == level_end:
             depth += 1
             level_end = tail
             if depth + 1 >= limit:
-                return looked
+                break
         state = order[head]
         head += 1
-        u = state >> bits
-        for o in range(width):
-            v = number[place[u] + steps[o]]
-            if v < 0:
-                continue
+        u, layer = state >> bits, state & full
+        if slot[u] >= 0:
+            for link in range(begins[slot[u]], begins[slot[u] + 1]):
+                other_layer, cell = layer ^ odd[link], ends[link]
+                other = (cell << bits) + other_layer
+                looked += 1
+                if before[other] < 0:
+                    before[other] = state
+                    skip[other_layer * layer_size + cell] = other_layer * layer_size + cell + 1
+                    order[tail] = other
+                    tail += 1
+            continue
+        base = layer * layer_size
+        for row in range(len(rows) // 2):
+            at, wide = place[u] + rows[2 * row], rows[2 * row + 1]
+            last, v = base + rank[at + wide + 1], base + rank[at - wide]
             looked += 1
-            total = odd[slot[u] * width + o] if slot[u] >= 0 else 0
-            other = (v << bits) + ((state & full) ^ total)
-            if before[other] < 0:
+            while v < last:
+                while skip[v] != v:
+                    skip[v] = skip[skip[v]]
+                    v = skip[v]
+                if v >= last:
+                    break
+                other = ((v - base) << bits) + layer
                 before[other] = state
-                if other == (source << bits) + full:
-                    return looked
+                skip[v] = v + 1
                 order[tail] = other
                 tail += 1
-    return looked
+                looked += 1
+    found = before[goal] >= 0 and not thorough
+    count = 0
+    if found:
+        state = goal
+        while state != source << bits:
+            chain[count] = state >> bits
+            count += 1
+            state = before[state]
+    if not thorough:
+        for i in range(tail):
+            state = order[i]
+            before[state] = -1
+            place_in_rows = (state & full) * layer_size + (state >> bits)
+            skip[place_in_rows] = place_in_rows
+    return count, looked
 
 
 def _simple(links: _Links, chain: Sequence[int]) -> list[Cell]:
@@ -319,5 +351,4 @@ def _simple(links: _Links, chain: Sequence[int]) -> list[Cell]:
     return [piece[0] for piece in kept]
 
 
-_unite_compiled = lazy_kernel(_unite)
-_odd_cycle_compiled = lazy_kernel(_odd_cycle)
+_odd_walk_compiled = lazy_kernel(_odd_walk)

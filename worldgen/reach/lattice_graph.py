@@ -19,7 +19,11 @@ import numpy.typing as npt
 
 from worldgen.jit import lazy_kernel
 from worldgen.lattice import UNIT
+from worldgen.reach.bucket_search import bucket_search_compiled, room_for_search
 from worldgen.reach.disc import Disc
+from worldgen.reach.effort import SMALL
+from worldgen.reach.flood import flood_compiled
+from worldgen.reach.rasters import disc_rasters_compiled, rows_of_discs
 
 __all__ = [
     "AXIS_COST",
@@ -27,14 +31,15 @@ __all__ = [
     "Graph",
     "build_graph",
     "clear_raster",
+    "corners",
     "find_path",
     "nodes_within",
     "touching_cells",
 ]
 
 AXIS_COST, DIAGONAL_COST = 70, 99  # 99/70 is sqrt(2) to 7e-5; whole numbers give the same path everywhere
-_SMALL = 200_000  # nodes that plain Python searches in less time than loading numba takes
 _FAR = 2**62
+_HASTY = 300_000  # nodes expanded before it is looked whether there is a way: about 20 ms, as long as looking takes
 
 
 @dataclass(frozen=True)
@@ -58,12 +63,20 @@ class Graph:
         return int(self.clear.shape[1])
 
 
-def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph:
-    """The graph of a grid for a disc of ``radius`` cells."""
+def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int, *, compiled: bool = False) -> Graph:
+    """The graph of a grid for a disc of ``radius`` cells, by plain or by compiled code."""
     height, width = solid.shape
     clear = np.zeros((k * height + 1, k * width + 1), np.bool_)
     middle = np.zeros_like(clear)
-    if 2 * radius <= min(height, width):  # else nothing is clear
+    if 2 * radius > min(height, width):  # nothing is clear
+        return Graph(k, clear, middle)
+    if compiled and 2 * radius < 65_000:
+        begins, rows, pad = rows_of_discs(radius, k)
+        gaps = np.zeros((height + 2 * pad, width + 2 * pad), np.uint8 if rows[:, 2].max() <= 255 else np.uint16)
+        cells, line = np.ascontiguousarray(solid).view(np.uint8), np.empty(width + 1, np.uint8)
+        counts = rows[:, 2].astype(gaps.dtype)
+        disc_rasters_compiled(cells, begins, rows, counts, gaps, line, k, clear.view(np.uint8), middle.view(np.uint8))
+    else:
         window = _Windows(solid, math.ceil(radius) + 1)
         for b in range(k):
             for a in range(k):
@@ -154,6 +167,8 @@ def find_path(
     spare: npt.NDArray[np.int64],
     toward: tuple[int, int],
     bridges: Sequence[tuple[int, int]] = (),
+    *,
+    compiled: bool = False,
 ) -> list[int]:
     """A path over the graph from a source to an end, or else to a spare end; a shortest one without bridges.
 
@@ -164,10 +179,13 @@ def find_path(
         spare: Ends to be content with where no end is connected to a source.
         toward: Node (x, y) that the search leans to.
         bridges: Pairs of nodes that are joined too; used once there is no other way on.
+        compiled: Whether to run compiled code; the path is the same.
 
     Returns:
         Flat indices from source to end; empty where none is connected.
     """
+    if compiled and not bridges:
+        return _find_in_buckets(graph, sources, ends, spare, toward)
     inputs, cost, came, search = _prepared(graph, ends, spare)
     found = search(*inputs, np.array(sources, np.int64), toward, cost, came)
     by_bridge: dict[int, int] = {}
@@ -181,6 +199,60 @@ def find_path(
     return _trace(int(found), came, neighbour_shifts(graph.stride)[0], by_bridge)
 
 
+def corners(path: Sequence[int]) -> list[int]:
+    """A path without the nodes in the middle of a straight line."""
+    nodes = np.asarray(path, np.int64)
+    steps = np.diff(nodes)
+    kept = np.ones(len(nodes), np.bool_)
+    kept[1:-1] = steps[1:] != steps[:-1]
+    left: list[int] = nodes[kept].tolist()
+    return left
+
+
+def _find_in_buckets(
+    graph: Graph, sources: Any, ends: Any, spare: npt.NDArray[np.int64], toward: tuple[int, int]
+) -> list[int]:
+    """The same path by compiled code."""
+    rasters = (graph.clear.view(np.uint8).ravel(), graph.middle.view(np.uint8).ravel())
+    sources, ends = np.unique(np.array(sources, np.int64)), np.asarray(ends, np.int64)
+    path = _bucket_search(graph, rasters, sources, ends, spare, toward, _HASTY)
+    if path is None:  # before all of a large world is searched, look whether there is anything to find
+        seen = np.zeros(graph.clear.size, np.uint8)
+        flood_compiled(*rasters, graph.stride, sources, seen)
+        ends, spare = ends[seen[ends] > 0], spare[seen[spare] > 0]
+        if len(ends) or len(spare):
+            path = _bucket_search(graph, rasters, sources, ends, spare, toward, graph.clear.size)
+    found: list[int] = [] if path is None else path.tolist()
+    return found
+
+
+def _bucket_search(
+    graph: Graph,
+    rasters: tuple[Any, Any],
+    sources: npt.NDArray[np.int64],
+    ends: npt.NDArray[np.int64],
+    spare: npt.NDArray[np.int64],
+    toward: tuple[int, int],
+    most: int,
+) -> npt.NDArray[np.int64] | None:
+    """The path, empty if there is none; None if more than ``most`` nodes would have to be expanded."""
+    size = graph.clear.size
+    goal, came, left = np.zeros(size, np.uint8), np.zeros(size, np.uint8), np.array([most])
+    goal[spare] = 2 if len(ends) else 1  # with nothing better to hope for, the first will do
+    goal[ends] = 1
+    both = np.concatenate([spare, ends])
+    narrow = size * DIAGONAL_COST < 2**31
+    steps = np.array(
+        [*neighbour_shifts(graph.stride), [1, -1, 0, 0, 1, -1, -1, 1], [0, 0, 1, -1, 1, -1, 1, -1]]
+    ).T.copy()
+    path: npt.NDArray[np.int64] = bucket_search_compiled(
+        *rasters, goal, graph.stride, steps, sources, np.array([both.min(), both.max()]), np.array(toward),
+        np.empty(size, np.int32 if narrow else np.int64), 2**31 - 1 if narrow else _FAR, came, left,
+        *room_for_search(size),
+    )  # fmt: skip
+    return path if left[0] >= 0 else None
+
+
 def _prepared(graph: Graph, ends: Sequence[int], spare: npt.NDArray[np.int64]) -> tuple[Any, Any, Any, Any]:
     """The first arguments of ``_search``, its two work arrays, and the search itself, plain or compiled."""
     size, moves = graph.clear.size, neighbour_shifts(graph.stride)
@@ -188,7 +260,7 @@ def _prepared(graph: Graph, ends: Sequence[int], spare: npt.NDArray[np.int64]) -
     goal[spare] = 2
     goal[np.asarray(ends, np.int64)] = 1
     rasters = (graph.clear.view(np.uint8).ravel(), graph.middle.view(np.uint8).ravel(), goal)
-    if size <= _SMALL:
+    if size <= SMALL:
         plain = (array.tobytes() for array in rasters)
         return (*plain, graph.stride, *moves), cost.tolist(), bytearray(size), _search
     return (*rasters, graph.stride, *map(np.array, moves)), cost, came, _search_compiled

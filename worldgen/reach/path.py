@@ -6,11 +6,14 @@ import itertools
 import math
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from worldgen.lattice import UNIT, exact
-from worldgen.reach.walls import ExactPoint, Walls, segment_box_sq
+from worldgen.reach.segments import CLEAR, MEETS, UNSURE, shorten_pieces_compiled, sweep_least_compiled
+from worldgen.reach.walls import ExactPoint, Number, Walls, segment_box_sq
 from worldgen.world import Witness
 
 __all__ = [
@@ -26,6 +29,8 @@ __all__ = [
 
 _PATIENCE = 6  # corners in a row that may be out of sight before a straight line ends at the last one seen
 _TESTS = 6_000  # straight lines that may fail on one path; on long paths there is less patience
+
+Ints: TypeAlias = npt.NDArray[np.int64]
 
 
 def merge_straight(points: list[ExactPoint]) -> list[ExactPoint]:
@@ -45,10 +50,18 @@ def _goes_on(a: ExactPoint, b: ExactPoint, c: ExactPoint) -> bool:
     return ux * vy == uy * vx and ux * vx + uy * vy > 0
 
 
-def shorten(walls: Walls, points: list[ExactPoint]) -> list[ExactPoint]:
-    """Replaces corners by straight lines that the disc may sweep."""
+def shorten(walls: Walls, points: list[ExactPoint], *, compiled: bool = False) -> list[ExactPoint]:
+    """Replaces corners by straight lines that the disc may sweep.
+
+    Args:
+        walls: The walls with the disc's radius.
+        points: The path, lu.
+        compiled: Whether to run compiled code; the result is the same.
+    """
     points = merge_straight(points)
     patience = max(1, min(_PATIENCE, _TESTS // len(points)))
+    if compiled:
+        return merge_straight(_shorten_compiled(walls, points, patience))
     kept, at = [points[0]], 0
     while at < len(points) - 1:
         seen, far = at + 1, at + 2
@@ -61,12 +74,33 @@ def shorten(walls: Walls, points: list[ExactPoint]) -> list[ExactPoint]:
     return merge_straight(kept)
 
 
-def clearance_sq(walls: Walls, points: Sequence[ExactPoint]) -> Fraction:
+def _shorten_compiled(walls: Walls, points: list[ExactPoint], patience: int) -> list[ExactPoint]:
+    x, y, whole = _whole_points(points)
+    reach, limit = math.ceil(walls.radius * UNIT), math.ceil(walls.radius_sq)
+    state, kept = np.array([0, 1, 2, 1, UNSURE]), np.zeros(len(points), np.int64)
+    inputs = (x, y, whole, walls.cells, reach, float(walls.radius_sq), limit, patience, state, kept)
+    while not shorten_pieces_compiled(*inputs):
+        state[4] = CLEAR if walls.is_clear(points[state[0]], points[state[2]]) else MEETS
+    return [points[index] for index in kept[: state[3]].tolist()]
+
+
+def _whole_points(points: Sequence[ExactPoint]) -> tuple[Ints, Ints, npt.NDArray[np.uint8]]:
+    """Both coordinates in lu, rounded down; and whether that left them as they were."""
+    x, y = (np.array([math.floor(point[axis]) for point in points], np.int64) for axis in (0, 1))
+    whole = np.ones(len(points), np.uint8)
+    for end in {0, len(points) - 1}:  # all others are nodes of a graph
+        whole[end] = points[end] == (x[end], y[end])
+    return x, y, whole
+
+
+def clearance_sq(walls: Walls, points: Sequence[ExactPoint], *, compiled: bool = False) -> Fraction:
     """Squared distance from a path to the nearest solid cell, lu squared, exactly."""
     pieces = list(itertools.pairwise(points)) or [(points[0], points[0])]
     reach = 2 * math.ceil(walls.radius * UNIT)
     while True:
         best = Fraction(reach * reach)
+        if compiled:
+            best, pieces = _least_compiled(walls, points, reach)
         for p, q in pieces:
             for cell in walls.near(p, q, math.isqrt(math.ceil(best)) + 1):
                 distance, over = segment_box_sq(p, q, cell)
@@ -75,6 +109,29 @@ def clearance_sq(walls: Walls, points: Sequence[ExactPoint]) -> Fraction:
         if best < reach * reach:
             return best
         reach *= 2
+
+
+def _least_compiled(
+    walls: Walls, points: Sequence[ExactPoint], reach: int
+) -> tuple[Fraction, list[tuple[ExactPoint, ExactPoint]]]:
+    """The least squared distance, at most that of ``reach``, and the pieces that it does not count."""
+    x, y, whole = _whole_points(points)
+    first, last = 1 - int(whole[0]), len(points) - (1 - int(whole[-1]))
+    odd = [(points[i], points[i + 1]) for i in {0, len(points) - 2} if i >= 0 and not whole[i : i + 2].all()]
+    if len(points) == 1:
+        odd = [(points[0], points[0])]
+    if last - first < 2:
+        return Fraction(reach * reach), odd
+    x, y = x[first:last], y[first:last]
+    sides, lengths_sq = np.zeros(len(x) - 1, np.int64), np.zeros(len(x) - 1, np.int64)
+    best = Fraction(int(sweep_least_compiled(x, y, walls.cells, reach, reach * reach, sides, lengths_sq)))
+    found = np.flatnonzero(lengths_sq)
+    if len(found):
+        squares = sides[found].astype(np.float64) ** 2 / lengths_sq[found]
+        found = found[squares <= squares.min() * (1 + 1e-12)]  # floats are right to 1e-15
+        pairs = np.unique(np.stack([sides[found], lengths_sq[found]]), axis=1).T.tolist()
+        best = min(best, *(Fraction(side * side, length_sq) for side, length_sq in pairs))
+    return best, odd
 
 
 def root_down(square: Fraction) -> float:
@@ -105,13 +162,18 @@ def ticks_per_second(cell_size: float, speed: float) -> int:
 
 def travel_ticks(p: ExactPoint, q: ExactPoint, cell_size: float, speed: float, ticks: int) -> int:
     """The least whole number of ticks in which the robot gets from p to q; exact."""
-    per_unit = exact(cell_size) * ticks / (UNIT * exact(speed))
-    square = ((q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2) * per_unit**2
+    return _ticks((q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2, (exact(cell_size) * ticks / (UNIT * exact(speed))) ** 2)
+
+
+def _ticks(length_sq: Number, per_unit_sq: Fraction) -> int:
+    square = length_sq * per_unit_sq
     least = math.isqrt(math.floor(square))
     return least if least * least >= square else least + 1
 
 
-def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, speed: float) -> Witness:
+def make_witness(
+    walls: Walls, points: Sequence[ExactPoint], cell_size: float, speed: float, *, compiled: bool = False
+) -> Witness:
     """The path at the robot's speed, each time rounded up to a tick so that no piece is too fast.
 
     Args:
@@ -119,16 +181,23 @@ def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, s
         points: The path, lu.
         cell_size: m.
         speed: m/s.
+        compiled: Whether to run compiled code; the result is the same.
     """
     x, y = metres(points, cell_size)
     ticks, times = ticks_per_second(cell_size, speed), [0]
+    per_unit_sq = (exact(cell_size) * ticks / (UNIT * exact(speed))) ** 2
+    known: dict[Number, int] = {}  # a long path has few lengths: fractions are slow
     for p, q in itertools.pairwise(points):
-        times.append(times[-1] + travel_ticks(p, q, cell_size, speed, ticks))
-    clearance = root_down(clearance_sq(walls, points) * (exact(cell_size) / UNIT) ** 2)
+        length_sq = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2
+        if length_sq not in known:
+            known[length_sq] = _ticks(length_sq, per_unit_sq)
+        times.append(times[-1] + known[length_sq])
+    clearance = root_down(clearance_sq(walls, points, compiled=compiled) * (exact(cell_size) / UNIT) ** 2)
     return Witness(np.array([time / ticks for time in times]), np.array(x), np.array(y), clearance)
 
 
 def metres(points: Sequence[ExactPoint], cell_size: float) -> tuple[list[float], list[float]]:
     """The x and y of points in m, correctly rounded: their shortest decimals are the ones to write."""
     scale = exact(cell_size) / UNIT
-    return [float(p[0] * scale) for p in points], [float(p[1] * scale) for p in points]
+    known = {value: float(value * scale) for value in {value for point in points for value in point}}
+    return [known[p[0]] for p in points], [known[p[1]] for p in points]

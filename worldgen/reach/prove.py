@@ -13,7 +13,8 @@ from worldgen.lattice import UNIT, exact, in_cells, metres_to_lattice
 from worldgen.reach.cut import MOST_TARGETS, find_chain
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_margin, check_radius
 from worldgen.reach.disc import Disc, beyond, parts, target_disc
-from worldgen.reach.lattice_graph import Graph, build_graph, find_path, nodes_within
+from worldgen.reach.effort import effort
+from worldgen.reach.lattice_graph import Graph, build_graph, corners, find_path, nodes_within
 from worldgen.reach.path import make_witness, root_up, shorten
 from worldgen.reach.pinch import bridges
 from worldgen.reach.spans import ChangingWalls, Spans
@@ -91,6 +92,7 @@ class _Question:
         disc: The target.
         goal: A clear pose in the target's disc, if one is known.
         goal_walls: The walls for a disc smaller by what the goal may be rounded.
+        compiled: Whether compiled code is worth its loading; the answer is the same.
     """
 
     world: World
@@ -110,6 +112,7 @@ class _Question:
         self.disc: Disc = target_disc(world)
         self.goal: ExactPoint | None = None
         self.goal_walls = Walls(world.walls, self.walls.radius * (1 - _ROUNDING))
+        self.compiled = effort.pays_to_compile(4 * world.walls.size)
 
     def answer(self) -> Decision:
         """The decision."""
@@ -128,10 +131,10 @@ class _Question:
         if not found:
             reason = "there is a way, only just wide enough for the disc, and no path along it was found"
             return Decision(UNDECIDED, None, reason)
-        points: list[ExactPoint] = [*shorten(self.walls, found)]
+        points: list[ExactPoint] = [*shorten(self.walls, found, compiled=self.compiled)]
         if self.exact_start != points[0]:
             points.insert(0, self.exact_start)
-        witness = make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed)
+        witness = make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed, compiled=self.compiled)
         reason = f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through"
         return Decision(REACHABLE, witness, reason)
 
@@ -148,7 +151,7 @@ class _Question:
 
     def _path(self, k: int, *, pinched: bool = False) -> list[ExactPoint]:
         """Points from the start to the target over one graph; empty if it has no such path."""
-        graph = build_graph(self.world.walls, self.walls.radius, k)
+        graph = build_graph(self.world.walls, self.walls.radius, k, compiled=self.compiled)
         unit = UNIT // k
         sources = _links(self.walls, graph, self.start)
         ends = _links(self.goal_walls, graph, self.goal) if self.goal is not None else []
@@ -157,12 +160,12 @@ class _Question:
             return []
         toward = (round(self.disc.x / unit), round(self.disc.y / unit))
         extra = bridges(self.walls, graph) if pinched else []
-        nodes = find_path(graph, sources, ends, spare, toward, extra)
+        nodes = find_path(graph, sources, ends, spare, toward, extra, compiled=self.compiled)
         if not nodes:
             return []
         points: list[ExactPoint] = [
             self.start,
-            *((node % graph.stride * unit, node // graph.stride * unit) for node in nodes),
+            *((node % graph.stride * unit, node // graph.stride * unit) for node in corners(nodes)),
         ]
         if self.goal is not None and nodes[-1] in ends:
             points.append(self.goal)
@@ -207,7 +210,7 @@ class _Question:
         return Decision(UNDECIDED, None, "each pose in the target's disc is walled off, and no single ring was found")
 
     def _chain(self, poses: Sequence[ExactPoint]) -> list[Cell] | None:
-        return find_chain(self.world.walls, self.walls.radius, self.start, poses)
+        return find_chain(self.world.walls, self.walls.radius, self.start, poses, compiled=self.compiled)
 
     def _stopped_sq(self, chain: list[Cell]) -> Fraction | None:
         """Squared radius, cells, above which a chain stops every disc; None if that is known of the robot's only."""

@@ -6,6 +6,7 @@ integers, or fractions for a start that is not on the lattice; neither rounds or
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator
 from fractions import Fraction
@@ -47,7 +48,17 @@ class Walls:
         self.radius = radius
         self.radius_sq = (radius * UNIT) ** 2
         self._stride = self.width + 2
-        self._cells = np.pad(solid, 1, constant_values=True).tobytes()
+
+    @functools.cached_property
+    def cells(self) -> npt.NDArray[np.uint8]:
+        """(height + 2, width + 2) uint8, 1 is solid: the grid and the ring round it."""
+        cells = np.ones((self.height + 2, self.width + 2), np.uint8)
+        cells[1:-1, 1:-1] = self.solid
+        return cells
+
+    @functools.cached_property
+    def _bytes(self) -> bytes:
+        return self.cells.tobytes()
 
     def near(self, p: ExactPoint, q: ExactPoint, reach: int) -> Iterator[Cell]:
         """Solid cells (ix, iy) that may lie within ``reach`` lu of segment pq; none nearer is left out.
@@ -69,7 +80,7 @@ class Walls:
             base = (iy + 1) * self._stride + 1
             at = base + max(-1, (low - 1 - reach) // UNIT - 1)
             end = base + min(self.width, (high + 1 + reach) // UNIT + 1) + 1
-            while (at := self._cells.find(1, at, end)) >= 0:
+            while (at := self._bytes.find(1, at, end)) >= 0:
                 yield at - base, iy
                 at += 1
 
