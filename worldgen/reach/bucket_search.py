@@ -137,7 +137,8 @@ def bucket_search(
             if unused < 0:
                 if used == len(waiting_node):
                     nodes, nexts = np.empty(2 * used, np.int32), np.empty(2 * used, np.int32)
-                    nodes[:used], nexts[:used] = waiting_node, waiting_next
+                    for i in range(used):  # a slice would bring its error messages, and 3 s of compiling them
+                        nodes[i], nexts[i] = waiting_node[i], waiting_next[i]
                     waiting_node, waiting_next = nodes, nexts
                 entry = used
                 used += 1

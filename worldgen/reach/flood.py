@@ -39,7 +39,8 @@ def flood(clear: Any, middle: Any, stride: Any, sources: Any, seen: Any) -> None
             seen[i] = 1
         while count + right - left + 8 > len(stack):  # at most every second node begins a run, on either side
             longer = np.empty(2 * len(stack), np.int64)
-            longer[: len(stack)] = stack
+            for i in range(count):
+                longer[i] = stack[i]
             stack = longer
         for side in range(2):
             shift = stride if side == 0 else -stride
