@@ -79,6 +79,7 @@ _SUMMARY = {
     "export": "Write a world in another program's format.",
     "fuzz": "Search for worlds in which a controller fails; prove, shrink and save what is found.",
     "import": "Read a foreign map and place start and target.",
+    "measure": "Say how hard worlds are: by their ways, their narrow places, what draws a robot astray.",
     "new-controller": "Write a working, commented controller to begin from.",
     "regenerate": "Make a set of worlds again from its manifest, byte for byte, or check it.",
     "replay": "Run saved failures again and compare verdict, evidence, trace digest and certificate.",

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
+from worldgen.difficulty.bottleneck import bottleneck
+from worldgen.difficulty.junctions import decisions
 from worldgen.difficulty.metrics import Metrics, rounded
+from worldgen.difficulty.nodes import Bools, nodes_of
+from worldgen.difficulty.pockets import pockets
+from worldgen.difficulty.surroundings import samples_of, surroundings
 from worldgen.difficulty.way import Way, distance, way_of
 from worldgen.lattice import UNIT
 from worldgen.reach import decide
+from worldgen.reach.disc import target_disc
+from worldgen.timeline import CellState
 from worldgen.world import Witness, World
 
 __all__ = ["measure", "with_metrics"]
@@ -22,15 +30,20 @@ def measure(world: World) -> Metrics:
     with equal witnesses have equal metrics, to the last digit, on every machine.
 
     Args:
-        world: Any; in one that changes, walls are those of time 0.
+        world: Any; in one that changes, walls are those of time 0, and so is what keeps the robot off.
     """
     certificate = world.certificate if world.certificate is not None else decide(world).certificate
-    found: dict[str, float] = {"solid": world.solid_cells / world.walls.size}
+    solid = _at_start(world)
+    found: dict[str, float] = {"solid": int(np.count_nonzero(solid)) / solid.size}
+    radius = bottleneck(world, solid)
+    found |= {"bottleneck": radius, "bottleneck_radii": radius / world.robot_radius}
     if world.is_dynamic:
         line = world.timeline
-        found["changing"] = len(np.unique(line.iy * world.width + line.ix)) / world.walls.size
+        found["changing"] = len(np.unique(line.iy * world.width + line.ix)) / solid.size
     if isinstance(certificate, Witness) and len(certificate.times):
-        found |= _along(world, way_of(world, certificate))
+        way = way_of(world, certificate)
+        found |= _along(world, certificate, way)
+        found |= _round(world, solid, way)
     return Metrics(**{name: value if isinstance(value, int) else rounded(value) for name, value in found.items()})
 
 
@@ -41,16 +54,43 @@ def with_metrics(world: World) -> World:
     return replace(world, provenance=replace(world.provenance, metrics=measure(world).as_dict()))
 
 
-def _along(world: World, way: Way) -> dict[str, float]:
+def _at_start(world: World) -> Bools:
+    """(height, width) bool, what is solid or burning at time 0."""
+    if not world.is_dynamic:
+        return world.walls
+    solid = np.array(world.walls)
+    line = world.timeline
+    for iy, ix, state in zip(*(values[line.times <= 0.0] for values in (line.iy, line.ix, line.states)), strict=True):
+        solid[iy, ix] = state != CellState.FREE
+    return solid
+
+
+def _along(world: World, certificate: Witness, way: Way) -> dict[str, float]:
     """What goes by the witness."""
     length, turns = way.length * world.cell_size / UNIT, way.turning
     found = {"length": length, "turns": turns, "duration": way.duration}
     if world.is_dynamic:
         found["waiting"] = way.waiting
+        margin = witness_margin(world, certificate)
+        if math.isfinite(margin):
+            found["margin"] = margin
     straight = distance(world.start.x, world.start.y, world.target.x, world.target.y)
     if straight > 0.0:
         found |= {"detour": length / straight, "turning": turns / straight}
     chord = distance(*(float(value) for value in (way.x[0], way.y[0], way.x[-1], way.y[-1])))
     if chord > 0.0:
         found["tortuosity"] = way.length / chord
+    return found
+
+
+def _round(world: World, solid: Bools, way: Way) -> dict[str, float]:
+    """What the robot has round it, and where it may go."""
+    samples = samples_of(way)
+    means = surroundings(solid, samples)
+    found = {name: value if name == "dispersion" else value * world.cell_size for name, value in means.items()}
+    nodes = nodes_of(world, solid)
+    found["decisions"] = decisions(nodes, samples.nodes())
+    depths = pockets(nodes, way, target_disc(world))
+    if depths is not None:
+        found["concavity"], found["retreat"] = (depth * world.cell_size / UNIT for depth in depths)
     return found

@@ -47,6 +47,7 @@ METRICS: Final = {
     "solid": Metric("", 0, "share of the cells that are solid at time 0"),
     "duration": Metric("s", 1, "when the witness arrives"),
     "waiting": Metric("s", 1, "how long the witness stands still"),
+    "margin": Metric("s", -1, "how much later the witness may begin"),
     "changing": Metric("", 1, "share of the cells that change with time"),
 }
 """Every metric by name, in the order of tables."""
@@ -78,6 +79,7 @@ class Metrics:
     solid: float | None = None
     duration: float | None = None
     waiting: float | None = None
+    margin: float | None = None
     changing: float | None = None
 
     def as_dict(self) -> dict[str, float]:

@@ -1,0 +1,237 @@
+"""Each metric against a second way to it, against worlds known by hand, and under turning, mirroring and scaling."""
+
+import itertools
+import math
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import worldgen.families._mazes
+import worldgen.families.maze
+from tests.helpers.turned_worlds import mirrored, scaled, turned
+from tests.worldgen.test_difficulty import drawn
+from worldgen.difficulty import METRICS, measure
+from worldgen.difficulty import junctions as junctions_module
+from worldgen.difficulty import nodes as nodes_module
+from worldgen.difficulty.bottleneck import bottleneck
+from worldgen.difficulty.nodes import nodes_of, squared_distances
+from worldgen.difficulty.pockets import pockets
+from worldgen.difficulty.surroundings import samples_of
+from worldgen.difficulty.way import way_of
+from worldgen.families._mazes.board import ways_out
+from worldgen.family import FAMILIES
+from worldgen.generation import generate
+from worldgen.reach import decide, widest_disc
+from worldgen.reach.disc import target_disc
+from worldgen.world import Pose, Target, Witness, World
+
+every_family = pytest.mark.parametrize("name", FAMILIES.names())
+
+
+@every_family
+def test_a_mirrored_world_has_the_same_metrics(name):
+    world = generate(name, 5)
+    assert measure(mirrored(world)) == measure(world)
+
+
+@every_family
+def test_a_world_turned_by_a_quarter_has_the_same_metrics(name):
+    world = generate(name, 6)
+    assert measure(turned(world)) == measure(world)
+
+
+@every_family
+def test_lengths_grow_with_the_world_and_all_else_stays(name):
+    world = generate(name, 7)
+    if world.is_dynamic:
+        world = replace(world, timeline=type(world.timeline)(), certificate=None)
+        world = replace(world, certificate=decide(world).certificate)
+    small, large = measure(world).as_dict(), measure(scaled(world, 4.0)).as_dict()
+    growth = {"m": 4.0, "s": 4.0, "rad/m": 0.25}
+    assert large == pytest.approx(
+        {name: v * growth.get(METRICS[name].unit, 1.0) for name, v in small.items()}, rel=1e-5
+    )
+
+
+def test_in_a_straight_corridor_the_robot_sees_its_walls():
+    found = measure(drawn("#######", "#S...G#", "#######"))
+    assert (found.wall_distance, found.characteristic_dimension) == (0.5, 1.0)
+    # Rays along the corridor add up to 5 m; two up and down 0.5 m each; four slanted ones meet the walls after 0.5 m a side.
+    assert found.visibility == pytest.approx((5 + 1 + 4 * 0.5 * math.sqrt(2)) / 8, rel=1e-5)
+
+
+def test_dispersion_counts_changes_between_wall_and_free_within_three_cells():
+    ground = np.zeros((9, 9), np.bool_)
+    still = Witness(np.zeros(1), np.array([4.5]), np.array([4.5]), 0.5)
+    world = World(ground, Pose(4.5, 4.5), Target(4.5, 4.5, 0.5), 1.0, 0.4, certificate=still)
+    assert measure(world).dispersion == 0.0
+    for cells, changes in (([(4, 6)], 2), ([(4, 6), (6, 4)], 4), ([(4, 7)], 2), ([(4, 8)], 0)):
+        walls = ground.copy()
+        walls[tuple(np.transpose(cells))] = True
+        assert measure(replace(world, walls=walls)).dispersion == changes
+
+
+def test_a_u_before_the_robot_is_a_pocket_as_deep_as_its_arms():
+    rows = ["###########", "#.........#", "#....G....#", "#.........#", "#.#######.#", "#.#.....#.#", "#.#.....#.#"]
+    world = drawn(*rows, "#.........#", "#....S....#", "###########", radius=0.3)
+    found = measure(replace(world, certificate=decide(world).certificate))
+    # From under the crossbar, 3.5 below the target, round an arm's foot: x 4 aside at y 4.7 below, or farther in half cells.
+    assert found.concavity == pytest.approx(math.hypot(3.5, 5.0) - 2.5, abs=0.5)
+    assert found.retreat == 0.0
+
+
+def test_where_every_way_leads_back_it_is_said_how_far():
+    world = drawn(
+        "##########", "#G#.....##", "#.#.###..#", "#.#.#S##.#", "#...####.#", "#####....#", "##########", radius=0.3
+    )
+    world = replace(world, walls=world.walls & ~np.isin(np.arange(10), 5) | world.walls, certificate=None)
+    assert decide(world).result == "blocked"
+    assert measure(world).retreat is None
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("name", ["maze", "cave", "forest", "trap"])
+def test_pockets_are_those_of_a_search_over_levels(name, seed):
+    world = generate(name, seed, size=16)
+    nodes, way = nodes_of(world, world.walls), way_of(world, world.certificate)
+    deepest, retreat = pockets(nodes, way, target_disc(world))
+    assert (deepest, retreat) == pytest.approx(_by_levels(world, nodes), abs=1e-6)
+
+
+def _by_levels(world, nodes):
+    """Concavity and retreat by asking, for every level, which nodes are connected below it."""
+    clear, middle = nodes.graph.clear, nodes.graph.middle
+    tx, ty = (float(value) / 512 for value in target_disc(world)[:2])
+    reach = float(target_disc(world).radius) / 512
+    away = {(int(x), int(y)): math.hypot(x - tx, y - ty) for y, x in np.argwhere(clear)}
+    start = (round(world.start.x / world.cell_size * 2), round(world.start.y / world.cell_size * 2))
+
+    def connected(level):
+        group = [place for place, far in away.items() if far <= min(level, reach)]
+        seen = set(group)
+        while group:
+            x, y = group.pop()
+            for dx, dy in itertools.product((-1, 0, 1), repeat=2):
+                other = (x + dx, y + dy)
+                slanted = dx and dy and not middle[y + min(dy, 0), x + min(dx, 0)]
+                if other not in seen and not slanted and away.get(other, math.inf) <= level:
+                    seen.add(other)
+                    group.append(other)
+        return seen
+
+    levels = sorted(set(away.values()))
+    passes = {}
+    for level in levels:
+        for place in connected(level):
+            passes.setdefault(place, level)
+        if start in passes:
+            break
+    top = passes[start]
+    depth = max(level - away[place] for place, level in passes.items())
+    return 512 * depth, 512 * (top - away[start])
+
+
+@pytest.mark.parametrize("passage", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("algorithm", ["wilson", "backtracker", "binary-tree"])
+def test_decisions_in_a_perfect_maze_are_the_junctions_on_its_way(monkeypatch, passage, algorithm):
+    made = {}
+    real = worldgen.families.maze.grow
+
+    def spied(*args, **settings):
+        made["links"] = real(*args, **settings)
+        return made["links"]
+
+    monkeypatch.setattr(worldgen.families.maze, "grow", spied)
+    size, radius = 2 + 8 * (passage + 1) - 1, 0.04 if passage == 1 else 0.07
+    world = generate("maze", 3, algorithm=algorithm, passage=passage, size=size, robot_radius=radius)
+    assert measure(world).decisions == _junctions(world, made["links"], passage + 1)
+
+
+def _junctions(world, links, pitch):
+    """Chambers with three or more openings on the way over the tree from start to target."""
+    start, target = (
+        (int((end.x / world.cell_size - 1) // pitch), int((end.y / world.cell_size - 1) // pitch))
+        for end in (world.start, world.target)
+    )
+    before, group = {start: None}, [start]
+    while group:
+        column, row = group.pop()
+        for way in ways_out(links, column, row):
+            other = (column + (1, 0, -1, 0)[way], row + (0, 1, 0, -1)[way])
+            if other not in before:
+                before[other] = (column, row)
+                group.append(other)
+    count = 0
+    while target is not None:
+        count += len(ways_out(links, *target)) >= 3
+        target = before[target]
+    return count
+
+
+def test_open_ground_has_no_decisions():
+    world = World(np.zeros((40, 40), np.bool_), Pose(0.3, 0.3), Target(3.7, 3.7, 0.05))
+    assert measure(world).decisions == 0
+
+
+def test_a_pillar_in_the_way_does_not_make_a_million_decisions():
+    walls = np.zeros((40, 40), np.bool_)
+    walls[15:25, 15:25] = True
+    assert measure(World(walls, Pose(0.3, 0.3), Target(3.7, 3.7, 0.05))).decisions <= 2
+
+
+@st.composite
+def _small_worlds(draw):
+    height, width = draw(st.integers(3, 8)), draw(st.integers(3, 8))
+    walls = np.array(draw(st.lists(st.sampled_from([0, 0, 0, 1]), min_size=height * width, max_size=height * width)))
+    x, y, tx, ty = (draw(st.integers(1, 4 * side - 1)) / 4 for side in (width, height, width, height))
+    reach = draw(st.sampled_from([0.25, 0.5, 1.5]))
+    return World(walls.reshape(height, width) > 0, Pose(x, y), Target(tx, ty, reach), 1.0, 0.1)
+
+
+@given(_small_worlds())
+def test_the_bottleneck_is_the_widest_disc_that_the_prover_lets_through(world):
+    assert bottleneck(world, world.walls) == pytest.approx(widest_disc(world), rel=2e-7, abs=1e-9)
+
+
+@given(st.integers(1, 12), st.integers(1, 12), st.data())
+def test_squared_distances_are_those_to_the_nearest_mark(height, width, data):
+    marks = np.array(data.draw(st.lists(st.booleans(), min_size=height * width, max_size=height * width)), bool)
+    marks = marks.reshape(height, width)
+    marks[0, 0] = True
+    y, x = np.indices(marks.shape)
+    expected = np.min([(x - mx) ** 2 + (y - my) ** 2 for my, mx in np.argwhere(marks)], axis=0)
+    assert np.array_equal(squared_distances(marks), expected)
+
+
+@pytest.mark.parametrize("name", ["maze", "forest", "cave"])
+def test_large_and_small_worlds_are_measured_alike(monkeypatch, name):
+    world = generate(name, 2)
+    plain = measure(world)
+    monkeypatch.setattr(nodes_module, "SMALL", 0)
+    monkeypatch.setattr(nodes_module, "_BRUTE", 0)
+    assert measure(world) == plain
+
+
+def test_samples_lie_in_the_middle_of_equal_parts():
+    way = way_of(*(lambda world: (world, world.certificate))(drawn("#######", "#S...G#", "#######")))
+    samples = samples_of(way)
+    assert samples.x.tolist() == [1.75 + 0.5 * k for k in range(8)]
+    assert samples.weight.tolist() == [0.5] * 8
+
+
+def test_a_small_world_is_measured_without_numba():
+    code = (
+        "import sys; from worldgen import generate; from worldgen.difficulty import measure;"
+        "measure(generate('rooms', 1)); assert 'numba' not in sys.modules"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_places_in_each_others_discs_are_one_decision():
+    spots = junctions_module._Spots(np.array([0, 1, 9]), np.array([4, 4, 4]), 100)
+    assert spots.apart([0, 1, 2]) == 2

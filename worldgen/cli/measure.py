@@ -1,0 +1,78 @@
+"""``worldgen measure``: how hard worlds are, as a table."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from worldgen.cli.output import emit_json, json_option
+
+__all__ = ["measure"]
+
+
+@click.command()
+@click.argument("paths", metavar="PATH...", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
+@click.option("--csv", "as_csv", is_flag=True, help="Print comma-separated values, one line a world.")
+@json_option
+def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
+    """Say how hard worlds are: by their ways, their narrow places, what draws a robot astray.
+
+    Metrics are worked out anew, by the file's own witness; a map without a certificate is decided first. What has no
+    meaning for a world is left empty. A folder or an archive stands for the .grid files in it. docs/difficulty.md defines every metric.
+    """
+    from worldgen.difficulty import measure as measured
+    from worldgen.world_files import read_worlds
+
+    if as_csv and as_json:
+        raise click.UsageError("--csv and --json are two forms of the same; give one of them")
+    results = [(path, measured(world).as_dict()) for path, world in read_worlds(paths)]
+    if as_json:
+        found = [{"path": str(path), "metrics": metrics} for path, metrics in results]
+        emit_json(found[0] if len(found) == 1 else {"files": found})
+    elif as_csv:
+        click.echo(_comma_separated(results), nl=False)
+    else:
+        click.echo(_table(results))
+
+
+def _comma_separated(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
+    from worldgen.difficulty import METRICS
+
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["path", *METRICS])
+    writer.writerows([str(path), *(_cell(metrics.get(name)) for name in METRICS)] for path, metrics in results)
+    return text.getvalue()
+
+
+def _table(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
+    """One world below the other, or one metric a line where there is one world."""
+    from worldgen.difficulty import METRICS
+
+    if len(results) == 1:
+        path, metrics = results[0]
+        lines = [[name, _cell(metrics.get(name)), METRICS[name].unit, METRICS[name].meaning] for name in METRICS]
+        return f"{path}\n" + _aligned([line for line in lines if line[1]], left={0, 2, 3})
+    used = [name for name in METRICS if any(name in metrics for _, metrics in results)]
+    head = [["", *used], ["", *(METRICS[name].unit for name in used)]]
+    return _aligned([*head, *([str(path), *(_cell(metrics.get(name)) for name in used)] for path, metrics in results)])
+
+
+def _cell(value: Any) -> str:
+    return "" if value is None else f"{value:g}"
+
+
+def _aligned(rows: Sequence[Sequence[str]], left: frozenset[int] | set[int] = frozenset({0})) -> str:
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    lines = [
+        "  ".join(
+            cell.ljust(w) if k in left else cell.rjust(w) for k, (cell, w) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in rows
+    ]
+    return "\n".join(line.rstrip() for line in lines)

@@ -1,0 +1,169 @@
+"""The largest disc that could get from the start to the target at all, without trying disc after disc.
+
+A disc is stopped by a closed chain of cells, each gap below its diameter, that parts start from target
+(docs/reachability.md). So the gaps are taken from the narrowest on, and the cells on both sides united; the first gap
+that closes such a chain is the bottleneck between two poses. Beside it, start and target have to hold the disc.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.difficulty.nodes import Bools
+from worldgen.difficulty.way import Ints
+from worldgen.jit import lazy_kernel
+from worldgen.lattice import UNIT, exact, in_cells
+from worldgen.reach import REACHABLE, decide
+from worldgen.reach.cut import rim_cells
+from worldgen.reach.disc import target_disc
+from worldgen.reach.walls import Walls
+from worldgen.timeline import Timeline
+from worldgen.world import World
+
+__all__ = ["bottleneck", "narrowest_gap_sq"]
+
+_CLOSE = 1e-7  # share of the radius to which it is found where a pose beside the target's centre may take a larger disc
+_MOST_PLAIN = 400_000  # links that plain Python unites in less time than loading numba takes
+
+
+def bottleneck(world: World, solid: Bools) -> float:
+    """Radius, m, of the largest disc that gets from the start to the target; 0 if none does.
+
+    Args:
+        world: Start, target and lengths.
+        solid: (height, width) bool, the cells that count.
+    """
+    walls, disc = Walls(solid, Fraction(1)), target_disc(world)
+    start = (in_cells(world.start.x, world.cell_size) * UNIT, in_cells(world.start.y, world.cell_size) * UNIT)
+    at_start = math.sqrt(walls.nearest(start)[1]) / UNIT
+    centre = (disc.x, disc.y)
+    at_target = math.sqrt(walls.nearest(centre)[1]) / UNIT
+    least = min(at_start, at_target)
+    gap_sq = narrowest_gap_sq(solid, start, centre, math.ceil(4 * least * least)) if least else 0
+    between = math.inf if gap_sq is None else math.sqrt(gap_sq) / 2
+    sure, reach = min(least, between), float(disc.radius) / UNIT
+    highest = min(at_start, at_target + reach)
+    if sure < highest and not (between == sure and at_target - reach > between):
+        # Some other pose of the target's disc may be reached by a larger disc than its centre.
+        sure = _halved(world, solid, sure, highest)
+    return sure * float(exact(world.cell_size))
+
+
+def _halved(world: World, solid: Bools, low: float, high: float) -> float:
+    """The largest radius, cells, between two; ``low`` if nothing larger passes."""
+    still = replace(world, walls=solid, timeline=Timeline(), certificate=None)
+
+    def passes(radius: float) -> bool:
+        metres = radius * world.cell_size
+        return metres > 0.0 and decide(still, radius=metres).result == REACHABLE
+
+    if low > 0.0 and not passes(low * (1 + _CLOSE)):
+        return low
+    if passes(high):
+        return high
+    while high - low > _CLOSE * high:
+        middle = (low + high) / 2
+        low, high = (middle, high) if passes(middle) else (low, middle)
+    return low
+
+
+def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int | None:
+    """Squared width, cells, of the narrowest gap that closes a chain between two poses; None from ``below`` on.
+
+    Args:
+        solid: (height, width) bool.
+        start: A pose outside the cells, 1/1024 cell.
+        target: Another.
+        below: Squared widths that matter.
+    """
+    cells, number, stride, pad = _rim(solid, below)
+    parent, bit = np.arange(len(cells)), np.zeros(len(cells), np.uint8)
+    plain = len(cells) * (2 * pad) ** 2 <= _MOST_PLAIN
+    tree: tuple[Any, Any] = (parent.tolist(), bit.tolist()) if plain else (parent, bit)
+    for gap_sq, offsets in _by_gap(below):
+        for dx, dy in offsets:
+            other = number[(cells[:, 1] + dy) * stride + cells[:, 0] + dx]
+            near = np.flatnonzero(other >= 0)
+            odd = _crosses(cells[near] - pad, dx, dy, start) ^ _crosses(cells[near] - pad, dx, dy, target)
+            columns = (near, other[near], odd)
+            if plain:
+                closed = _unite(*(column.tolist() for column in columns), *tree)
+            else:
+                closed = _unite_compiled(*columns, *tree)
+            if closed:
+                return gap_sq
+    return None
+
+
+def _rim(solid: Bools, below: int) -> tuple[Ints, Ints, int, int]:
+    """The solid cells beside free ones: (n, 2) padded (column, row); numbers by place; stride; padding."""
+    pad = math.isqrt(max(below - 1, 0)) + 2
+    rim = np.pad(rim_cells(solid), pad - 1)
+    rows, columns = np.nonzero(rim)
+    number = np.full(rim.size, -1, np.int64)
+    number[rows * rim.shape[1] + columns] = np.arange(len(rows))
+    return np.stack((columns, rows), axis=1), number, int(rim.shape[1]), pad
+
+
+def _by_gap(below: int) -> Iterator[tuple[int, list[tuple[int, int]]]]:
+    """Offsets between two cells by the squared gap between them, the narrowest first, each pair once."""
+    found: dict[int, list[tuple[int, int]]] = {}
+    reach = math.isqrt(max(below - 1, 0)) + 1
+    for dy in range(reach + 1):
+        for dx in range(-reach, reach + 1):
+            gap_sq = max(abs(dx) - 1, 0) ** 2 + max(dy - 1, 0) ** 2
+            if gap_sq < below and (dy > 0 or dx > 0):
+                found.setdefault(gap_sq, []).append((dx, dy))
+    yield from sorted(found.items())
+
+
+def _crosses(cells: Ints, dx: int, dy: int, pose: Any) -> npt.NDArray[np.uint8]:
+    """Whether each cell's link to the one at an offset crosses the ray upwards from a pose an odd number of times."""
+    fine = math.lcm(*(Fraction(value).denominator for value in pose))
+    unit, half = UNIT * fine, UNIT * fine // 2
+    px, py = (int(value * fine) for value in pose)
+    close = np.flatnonzero((cells[:, 0] + max(dx, 0) >= px // unit - 1) & (cells[:, 0] + min(dx, 0) <= px // unit + 1))
+    found = np.zeros(len(cells), np.uint8)
+    chosen = cells[close].astype(object if unit > UNIT else np.int64)
+    ax, ay = unit * chosen[:, 0] + half, unit * chosen[:, 1] + half
+    sx, sy = (dx > 0) - (dx < 0), (dy > 0) - (dy < 0)
+    corners = [(0, 0), (half * sx, half * sy), (unit * dx - half * sx, unit * dy - half * sy), (unit * dx, unit * dy)]
+    for (fx, fy), (gx, gy) in zip(corners[:-1], corners[1:], strict=True):
+        qx, qy = ax + fx, ay + fy
+        ex, ey = gx - fx, gy - fy
+        astride = (qx <= px) != (qx + ex <= px)
+        above = (qy - py) * ex + ey * (px - qx)
+        found[close] ^= (astride & ((above > 0) == (ex > 0)) & (above != 0)).astype(np.uint8)
+    return found
+
+
+def _unite(ones: Any, others: Any, odd: Any, parent: Any, bit: Any) -> Any:
+    """Unites linked cells; whether a closed chain of odd sum came about. The same text runs plain and compiled."""
+    for k in range(len(ones)):
+        a, b, total = ones[k], others[k], odd[k]
+        while parent[a] != a:
+            bit[a] ^= bit[parent[a]]
+            parent[a] = parent[parent[a]]
+            total ^= bit[a]
+            a = parent[a]
+        while parent[b] != b:
+            bit[b] ^= bit[parent[b]]
+            parent[b] = parent[parent[b]]
+            total ^= bit[b]
+            b = parent[b]
+        if a != b:
+            parent[b] = a
+            bit[b] = total
+        elif total == 1:
+            return True
+    return False
+
+
+_unite_compiled = lazy_kernel(_unite)
