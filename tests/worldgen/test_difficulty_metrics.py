@@ -16,6 +16,7 @@ import worldgen.families.maze
 from tests.helpers.turned_worlds import mirrored, scaled, turned
 from tests.worldgen.test_difficulty import drawn
 from worldgen.difficulty import METRICS, measure
+from worldgen.difficulty import bottleneck as bottleneck_module
 from worldgen.difficulty import junctions as junctions_module
 from worldgen.difficulty import nodes as nodes_module
 from worldgen.difficulty.bottleneck import bottleneck
@@ -61,8 +62,8 @@ def test_lengths_grow_with_the_world_and_all_else_stays(name):
 def test_in_a_straight_corridor_the_robot_sees_its_walls():
     found = measure(drawn("#######", "#S...G#", "#######"))
     assert (found.wall_distance, found.characteristic_dimension) == (0.5, 1.0)
-    # Rays along the corridor add up to 5 m; two up and down 0.5 m each; four slanted ones meet the walls after 0.5 m a side.
-    assert found.visibility == pytest.approx((5 + 1 + 4 * 0.5 * math.sqrt(2)) / 8, rel=1e-5)
+    along, across, slanted = 5.0, 1.0, 4 * math.sqrt(0.5)  # m: of two, two and four rays
+    assert found.visibility == pytest.approx((along + across + slanted) / 8, rel=1e-5)
 
 
 def test_dispersion_counts_changes_between_wall_and_free_within_three_cells():
@@ -79,19 +80,18 @@ def test_dispersion_counts_changes_between_wall_and_free_within_three_cells():
 def test_a_u_before_the_robot_is_a_pocket_as_deep_as_its_arms():
     rows = ["###########", "#.........#", "#....G....#", "#.........#", "#.#######.#", "#.#.....#.#", "#.#.....#.#"]
     world = drawn(*rows, "#.........#", "#....S....#", "###########", radius=0.3)
-    found = measure(replace(world, certificate=decide(world).certificate))
-    # From under the crossbar, 3.5 below the target, round an arm's foot: x 4 aside at y 4.7 below, or farther in half cells.
-    assert found.concavity == pytest.approx(math.hypot(3.5, 5.0) - 2.5, abs=0.5)
-    assert found.retreat == 0.0
+    found = measure(replace(world, certificate=None))
+    # Under the crossbar the robot is 3 from the target; past an arm's foot it comes at 3.5 aside and 5 below.
+    assert found.concavity == pytest.approx(math.hypot(3.5, 5.0) - 3.0, rel=1e-5)
+    assert found.retreat == pytest.approx(math.hypot(3.5, 5.0) - 6.0, rel=1e-5)
 
 
 def test_where_every_way_leads_back_it_is_said_how_far():
-    world = drawn(
-        "##########", "#G#.....##", "#.#.###..#", "#.#.#S##.#", "#...####.#", "#####....#", "##########", radius=0.3
-    )
-    world = replace(world, walls=world.walls & ~np.isin(np.arange(10), 5) | world.walls, certificate=None)
-    assert decide(world).result == "blocked"
-    assert measure(world).retreat is None
+    world = drawn("#########", "#G......#", "#######.#", "#...S...#", "#########")
+    found = measure(replace(world, certificate=None))
+    farthest = math.hypot(6, 2)  # the lower right corner
+    assert found.retreat == pytest.approx(farthest - math.hypot(3, 2), rel=1e-5)
+    assert found.concavity == pytest.approx(farthest - 2.0, rel=1e-5)  # the blind end is right below the target
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -195,7 +195,15 @@ def _small_worlds(draw):
 
 @given(_small_worlds())
 def test_the_bottleneck_is_the_widest_disc_that_the_prover_lets_through(world):
-    assert bottleneck(world, world.walls) == pytest.approx(widest_disc(world), rel=2e-7, abs=1e-9)
+    radius = bottleneck(world, world.walls)
+    assert radius < 0.016 or decide(world, radius=radius * (1 - 1e-6)).result == "reachable"
+    assert decide(world, radius=max(radius * (1 + 1e-6), 0.016)).result == "blocked"
+
+
+@pytest.mark.parametrize("name", ["corridor", "cave"])
+def test_the_bottleneck_is_what_verify_calls_the_largest_disc(name):
+    world = generate(name, 8, size=16)
+    assert measure(world).bottleneck == pytest.approx(widest_disc(world), rel=1e-5)
 
 
 @given(st.integers(1, 12), st.integers(1, 12), st.data())
@@ -212,14 +220,14 @@ def test_squared_distances_are_those_to_the_nearest_mark(height, width, data):
 def test_large_and_small_worlds_are_measured_alike(monkeypatch, name):
     world = generate(name, 2)
     plain = measure(world)
-    monkeypatch.setattr(nodes_module, "SMALL", 0)
-    monkeypatch.setattr(nodes_module, "_BRUTE", 0)
+    for module, limit in ((nodes_module, "SMALL"), (nodes_module, "_BRUTE"), (bottleneck_module, "_MOST_PLAIN")):
+        monkeypatch.setattr(module, limit, 0)
     assert measure(world) == plain
 
 
 def test_samples_lie_in_the_middle_of_equal_parts():
-    way = way_of(*(lambda world: (world, world.certificate))(drawn("#######", "#S...G#", "#######")))
-    samples = samples_of(way)
+    world = drawn("#######", "#S...G#", "#######")
+    samples = samples_of(way_of(world, world.certificate))
     assert samples.x.tolist() == [1.75 + 0.5 * k for k in range(8)]
     assert samples.weight.tolist() == [0.5] * 8
 

@@ -23,7 +23,8 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
     """Say how hard worlds are: by their ways, their narrow places, what draws a robot astray.
 
     Metrics are worked out anew, by the file's own witness; a map without a certificate is decided first. What has no
-    meaning for a world is left empty. A folder or an archive stands for the .grid files in it. docs/difficulty.md defines every metric.
+    meaning for a world is left empty. A folder or an archive stands for the .grid files in it. docs/difficulty.md
+    defines every metric.
     """
     from worldgen.difficulty import measure as measured
     from worldgen.world_files import read_worlds

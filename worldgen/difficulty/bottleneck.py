@@ -7,6 +7,7 @@ that closes such a chain is the bottleneck between two poses. Beside it, start a
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -30,11 +31,12 @@ from worldgen.world import World
 __all__ = ["bottleneck", "narrowest_gap_sq"]
 
 _CLOSE = 1e-7  # share of the radius to which it is found where a pose beside the target's centre may take a larger disc
+_LEAST = 1 / 64  # cell: where the target's centre cannot be reached, smaller discs are not asked for
 _MOST_PLAIN = 400_000  # links that plain Python unites in less time than loading numba takes
 
 
 def bottleneck(world: World, solid: Bools) -> float:
-    """Radius, m, of the largest disc that gets from the start to the target; 0 if none does.
+    """Radius, m, of the largest disc that gets from the start to the target; 0 if none of 1/64 cell or more does.
 
     Args:
         world: Start, target and lengths.
@@ -64,7 +66,7 @@ def _halved(world: World, solid: Bools, low: float, high: float) -> float:
         metres = radius * world.cell_size
         return metres > 0.0 and decide(still, radius=metres).result == REACHABLE
 
-    if low > 0.0 and not passes(low * (1 + _CLOSE)):
+    if not passes(max(low * (1 + _CLOSE), _LEAST)):
         return low
     if passes(high):
         return high
@@ -92,12 +94,10 @@ def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int |
             other = number[(cells[:, 1] + dy) * stride + cells[:, 0] + dx]
             near = np.flatnonzero(other >= 0)
             odd = _crosses(cells[near] - pad, dx, dy, start) ^ _crosses(cells[near] - pad, dx, dy, target)
-            columns = (near, other[near], odd)
+            links: tuple[Any, Any, Any] = (near, other[near], odd)
             if plain:
-                closed = _unite(*(column.tolist() for column in columns), *tree)
-            else:
-                closed = _unite_compiled(*columns, *tree)
-            if closed:
+                links = (links[0].tolist(), links[1].tolist(), links[2].tolist())
+            if (_unite if plain else _unite_compiled)(*links, *tree):
                 return gap_sq
     return None
 
@@ -135,7 +135,7 @@ def _crosses(cells: Ints, dx: int, dy: int, pose: Any) -> npt.NDArray[np.uint8]:
     ax, ay = unit * chosen[:, 0] + half, unit * chosen[:, 1] + half
     sx, sy = (dx > 0) - (dx < 0), (dy > 0) - (dy < 0)
     corners = [(0, 0), (half * sx, half * sy), (unit * dx - half * sx, unit * dy - half * sy), (unit * dx, unit * dy)]
-    for (fx, fy), (gx, gy) in zip(corners[:-1], corners[1:], strict=True):
+    for (fx, fy), (gx, gy) in itertools.pairwise(corners):
         qx, qy = ax + fx, ay + fy
         ex, ey = gx - fx, gy - fy
         astride = (qx <= px) != (qx + ex <= px)

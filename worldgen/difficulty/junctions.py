@@ -2,10 +2,10 @@
 
 A *place* is a point, at a multiple of half a cell, with a locally largest free disc: none of its eight neighbours has a
 larger one, and it lies in no larger disc of another place. Its *ring* are the points from 1.5 to 2 radii of its disc
-away that the robot can reach from it without leaving the ring's outer circle; the separate parts of the ring that reach to
-the outer circle are the *ways* that lead from it. The corners of a passage are nearer than 1.5 radii, and those of a blind end,
-which may stick into the ring, nearer than 2. A *decision point* is a place with three or more ways whose disc the witness enters, to
-half a cell; places that lie in each other's discs are one.
+away that the robot can reach from it without leaving the ring's outer circle; the separate parts of the ring that reach
+to that circle are the *ways* that lead from it. Corners of a passage are nearer than 1.5 radii; those of a blind end,
+which may stick into the ring, are nearer than 2. A *decision point* is a place with three or more ways whose disc the
+witness enters, to half a cell; places that lie in each other's discs are one.
 """
 
 from __future__ import annotations
@@ -68,9 +68,11 @@ def _openings(nodes: Nodes, places: Ints, sizes: Ints) -> Ints:
     columns = (places, sizes, kind, begins, ring[:, 0], ring[:, 1])
     found, size = np.zeros(len(places), np.int64), graph.clear.size
     if nodes.is_small:
-        plain = (raster.tobytes() for raster in rasters)
-        counts, lists = found.tolist(), (column.tolist() for column in columns)
-        _count_openings(*plain, graph.stride, shifts, corners, *lists, [0] * size, [0] * (2 * size), counts)
+        plain: Any = [raster.tobytes() for raster in rasters]
+        counts: Any = found.tolist()
+        lists: Any = [column.tolist() for column in columns]
+        inputs: Any = (*plain, graph.stride, shifts, corners, *lists, [0] * size, [0] * (2 * size), counts)
+        _count_openings(*inputs)
         return np.array(counts, np.int64)
     work = (np.zeros(size, np.int32), np.zeros(2 * size, np.int32))
     _count_openings_compiled(*rasters, graph.stride, np.array(shifts), np.array(corners), *columns, *work, found)
@@ -86,7 +88,7 @@ def _ring(size: int) -> Ints:
     return np.stack((dx[kept], dy[kept]), axis=1)
 
 
-def _count_openings(
+def _count_openings(  # noqa: PLR0912 - one kernel: a call from kernel to kernel would compile both for small worlds too
     clear: Any, middle: Any, stride: Any, shifts: Any, corners: Any, places: Any, sizes: Any, kind: Any, begins: Any,
     ring_x: Any, ring_y: Any, mark: Any, queue: Any, found: Any,
 ) -> None:  # fmt: skip

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from worldgen import reach
 from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.difficulty.junctions import decisions
 from worldgen.difficulty.metrics import Metrics, rounded
@@ -15,7 +16,6 @@ from worldgen.difficulty.pockets import pockets
 from worldgen.difficulty.surroundings import samples_of, surroundings
 from worldgen.difficulty.way import Way, distance, way_of
 from worldgen.lattice import UNIT
-from worldgen.reach import decide
 from worldgen.reach.disc import target_disc
 from worldgen.timeline import CellState
 from worldgen.world import Witness, World
@@ -32,7 +32,7 @@ def measure(world: World) -> Metrics:
     Args:
         world: Any; in one that changes, walls are those of time 0, and so is what keeps the robot off.
     """
-    certificate = world.certificate if world.certificate is not None else decide(world).certificate
+    certificate = world.certificate if world.certificate is not None else reach.decide(world).certificate
     solid = _at_start(world)
     found: dict[str, float] = {"solid": int(np.count_nonzero(solid)) / solid.size}
     radius = bottleneck(world, solid)
@@ -71,7 +71,7 @@ def _along(world: World, certificate: Witness, way: Way) -> dict[str, float]:
     found = {"length": length, "turns": turns, "duration": way.duration}
     if world.is_dynamic:
         found["waiting"] = way.waiting
-        margin = witness_margin(world, certificate)
+        margin = reach.witness_margin(world, certificate)  # which loads shapely
         if math.isfinite(margin):
             found["margin"] = margin
     straight = distance(world.start.x, world.start.y, world.target.x, world.target.y)

@@ -1,8 +1,8 @@
 """Pockets into which the target draws a robot, and how far every way leads away from the target.
 
-A robot at ``p`` is ``D(p)`` from the target as the crow flies. The pass of ``p`` is the least, over all ways from ``p`` to
-the target, of the greatest ``D`` on the way: so far from the target must a robot at ``p`` go, whatever it does. Its depth
-is pass less ``D``.
+A robot at ``p`` is ``D(p)`` from the target as the crow flies. The pass of ``p`` is the least, over all ways from ``p``
+to the target, of the greatest ``D`` on the way: so far from the target must a robot at ``p`` go, whatever it does. Its
+depth is pass less ``D``.
 
 The points are taken in the order of ``D``, each united with its neighbours before it: two pockets become one at the
 lowest point between them, and a pocket's depth shows when it joins what is connected with the target.
@@ -74,11 +74,11 @@ def _flooded(
     joined = np.zeros((len(places), 2), np.int64)
     rasters = (nodes.graph.middle.ravel().view(np.uint8), rank)
     if nodes.is_small:
-        plain = tuple(raster.tolist() for raster in rasters)
+        plain: Any = [raster.tolist() for raster in rasters]
         pairs: list[int] = [0] * joined.size
         top, count = _flood(
-            places.tolist(), squared.tolist(), *plain, shifts, corners, at_start, parent.tolist(), bottom.tolist(),
-            role[places].tolist(), pairs,
+            places.tolist(), squared.tolist(), plain[0], plain[1], shifts, corners, at_start, parent.tolist(),
+            bottom.tolist(), role[places].tolist(), pairs,
         )  # fmt: skip
         flat = pairs[: 2 * count]
     else:

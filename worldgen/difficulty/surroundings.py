@@ -1,7 +1,7 @@
 """What a robot on its way has round it: the averages along a path by which BARN's authors describe a world.
 
-Coordinates are cells in float64. Samples are multiples of a power of two not below 2**-23, so that every sum, difference
-and comparison here is exact, and a world turned or mirrored gives the same numbers to the last bit.
+Coordinates are cells in float64. Samples are multiples of a power of two not below 2**-23, so that every sum,
+difference and comparison here is exact, and a world turned or mirrored gives the same numbers to the last bit.
 
 Source: Perille, Truong, Xiao, Stone, "Benchmarking Metric Ground Navigation", 2020; docs/difficulty.md says where this
 differs from the authors' program.
@@ -121,7 +121,8 @@ class _Walls:
                 up = np.maximum(np.maximum(inside - 1 - y, y - inside), 0.0)
                 best = np.minimum(best, across * across + up * up)
             step += 1
-        return np.sqrt(best)
+        found: Floats = np.sqrt(best)
+        return found
 
     def rays(self, x: Floats, y: Floats) -> Floats:
         """(n, 16) how far each ray gets before it touches a solid cell, in steps of its direction.
@@ -139,7 +140,12 @@ class _Walls:
         most = np.where(a + b > 2, _REACH / np.maximum(a, b), np.inf)
         far = np.full(len(px), np.inf)
         alive = np.arange(len(px))
-        here = self._solid(column, row, dx, dy, alive)
+        at_x, at_y = column == px, row == py  # on the line between two columns, or two rows
+        here = self._solid(column, row, dx, dy, alive) | (at_x & self._solid(column - 1, row, dx, dy, alive))
+        here |= at_y & (
+            self._solid(column, row - 1, dx, dy, alive) | (at_x & self._solid(column - 1, row - 1, dx, dy, alive))
+        )
+        along_x, along_y = at_x & (a == 0), at_y & (b == 0)
         far[alive[here]] = 0.0
         alive = alive[~here]
         with np.errstate(divide="ignore"):
@@ -150,10 +156,8 @@ class _Walls:
                 right, up = tx <= ty, ty <= tx
                 touched = (right & self._solid(i + 1, j, dx, dy, alive)) | (up & self._solid(i, j + 1, dx, dy, alive))
                 touched |= right & up & self._solid(i + 1, j + 1, dx, dy, alive)
-                level_x = (a[alive] == 0) & (i == px[alive])  # along the line between two columns, or two rows
-                touched |= level_x & up & self._solid(i - 1, j + 1, dx, dy, alive)
-                level_y = (b[alive] == 0) & (j == py[alive])
-                touched |= level_y & right & self._solid(i + 1, j - 1, dx, dy, alive)
+                touched |= up & along_x[alive] & self._solid(i - 1, j + 1, dx, dy, alive)
+                touched |= right & along_y[alive] & self._solid(i + 1, j - 1, dx, dy, alive)
                 far[alive[touched]] = t[touched]
                 column[alive], row[alive] = i + right, j + up
                 alive = alive[~touched & (t <= most[alive])]
