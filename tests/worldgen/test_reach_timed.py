@@ -119,6 +119,6 @@ def test_the_compiled_search_finds_what_plain_python_finds(monkeypatch):
     events = [(round(rng.uniform(0, 3), 3), *rng.integers(3, 17, 2).tolist(), BURNING) for _ in range(150)]
     world = changing("\n".join(["." * 19 + "G"] + ["." * 20] * 18 + ["S" + "." * 19]), *events)
     plain = decide(world)
-    monkeypatch.setattr(timed, "_SMALL", 0)
+    monkeypatch.setattr(timed, "SMALL", 0)
     assert plain.result == REACHABLE
     assert decide(world) == plain

@@ -132,3 +132,41 @@ def test_the_largest_disc_is_not_known_of_a_world_that_changes(save, tmp_path):
     write_world(world, tmp_path / "w.grid")
     result = CliRunner().invoke(verify, [str(tmp_path / "w.grid"), "--widest"])
     assert isinstance(result.exception, InvalidParameter) and "known of still ones only" in str(result.exception)
+
+
+@pytest.fixture
+def burning(save, tmp_path):
+    events = [Event(3.05, 3, 1, CellState.BURNING), Event(6.0, 3, 1, CellState.SOLID)]
+    world = dataclasses.replace(drawn(ROOM, radius=0.05), robot_speed=0.1, timeline=Timeline.of(events))
+    write_world(dataclasses.replace(world, certificate=decide(world).certificate), tmp_path / "w.grid")
+    return tmp_path / "w.grid"
+
+
+def test_a_world_that_changes_tells_how_late_the_robot_may_set_out(burning):
+    result = run(burning, "--json")
+    answer = json.loads(result.stdout)
+    assert set(answer) == KEYS | {"margin", "latest_start"} and result.exit_code == 0
+    assert answer["margin"] == pytest.approx(0.0, abs=0.1) and answer["latest_start"] == pytest.approx(answer["margin"])
+    assert "the witness may begin up to" in run(burning).stdout and "may wait until" in run(burning).stdout
+
+
+@pytest.mark.parametrize(
+    ("deadline", "result", "certificate", "code"),
+    [(2.0, "blocked", "confinement", 0), (3.9, "undecided", None, 1), (4.5, "reachable", "witness", 0)],
+)
+def test_a_deadline_is_met_or_proved_too_early_or_left_undecided(burning, deadline, result, certificate, code):
+    answer = json.loads(run(burning, "--deadline", deadline, "--json").stdout)
+    assert (answer["result"], answer["certificate"], answer["deadline"]) == (result, certificate, deadline)
+    shown = run(burning, "--deadline", deadline)
+    assert shown.exit_code == code and f" within {deadline:g} s" in shown.stdout
+
+
+def test_under_a_deadline_a_still_world_tells_how_late_the_robot_may_set_out(save):
+    answer = json.loads(run(save("w.grid", ROOM), "--deadline", 5, "--json").stdout)
+    assert answer["margin"] == pytest.approx(5.0 - 0.2, abs=0.03) and answer["latest_start"] >= answer["margin"]
+    walled = json.loads(run(save("v.grid", WALLED), "--deadline", 5, "--json").stdout)
+    assert (walled["result"], walled["certificate"]) == ("blocked", "cut")
+
+
+def test_a_deadline_that_is_none_is_refused(save):
+    assert isinstance(run(save("w.grid", ROOM), "--deadline", "0").exception, InvalidParameter)

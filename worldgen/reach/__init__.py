@@ -1,13 +1,16 @@
 """Reachability of the target for a disc: a proof either way, and an independent checker.
 
-``decide`` proves, ``check_certificate`` checks, and ``witness_margin`` measures how much later a timed witness may
-begin (these load shapely, so they are imported when first used).
+``decide`` proves, and ``decide_in_time`` does so for a deadline; ``latest_start`` says how long the robot may wait.
+``check_certificate`` and ``check_confinement`` check, ``witness_margin`` measures how much later a timed witness may
+begin (these three load shapely, so they are imported when first used).
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from worldgen.reach.confinement import Confinement
+from worldgen.reach.deadline import decide_in_time, latest_start, until
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
 from worldgen.reach.prove import decide
 from worldgen.reach.widest import widest_disc
@@ -15,16 +18,22 @@ from worldgen.reach.widest import widest_disc
 if TYPE_CHECKING:
     from worldgen.reach.check import CheckReport, check_certificate
     from worldgen.reach.check_margin import delayed, witness_margin
+    from worldgen.reach.check_stays import check_confinement
 
 __all__ = [
     "BLOCKED",
     "REACHABLE",
     "UNDECIDED",
     "CheckReport",
+    "Confinement",
     "Decision",
     "check_certificate",
+    "check_confinement",
     "decide",
+    "decide_in_time",
     "delayed",
+    "latest_start",
+    "until",
     "widest_disc",
     "witness_margin",
 ]
@@ -35,6 +44,10 @@ def __getattr__(name: str) -> Any:
         from worldgen.reach import check
 
         return getattr(check, name)
+    if name == "check_confinement":
+        from worldgen.reach import check_stays
+
+        return check_stays.check_confinement
     if name in {"delayed", "witness_margin"}:
         from worldgen.reach import check_margin
 

@@ -6,9 +6,10 @@ import math
 from dataclasses import dataclass
 
 from worldgen.errors import InvalidParameter
+from worldgen.reach.confinement import Confinement
 from worldgen.world import Certificate
 
-__all__ = ["BLOCKED", "REACHABLE", "UNDECIDED", "Decision", "check_margin", "check_radius"]
+__all__ = ["BLOCKED", "REACHABLE", "UNDECIDED", "Decision", "check_deadline", "check_margin", "check_radius"]
 
 REACHABLE = "reachable"
 BLOCKED = "blocked"
@@ -23,11 +24,14 @@ class Decision:
         result: ``REACHABLE`` with a witness, ``BLOCKED`` with a cut, or ``UNDECIDED`` with neither.
         certificate: The proof, for :func:`worldgen.reach.check_certificate`.
         reason: One sentence for people.
+        confinement: The proof of ``BLOCKED`` where no cut is one; for :func:`worldgen.reach.check_confinement`.
+            A file holds none.
     """
 
     result: str
     certificate: Certificate | None
     reason: str
+    confinement: Confinement | None = None
 
 
 def check_radius(radius: float) -> None:
@@ -48,3 +52,13 @@ def check_margin(margin: float) -> None:
     """
     if not (math.isfinite(margin) and margin >= 0):
         raise InvalidParameter(f"margin={margin} s: must be a finite number, 0 or above")
+
+
+def check_deadline(deadline: float | None) -> None:
+    """Refuses a deadline that is no time.
+
+    Raises:
+        InvalidParameter: If it is given and not a finite number above 0.
+    """
+    if deadline is not None and not (math.isfinite(deadline) and deadline > 0):
+        raise InvalidParameter(f"deadline={deadline} s: must be a finite number above 0")

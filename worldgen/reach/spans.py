@@ -42,6 +42,8 @@ class Spans:
         first: (height * width + 1,) int64; cell c = iy * width + ix has spans first[c] to first[c + 1] - 1.
         begin: (n,) int64, tick from which on the cell counts as blocked.
         end: (n,) int64, tick until which it does; ``FOREVER`` if it stays so.
+        since: (n,) float64, s, from when on it is blocked.
+        until: (n,) float64, s, until when it is; infinite if it stays so.
     """
 
     def __init__(self, world: World, early: float = 0.0) -> None:
@@ -73,6 +75,7 @@ class Spans:
         ends_here[:-1] &= ~goes_on[1:]
         tails = np.nonzero(ends_here)[0]
         cell, since, until = place[heads], since[heads], until[tails]
+        self.since, self.until = since, until
         self.first: Ints = np.searchsorted(cell, np.arange(size + 1)).astype(np.int64)
         self.begin: Ints = np.floor(np.minimum(since * self.ticks, 2 * _LAST)).astype(np.int64) - MARGIN
         self.begin -= min(math.ceil(exact(early) * self.ticks), int(2 * _LAST))
@@ -115,6 +118,15 @@ class ChangingWalls:
             for begin, end in self.spans.of(cell)
             if begin <= until and end >= since
         ]
+
+    def spans_near(self, p: ExactPoint, q: ExactPoint) -> list[tuple[int, int]]:
+        """Spans in which some cell is blocked that is nearer to segment pq than the radius, sorted."""
+        found = set()
+        for cell in self._ever.near(p, q, math.ceil(self.radius * UNIT)):
+            distance, over = segment_box_sq(p, q, cell)
+            if distance < self._ever.radius_sq * over:
+                found.update(self._blocked(cell, 0, FOREVER))
+        return sorted(found)
 
     def is_clear(self, p: ExactPoint, q: ExactPoint, since: int, until: int) -> bool:
         """Whether the disc may sweep pq with every cell in the way that is blocked at any of these ticks."""

@@ -10,10 +10,8 @@ Source: Mike Phillips, Maxim Likhachev, "SIPP: Safe Interval Path Planning for D
 from __future__ import annotations
 
 import heapq
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -22,17 +20,26 @@ import numpy.typing as npt
 from worldgen.jit import lazy_kernel
 from worldgen.lattice import UNIT, exact
 from worldgen.reach.disc import Disc
-from worldgen.reach.lattice_graph import build_graph, neighbour_shifts, nodes_within, touching_cells
+from worldgen.reach.intervals import Intervals, safe_intervals, touching
+from worldgen.reach.lattice_graph import build_graph, neighbour_shifts, nodes_within
 from worldgen.reach.path import metres, root_down, travel_ticks
-from worldgen.reach.spans import FOREVER, MARGIN, ChangingWalls, Spans
+from worldgen.reach.spans import FOREVER, MARGIN, ChangingWalls
 from worldgen.reach.walls import ExactPoint, Point
 from worldgen.world import Witness, World
 
-__all__ = ["TimedPath", "find_timed_path", "make_timed_witness", "shorten_timed"]
+__all__ = [
+    "SMALL",
+    "TimedPath",
+    "find_timed_path",
+    "make_timed_witness",
+    "nodes_round",
+    "search_costs",
+    "shorten_timed",
+]
 
 _LOOK_AHEAD = 24  # corners that one straight line may replace
 _TESTS = 20_000  # straight lines tried on one path; long paths look ahead less
-_SMALL = 60_000  # nodes that plain Python handles in less time than loading numba takes
+SMALL = 60_000  # nodes that plain Python handles in less time than loading numba takes
 
 Ints = npt.NDArray[np.int64]
 
@@ -43,15 +50,6 @@ class TimedPath:
 
     points: list[ExactPoint]
     times: list[int]
-
-
-@dataclass(frozen=True)
-class _Intervals:
-    """Safe intervals of the points of a raster: point p has first[p] to first[p + 1] - 1, by time."""
-
-    first: Any
-    begin: Any
-    end: Any
 
 
 def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoint, disc: Disc) -> TimedPath | None:
@@ -70,13 +68,13 @@ def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoin
     unit = UNIT // k
     pace = (world.cell_size, world.robot_speed, spans.ticks)
     axis, diagonal = travel_ticks((0, 0), (unit, 0), *pace), travel_ticks((0, 0), (unit, unit), *pace)
-    near = [(node, p, travel_ticks(start, p, *pace)) for node, p in _nodes_round(start, graph.clear, unit)]
+    near = [(node, p, travel_ticks(start, p, *pace)) for node, p in nodes_round(start, graph.clear, unit)]
     sources = [(node, arrival) for node, p, arrival in near if walls.is_clear(start, p, 0, arrival)]
     if not sources or not len(ends):
         return None
-    plain = graph.clear.size <= _SMALL
-    nodes = _intervals(graph.clear, spans, walls.radius, k, 0, plain)
-    middles = _intervals(graph.middle, spans, walls.radius, k, 1, plain)
+    plain = graph.clear.size <= SMALL
+    nodes = safe_intervals(graph.clear, spans, touching(walls.radius, k, 0), plain)
+    middles = safe_intervals(graph.middle, spans, touching(walls.radius, k, 1), plain)
     toward = (round(disc.x / unit), round(disc.y / unit))
     states = _search_states(nodes, middles, graph.stride, sources, ends, (axis, diagonal), toward, plain)
     return _with_waits(start, states, graph.stride, unit) if states else None
@@ -142,7 +140,7 @@ def make_timed_witness(world: World, walls: ChangingWalls, path: TimedPath) -> W
     return Witness(np.array([time / walls.spans.ticks for time in path.times]), np.array(x), np.array(y), clearance)
 
 
-def _nodes_round(start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int) -> list[tuple[int, Point]]:
+def nodes_round(start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int) -> list[tuple[int, Point]]:
     """The start's node, or the nodes round it."""
     x, y = start
     exactly = x % unit == 0 and y % unit == 0
@@ -155,114 +153,18 @@ def _nodes_round(start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int) -> 
     return found
 
 
-def _intervals(
-    clear: npt.NDArray[np.bool_], spans: Spans, radius: Fraction, k: int, half: int, plain: bool
-) -> _Intervals:
-    """Safe intervals at the nodes (``half`` 0) or at the middles of their squares (``half`` 1)."""
-    inputs, most = _points_and_spans(clear, spans, radius, k, half)
-    first, work, nothing = np.zeros(clear.size + 1, np.int64), np.zeros(most + 2, np.int64), np.zeros(0, np.int64)
-    if plain:
-        lists = [array.tolist() for array in inputs]
-        counts, low, high = first.tolist(), work.tolist(), work.tolist()
-        arguments: Any = (*lists, counts, [], [], low, high, False)
-        _safe_intervals(*arguments)
-        total = np.cumsum(counts).tolist()
-        begin, end = [0] * total[-1], [0] * total[-1]
-        arguments = (*lists, total, begin, end, low, high, True)
-        _safe_intervals(*arguments)
-        return _Intervals(total, begin, end)
-    arguments = (*inputs, first, nothing, nothing, work, work.copy(), False)
-    _safe_intervals_compiled(*arguments)
-    first = np.cumsum(first)
-    begins, ends = np.zeros(int(first[-1]), np.int64), np.zeros(int(first[-1]), np.int64)
-    arguments = (*inputs, first, begins, ends, work, work.copy(), True)
-    _safe_intervals_compiled(*arguments)
-    return _Intervals(first, begins, ends)
-
-
-def _points_and_spans(
-    clear: npt.NDArray[np.bool_], spans: Spans, radius: Fraction, k: int, half: int
-) -> tuple[Any, int]:
-    """The first eight arguments of ``_safe_intervals``, and how many spans one point may have round it."""
-    pad = math.ceil(radius) + 2
-    cells = np.pad(spans.changing, pad)
-    number = np.zeros(cells.size, np.int64)
-    number[cells.ravel()] = np.diff(spans.first)[spans.changing.ravel()]
-    span_first = np.concatenate([[0], np.cumsum(number)])
-    classes = [touching_cells(2 * a + half, 2 * b + half, 2 * k, radius) for b in range(k) for a in range(k)]
-    steps = np.array([dy * cells.shape[1] + dx for found in classes for dx, dy in found], np.int64)
-    class_first = np.concatenate([[0], np.cumsum([len(found) for found in classes])]).astype(np.int64)
-    rows, columns = clear.shape
-    y, x = np.arange(rows, dtype=np.int32)[:, None], np.arange(columns, dtype=np.int32)[None, :]
-    place = (y // k + pad) * cells.shape[1] + x // k + pad  # 32 bits: there are tens of millions of points
-    kind = y % k * k + x % k
-    points = [clear.view(np.uint8).ravel(), place.ravel(), kind.ravel()]
-    most = int(number.max(initial=0)) * max(len(found) for found in classes)
-    return [*points, class_first, steps, span_first, spans.begin, spans.end], most
-
-
-def _safe_intervals(
-    clear: Any, place: Any, kind: Any, class_first: Any, steps: Any,
-    span_first: Any, span_begin: Any, span_end: Any, first: Any, begin: Any, end: Any, low: Any, high: Any, fill: Any,
-) -> None:  # fmt: skip
-    """Counts the safe intervals of point p in first[p + 1], or writes them from first[p] on.
-
-    ``low`` and ``high`` hold the blocked spans round one point, sorted by insertion. The same text runs
-    plain and compiled.
-    """
-    for p in range(len(clear)):
-        if clear[p] == 0:
-            continue
-        count = 0
-        for s in range(class_first[kind[p]], class_first[kind[p] + 1]):
-            cell = place[p] + steps[s]
-            for span in range(span_first[cell], span_first[cell + 1]):
-                at = count
-                while at > 0 and low[at - 1] > span_begin[span]:
-                    low[at], high[at] = low[at - 1], high[at - 1]
-                    at -= 1
-                low[at], high[at] = span_begin[span], span_end[span]
-                count += 1
-        free, found = 0, 0  # free: tick from which on nothing seen so far blocks the point
-        for i in range(count + 1):
-            until = low[i] if i < count else FOREVER
-            if until > free:
-                if fill:
-                    begin[first[p] + found], end[first[p] + found] = free, until
-                found += 1
-            if i < count and high[i] > free:
-                free = high[i]
-        if not fill:
-            first[p + 1] = found
-
-
 def _search_states(
-    nodes: _Intervals, middles: _Intervals, stride: int, sources: Sequence[tuple[int, int]],
+    nodes: Intervals, middles: Intervals, stride: int, sources: Sequence[tuple[int, int]],
     ends: Ints, ticks: tuple[int, int], toward: tuple[int, int], plain: bool,
 ) -> list[tuple[int, int, int]]:  # fmt: skip
     """(node, departure from the one before, arrival) along the earliest way; empty if there is none."""
-    size, count = len(nodes.first) - 1, len(nodes.begin)
-    node_of: Any = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))
-    goal: Any = np.zeros(size, np.uint8)
+    goal = np.zeros(len(nodes.first) - 1, np.uint8)
     goal[ends] = 1
     x, y = toward
     spread = int(np.maximum(np.abs(ends % stride - x), np.abs(ends // stride - y)).max())
-    cost: Any = np.full(count, FOREVER, np.int64)
-    came: Any = np.full(count, -1, np.int32)
-    depart: Any = np.zeros(count, np.int64)
-    begun: Any = _first_states(nodes, sources)
-    search: Any = _safe_search_compiled
-    moves: Any = tuple(np.array(values, np.int64) for values in neighbour_shifts(stride))
-    if plain:
-        moves = neighbour_shifts(stride)
-        node_of, goal, cost, came, depart = (array.tolist() for array in (node_of, goal, cost, came, depart))
-        search = _safe_search
     lean = (x, y, spread * ticks[1])  # an end is at most that much nearer than ``toward``
-    final = int(search(
-        nodes.first, nodes.begin, nodes.end, middles.first, middles.begin, middles.end,
-        node_of, stride, *moves, begun, goal,
-        lean, ticks, cost, came, depart,
-    ))  # fmt: skip
+    begun = _first_states(nodes, sources)
+    final, node_of, cost, came, depart = _search(nodes, middles, stride, begun, goal, lean, ticks, plain)
     path = []
     while final >= 0:
         path.append((int(node_of[final]), int(depart[final]), int(cost[final])))
@@ -270,7 +172,48 @@ def _search_states(
     return path[::-1]
 
 
-def _first_states(nodes: _Intervals, sources: Sequence[tuple[int, int]]) -> Ints:
+def search_costs(
+    nodes: Intervals, middles: Intervals, stride: int, begun: Ints, ticks: tuple[int, int], plain: bool
+) -> Any:
+    """The earliest tick at which each state is reached from any of those begun in; ``FOREVER`` where it is not.
+
+    Args:
+        nodes: Safe intervals of the nodes.
+        middles: Safe intervals of the middles of their squares.
+        stride: Nodes per row.
+        begun: (n, 2) states and ticks.
+        ticks: That an axis step takes, and a diagonal one.
+        plain: Whether plain Python does it, or a compiled kernel.
+    """
+    nowhere = np.zeros(len(nodes.first) - 1, np.uint8)
+    return _search(nodes, middles, stride, begun, nowhere, (0, 0, FOREVER), ticks, plain)[2]
+
+
+def _search(
+    nodes: Intervals, middles: Intervals, stride: int, begun: Ints, goal: Any,
+    lean: tuple[int, int, int], ticks: tuple[int, int], plain: bool,
+) -> tuple[int, Any, Any, Any, Any]:  # fmt: skip
+    """Runs the search: final state, and of the states their node, cost, predecessor and departure from that."""
+    size, count = len(nodes.first) - 1, len(nodes.begin)
+    node_of: Any = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))
+    cost: Any = np.full(count, FOREVER, np.int64)
+    came: Any = np.full(count, -1, np.int32)
+    depart: Any = np.zeros(count, np.int64)
+    search: Any = _safe_search_compiled
+    moves: Any = tuple(np.array(values, np.int64) for values in neighbour_shifts(stride))
+    if plain:
+        moves = neighbour_shifts(stride)
+        node_of, goal, cost, came, depart = (array.tolist() for array in (node_of, goal, cost, came, depart))
+        search = _safe_search
+    final = int(search(
+        nodes.first, nodes.begin, nodes.end, middles.first, middles.begin, middles.end,
+        node_of, stride, *moves, begun, goal,
+        lean, ticks, cost, came, depart,
+    ))  # fmt: skip
+    return final, node_of, cost, came, depart
+
+
+def _first_states(nodes: Intervals, sources: Sequence[tuple[int, int]]) -> Ints:
     """(n, 2) states in which the robot gets to a node, with the tick of arrival."""
     found = [
         (state, arrival)
@@ -326,5 +269,4 @@ def _safe_search(
     return -1
 
 
-_safe_intervals_compiled = lazy_kernel(_safe_intervals)
 _safe_search_compiled = lazy_kernel(_safe_search)

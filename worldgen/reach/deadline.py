@@ -1,0 +1,128 @@
+"""Decides whether the disc can get to the target by a deadline, and how long it may wait before it sets out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from worldgen.lattice import UNIT, in_cells
+from worldgen.reach.confine import confine
+from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_deadline, check_radius
+from worldgen.reach.disc import target_disc
+from worldgen.reach.latest import find_latest_start
+from worldgen.reach.prove import decide
+from worldgen.reach.spans import ChangingWalls, Spans
+from worldgen.reach.walls import ExactPoint
+from worldgen.timeline import Timeline
+from worldgen.world import World
+
+__all__ = ["decide_in_time", "latest_start", "until"]
+
+_TILES = (4, 8)  # a cell side, of the tiles by which the robot is confined
+_MOST_TILES = 4_000_000
+_NODES = (2, 4, 8)  # a cell side, of the graphs on which the latest start is sought
+_MOST_NODES = 4_000_000
+
+
+def decide_in_time(world: World, deadline: float | None = None, *, radius: float | None = None) -> Decision:
+    """Whether a disc can get from the start to the target by a deadline, or at all.
+
+    Beside what :func:`decide` tries, it confines the robot, so that the target may be proved out of reach although no
+    wall lasts: because the robot is shut in, or burns, or has too far to go.
+
+    Args:
+        world: The world; its own certificate is not looked at.
+        deadline: s from the beginning on, at which the robot must be in the target; None for any time.
+        radius: Radius of the disc, m; the robot's where left out.
+
+    Returns:
+        ``REACHABLE`` with a witness that arrives in time; ``BLOCKED`` with a cut of the world :func:`until` the
+        deadline, or with a confinement; or ``UNDECIDED``.
+
+    Raises:
+        InvalidParameter: If the radius or the deadline is not a finite number above 0.
+    """
+    radius = world.robot_radius if radius is None else radius
+    check_radius(radius)
+    check_deadline(deadline)
+    ahead = world if deadline is None else until(world, deadline)
+    decision = decide(ahead, radius=radius)
+    late = ""
+    if decision.result == REACHABLE and decision.certificate is not None:
+        arrival = float(getattr(decision.certificate, "duration", 0.0))
+        if deadline is None or arrival <= deadline:
+            return decision
+        late = f"the earliest path found takes {arrival:.6g} s"
+    elif decision.result == BLOCKED:
+        return decision
+    try:
+        with np.errstate(all="ignore"):  # event times near the largest float
+            return _confined(ahead, radius, deadline, late or decision.reason)
+    except OverflowError:
+        return Decision(UNDECIDED, None, "lengths, speed and times are too far apart for numbers to hold them")
+
+
+def _confined(world: World, radius: float, deadline: float | None, why: str) -> Decision:
+    """``BLOCKED`` with a confinement, or ``UNDECIDED`` because of ``why``."""
+    earliest = 0.0
+    for k in _TILES:
+        if k * k * world.walls.size > _MOST_TILES:
+            break
+        reach = confine(world, in_cells(radius, world.cell_size), k, deadline)
+        if reach is None:
+            break
+        if reach.proof is not None:
+            within = "" if deadline is None else f" within {deadline:g} s"
+            reason = f"wherever the robot goes{within}, it does not get to the target"
+            return Decision(BLOCKED, None, reason, reach.proof)
+        earliest = max(earliest, reach.earliest)
+    return Decision(UNDECIDED, None, f"{why}, and it is not excluded that one takes {earliest:.6g} s")
+
+
+def until(world: World, deadline: float) -> World:
+    """The world without what changes after a deadline, which is nothing to a robot that is to arrive by then."""
+    line = world.timeline
+    kept = line.times <= deadline
+    if bool(kept.all()):
+        return world
+    early = Timeline(line.times[kept], line.ix[kept], line.iy[kept], line.states[kept])
+    return replace(world, timeline=early, certificate=None)
+
+
+def latest_start(world: World, deadline: float | None = None, *, radius: float | None = None) -> float | None:
+    """The largest time, s, until which the robot may wait at the start and still get to the target over some path.
+
+    Of the paths of the graph on which witnesses are sought, exactly; over a path off that graph it may be later still.
+
+    Args:
+        world: The world.
+        deadline: s, by which it has to be there; None for any time.
+        radius: Radius of the disc, m; the robot's where left out.
+
+    Returns:
+        Infinite if it may wait for ever; None if there is no path on any of the graphs that are tried.
+
+    Raises:
+        InvalidParameter: If the radius or the deadline is not a finite number above 0.
+    """
+    radius = world.robot_radius if radius is None else radius
+    check_radius(radius)
+    check_deadline(deadline)
+    start: ExactPoint = (
+        in_cells(world.start.x, world.cell_size) * UNIT,
+        in_cells(world.start.y, world.cell_size) * UNIT,
+    )
+    try:
+        with np.errstate(all="ignore"):
+            walls = ChangingWalls(world, Spans(world), in_cells(radius, world.cell_size))
+            for k in _NODES:
+                if k > 2 and k * k * world.walls.size > _MOST_NODES:
+                    break
+                found = find_latest_start(world, walls, k, start, target_disc(world), deadline)
+                if found is not None:
+                    return found if deadline is None else min(found, math.nextafter(deadline, 0.0))
+    except OverflowError:
+        pass
+    return None
