@@ -73,6 +73,7 @@ _SUMMARY = {
     "audit": "Say whether a trajectory, recorded in any simulator, was possible in a world.",
     "census": "Count in how many foreign maps a disc can reach its target, and where only a grid says so.",
     "compare": "Run controllers in many worlds and print one table of times, failures, best and worst.",
+    "check-family": "Check what every family promises, over a family of your own.",
     "compose": "Make worlds of parts, by a recipe: a trap in a maze, a fire in one wing.",
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
     "find": "Find a world in which given controllers have given outcomes, or come as near as the budget allows.",

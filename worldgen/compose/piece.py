@@ -17,7 +17,7 @@ from worldgen.compose._marks import HALF, START, TARGET, Mark, Marks, frozen, ma
 from worldgen.compose._where import DRAWN, NAMED, draw_corner, named_corner
 from worldgen.compose._world import proved, usual, way_of, world_of
 from worldgen.errors import InvalidParameter
-from worldgen.family import check_choice
+from worldgen.family import check_between, check_choice
 from worldgen.lattice import TURN, in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.timeline import Timeline
@@ -383,7 +383,16 @@ class Piece:
     def for_robot(
         self, *, radius: float | None = None, speed: float | None = None, cell_size: float | None = None
     ) -> Piece:
-        """For another robot, or cells of another size, in m and m/s; what is left out stays."""
+        """For another robot, or cells of another size, in m and m/s; what is left out stays.
+
+        Raises:
+            InvalidParameter: If a number is out of range.
+        """
+        for name, value, unit in (("robot_radius", radius, "m"), ("robot_speed", speed, "m/s")):
+            if value is not None:
+                check_between(name, value, 1e-6, 1e6, unit)
+        if cell_size is not None:
+            check_between("cell_size", cell_size, 1e-6, 1e6, "m")
         return replace(
             self,
             robot_radius=self.robot_radius if radius is None else radius,

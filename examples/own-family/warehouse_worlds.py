@@ -1,0 +1,81 @@
+"""A warehouse: racks in rows, aisles between them, and pallets left standing in the aisles."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from worldgen.errors import InvalidParameter
+from worldgen.family import check_between, family
+from worldgen.random_streams import RandomStream
+from worldgen.world import Pose, Target, World
+
+
+@family("warehouse", version=1)
+def warehouse(
+    rng: RandomStream,
+    *,
+    size: int = 40,
+    layout: Literal["aisles", "fishbone"] = "aisles",
+    aisle: int = 3,
+    rack: int = 2,
+    pallets: float = 0.1,
+    cell_size: float = 0.1,
+    robot_radius: float = 0.07,
+    robot_speed: float = 2.0,
+) -> World:
+    """Racks in rows with aisles between them, crossed by others; pallets stand about in them.
+
+    From one end of an aisle the other looks the same, and a pallet turns an aisle into a dead end.
+
+    Args:
+        rng: The only source of chance; equal state, equal world.
+        size: Cells a side, the solid border included; 16 to 500.
+        layout: Racks in straight rows, or in two halves set off against each other.
+        aisle: Width of the aisles, cells; at least the robot's.
+        rack: Depth of a rack, cells, 1 to 20.
+        pallets: Share of the places between two racks on which a pallet stands, 0 to 1.
+        cell_size: Side of a cell, m.
+        robot_radius: Radius of the robot, m.
+        robot_speed: Top speed of the robot, m/s.
+
+    Raises:
+        InvalidParameter: If a number is out of range, or an aisle is narrower than the robot.
+    """
+    # Check, then draw, then build, then return.
+    check_between("size", size, 16, 500, "cells")
+    check_between("rack", rack, 1, 20, "cells")
+    check_between("pallets", pallets, 0.0, 1.0)
+    check_between("cell_size", cell_size, 0.001, 1000.0, "m")
+    check_between("robot_speed", robot_speed, 0.001, 1000.0, "m/s")
+    check_between("robot_radius", robot_radius, 1e-6, 1000.0, "m")
+    check_between("aisle", aisle, 1, size - 2, "cells")
+    if 2 * robot_radius > aisle * cell_size:
+        raise InvalidParameter(
+            f"aisle={aisle} cells of {cell_size:g} m are narrower than the robot, {2 * robot_radius:g} m wide; "
+            f"give at least {math.ceil(2 * robot_radius / cell_size)}"
+        )
+
+    walls = np.ones((size, size), dtype=bool)
+    walls[1:-1, 1:-1] = False
+    across = size // 2 - aisle // 2  # first row of the aisle that crosses the others
+    lower, upper = (1 + aisle, across), (across + aisle, size - 1 - aisle)
+    set_off = (rack + aisle) // 2 if layout == "fishbone" else 0
+    for (low, high), offset in ((lower, 0), (upper, set_off)):
+        for x in range(1 + aisle + offset, size - aisle - rack, rack + aisle):
+            walls[low:high, x : x + rack] = True
+            for y in range(low, high - 1, 2):
+                if rng.random() < pallets:
+                    walls[y : y + 2, x + rack : x + rack + aisle - 1] = True
+
+    near, far = (1 + aisle / 2) * cell_size, (size - 1 - aisle / 2) * cell_size
+    return World(
+        walls,
+        start=Pose(round(near, 9), round(near, 9)),
+        target=Target(round(far, 9), round(far, 9), cell_size / 2),
+        cell_size=cell_size,
+        robot_radius=robot_radius,
+        robot_speed=robot_speed,
+    )

@@ -1,0 +1,154 @@
+"""The checks that users run over their own families find what they say they find."""
+
+import itertools
+import json
+import random
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pytest
+
+from tests.helpers.command_line import worldgen
+from worldgen import testing
+from worldgen.errors import InvalidParameter
+from worldgen.family import FAMILIES, check_between, family
+from worldgen.testing import CHECKS, FAMILY_CHECKS, BrokenContract, check_family, layout_digest
+from worldgen.timeline import CellState, Timeline
+from worldgen.world import Pose, Target, World
+
+WAREHOUSE = "./examples/own-family/warehouse_worlds.py:warehouse"
+BY_NAME = {check.name: check for check in (*FAMILY_CHECKS, *CHECKS)}
+COUNTER = itertools.count()
+
+
+def room(rng, timeline=None):
+    """A room with a pillar somewhere."""
+    walls = np.zeros((12, 12), bool)
+    walls[6, 1 + rng.below(10)] = True
+    return World(walls, Pose(0.2, 0.2), Target(1.0, 1.0, 0.05), timeline=timeline or Timeline())
+
+
+def own(build, *, name="own", changes=False):
+    return family(name, version=1, changes=changes)(build)
+
+
+def counting(rng, *, size: int = 12) -> World:
+    return World(np.zeros((12, 12), bool), Pose(0.2 + next(COUNTER) / 100, 0.2), Target(1.0, 1.0, 0.05))
+
+
+def fixed(rng, *, size: int = 12) -> World:
+    return World(np.zeros((12, 12), bool), Pose(0.2, 0.2), Target(1.0, 1.0, 0.05))
+
+
+def pythons_chance(rng, *, size: int = 12) -> World:
+    random.random()
+    return room(rng)
+
+
+def numpys_chance(rng, *, size: int = 12) -> World:
+    np.random.random()
+    return room(rng)
+
+
+def burning(rng, *, size: int = 12) -> World:
+    return room(rng, Timeline.of([(1.0, 3, 3, CellState.BURNING)]))
+
+
+def saying_again(rng, *, size: int = 12) -> World:
+    return room(rng, Timeline.of([(1.0, 3, 3, CellState.FREE)]))
+
+
+def unchecked(rng, *, size: int = 12) -> World:
+    return World(np.zeros((size, size), bool), Pose(0.2, 0.2), Target(1.0, 1.0, 0.05))
+
+
+def endless(rng, *, size: int = 12) -> World:
+    """Goes on for ever where it is asked to."""
+    while size == -2:
+        pass
+    check_between("size", size, 12, 12)
+    return room(rng)
+
+
+def wordy(rng, *, size: int = 12) -> World:
+    if size != 12:
+        raise InvalidParameter("one line\nand another")
+    return room(rng)
+
+
+BROKEN = {
+    "counting": (counting, "equal-seed-gives-equal-bytes", "seed 0 gives two different worlds"),
+    "fixed": (fixed, "different-seeds-give-different-worlds", "seeds 0 to 5 give 1 worlds"),
+    "pythons": (pythons_chance, "what-was-made-before-does-not-matter", "draws from Python's or NumPy's random"),
+    "numpys": (numpys_chance, "what-was-made-before-does-not-matter", "draws from Python's or NumPy's random"),
+    "still": (burning, "a-timeline-never-says-what-already-is", r"say @family\(..., changes=True\)"),
+    "unexplained": (unchecked, "every-parameter-is-explained", "it has no docstring"),
+    "silent": (endless, "every-parameter-is-explained", "size: not explained"),
+    "unchecked": (unchecked, "an-absurd-value-is-refused-or-works", "size='-9223372036854775808' raises ValueError"),
+    "endless": (endless, "an-absurd-value-is-refused-or-works", "size='-2' takes more than 0.2 s"),
+    "wordy": (wordy, "an-absurd-value-is-refused-or-works", "is refused in more than one line"),
+}
+
+
+@pytest.mark.parametrize(("build", "check", "message"), BROKEN.values(), ids=BROKEN)
+def test_a_broken_promise_is_found(build, check, message, monkeypatch):
+    monkeypatch.setattr(testing, "PATIENCE", 0.2)
+    with pytest.raises(BrokenContract, match=message):
+        BY_NAME[check](own(build))
+
+
+@pytest.mark.parametrize(("build", "message"), [(burning, "a cell burns for ever"), (saying_again, "becomes what it")])
+def test_a_broken_timeline_is_found(build, message):
+    with pytest.raises(BrokenContract, match=message):
+        BY_NAME["a-timeline-never-says-what-already-is"](own(build, changes=True))
+
+
+def test_a_witness_that_does_not_hold_is_found(monkeypatch):
+    monkeypatch.setattr(testing, "check_certificate", lambda world: type("No", (), {"valid": False, "reason": "no"}))
+    with pytest.raises(BrokenContract, match="seed 0: the independent checker refuses the witness: no"):
+        BY_NAME["the-independent-checker-accepts-the-witness"](FAMILIES.get("trap"))
+
+
+def test_all_that_is_broken_is_told_at_once_with_its_case():
+    def plain(rng, *, shape: Literal["a", "b"] = "a", size: int = 12) -> World:
+        return fixed(rng)
+
+    with pytest.raises(BrokenContract) as caught:
+        check_family(own(plain))
+    told = str(caught.value)
+    assert "own breaks its contract:" in told and "every-parameter-is-explained: it has no docstring" in told
+    assert "different-seeds-give-different-worlds (shape='b'): seeds 0 to 5 give 1 worlds" in told
+
+
+def test_a_pinned_digest_that_changed_is_told():
+    warehouse = FAMILIES.get(WAREHOUSE)
+    with pytest.raises(BrokenContract, match="pinned is 0000; raise the version") as caught:
+        check_family(warehouse, golden={"aisles": "0000", "fishbone": layout_digest(warehouse, {"layout": "fishbone"})})
+    assert len(str(caught.value).splitlines()) == 2
+
+
+def test_the_example_of_an_own_family_keeps_its_promises():
+    done = worldgen("check-family", WAREHOUSE)
+    assert done.code == 0 and "warehouse version 1: 21 of 21 checks hold" in done.out
+
+
+def test_the_command_says_what_is_broken_and_ends_with_1():
+    recipe = "examples/recipes/double-comb.toml"
+    done = worldgen("check-family", recipe)
+    assert done.code == 1 and "BROKEN different-seeds-give-different-worlds: seeds 0 to 5 give 1 worlds" in done.out
+    left_out = ("--except", "different-seeds-give-different-worlds", "--json", "--digests")
+    found = json.loads(worldgen("check-family", recipe, *left_out).out)
+    assert not any(check["fault"] for check in found["checks"]) and list(found["digests"]) == [""]
+
+
+def test_an_unknown_check_is_refused_by_name():
+    done = worldgen("check-family", "trap", "--except", "everything")
+    assert done.code == 2 and "--except everything: no check is called so; known: a-seed-counts" in done.err
+
+
+def test_the_golden_digests_of_the_example_are_those_of_its_test():
+    text = Path("examples/own-family/tests/test_warehouse.py").read_text()
+    warehouse = FAMILIES.get(WAREHOUSE)
+    for layout in ("aisles", "fishbone"):
+        assert f'"{layout}": "{layout_digest(warehouse, {"layout": layout})}"' in text

@@ -1,0 +1,367 @@
+"""What every family promises, as checks that you can run over your own.
+
+In a test: ``check_family(my_family)``, or one check at a time, ``pytest.mark.parametrize("check", CHECKS, ids=str)``.
+On the command line: ``worldgen check-family NAME``.
+
+A check is called with the family and a case, that is, with some of its parameters; it raises ``BrokenContract``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import random
+import signal
+import threading
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+from types import FrameType
+
+import numpy as np
+
+from worldgen.errors import WorldgenError
+from worldgen.family import MARGIN, Family, Parameter
+from worldgen.generation import generate
+from worldgen.grid_file import dumps, loads, world_digest
+from worldgen.reach import check_certificate, witness_margin
+from worldgen.timeline import CellState
+from worldgen.world import Value, Witness, World
+
+__all__ = [
+    "CHECKS",
+    "FAMILY_CHECKS",
+    "BrokenContract",
+    "Check",
+    "Outcome",
+    "check_family",
+    "family_cases",
+    "layout_digest",
+    "run_checks",
+    "shown",
+]
+
+PATIENCE = 20  # s that one absurd value may take: what is refused is refused at once
+_SEEDS = 5
+_WIDE = 6  # seeds that must not all give one world
+_ABSURD: dict[type, tuple[Value, ...]] = {
+    int: (-(2**63), -2, 0, 1, 2**62),
+    float: (-1e308, -1.0, 0.0, 1e-308, 1e308),
+    str: ("", "no such word", "\x00", "\N{SNOWMAN}" * 100),
+}
+_WRONG: tuple[Value, ...] = (1, 1.5, True, "1", [], {})
+_NOT_FINITE = (math.nan, math.inf, -math.inf)
+
+
+class BrokenContract(AssertionError):
+    """A family does not keep a promise; the message says which seed and parameters show it."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One promise.
+
+    Args:
+        name: The promise, as a sentence without spaces.
+        run: Raises :class:`BrokenContract` where it is broken.
+    """
+
+    name: str
+    run: Callable[[Family, Mapping[str, Value]], None]
+
+    def __call__(self, family: Family, case: Mapping[str, Value] | None = None) -> None:
+        """Runs it for one case, the defaults where left out."""
+        self.run(family, case or {})
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one check said of one case.
+
+    Args:
+        check: The promise.
+        case: The parameters.
+        fault: What breaks it; empty where it holds.
+    """
+
+    check: str
+    case: Mapping[str, Value]
+    fault: str = ""
+
+
+def family_cases(family: Family) -> list[dict[str, Value]]:
+    """The cases worth checking: each word of the first parameter that has words; else the defaults alone."""
+    for parameter in family.parameters:
+        if parameter.choices:
+            return [{parameter.name: word} for word in parameter.choices]
+    return [{}]
+
+
+def layout_digest(family: Family, case: Mapping[str, Value] | None = None, seed: int = 7) -> str:
+    """Sixteen hex digits of a seed's world without its witness: pin it, and raise the version when it changes."""
+    return world_digest(replace(generate(family, seed, **(case or {})), certificate=None))[:16]
+
+
+def run_checks(
+    family: Family, cases: list[dict[str, Value]] | None = None, *, without: Collection[str] = ()
+) -> Iterator[Outcome]:
+    """Every check over every case, those of the family as a whole once.
+
+    Args:
+        family: The family.
+        cases: Parameters to check it with; :func:`family_cases` where left out.
+        without: Names of checks to leave out.
+    """
+    every_case = family_cases(family) if cases is None else cases
+    for checks, some in ((FAMILY_CHECKS, [{}]), (CHECKS, every_case)):
+        for case in some:
+            for check in checks:
+                if check.name not in without:
+                    yield _outcome(check, family, case)
+
+
+def _outcome(check: Check, family: Family, case: Mapping[str, Value]) -> Outcome:
+    try:
+        check(family, case)
+    except BrokenContract as fault:
+        return Outcome(check.name, case, str(fault))
+    except WorldgenError as error:
+        return Outcome(check.name, case, f"no world: {error}")
+    except Exception as error:  # noqa: BLE001 - a family is foreign code
+        return Outcome(check.name, case, f"raises {type(error).__name__}: {error}")
+    return Outcome(check.name, case)
+
+
+def check_family(
+    family: Family, cases: list[dict[str, Value]] | None = None, *, golden: Mapping[str, str] | None = None
+) -> None:
+    """Runs every check, and compares pinned digests.
+
+    Args:
+        family: The family.
+        cases: Parameters to check it with; :func:`family_cases` where left out.
+        golden: :func:`layout_digest` by the first value of a case, or by "" for the defaults.
+
+    Raises:
+        BrokenContract: With a line for each promise that is broken.
+    """
+    faults = [shown(found) for found in run_checks(family, cases) if found.fault]
+    for case in (family_cases(family) if cases is None else cases) if golden is not None else []:
+        key = str(next(iter(case.values()), ""))
+        digest, pinned = layout_digest(family, case), (golden or {}).get(key)
+        if digest != pinned:
+            faults.append(f"seed 7{_told(case)} gives {digest}, pinned is {pinned}; raise the version, or pin it anew")
+    if faults:
+        raise BrokenContract("\n".join((f"{family.name} breaks its contract:", *faults)))
+
+
+def shown(found: Outcome) -> str:
+    """One line that says what breaks a promise."""
+    return f"{found.check}{_told(found.case)}: {found.fault}"
+
+
+def _told(case: Mapping[str, Value]) -> str:
+    settings = ", ".join(f"{name}={str(value)[:60]!r}" for name, value in case.items())
+    return f" ({settings})" if settings else ""
+
+
+def _demand(holds: bool, message: str) -> None:
+    if not holds:
+        raise BrokenContract(message)
+
+
+# Checks of a case: a few worlds of it are made.
+
+
+def _equal_seed(family: Family, case: Mapping[str, Value]) -> None:
+    for seed in range(2):
+        same = dumps(generate(family, seed, **case)) == dumps(generate(family, seed, **case))
+        _demand(same, f"seed {seed} gives two different worlds; draw from rng alone")
+
+
+def _different_seeds(family: Family, case: Mapping[str, Value]) -> None:
+    worlds = {world_digest(generate(family, seed, **case)) for seed in range(_WIDE)}
+    _demand(len(worlds) == _WIDE, f"seeds 0 to {_WIDE - 1} give {len(worlds)} worlds; let rng decide more")
+
+
+def _certificate(family: Family, case: Mapping[str, Value]) -> None:
+    for seed in range(_SEEDS):
+        world = generate(family, seed, **case)
+        report = check_certificate(world)
+        held = isinstance(world.certificate, Witness) and report.valid
+        _demand(held, f"seed {seed}: the independent checker refuses the witness: {report.reason}")
+
+
+def _provenance(family: Family, case: Mapping[str, Value]) -> None:
+    world = generate(family, 8, **case)
+    made = world.provenance
+    _demand(made is not None, "its worlds have no provenance")
+    if made is not None:
+        _demand(
+            (made.family, made.version, made.seed) == (family.name, family.version, 8), "the provenance is another's"
+        )
+        again = generate(family, made.seed, **made.params)
+        _demand(dumps(again) == dumps(world), "a world is not made again from its provenance")
+
+
+def _file(family: Family, case: Mapping[str, Value]) -> None:
+    world = generate(family, 2, **case)
+    _demand(loads(dumps(world)) == world, "a world is another when it is read from its file")
+
+
+def _no_global_state(family: Family, case: Mapping[str, Value]) -> None:
+    alone = [dumps(generate(family, seed, **case)) for seed in (1, 2)]
+    mixed = []
+    kept = random.getstate(), np.random.get_state()
+    try:
+        for seed in (1, 2):
+            random.seed(seed)
+            np.random.seed(seed)
+            generate("trap", 99 - seed)
+            before = _other_chance()
+            mixed.append(dumps(generate(family, seed, **case)))
+            _demand(_other_chance() == before, "it draws from Python's or NumPy's random; draw from rng alone")
+    finally:
+        random.setstate(kept[0])
+        np.random.set_state(kept[1])
+    _demand(alone == mixed, "a world depends on what was made before it; keep nothing outside the function")
+
+
+def _other_chance() -> tuple[object, ...]:
+    """The states of the generators that a family must not touch."""
+    state = np.random.get_state(legacy=False)["state"]
+    return random.getstate(), state["key"].tobytes(), state["pos"]
+
+
+def _timeline(family: Family, case: Mapping[str, Value]) -> None:
+    for seed in range(_SEEDS):
+        world = generate(family, seed, **case)
+        _demand(family.changes or not world.is_dynamic, "its worlds change with time; say @family(..., changes=True)")
+        now = world.walls.astype(int)
+        for event in world.timeline:
+            said = int(event.state) != now[event.iy, event.ix]
+            _demand(bool(said), f"seed {seed}: at {event.time} s cell ({event.ix}, {event.iy}) becomes what it is")
+            now[event.iy, event.ix] = int(event.state)
+        _demand(not (now == CellState.BURNING).any(), f"seed {seed}: a cell burns for ever; say when it is burnt out")
+
+
+def _margin(family: Family, case: Mapping[str, Value]) -> None:
+    if MARGIN not in family.defaults():
+        return
+    world = generate(family, 1, **{**case, MARGIN: 0.5})
+    if isinstance(world.certificate, Witness):
+        _demand(witness_margin(world, world.certificate) >= 0.5, "a witness has less than the margin asked for")
+
+
+CHECKS = (
+    Check("equal-seed-gives-equal-bytes", _equal_seed),
+    Check("different-seeds-give-different-worlds", _different_seeds),
+    Check("the-independent-checker-accepts-the-witness", _certificate),
+    Check("provenance-is-enough-to-make-the-world-again", _provenance),
+    Check("a-world-comes-back-from-its-file", _file),
+    Check("what-was-made-before-does-not-matter", _no_global_state),
+    Check("a-timeline-never-says-what-already-is", _timeline),
+    Check("the-margin-asked-for-is-kept", _margin),
+)
+
+
+# Checks of the family as a whole: its parameters.
+
+
+def _low_bits(family: Family, case: Mapping[str, Value]) -> None:
+    same = dumps(generate(family, -1, **case)) == dumps(generate(family, 2**64 - 1, **case))
+    _demand(same, "seeds -1 and 2**64 - 1, the same 64 bits, give two worlds")
+
+
+def _explained(family: Family, case: Mapping[str, Value]) -> None:
+    silent = [parameter.name for parameter in family.parameters if not parameter.help]
+    _demand(bool(family.description), "it has no docstring; say in a sentence what its worlds are")
+    _demand(not silent, f"{', '.join(silent)}: not explained; say what they are under Args in the docstring")
+
+
+def _unknown(family: Family, case: Mapping[str, Value]) -> None:
+    with _refused("an unknown parameter"):
+        generate(family, 0, **{**case, "no_such_parameter": 1})
+
+
+def _other_type(family: Family, case: Mapping[str, Value]) -> None:
+    for parameter in family.parameters:
+        for value in _WRONG:
+            fits = {type(parameter.default)} | ({int} if type(parameter.default) is float else set())
+            if type(value) not in fits:
+                with _refused(f"{parameter.name}={value!r}"):
+                    generate(family, 0, **{**case, parameter.name: value})
+        if type(parameter.default) is float:
+            for number in _NOT_FINITE:
+                with _refused(f"{parameter.name}={number!r}"):
+                    generate(family, 0, **{**case, parameter.name: number})
+
+
+@contextlib.contextmanager
+def _refused(what: str) -> Iterator[None]:
+    """What is done inside must be refused in one line."""
+    try:
+        yield
+    except WorldgenError as error:
+        _demand("\n" not in str(error), f"{what} is refused in more than one line")
+        return
+    raise BrokenContract(f"{what} is not refused")
+
+
+def _absurd(family: Family, case: Mapping[str, Value]) -> None:
+    for parameter in family.parameters:
+        for value in _absurd_values(parameter):
+            what = f"{parameter.name}={str(value)[:40]!r}"
+            try:
+                with _patience(what):
+                    world: World = generate(family, 0, **{**case, parameter.name: value})
+                _demand(check_certificate(world).valid, f"{what} gives a world whose witness does not hold")
+            except WorldgenError as error:
+                _demand("\n" not in str(error), f"{what} is refused in more than one line")
+            except BrokenContract:
+                raise
+            except Exception as error:
+                told = f"{type(error).__name__}: {str(error)[:80]}"
+                raise BrokenContract(f"{what} raises {told}; refuse it with check_between() or the like") from error
+
+
+def _absurd_values(parameter: Parameter) -> tuple[Value, ...]:
+    if parameter.choices:
+        return (*parameter.choices, *_ABSURD[str])
+    return _ABSURD.get(type(parameter.default), (True, False))
+
+
+class _TooLong(Exception):
+    """A value took longer than the patience."""
+
+
+@contextlib.contextmanager
+def _patience(what: str) -> Iterator[None]:
+    """Ends what takes too long, where the system has alarms."""
+    if not hasattr(signal, "SIGALRM") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def ring(number: int, frame: FrameType | None) -> None:
+        raise _TooLong
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, PATIENCE)
+    try:
+        yield
+    except _TooLong:
+        raise BrokenContract(f"{what} takes more than {PATIENCE} s; refuse what is too large") from None
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+FAMILY_CHECKS = (
+    Check("a-seed-counts-by-its-low-64-bits", _low_bits),
+    Check("every-parameter-is-explained", _explained),
+    Check("an-unknown-parameter-is-refused", _unknown),
+    Check("a-value-of-another-type-is-refused", _other_type),
+    Check("an-absurd-value-is-refused-or-works", _absurd),
+)
