@@ -14,7 +14,7 @@ from worldgen.family import FAMILIES, family, stream_for
 from worldgen.generation import MAX_ATTEMPTS, generate
 from worldgen.grid_file import world_digest
 from worldgen.reach import check_certificate
-from worldgen.testing import CHECKS, FAMILY_CHECKS
+from worldgen.testing import CHECKS, FAMILY_CHECKS, check_family
 from worldgen.world import Pose, Target, Witness, World
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "families.md"
@@ -270,6 +270,7 @@ def test_the_family_in_the_document_works(monkeypatch):
     module = types.ModuleType("documented")
     monkeypatch.setitem(sys.modules, "documented", module)  # annotations are looked up where a function lives
     exec(code, vars(module))
+    check_family(module.pillars)
     worlds = [generate(module.pillars, seed, pillars=40) for seed in range(5)]
     assert all(check_certificate(world).valid for world in worlds)
 
