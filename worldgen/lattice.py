@@ -21,6 +21,7 @@ __all__ = [
     "heading_to_lattice",
     "in_cells",
     "lattice_to_metres",
+    "lattice_units",
     "metres_to_lattice",
     "radius_in_cells",
 ]
@@ -46,6 +47,14 @@ def radius_in_cells(world: World) -> Fraction:
     return in_cells(world.robot_radius, world.cell_size)
 
 
+@functools.lru_cache(maxsize=4096)
+def lattice_units(metres: float, cell_size: float) -> int | Fraction:
+    """A length in lattice units, exactly: a whole number where it is one, for fractions are slow."""
+    units = in_cells(metres, cell_size) * UNIT
+    return units.numerator if units.denominator == 1 else units
+
+
+@functools.lru_cache(maxsize=4096)
 def metres_to_lattice(metres: float, cell_size: float) -> int:
     """The nearest lattice coordinate; halves go up."""
     return math.floor(in_cells(metres, cell_size) * UNIT + Fraction(1, 2))

@@ -64,7 +64,8 @@ def bucket_search(
         lowest_bit: (32,) number of a power of two's bit.
 
     Returns:
-        (k,) numbers from a source to the end or cheapest spare end; none if there is neither.
+        (k,) nodes from a source to the end or cheapest spare end, without those in the middle of a straight line; none
+        if there is neither.
     """
     for i in range(len(clear)):
         cost[i] = far if clear[i] != 0 else -1
@@ -149,7 +150,7 @@ def bucket_search(
             first[estimate & RING] = entry
             filled[(estimate & RING) >> 5] |= 1 << (estimate & 31)
             waiting += 1
-    way = np.empty(length_of_way(end, came, steps), np.int64)
+    way = np.empty(corners_of_way(end, came, steps), np.int64)
     follow_way(end, came, steps, way)
     return way
 
@@ -165,23 +166,28 @@ def set_bit(bits: Any, begins: Any, node: Any) -> None:
         node >>= 5
 
 
-def length_of_way(end: Any, came: Any, steps: Any) -> Any:
-    """Number of nodes by which ``end`` was reached; 0 for -1."""
+def corners_of_way(end: Any, came: Any, steps: Any) -> Any:
+    """Number of nodes by which ``end`` was reached, without those in the middle of a straight line; 0 for -1."""
     if end < 0:
         return 0
-    length = 1
-    while came[end] > 0:
-        end -= steps[came[end] - 1, 0]
-        length += 1
-    return length
+    count, step = 1, came[end]
+    while step > 0:
+        end -= steps[step - 1, 0]
+        count += came[end] != step
+        step = came[end]
+    return count
 
 
 def follow_way(end: Any, came: Any, steps: Any, way: Any) -> None:
     """Fills in these nodes."""
-    for i in range(len(way) - 1, -1, -1):
-        way[i] = end
-        if i > 0:
-            end -= steps[came[end] - 1, 0]
+    at, step = len(way) - 1, 0
+    while at >= 0:
+        if came[end] != step or step == 0:
+            way[at] = end
+            at -= 1
+        step = came[end]
+        if step > 0:
+            end -= steps[step - 1, 0]
 
 
-bucket_search_compiled = lazy_kernel(bucket_search, set_bit, length_of_way, follow_way)
+bucket_search_compiled = lazy_kernel(bucket_search, set_bit, corners_of_way, follow_way)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -28,7 +29,12 @@ class Disc(NamedTuple):
 def target_disc(world: World) -> Disc:
     """The target as the world's decimals say it."""
     target = world.target
-    return Disc(*(in_cells(value, world.cell_size) * UNIT for value in (target.x, target.y, target.radius)))
+    return _disc(target.x, target.y, target.radius, world.cell_size)
+
+
+@functools.lru_cache(maxsize=1024)
+def _disc(x: float, y: float, radius: float, cell_size: float) -> Disc:
+    return Disc(*(in_cells(value, cell_size) * UNIT for value in (x, y, radius)))
 
 
 def chain_lines(chain: Sequence[Cell]) -> list[tuple[Point, Point]]:

@@ -7,7 +7,9 @@ the middles of the unit squares.
 
 from __future__ import annotations
 
+import functools
 import heapq
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,7 +33,6 @@ __all__ = [
     "Graph",
     "build_graph",
     "clear_raster",
-    "corners",
     "find_path",
     "nodes_within",
     "touching_cells",
@@ -67,7 +68,7 @@ def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int, *, compi
     """The graph of a grid for a disc of ``radius`` cells, by plain or by compiled code."""
     height, width = solid.shape
     clear = np.zeros((k * height + 1, k * width + 1), np.bool_)
-    middle = np.zeros_like(clear)
+    middle = np.zeros(clear.shape, np.bool_)
     if 2 * radius > min(height, width):  # nothing is clear
         return Graph(k, clear, middle)
     if compiled and 2 * radius < 65_000:
@@ -141,23 +142,16 @@ def touching_cells(a: int, b: int, m: int, radius: Fraction) -> list[tuple[int, 
 
 def nodes_within(disc: Disc, graph: Graph) -> npt.NDArray[np.int64]:
     """Flat indices of the clear nodes in the target's disc."""
-    unit = UNIT // graph.k
     rows, columns = graph.clear.shape
-    low = max(0, math.ceil((disc.y - disc.radius) / unit))
-    high = min(rows - 1, math.floor((disc.y + disc.radius) / unit))
-    found = [np.zeros(0, np.int64)]
-    for j in range(low, high + 1):
-        half_sq = (disc.radius**2 - (j * unit - disc.y) ** 2) / unit**2  # of the chord at this height
-        half = Fraction(math.isqrt(half_sq.numerator * half_sq.denominator), half_sq.denominator)
-        first, last = math.floor(disc.x / unit - half) - 1, math.ceil(disc.x / unit + half) + 1
-        while first <= last and not disc.holds((first * unit, j * unit)):
-            first += 1
-        while first <= last and not disc.holds((last * unit, j * unit)):
-            last -= 1
-        first, last = max(first, 0), min(last, columns - 1)
-        if first <= last:
-            found.append(np.nonzero(graph.clear[j, first : last + 1])[0] + (j * graph.stride + first))
-    return np.concatenate(found)
+    scale = math.lcm(disc.x.denominator, disc.y.denominator, disc.radius.denominator)
+    x, y, radius = (value.numerator * (scale // value.denominator) for value in disc)
+    unit = UNIT // graph.k * scale
+    found = []
+    for j in range(max(0, -((radius - y) // unit)), min(rows - 1, (y + radius) // unit) + 1):
+        half = math.isqrt(radius**2 - (j * unit - y) ** 2)  # of the chord at this height, rounded down
+        first, last = max(0, -((half - x) // unit)), min(columns - 1, (x + half) // unit)
+        found.append(np.nonzero(graph.clear[j, first : last + 1])[0] + (j * graph.stride + first))
+    return np.concatenate(found) if found else np.zeros(0, np.int64)
 
 
 def find_path(
@@ -182,7 +176,7 @@ def find_path(
         compiled: Whether to run compiled code; the path is the same.
 
     Returns:
-        Flat indices from source to end; empty where none is connected.
+        Flat indices from source to end, without those in the middle of a straight line; empty where none is connected.
     """
     if compiled and not bridges:
         return _find_in_buckets(graph, sources, ends, spare, toward)
@@ -196,17 +190,13 @@ def find_path(
             return []
         by_bridge.update(onward)
         found = search(*inputs, np.array(list(onward), np.int64), toward, cost, came)
-    return _trace(int(found), came, neighbour_shifts(graph.stride)[0], by_bridge)
+    return corners(_trace(int(found), came, neighbour_shifts(graph.stride)[0], by_bridge))
 
 
 def corners(path: Sequence[int]) -> list[int]:
     """A path without the nodes in the middle of a straight line."""
-    nodes = np.asarray(path, np.int64)
-    steps = np.diff(nodes)
-    kept = np.ones(len(nodes), np.bool_)
-    kept[1:-1] = steps[1:] != steps[:-1]
-    left: list[int] = nodes[kept].tolist()
-    return left
+    steps = [b - a for a, b in itertools.pairwise(path)]
+    return [*path[:1], *(path[i + 1] for i in range(len(steps) - 1) if steps[i] != steps[i + 1]), *path[1:][-1:]]
 
 
 def _find_in_buckets(
@@ -214,7 +204,7 @@ def _find_in_buckets(
 ) -> list[int]:
     """The same path by compiled code."""
     rasters = (graph.clear.view(np.uint8).ravel(), graph.middle.view(np.uint8).ravel())
-    sources, ends = np.unique(np.array(sources, np.int64)), np.asarray(ends, np.int64)
+    sources, ends = np.array(sorted(set(sources)), np.int64), np.asarray(ends, np.int64)
     path = _bucket_search(graph, rasters, sources, ends, spare, toward, _HASTY)
     if path is None:  # before all of a large world is searched, look whether there is anything to find
         seen = np.zeros(graph.clear.size, np.uint8)
@@ -238,19 +228,26 @@ def _bucket_search(
     """The path, empty if there is none; None if more than ``most`` nodes would have to be expanded."""
     size = graph.clear.size
     goal, came, left = np.zeros(size, np.uint8), np.zeros(size, np.uint8), np.array([most])
-    goal[spare] = 2 if len(ends) else 1  # with nothing better to hope for, the first will do
+    both = ends
+    if len(spare):
+        goal[spare] = 2 if len(ends) else 1  # with nothing better to hope for, the first will do
+        both = np.concatenate([spare, ends])
     goal[ends] = 1
-    both = np.concatenate([spare, ends])
     narrow = size * DIAGONAL_COST < 2**31
-    steps = np.array(
-        [*neighbour_shifts(graph.stride), [1, -1, 0, 0, 1, -1, -1, 1], [0, 0, 1, -1, 1, -1, 1, -1]]
-    ).T.copy()
     path: npt.NDArray[np.int64] = bucket_search_compiled(
-        *rasters, goal, graph.stride, steps, sources, np.array([both.min(), both.max()]), np.array(toward),
+        *rasters, goal, graph.stride, _steps(graph.stride), sources,
+        np.array([both.min(), both.max()]), np.array(toward),
         np.empty(size, np.int32 if narrow else np.int64), 2**31 - 1 if narrow else _FAR, came, left,
         *room_for_search(size),
     )  # fmt: skip
     return path if left[0] >= 0 else None
+
+
+@functools.lru_cache(maxsize=16)
+def _steps(stride: int) -> npt.NDArray[np.int64]:
+    """(8, 4) what each step adds to a flat index, where its middle is, and how far it leads across and up."""
+    table = [*neighbour_shifts(stride), [1, -1, 0, 0, 1, -1, -1, 1], [0, 0, 1, -1, 1, -1, 1, -1]]
+    return np.ascontiguousarray(np.array(table).T)
 
 
 def _prepared(graph: Graph, ends: Sequence[int], spare: npt.NDArray[np.int64]) -> tuple[Any, Any, Any, Any]:

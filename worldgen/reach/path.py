@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Sequence
@@ -36,18 +37,24 @@ Ints: TypeAlias = npt.NDArray[np.int64]
 def merge_straight(points: list[ExactPoint]) -> list[ExactPoint]:
     """Leaves out repeated points and points in the middle of a straight line."""
     kept: list[ExactPoint] = []
+    ux: Number
+    uy: Number
+    ux = uy = 0  # the last step
     for point in points:
-        if kept and point == kept[-1]:
+        if not kept:
+            kept.append(point)
             continue
-        while len(kept) > 1 and _goes_on(kept[-2], kept[-1], point):
+        vx, vy = point[0] - kept[-1][0], point[1] - kept[-1][1]
+        if not (vx or vy):
+            continue
+        while len(kept) > 1 and ux * vy == uy * vx and ux * vx + uy * vy > 0:
             kept.pop()
+            vx, vy = point[0] - kept[-1][0], point[1] - kept[-1][1]
+            if len(kept) > 1:
+                ux, uy = kept[-1][0] - kept[-2][0], kept[-1][1] - kept[-2][1]
         kept.append(point)
+        ux, uy = vx, vy
     return kept
-
-
-def _goes_on(a: ExactPoint, b: ExactPoint, c: ExactPoint) -> bool:
-    ux, uy, vx, vy = b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]
-    return ux * vy == uy * vx and ux * vx + uy * vy > 0
 
 
 def shorten(walls: Walls, points: list[ExactPoint], *, compiled: bool = False) -> list[ExactPoint]:
@@ -86,11 +93,12 @@ def _shorten_compiled(walls: Walls, points: list[ExactPoint], patience: int) -> 
 
 def _whole_points(points: Sequence[ExactPoint]) -> tuple[Ints, Ints, npt.NDArray[np.uint8]]:
     """Both coordinates in lu, rounded down; and whether that left them as they were."""
-    x, y = (np.array([math.floor(point[axis]) for point in points], np.int64) for axis in (0, 1))
+    first, last = points[0], points[-1]  # all others are nodes of a graph
     whole = np.ones(len(points), np.uint8)
-    for end in {0, len(points) - 1}:  # all others are nodes of a graph
-        whole[end] = points[end] == (x[end], y[end])
-    return x, y, whole
+    ends = [(math.floor(x), math.floor(y)) for x, y in (first, last)]
+    whole[0], whole[-1] = first == ends[0], last == ends[1]
+    both = np.array([ends[0], *points[1:-1], ends[1]][: len(points)], np.int64)
+    return np.ascontiguousarray(both[:, 0]), np.ascontiguousarray(both[:, 1]), whole
 
 
 def clearance_sq(walls: Walls, points: Sequence[ExactPoint], *, compiled: bool = False) -> Fraction:
@@ -129,11 +137,12 @@ def _least_compiled(
     if len(found):
         squares = sides[found].astype(np.float64) ** 2 / lengths_sq[found]
         found = found[squares <= squares.min() * (1 + 1e-12)]  # floats are right to 1e-15
-        pairs = np.unique(np.stack([sides[found], lengths_sq[found]]), axis=1).T.tolist()
+        pairs = set(zip(sides[found].tolist(), lengths_sq[found].tolist(), strict=True))
         best = min(best, *(Fraction(side * side, length_sq) for side, length_sq in pairs))
     return best, odd
 
 
+@functools.lru_cache(maxsize=1024)
 def root_down(square: Fraction) -> float:
     """The largest float whose shortest decimal, squared, is at most ``square``."""
     shift = max(0, 128 - square.numerator.bit_length() + square.denominator.bit_length())
@@ -162,13 +171,19 @@ def ticks_per_second(cell_size: float, speed: float) -> int:
 
 def travel_ticks(p: ExactPoint, q: ExactPoint, cell_size: float, speed: float, ticks: int) -> int:
     """The least whole number of ticks in which the robot gets from p to q; exact."""
-    return _ticks((q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2, (exact(cell_size) * ticks / (UNIT * exact(speed))) ** 2)
+    return _ticks((q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2, *_ticks_per_unit_sq(cell_size, speed, ticks))
 
 
-def _ticks(length_sq: Number, per_unit_sq: Fraction) -> int:
-    square = length_sq * per_unit_sq
-    least = math.isqrt(math.floor(square))
-    return least if least * least >= square else least + 1
+@functools.lru_cache(maxsize=256)
+def _ticks_per_unit_sq(cell_size: float, speed: float, ticks: int) -> tuple[int, int]:
+    per_unit = exact(cell_size) * ticks / (UNIT * exact(speed))
+    return per_unit.numerator**2, per_unit.denominator**2
+
+
+def _ticks(length_sq: Number, numerator: int, denominator: int) -> int:
+    over, under = length_sq.numerator * numerator, length_sq.denominator * denominator
+    least = math.isqrt(over // under)
+    return least if least * least * under >= over else least + 1
 
 
 def make_witness(
@@ -185,12 +200,12 @@ def make_witness(
     """
     x, y = metres(points, cell_size)
     ticks, times = ticks_per_second(cell_size, speed), [0]
-    per_unit_sq = (exact(cell_size) * ticks / (UNIT * exact(speed))) ** 2
+    per_unit_sq = _ticks_per_unit_sq(cell_size, speed, ticks)
     known: dict[Number, int] = {}  # a long path has few lengths: fractions are slow
     for p, q in itertools.pairwise(points):
         length_sq = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2
         if length_sq not in known:
-            known[length_sq] = _ticks(length_sq, per_unit_sq)
+            known[length_sq] = _ticks(length_sq, *per_unit_sq)
         times.append(times[-1] + known[length_sq])
     clearance = root_down(clearance_sq(walls, points, compiled=compiled) * (exact(cell_size) / UNIT) ** 2)
     return Witness(np.array([time / ticks for time in times]), np.array(x), np.array(y), clearance)
@@ -198,6 +213,15 @@ def make_witness(
 
 def metres(points: Sequence[ExactPoint], cell_size: float) -> tuple[list[float], list[float]]:
     """The x and y of points in m, correctly rounded: their shortest decimals are the ones to write."""
-    scale = exact(cell_size) / UNIT
-    known = {value: float(value * scale) for value in {value for point in points for value in point}}
+    over, under = _metres_per_unit(cell_size)
+    known = {
+        value: value.numerator * over / (value.denominator * under)  # Python divides whole numbers correctly rounded
+        for value in {value for point in points for value in point}
+    }
     return [known[p[0]] for p in points], [known[p[1]] for p in points]
+
+
+@functools.lru_cache(maxsize=256)
+def _metres_per_unit(cell_size: float) -> tuple[int, int]:
+    scale = exact(cell_size) / UNIT
+    return scale.numerator, scale.denominator

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -9,12 +10,12 @@ from fractions import Fraction
 
 import numpy as np
 
-from worldgen.lattice import UNIT, exact, in_cells, metres_to_lattice
+from worldgen.lattice import UNIT, exact, in_cells, lattice_units, metres_to_lattice
 from worldgen.reach.cut import MOST_TARGETS, find_chain
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_margin, check_radius
 from worldgen.reach.disc import Disc, beyond, parts, target_disc
-from worldgen.reach.effort import effort
-from worldgen.reach.lattice_graph import Graph, build_graph, corners, find_path, nodes_within
+from worldgen.reach.effort import SMALL, effort
+from worldgen.reach.lattice_graph import Graph, build_graph, find_path, nodes_within
 from worldgen.reach.path import make_witness, root_up, shorten
 from worldgen.reach.pinch import bridges
 from worldgen.reach.spans import ChangingWalls, Spans
@@ -29,6 +30,8 @@ __all__ = ["decide"]
 _FINER = (4, 8, 16)  # nodes per cell side where half cells neither find a path nor leave a cut
 _MOST_NODES = 40_000_000  # a finer graph than this is not searched: about 1 GB
 _MOST_TIMED_NODES = 4_000_000  # likewise in time
+_HALF = Fraction(1, 2)
+_NONE = np.zeros(0, np.int64)
 _ROUNDING = Fraction(1, 2**120)  # share of the radius by which a way to a pose that is no fraction may be too near
 
 
@@ -91,7 +94,6 @@ class _Question:
         exact_start: The start as the world's decimals say it, lu.
         disc: The target.
         goal: A clear pose in the target's disc, if one is known.
-        goal_walls: The walls for a disc smaller by what the goal may be rounded.
         compiled: Whether compiled code is worth its loading; the answer is the same.
     """
 
@@ -106,21 +108,40 @@ class _Question:
             metres_to_lattice(world.start.y, world.cell_size),
         )
         self.exact_start: ExactPoint = (
-            in_cells(world.start.x, world.cell_size) * UNIT,
-            in_cells(world.start.y, world.cell_size) * UNIT,
+            lattice_units(world.start.x, world.cell_size),
+            lattice_units(world.start.y, world.cell_size),
         )
         self.disc: Disc = target_disc(world)
         self.goal: ExactPoint | None = None
-        self.goal_walls = Walls(world.walls, self.walls.radius * (1 - _ROUNDING))
         self.compiled = effort.pays_to_compile(4 * world.walls.size)
+
+    @functools.cached_property
+    def goal_walls(self) -> Walls:
+        """The walls for a disc smaller by what the goal may be rounded."""
+        return Walls(self.world.walls, self.walls.radius * (1 - _ROUNDING))
+
+    @functools.cached_property
+    def _halves(self) -> Graph:
+        """The graph over half cells."""
+        return build_graph(self.world.walls, self.walls.radius, 2, compiled=self.compiled)
+
+    def _is_clear(self, point: ExactPoint) -> bool:
+        """Whether the disc may be at a point."""
+        x, y = point
+        if self.compiled and x % (UNIT // 2) == 0 == y % (UNIT // 2) and 4 * self.world.walls.size < SMALL:
+            column, row = int(x) // (UNIT // 2), int(y) // (UNIT // 2)  # the graph knows, and is needed anyway
+            rows, columns = self._halves.clear.shape
+            return 0 <= column < columns and 0 <= row < rows and bool(self._halves.clear[row, column])
+        return self.walls.is_clear(point, point)
 
     def answer(self) -> Decision:
         """The decision."""
         bad_start = self.judge_start()
         if bad_start is not None:
             return bad_start
-        centre = (math.floor(self.disc.x + Fraction(1, 2)), math.floor(self.disc.y + Fraction(1, 2)))
-        if self.disc.holds(centre) and self.walls.is_clear(centre, centre):
+        centre = (math.floor(self.disc.x + _HALF), math.floor(self.disc.y + _HALF))
+        in_the_middle = centre[0] == self.disc.x and centre[1] == self.disc.y  # mostly, and quicker to see
+        if (in_the_middle or self.disc.holds(centre)) and self._is_clear(centre):
             self.goal = centre
         found = self._path(2)
         if not found:
@@ -140,33 +161,38 @@ class _Question:
 
     def judge_start(self) -> Decision | None:
         """The decision, if the start settles it."""
-        cell = self.walls.blocker(self.exact_start, self.exact_start)
-        if cell is not None:
+        if not self._is_clear(self.exact_start):
             cell, distance_sq = self.walls.nearest(self.exact_start)
             reason = f"the start is nearer than the radius to cell {cell}"
             return Decision(BLOCKED, self._make_cut([cell], Fraction(distance_sq) / UNIT**2), reason)
-        if not self.walls.is_clear(self.exact_start, self.start):
+        if self.exact_start != self.start and not self.walls.is_clear(self.exact_start, self.start):
             self.start = self.exact_start  # it touches a wall, and would not once it is rounded
         return None
 
     def _path(self, k: int, *, pinched: bool = False) -> list[ExactPoint]:
         """Points from the start to the target over one graph; empty if it has no such path."""
-        graph = build_graph(self.world.walls, self.walls.radius, k, compiled=self.compiled)
+        graph = self._halves
+        if k > 2:
+            graph = build_graph(self.world.walls, self.walls.radius, k, compiled=self.compiled)
         unit = UNIT // k
         sources = _links(self.walls, graph, self.start)
         ends = _links(self.goal_walls, graph, self.goal) if self.goal is not None else []
-        spare = nodes_within(self.disc, graph)
-        if not sources or not (ends or len(spare)):
+        if not sources:
             return []
         toward = (round(self.disc.x / unit), round(self.disc.y / unit))
-        extra = bridges(self.walls, graph) if pinched else []
-        nodes = find_path(graph, sources, ends, spare, toward, extra, compiled=self.compiled)
+        nodes: list[int] = []
+        if self.compiled and ends and not pinched:  # mostly there is no need to look for other ends
+            nodes = find_path(graph, sources, ends, _NONE, toward, compiled=True)
+        if not nodes:
+            spare = nodes_within(self.disc, graph)
+            if not (ends or len(spare)):
+                return []
+            extra = bridges(self.walls, graph) if pinched else []
+            nodes = find_path(graph, sources, ends, spare, toward, extra, compiled=self.compiled)
         if not nodes:
             return []
-        points: list[ExactPoint] = [
-            self.start,
-            *((node % graph.stride * unit, node // graph.stride * unit) for node in corners(nodes)),
-        ]
+        stride = graph.stride
+        points: list[ExactPoint] = [self.start, *((node % stride * unit, node // stride * unit) for node in nodes)]
         if self.goal is not None and nodes[-1] in ends:
             points.append(self.goal)
         return points
@@ -243,6 +269,8 @@ def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
     for j in rows:
         for i in columns:
             inside = 0 <= i < graph.clear.shape[1] and 0 <= j < graph.clear.shape[0]
-            if inside and graph.clear[j, i] and walls.is_clear(point, (i * unit, j * unit)):
+            if not (inside and graph.clear[j, i]):
+                continue
+            if point == (i * unit, j * unit) or walls.is_clear(point, (i * unit, j * unit)):
                 nodes.append(j * graph.stride + i)
     return nodes

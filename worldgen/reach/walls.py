@@ -34,6 +34,11 @@ ExactPoint: TypeAlias = tuple[Number, Number]
 Cell: TypeAlias = tuple[int, int]
 
 
+@functools.lru_cache(maxsize=256)
+def _in_units_sq(radius: Fraction) -> Fraction:
+    return (radius * UNIT) ** 2
+
+
 class Walls:
     """The solid cells with the ring of cells round the grid, for exact questions.
 
@@ -46,7 +51,7 @@ class Walls:
         self.solid = solid
         self.height, self.width = solid.shape
         self.radius = radius
-        self.radius_sq = (radius * UNIT) ** 2
+        self.radius_sq = _in_units_sq(radius)
         self._stride = self.width + 2
 
     @functools.cached_property
