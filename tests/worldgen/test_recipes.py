@@ -15,6 +15,7 @@ from worldgen.family import FAMILIES
 from worldgen.generation import generate
 from worldgen.grid_file import dumps, loads, world_digest, write_world
 from worldgen.reach import check_certificate, witness_margin
+from worldgen.testing import CHECKS, FAMILY_CHECKS
 
 EXAMPLES = sorted(Path("examples/recipes").glob("*.toml"))
 every_example = pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -50,7 +51,7 @@ GOLDEN = {
     "gauntlet": "01941b600bb430a5",
     "office-wing": "e57011afac9107d7",
     "trap-in-maze": "e01e00d0daaa01bf",
-    "walled-garden": "45402e05004f4eed",
+    "walled-garden": "ab63b50977f6ac91",
 }
 
 
@@ -294,3 +295,8 @@ def test_a_set_of_a_recipes_worlds_is_made_again_from_its_manifest(tmp_path):
 def test_what_is_no_recipe_by_its_name_is_refused():
     done = worldgen("compose", "recipe.txt", "--seed", 1)
     assert done.code == 2 and "a recipe's name ends in .toml; rename it" in done.err
+
+
+@pytest.mark.parametrize("check", [*FAMILY_CHECKS, *CHECKS], ids=str)
+def test_a_recipe_keeps_what_every_family_promises(check):
+    check(FAMILIES.get("examples/recipes/trap-in-maze.toml"), {"size": 30, "trap": 12})

@@ -30,6 +30,8 @@ NAMED = {
 }
 DRAWN = ("way", "anywhere")
 
+_BLIND = 32  # places drawn before all that there are are listed
+
 Corner = tuple[int, int]
 
 
@@ -66,17 +68,23 @@ def draw_corner(
         InvalidParameter: If there is no such place.
     """
     most = [of_host - of_piece - margin for of_host, of_piece in zip(host, piece, strict=True)]
+
+    def clear(corners: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        for mark, radius in keep_free:
+            corners = corners[~_touches(corners, piece, mark, radius)]
+        return corners
+
     corners = np.zeros((0, 2), np.int64)
-    if min(most) < margin:
-        pass
-    elif way is not None:
-        corners = _along(way, cell_size, piece).clip(margin, most)  # near a side the way still crosses the piece
-        corners = np.array(list(dict.fromkeys(map(tuple, corners.tolist()))), np.int64)
-    else:
+    if min(most) >= margin and way is not None:
+        along = _along(way, cell_size, piece).clip(margin, most)  # near a side the way still crosses the piece
+        corners = clear(np.array(list(dict.fromkeys(map(tuple, along.tolist()))), np.int64))
+    elif min(most) >= margin:
+        for _ in range(_BLIND):  # nearly all places do, and a large host has millions
+            corner = clear(np.array([[rng.between(margin, last) for last in most]]))
+            if len(corner):
+                return int(corner[0, 0]), int(corner[0, 1])
         columns, rows = (np.arange(margin, last + 1) for last in most)
-        corners = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
-    for mark, radius in keep_free:
-        corners = corners[~_touches(corners, piece, mark, radius)]
+        corners = clear(np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2))
     if not len(corners):
         where = "on the way from start to target" if way is not None else "anywhere"
         raise InvalidParameter(
