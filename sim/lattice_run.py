@@ -123,6 +123,7 @@ class LatticeRun:
         settings[layout.SET_SENSES] = senses_of(self.controller) & ~(0 if robot.beams else layout.SENSE_BEAMS)
         settings[layout.SET_BEAMS], settings[layout.SET_SENSOR_CELLS] = robot.beams, robot.sensor_cells
         settings[layout.SET_SIGNAL] = SIGNALS.index(robot.signal)
+        settings[layout.SET_SMOKE_REACH] = robot.smoke_reach
         settings[layout.SET_PLAIN_SENSOR] = int(robot.plain_sensor)
         settings[layout.SET_SEED] = np.uint64(self.options.seed).astype(np.int64)
 
@@ -151,7 +152,7 @@ class LatticeRun:
         unit = scales[layout.SCALE_METRES]
         scales[layout.SCALE_SENSOR_RANGE] = robot.sensor_range / unit if robot.sensor_range else math.inf
         scales[layout.SCALE_SENSOR_FIELD] = _units(robot.sensor_field or 2 * math.pi) / 2
-        scales[layout.SCALE_SENSOR_NOISE] = robot.sensor_noise
+        scales[layout.SCALE_SENSOR_NOISE], scales[layout.SCALE_SMOKE] = robot.sensor_noise, robot.smoke
         scales[layout.SCALE_BEAM_RANGE] = robot.beam_range / unit
         scales[layout.SCALE_BEAM_FIELD] = _units(robot.beam_field or 2 * math.pi)
         scales[layout.SCALE_BEAM_NOISE], scales[layout.SCALE_BEAM_DROPOUT] = robot.beam_noise, robot.beam_dropout

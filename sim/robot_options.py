@@ -35,6 +35,8 @@ class RobotOptions(Switches):
         sensor_noise: Largest share by which a strength is wrong, 0 to 1, another for each cell and step.
         signal: What walls do to the signal on its straight way from the target: nothing (``open``), halve it
             for each wall cell (``weakened``), or end it (``blocked``).
+        smoke: Share of the signal that each cell of that way takes which lies in smoke, 0 to 1.
+        smoke_reach: How many cells around each burning cell its smoke fills, 0 to 10, corners included.
         beams: Number of range beams, 0 to 1000.
         beam_range: Longest distance that a beam measures, m.
         beam_field: Angle between the first beam and the last, rad, about the heading; 0: evenly all round, the
@@ -57,6 +59,8 @@ class RobotOptions(Switches):
     sensor_field: float = 0.0
     sensor_noise: float = 0.0
     signal: str = "open"
+    smoke: float = 0.0
+    smoke_reach: int = 2
     beams: int = 0
     beam_range: float = 5.0
     beam_field: float = 0.0
@@ -74,6 +78,8 @@ class RobotOptions(Switches):
         "sensor_range": (0, 1e6, " m"),
         "sensor_field": (0, 2 * math.pi, " rad"),
         "sensor_noise": (0, 1, ""),
+        "smoke": (0, 1, ""),
+        "smoke_reach": (0, 10, " cells"),
         "beams": (0, MAX_BEAMS, ""),
         "beam_range": (1e-6, 1e6, " m"),
         "beam_field": (0, 2 * math.pi, " rad"),
@@ -91,6 +97,5 @@ class RobotOptions(Switches):
     @property
     def plain_sensor(self) -> bool:
         """Whether the signal sensor has no limits but the thesis's."""
-        return (self.sensor_cells, self.sensor_range, self.sensor_field, self.sensor_noise, self.signal) == (
-            1, 0.0, 0.0, 0.0, "open",
-        )  # fmt: skip
+        limits = (self.sensor_cells, self.sensor_range, self.sensor_field, self.sensor_noise, self.signal, self.smoke)
+        return limits == (1, 0.0, 0.0, 0.0, "open", 0.0)

@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from sim.kernels._jit import kernel, rare_kernel
 from sim.kernels.geometry import cell_state
-from sim.kernels.layout import SOLID, TURN, UNIT
+from sim.kernels.layout import BURNING, SOLID, TURN, UNIT
 
-__all__ = ["beam_heading", "ray_distance", "walls_on_the_way"]
+__all__ = ["beam_heading", "ray_distance", "smoke_on_the_way", "walls_on_the_way"]
 
 Cells = npt.NDArray[np.uint8]
 
@@ -70,28 +70,58 @@ def ray_distance(cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, 
                 return at
 
 
-@rare_kernel
-def walls_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
-    """How many solid cells the straight line between two places goes through, its ends' cells not counted.
+@kernel
+def _next_cell(x: int, y: int, to_x: int, to_y: int, cell: tuple[int, int], last: tuple[int, int]) -> tuple[int, int]:
+    """The cell after one on the straight line between two places.
 
     Decided in integers: of the next column's and the next row's line, the one that comes first on the way is
     crossed; where both meet the line passes through the corner.
     """
-    ix, iy, last_x, last_y = x // UNIT, y // UNIT, to_x // UNIT, to_y // UNIT
+    ix, iy = cell
     dx, dy = abs(to_x - x), abs(to_y - y)
     step_x, step_y = (1 if to_x > x else -1), (1 if to_y > y else -1)
-    count = 0
-    while ix != last_x or iy != last_y:
-        line_x = (ix + 1) * UNIT - x if step_x > 0 else x - ix * UNIT
-        line_y = (iy + 1) * UNIT - y if step_y > 0 else y - iy * UNIT
-        first_x, first_y = line_x * dy, line_y * dx  # both times dx * dy: how far along the way each line is
-        if iy == last_y or (ix != last_x and first_x <= first_y):
-            ix += step_x
-            if first_x == first_y and iy != last_y:
-                iy += step_y
-        else:
+    line_x = (ix + 1) * UNIT - x if step_x > 0 else x - ix * UNIT
+    line_y = (iy + 1) * UNIT - y if step_y > 0 else y - iy * UNIT
+    first_x, first_y = line_x * dy, line_y * dx  # both times dx * dy: how far along the way each line is
+    if iy == last[1] or (ix != last[0] and first_x <= first_y):
+        ix += step_x
+        if first_x == first_y and iy != last[1]:
             iy += step_y
-        if (ix != last_x or iy != last_y) and cell_state(cells, ix, iy) == SOLID:
+    else:
+        iy += step_y
+    return ix, iy
+
+
+@rare_kernel
+def walls_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
+    """How many solid cells the straight line between two places goes through, its ends' cells not counted."""
+    cell, last = (x // UNIT, y // UNIT), (to_x // UNIT, to_y // UNIT)
+    count = 0
+    while cell[0] != last[0] or cell[1] != last[1]:
+        cell = _next_cell(x, y, to_x, to_y, cell, last)
+        if (cell[0] != last[0] or cell[1] != last[1]) and cell_state(cells, cell[0], cell[1]) == SOLID:
+            count += 1
+    return count
+
+
+@kernel
+def _in_smoke(cells: Cells, ix: int, iy: int, reach: int) -> bool:
+    """Whether a cell, or one of those around it as far as smoke reaches, burns."""
+    for jy in range(max(iy - reach, 0), min(iy + reach + 1, cells.shape[0])):
+        for jx in range(max(ix - reach, 0), min(ix + reach + 1, cells.shape[1])):
+            if cells[jy, jx] == BURNING:
+                return True
+    return False
+
+
+@rare_kernel
+def smoke_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int, reach: int) -> int:
+    """How many cells of the straight line between two places lie in smoke, its ends' cells counted."""
+    cell, last = (x // UNIT, y // UNIT), (to_x // UNIT, to_y // UNIT)
+    count = 1 if _in_smoke(cells, cell[0], cell[1], reach) else 0
+    while cell[0] != last[0] or cell[1] != last[1]:
+        cell = _next_cell(x, y, to_x, to_y, cell, last)
+        if _in_smoke(cells, cell[0], cell[1], reach):
             count += 1
     return count
 

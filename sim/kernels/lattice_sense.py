@@ -11,7 +11,7 @@ from sim.kernels import layout
 from sim.kernels._jit import kernel, rare_kernel
 from sim.kernels.fdlibm import atan, cos, sin
 from sim.kernels.geometry import cell_state
-from sim.kernels.lattice_rays import beam_heading, ray_distance, walls_on_the_way
+from sim.kernels.lattice_rays import beam_heading, ray_distance, smoke_on_the_way, walls_on_the_way
 from sim.kernels.layout import FREE, TURN, UNIT
 
 __all__ = [
@@ -162,7 +162,9 @@ def _reading(
     shift: tuple[int, int, int],
     draw: int,
 ) -> float:
-    """Strength of the signal at a place, 0 where none comes: 1 / (1 + squared distance in cells), less what walls take.
+    """Strength of the signal at a place, 0 where none comes: 1 / (1 + squared distance in cells).
+
+    That is less what walls and smoke on its way take.
 
     Args:
         cells: Cell states.
@@ -186,6 +188,10 @@ def _reading(
             value = (
                 0.0 if settings[layout.SET_SIGNAL] == layout.BLOCKED or walls > _MOST_HALVINGS else value / 2.0**walls
             )
+    smoke = scales[layout.SCALE_SMOKE]
+    if smoke > 0.0:
+        for _ in range(smoke_on_the_way(cells, x, y, target_x, target_y, settings[layout.SET_SMOKE_REACH])):
+            value *= 1.0 - smoke
     noise = scales[layout.SCALE_SENSOR_NOISE]
     return value if noise == 0.0 else value * (1.0 + noise * (2.0 * noise_draw(settings, draw) - 1.0))
 

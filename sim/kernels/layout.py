@@ -61,7 +61,8 @@ SET_SENSOR_CELLS = 14  # how many cells around the signal sensor sees
 SET_SIGNAL = 15  # OPEN, WEAKENED, BLOCKED
 SET_BEAMS = 16
 SET_PLAIN_SENSOR = 17  # 1: the signal sensor is the thesis's, without noise or limits
-SET_SIZE = 18
+SET_SMOKE_REACH = 18  # cells around a burning one that its smoke fills
+SET_SIZE = 19
 
 # What walls do to the signal.
 OPEN, WEAKENED, BLOCKED = 0, 1, 2
@@ -89,7 +90,8 @@ SCALE_BEAM_FIELD = 18  # angle between the first and the last beam, heading unit
 SCALE_BEAM_NOISE = 19  # largest share by which a distance is wrong
 SCALE_BEAM_DROPOUT = 20  # probability that a beam returns nothing
 SCALE_RADIUS = 21  # m, of the robot
-SCALE_SIZE = 22
+SCALE_SMOKE = 22  # share of the signal that a cell in smoke takes
+SCALE_SIZE = 23
 
 # counts (int64): what an episode reports.
 OUT_ENDING, OUT_STEPS, OUT_PERIOD, OUT_COLLISIONS, OUT_LAST_NEW_CELL = 0, 1, 2, 3, 4

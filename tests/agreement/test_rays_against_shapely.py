@@ -8,7 +8,7 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from sim.kernels.lattice_rays import beam_heading, ray_distance, walls_on_the_way
+from sim.kernels.lattice_rays import beam_heading, ray_distance, smoke_on_the_way, walls_on_the_way
 from sim.kernels.lattice_sense import heading_table
 from sim.kernels.layout import TURN, UNIT
 
@@ -109,3 +109,25 @@ def test_walls_on_the_way_are_the_cells_whose_inside_the_line_meets(cells, one, 
     sure = sum(line.intersection(box.buffer(-1e-3, join_style="mitre")).length > 1e-2 for box in grid)
     possible = sum(line.intersects(box.buffer(1e-3, join_style="mitre")) for box in grid)
     assert sure <= found <= possible
+
+
+@given(rooms(), FREE_PLACE, FREE_PLACE, st.integers(0, 3))
+def test_smoke_on_the_way_is_in_the_cells_near_flames_whose_inside_the_line_meets(cells, one, other, reach):
+    cells *= 2  # they burn
+    found = smoke_on_the_way(cells, *one, *other, reach)
+    assert found == plain(smoke_on_the_way)(cells, *one, *other, reach)
+    line = shapely.LineString([one, other]) if one != other else shapely.Point(one)
+    fires = np.argwhere(cells)
+    smoky = [cell for cell in np.ndindex(cells.shape) if len(fires) and np.abs(fires - cell).max(axis=1).min() <= reach]
+    ends = {(y // UNIT, x // UNIT) for x, y in (one, other)}
+    grid = [shapely.box(ix * UNIT, iy * UNIT, (ix + 1) * UNIT, (iy + 1) * UNIT) for iy, ix in smoky]
+    inside = [line.intersection(box.buffer(-1e-3, join_style="mitre")).length > 1e-2 for box in grid]
+    sure = sum(meets or cell in ends for cell, meets in zip(smoky, inside, strict=True))
+    assert sure <= found <= sum(line.intersects(box.buffer(1e-3, join_style="mitre")) for box in grid)
+
+
+@given(rooms(), FREE_PLACE, FREE_PLACE)
+def test_flames_that_reach_nowhere_and_walls_are_counted_alike_between_the_ends(cells, one, other):
+    ends = {(y // UNIT, x // UNIT) for x, y in (one, other)}
+    at_ends = sum(int(cells[end]) for end in ends)
+    assert smoke_on_the_way(cells * 2, *one, *other, 0) == walls_on_the_way(cells, *one, *other) + at_ends

@@ -17,7 +17,8 @@ from tests.sim.test_vector_controllers import AlwaysTheSame, TurnsAway
 from sim import simulate, simulate_many
 runs = [(c, m) for c in ("turn-left", "turn-random") for m in ("swept", "endpoint", "stepped")]
 fleets = [simulate_many([cup(), burning()], c, seeds=2, steps=150, digest=True) for c in (TurnsAway(), AlwaysTheSame())]
-print(json.dumps([simulate(cup(), c, motion=m, steps=150).trace_digest for c, m in runs]))
+smoke = simulate(burning(), "turn-left", steps=150, smoke=0.3, signal="weakened").trace_digest
+print(json.dumps([simulate(cup(), c, motion=m, steps=150).trace_digest for c, m in runs] + [smoke]))
 print(json.dumps([fleet.to_numpy().tolist() for fleet in fleets]))
 """
 

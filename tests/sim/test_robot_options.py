@@ -180,6 +180,46 @@ def test_walls_weaken_or_block_the_signal():
     assert strength(clear, signal="blocked").signal == free
 
 
+def smoky(*events):
+    """A hall in which cells burn, between the robot and its target, 10 cells ahead, or elsewhere."""
+    return replace(arena(20, (0.55, 1.05, 0.0), (1.55, 1.05)), timeline=Timeline.of(events))
+
+
+def test_smoke_weakens_the_signal_in_each_cell_of_its_way():
+    clear, burning = smoky(), smoky((0.0, 10, 10, CellState.BURNING))
+    free = strength(clear).signal
+    assert strength(clear, smoke=0.5).signal == strength(burning).signal == free
+    for reach, cells in ((0, 1), (1, 3), (2, 5)):
+        assert strength(burning, smoke=0.5, smoke_reach=reach).signal == free / 2**cells
+    assert strength(burning, smoke=1.0).signal == 0.0
+    both = strength(
+        replace(burning, walls=arena(20, (0.5, 1, 0), (1.5, 1), [(10, 12)]).walls), smoke=0.5, signal="weakened"
+    )
+    assert both.signal == free / 2**6
+
+
+def test_smoke_beside_the_way_reaches_it_or_does_not():
+    beside = smoky((0.0, 10, 12, CellState.BURNING))
+    free = strength(beside).signal
+    assert [strength(beside, smoke=0.5, smoke_reach=reach).signal == free for reach in (0, 1, 2)] == [True, True, False]
+
+
+def test_smoke_is_gone_when_the_fire_is_out():
+    world = smoky((0.0, 10, 10, CellState.BURNING), (0.3, 10, 10, CellState.FREE))
+    simulate(world, eyes := Eyes(0.0, 0.0), steps=40, smoke=0.5)
+    seen = [look.signal for look in eyes.seen]
+    assert seen[0] == seen[-1] / 2**5 and len(set(seen)) == 2
+
+
+def test_a_robot_is_led_round_smoke_and_blind_where_it_ends_the_signal():
+    world = smoky(*[(0.0, 8, iy, CellState.BURNING) for iy in range(8, 12)])
+    plain, led = (strength(world, sensor_cells=4, smoke_reach=1, smoke=share).signal_heading for share in (0.0, 0.9))
+    assert plain == pytest.approx(0.0, abs=1e-3) and abs(led) > 0.5
+    everywhere = smoky(*[(0.0, ix, iy, CellState.BURNING) for ix in (9, 12) for iy in range(1, 19)])
+    blind = strength(replace(everywhere, start=Pose(0.55, 1.05, 1.0)), smoke=1.0)
+    assert blind.signal_heading == blind.heading
+
+
 def test_a_signal_has_a_range_and_a_sensor_a_field():
     world = arena(20, (0.55, 1.05, math.pi), (1.55, 1.05))
     assert strength(world, sensor_range=0.9).signal == 0.0 < strength(world, sensor_range=1.1).signal
@@ -322,11 +362,12 @@ def test_the_same_run_comes_out_for_a_python_and_a_compiled_controller_with_ever
 
     everything = RobotOptions(
         turn_limit=3.0, acceleration=4.0, friction=3.0, wall_friction=0.3, slip=0.2, odometry_noise=0.1,
-        sensor_cells=2, sensor_range=9.0, sensor_field=4.0, sensor_noise=0.1, signal="weakened",
+        sensor_cells=2, sensor_range=9.0, sensor_field=4.0, sensor_noise=0.1, signal="weakened", smoke=0.1,
         beams=5, beam_range=2.0, beam_field=3.0, beam_noise=0.1, beam_dropout=0.1,
     )  # fmt: skip
     options = RunOptions(steps=400, seed=9, robot=everything)
     world = arena(16, (0.75, 0.35, math.pi / 2), (0.75, 1.35), [(8, x) for x in range(3, 13)])
+    world = replace(world, timeline=Timeline.of([Event(1.0, 6, 11, CellState.BURNING)]))
     one = simulate(world, CompiledController("all", act, (0.0,)), options)
     two = simulate(world, Same(), options)
     assert (one.trace_digest, one.verdict) == (two.trace_digest, two.verdict)
@@ -335,7 +376,8 @@ def test_the_same_run_comes_out_for_a_python_and_a_compiled_controller_with_ever
 @pytest.mark.parametrize(
     ("switches", "message"),
     [({"slip": 1.5}, "slip=1.5 is outside 0 to 1"), ({"beams": 1001}, "outside 0 to 1000"),
-     ({"signal": "off"}, "is not one of open"), ({"slip": True}, "must be a float"),
+     ({"signal": "off"}, "is not one of open"), ({"smoke": 1.5}, "smoke=1.5 is outside 0 to 1"),
+     ({"smoke_reach": 11}, "smoke_reach=11 is outside 0 to 10 cells"), ({"slip": True}, "must be a float"),
      ({"beam_range": math.inf}, "outside 1e-06 to 1e\\+06 m")],
 )  # fmt: skip
 def test_a_bad_option_gets_a_sentence(switches, message):
