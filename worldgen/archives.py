@@ -9,6 +9,7 @@ from __future__ import annotations
 import bz2
 import contextlib
 import gzip
+import struct
 import tarfile
 import zipfile
 import zlib
@@ -129,7 +130,7 @@ def _told(source: str) -> Iterator[None]:
         yield
     except FileNotFoundError as error:
         raise FormatError("there is no such file; check the name", source=source) from error
-    except (zipfile.BadZipFile, tarfile.TarError, EOFError, zlib.error, gzip.BadGzipFile, ValueError) as error:
+    except (zipfile.BadZipFile, tarfile.TarError, EOFError, zlib.error, struct.error, ValueError) as error:
         if isinstance(error, FormatError):
             raise
         raise FormatError(f"no sound archive: {error or 'it is cut off'}; copy it again", source=source) from error
@@ -173,7 +174,7 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
                     data = file.read(limit + 1)
                 return data if len(data) <= limit else None
 
-            if not entry.is_dir():
+            if entry.filename and not entry.is_dir():  # a broken one may have no name
                 yield Member(entry.filename, min(entry.compress_size, most), read)
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import parent_process
 from types import FrameType
 
 __all__ = ["LISTEN", "begin_deaf", "ctrl_c_held_back", "end_workers", "workers_begin_deaf"]
@@ -66,8 +68,16 @@ def workers_begin_deaf() -> Iterator[None]:
 
 
 def begin_deaf() -> None:
-    """What a worker does first."""
+    """What a worker does first; from then on it hears no Ctrl-C, and ends when its driver is gone, killed maybe."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_driver, daemon=True).start()
+
+
+def _end_with_driver() -> None:
+    driver = parent_process()
+    if driver is not None:
+        driver.join()
+        os._exit(1)
 
 
 def end_workers(pool: ProcessPoolExecutor) -> None:

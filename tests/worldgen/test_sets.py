@@ -114,6 +114,17 @@ def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([out, f"whole-{out}"])
 
 
+@pytest.mark.skipif(os.name == "nt", reason="sends SIGKILL")
+def test_workers_of_a_command_that_is_killed_end_too(tmp_path):
+    command = ["maze", "--seed", 1, "--count", 5000, "--workers", 2, "--out", tmp_path / "set"]
+    process = subprocess.Popen([sys.executable, "-m", "worldgen", *map(str, command)], stderr=subprocess.PIPE)
+    while not (tmp_path / "set/manifest.jsonl").is_file():
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.kill()
+    process.communicate(timeout=20)  # until nobody holds the other end of its stderr
+
+
 @pytest.mark.parametrize("torn", [1, 30, 700], ids="{} bytes short".format)
 def test_a_torn_manifest_goes_on_from_its_last_whole_line(whole, traps, torn):
     manifest = traps / "manifest.jsonl"
