@@ -9,16 +9,13 @@ from pathlib import Path
 from worldgen.census.case import CensusMap, Ends, Refused
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.interop.foreign_map import ForeignMap
-from worldgen.interop.formats import FORMATS, ReadOptions, find_format
+from worldgen.interop.formats import FORMATS, ReadOptions, find_format, looks_like_a_map
 from worldgen.interop.movingai import read_scenario, scenario_contents
 from worldgen.lattice import UNIT, lattice_to_metres
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target
 
 __all__ = ["FolderMaps", "folder_maps"]
-
-# A text file is a map by its contents alone: most others hold words.
-_SUFFIXES = tuple({suffix for known in FORMATS.values() for suffix in known.suffixes} - {".gz", ".txt"} | {".grid.gz"})
 
 
 @dataclass(frozen=True)
@@ -108,7 +105,7 @@ def folder_maps(
                 scenarios.setdefault(map_name, []).append((path, count))
             except FormatError as error:
                 refused.append(Refused(name, _without_name(error, path)))
-        elif named or _looks_like_a_map(path):
+        elif named or looks_like_a_map(path):
             files.setdefault(path, name)
         else:
             passed_over += 1
@@ -128,16 +125,6 @@ def _walk(paths: Sequence[Path]) -> Iterator[tuple[str, Path, bool]]:
             yield from ((name, file, False) for name, file in sorted(inside))
         else:
             yield path.name, path, True
-
-
-def _looks_like_a_map(path: Path) -> bool:
-    if path.name.lower().endswith(_SUFFIXES):
-        return True
-    try:
-        find_format(path)
-    except FormatError:
-        return False
-    return True
 
 
 def _own_ends(found: ForeignMap) -> tuple[Ends, ...]:

@@ -20,7 +20,7 @@ from worldgen.interop.text_map import read_text_map
 from worldgen.interop.thesis_map import read_thesis_map
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
-__all__ = ["FORMATS", "MapFormat", "ReadOptions", "find_format", "read_map"]
+__all__ = ["FORMATS", "MapFormat", "ReadOptions", "find_format", "looks_like_a_map", "read_map"]
 
 _HEAD = 4096  # bytes looked at to recognise a file
 
@@ -118,6 +118,7 @@ FORMATS = {
         ),
     )
 }  # fmt: skip
+_COMMON = (".txt", ".yaml", ".yml")  # endings of much that is no map
 _PICTURE = re.compile(rb"P[1-6]\s|\x89PNG|BM")
 
 
@@ -135,9 +136,9 @@ def find_format(path: Path, name: str | None = None) -> MapFormat:
             raise InvalidParameter(f"no map format is called {name!r}; {hint}known: {', '.join(FORMATS)}")
         return FORMATS[name]
     head = _head(path)
-    for known in FORMATS.values():
-        if known.magic.match(head):
-            return known
+    by_contents = _by_contents(head)
+    if by_contents is not None:
+        return by_contents
     suffix = path.suffix.lower()
     if suffix in (".pgm", ".png", ".bmp") or _PICTURE.match(head):
         raise FormatError("a picture alone has no scale; give the YAML file that names it", source=str(path))
@@ -150,6 +151,21 @@ def find_format(path: Path, name: str | None = None) -> MapFormat:
     raise FormatError(
         f"is no map that is known: {listed}; if it is one of these, say which with --from", source=str(path)
     )
+
+
+def looks_like_a_map(path: Path) -> bool:
+    """Whether a file among others is worth reading as a map: by its contents, or by an ending that only maps have."""
+    suffix = "" if path.suffix.lower() == ".gz" and not path.name.lower().endswith(".grid.gz") else path.suffix.lower()
+    if suffix not in _COMMON and any(suffix in known.suffixes for known in FORMATS.values()):
+        return True
+    try:
+        return _by_contents(_head(path)) is not None
+    except FormatError:
+        return False
+
+
+def _by_contents(head: bytes) -> MapFormat | None:
+    return next((known for known in FORMATS.values() if known.magic.match(head)), None)
 
 
 def _head(path: Path) -> bytes:

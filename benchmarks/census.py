@@ -1,0 +1,216 @@
+"""The table of docs/census.md: worlds of other people's generators and collections, judged.
+
+``python -m benchmarks.census --barn FOLDER --movingai FOLDER --arena FOLDER`` prints a Markdown table and under it the
+command of each row, with ``--json`` one object. What is not installed, or not given, is skipped, and said so on stderr.
+Not all generators go into one environment; ``--add`` takes the rows of an earlier run elsewhere, from its ``--json``.
+
+- Generators are those of examples/census, each with the version that its file names; another version is said loudly.
+- ``--barn`` is jackal_helper/worlds/BARN of github.com/Daffan/the-barn-challenge,
+- ``--movingai`` a folder with ``maps`` and ``scenarios`` of github.com/nathansttt/hog2,
+- ``--arena`` is ``worlds`` of github.com/Arena-Rosnav/arena-simulation-setup.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import shlex
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+from worldgen.census import CensusOptions, Radius, Tally, folder_maps, generated_maps, take_census, tally
+from worldgen.errors import InvalidParameter
+
+__all__ = ["ROWS", "Row", "measure"]
+
+EXAMPLES = Path(__file__).parents[1] / "examples" / "census"
+CELLS = ("0.45c", "0.7c", "1c")
+SEED = 1
+
+
+@dataclass(frozen=True)
+class Row:
+    """A source and what is asked of it.
+
+    Args:
+        name: In the table.
+        adapter: File of examples/census, for a generator.
+        package: What pip installs for it, and the version that the table is of.
+        options: Keywords of the generator; ``{barn}`` stands for a folder that was given.
+        folders: Folders, for a collection; ``{movingai}`` likewise.
+        radii: As ``--radius`` takes them.
+        pairs: Starts and targets a map.
+        clear_ends: As the option.
+        most: Maps to take at most.
+    """
+
+    name: str
+    adapter: str = ""
+    package: tuple[str, str] | None = None
+    options: tuple[tuple[str, str], ...] = ()
+    folders: tuple[str, ...] = ()
+    radii: tuple[str, ...] = CELLS
+    pairs: int = 1
+    clear_ends: bool = False
+    most: int = 1_000_000
+
+    def command(self, count: int) -> str:
+        """The command line that gives the same figures."""
+        sources = [*self.folders] or [f"./examples/census/{self.adapter}.py:maps"]
+        words = ["worldgen", "census", *sources, *(word for radius in self.radii for word in ("--radius", radius))]
+        words += [] if self.folders else ["--count", str(min(count, self.most))]
+        words += [word for key, value in self.options for word in ("--option", f"{key}={value}")]
+        words += ["--pairs", str(self.pairs)] if self.pairs > 1 else []
+        words += ["--clear-ends"] if self.clear_ends else []
+        return " ".join(shlex.quote(word) if "{" not in word else word for word in [*words, "--seed", str(SEED)])
+
+
+def _generators() -> Iterator[Row]:
+    mazelib, dataset, pogema = ("mazelib", "0.9.16"), ("maze-dataset", "1.4.2"), ("pogema", "1.4.0")
+    for name in ("Prims", "CellularAutomaton"):
+        yield Row(f"mazelib {name}", "mazelib_maps", mazelib, (("generator", name), ("side", "20")))
+    yield Row("maze-dataset gen_dfs", "maze_dataset_maps", dataset, (("generator", "gen_dfs"), ("side", "20")))
+    for p in ("0.4", "0.6"):
+        options = (("generator", "gen_percolation"), ("side", "20"), ("p", p))
+        yield Row(f"maze-dataset gen_percolation, p {p}", "maze_dataset_maps", dataset, options)
+    yield Row("labmaze RandomMaze", "labmaze_maps", ("labmaze", "1.0.6"), (("side", "31"), ("rooms", "6")))
+    yield Row("tcod noise", "tcod_maps", ("tcod", "21.2.2"))
+    yield Row("tcod noise, clear ends", "tcod_maps", ("tcod", "21.2.2"), clear_ends=True)
+    for name in ("SimpleCrossingS11N5", "FourRooms"):
+        options = (("environment", f"MiniGrid-{name}-v0"),)
+        yield Row(f"MiniGrid {name}", "minigrid_maps", ("minigrid", "3.2.0"), options)
+    options = (("environment", "Navix-SimpleCrossingS11N5-v0"),)
+    yield Row("NAVIX SimpleCrossingS11N5", "navix_maps", ("navix", "0.7.4"), options)
+    for density in ("0.1", "0.3"):
+        yield Row(f"POGEMA, density {density}", "pogema_maps", pogema, (("density", density),))
+    yield Row("IR-SIM Perlin", "irsim_maps", ("ir-sim", "2.12.0"))
+    yield Row("IR-SIM Perlin, clear ends", "irsim_maps", ("ir-sim", "2.12.0"), clear_ends=True)
+
+
+def _collections() -> Iterator[Row]:
+    metres = ("0.215", "0.333", "0.35", "0.375")
+    for raster, cell in (("outer", "0.025"), ("inner", "0.025"), ("outer", "0.15")):
+        options = (("folder", "{barn}"), ("raster", raster), ("cell", cell))
+        yield Row(f"BARN, {raster} raster of {cell} m", "barn_worlds", None, options, radii=metres, most=300)
+    for name in ("mazes", "random", "rooms", "dao"):
+        folders = (f"{{movingai}}/maps/{name}", f"{{movingai}}/scenarios/{name}")
+        yield Row(f"MovingAI {name}", folders=folders, pairs=5)
+    yield Row("Arena-Rosnav maps", folders=("{arena}",), radii=("0.105", "0.22", "0.35"), pairs=10, clear_ends=True)
+
+
+ROWS = (*_generators(), *_collections())
+
+
+def measure(row: Row, count: int, given: dict[str, str]) -> dict[str, Any]:
+    """One row: figures, or ``skipped`` with the reason."""
+    missing = _missing(row, given)
+    if missing:
+        return {"name": row.name, "skipped": missing}
+    radii = tuple(map(Radius.parse, row.radii))
+    options = CensusOptions(radii, row.pairs, SEED, row.clear_ends)
+    began = time.perf_counter()
+    if row.folders:
+        maps: Any = folder_maps([Path(part.format(**given)) for part in row.folders], pairs=row.pairs, seed=SEED)
+    else:
+        keywords = {key: value.format(**given) for key, value in row.options}
+        place = f"{EXAMPLES / row.adapter}.py:maps"
+        try:
+            maps = generated_maps(place, count=min(count, row.most), seed=SEED, options=keywords)
+        except InvalidParameter as error:  # installed, and does not load
+            return {"name": row.name, "skipped": str(error)}
+    census = take_census(maps, options)
+    if census.interrupted:
+        raise KeyboardInterrupt
+    sides = sorted({max(question.width, question.height) for question in census.questions})
+    return {
+        "name": row.name,
+        "maps": census.maps,
+        "refused": len(census.refused),
+        "fault": census.fault,
+        "sides": sides[:1] + sides[-1:],
+        "command": row.command(count),
+        "seconds": time.perf_counter() - began,
+        "radii": [_figures(one) for one in tally(census)],
+    }
+
+
+def _figures(one: Tally) -> dict[str, Any]:
+    return {"radius": str(one.asked), "questions": one.questions, **one.counts, "prover_seconds": one.seconds}
+
+
+def _missing(row: Row, given: dict[str, str]) -> str:
+    """Why a row cannot be made, if so."""
+    for word in (*row.folders, *(value for _, value in row.options)):
+        name = word.removeprefix("{").partition("}")[0]
+        if "{" in word and name not in given:
+            return f"--{name} is not given"
+    if row.package is None:
+        return ""
+    name, version = row.package
+    try:
+        found = importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return f"{name} is not installed: pip install {name}=={version}"
+    return "" if found == version else f"{name} is {found}, the table is of {version}: pip install {name}=={version}"
+
+
+COLUMNS = {
+    "reachable": "reachable",
+    "blocked": "blocked",
+    "no_room": "no room",
+    "four_only": "4-grid only",
+    "four_parted": "with room",
+    "eight_only": "8-grid only",
+    "eight_parted": "with room",
+    "undecided": "undecided",
+    "costmap_wrong_yes": "costmap wrong: yes",
+    "costmap_wrong_no": "no",
+    "square_wrong_no": "square wrong: no",
+}
+
+
+def table(results: Sequence[dict[str, Any]]) -> str:
+    """Markdown: a row a source and radius, with counts; then the commands."""
+    heads = ["source", "maps", "radius", "questions", *COLUMNS.values()]
+    lines = [f"| {' | '.join(heads)} |", f"| --- | {' | '.join(['---:'] * (len(heads) - 1))} |"]
+    for result in results:
+        for index, one in enumerate(result["radii"]):
+            first = [result["name"], str(result["maps"])] if index == 0 else ["", ""]
+            counts = [str(one[key]) for key in COLUMNS]
+            lines.append(f"| {' | '.join([*first, one['radius'], str(one['questions']), *counts])} |")
+    return "\n".join([*lines, "", "```sh", *(result["command"] for result in results), "```"])
+
+
+@click.command()
+@click.option("--count", default=500, show_default=True, help="Maps of each generator.")
+@click.option("--only", multiple=True, help="Rows whose name begins so.")
+@click.option("--barn", type=click.Path(exists=True))
+@click.option("--movingai", type=click.Path(exists=True))
+@click.option("--arena", type=click.Path(exists=True))
+@click.option("--add", type=click.Path(exists=True, path_type=Path), multiple=True, help="JSON of other environments.")
+@click.option("--json", "as_json", is_flag=True)
+def main(count: int, only: tuple[str, ...], add: tuple[Path, ...], as_json: bool, **folders: str | None) -> None:
+    """Judges every source that is there."""
+    given = {name: folder for name, folder in folders.items() if folder is not None}
+    added = {row["name"]: row for file in add for row in json.loads(file.read_text())["rows"]}
+    results, skipped = [], []
+    for row in ROWS:
+        if only and not row.name.startswith(only):
+            continue
+        result = added.get(row.name) or measure(row, count, given)
+        (skipped if "skipped" in result else results).append(result)
+        click.echo(f"{row.name}: {result.get('skipped') or str(round(result['seconds'])) + ' s'}", err=True)
+    click.echo(json.dumps({"rows": results, "skipped": skipped}) if as_json else table(results))
+    for result in skipped:
+        click.echo(f"SKIPPED: {result['name']}: {result['skipped']}", err=True)
+    sys.exit(1 if skipped and not results else 0)
+
+
+if __name__ == "__main__":
+    main()
