@@ -1,0 +1,88 @@
+"""The adapters of examples/census, and the script that makes the table of docs/census.md."""
+
+import importlib.util
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from benchmarks.census import ROWS, main
+from tests.helpers.command_line import worldgen
+from worldgen.census import generated_maps
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "examples" / "census"
+MODULES = {
+    "irsim_maps": "irsim", "labmaze_maps": "labmaze", "maze_dataset_maps": "maze_dataset", "mazelib_maps": "mazelib",
+    "minigrid_maps": "minigrid", "navix_maps": "navix", "pogema_maps": "pogema", "tcod_maps": "tcod",
+}  # fmt: skip
+POST = """<model name='post'><static>1</static><pose frame=''>{x} {y} 0 0 0 0</pose><link name='link'>
+<collision name='c'><geometry><cylinder><radius>{radius}</radius><length>1</length></cylinder></geometry></collision>
+</link></model>"""
+PLANE = (
+    "<model name='ground'><link name='l'><collision name='c'><geometry><plane/></geometry></collision></link></model>"
+)
+
+
+@pytest.mark.parametrize("name", sorted(MODULES))
+def test_an_adapter_gives_judgeable_maps_and_the_same_for_the_same_seed(name, tmp_path):
+    if importlib.util.find_spec(MODULES[name]) is None:
+        pytest.skip(f"{MODULES[name]} is not installed, so {name}.py is not tested; its docstring says what to install")
+    tables = []
+    for run in ("a.csv", "b.csv"):
+        args = ["census", f"{FOLDER / name}.py:maps", "--count", 3, "--seed", 5, "--csv", tmp_path / run, "--json"]
+        words = [sys.executable, "-m", "worldgen", *map(str, args)]
+        done = subprocess.run(words, capture_output=True, text=True, check=True, cwd=tmp_path)
+        tables.append((tmp_path / run).read_text())
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert found["maps"] == 3 and not found["refused"] and tables[0] == tables[1]
+
+
+def test_every_generators_adapter_is_tested_here():
+    assert {path.stem for path in FOLDER.glob("*.py")} == {*MODULES, "barn_worlds"}
+    assert {row.adapter for row in ROWS if row.adapter} == {*MODULES, "barn_worlds"}
+
+
+@pytest.fixture
+def barn(tmp_path):
+    """Two worlds of posts 0.15 m apart in a row across the way: one with a gap of 0.6 m, one without."""
+    for number, gap in enumerate((range(13, 17), range(0))):
+        posts = [POST.format(x=-4.425 + 0.15 * index, y=7.425, radius=0.075) for index in range(30) if index not in gap]
+        text = f"<sdf version='1.6'><world name='w'>{PLANE}{''.join(posts)}</world></sdf>"
+        (tmp_path / f"world_{number}.world").write_text(text)
+    return tmp_path
+
+
+@pytest.mark.parametrize(("raster", "radius", "reachable"), [
+    ("outer", "0.3", 1), ("outer", "0.31", 0), ("inner", "0.35", 1), ("inner", "0.36", 0),
+])  # fmt: skip
+def test_posts_are_rasterised_from_outside_or_inside(barn, raster, radius, reachable):
+    options = ["--option", f"folder={barn}", "--option", f"raster={raster}", "--option", "cell=0.05"]
+    args = [f"{FOLDER}/barn_worlds.py:maps", *options, "--radius", radius, "--json"]
+    found = json.loads(worldgen("census", *args, "--seed", 1).out)
+    assert found["maps"] == 2 and found["radii"][0]["reachable"]["count"] == reachable
+
+
+def test_an_inner_raster_lies_in_the_outer_one_and_a_coarse_one_has_a_cell_for_each_post(barn):
+    def cells(**options):
+        text = {key: str(value) for key, value in {"folder": barn, **options}.items()}
+        return next(iter(generated_maps(f"{FOLDER}/barn_worlds.py:maps", count=1, seed=1, options=text))).walls
+
+    inner, outer = cells(raster="inner", cell=0.025), cells(raster="outer", cell=0.025)
+    assert 0 < np.count_nonzero(inner) < np.count_nonzero(outer) and not (inner & ~outer).any()
+    assert np.count_nonzero(cells(raster="outer", cell=0.15)) == 26
+
+
+def test_a_folder_without_worlds_is_one_sentence():
+    result = worldgen("census", f"{FOLDER}/barn_worlds.py:maps", "--option", "folder=none", "--seed", 1)
+    assert result.code == 2 and "none has no world_*.world; name the challenge's" in result.err
+
+
+def test_the_table_says_loudly_what_it_skips(barn):
+    result = CliRunner().invoke(main, ["--count", "2", "--only", "BARN", "--only", "Arena", "--barn", str(barn)])
+    assert "| BARN, outer raster of 0.025 m | 2 | 0.215 m | 2 | 1 | 1 |" in result.stdout
+    assert "SKIPPED: Arena-Rosnav maps: --arena is not given" in result.stderr
