@@ -6,6 +6,7 @@ import math
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between, family
@@ -60,16 +61,7 @@ def warehouse(
 
     walls = np.ones((size, size), dtype=bool)
     walls[1:-1, 1:-1] = False
-    across = size // 2 - aisle // 2  # first row of the aisle that crosses the others
-    lower, upper = (1 + aisle, across), (across + aisle, size - 1 - aisle)
-    set_off = (rack + aisle) // 2 if layout == "fishbone" else 0
-    for (low, high), offset in ((lower, 0), (upper, set_off)):
-        for x in range(1 + aisle + offset, size - aisle - rack, rack + aisle):
-            walls[low:high, x : x + rack] = True
-            for y in range(low, high - 1, 2):
-                if rng.random() < pallets:
-                    walls[y : y + 2, x + rack : x + rack + aisle - 1] = True
-
+    _put_racks(rng, walls, layout, aisle, rack, pallets)
     near, far = (1 + aisle / 2) * cell_size, (size - 1 - aisle / 2) * cell_size
     return World(
         walls,
@@ -79,3 +71,19 @@ def warehouse(
         robot_radius=robot_radius,
         robot_speed=robot_speed,
     )
+
+
+def _put_racks(
+    rng: RandomStream, walls: npt.NDArray[np.bool_], layout: str, aisle: int, rack: int, pallets: float
+) -> None:
+    """Makes racks solid in two halves, and pallets beside them."""
+    size = len(walls)
+    across = size // 2 - aisle // 2  # first row of the aisle that crosses the others
+    lower, upper = (1 + aisle, across), (across + aisle, size - 1 - aisle)
+    set_off = (rack + aisle) // 2 if layout == "fishbone" else 0
+    for (low, high), offset in ((lower, 0), (upper, set_off)):
+        for x in range(1 + aisle + offset, size - aisle - rack, rack + aisle):
+            walls[low:high, x : x + rack] = True
+            for y in range(low, high - 1, 2):
+                if rng.random() < pallets:
+                    walls[y : y + 2, x + rack : x + rack + aisle - 1] = True

@@ -12,6 +12,7 @@ from worldgen.compose import Piece, above, beside, drawn, of_cells, of_family, o
 from worldgen.errors import InvalidParameter
 from worldgen.generation import generate
 from worldgen.grid_file import write_world
+from worldgen.lattice import TURN
 
 HOW = ("over", "union", "intersection", "carve")
 TIMES = (0.0, 0.7, 1.0, 9.0)
@@ -108,6 +109,26 @@ def test_a_thin_wall_has_no_hole_at_any_angle(degrees):
         assert filled[iy, ix + 1] or filled[iy + 1, ix], "the wall hangs together by a corner alone"
     for iy, ix in np.argwhere(filled[:-1, 1:] & filled[1:, :-1]):
         assert filled[iy, ix] or filled[iy + 1, ix + 1], "the wall hangs together by a corner alone"
+
+
+def test_turning_is_counter_clockwise_for_cells_marks_and_headings():
+    turned = drawn("S.#").with_start(0.5, 0.5, degrees=0).rotate(1)
+    assert turned.solid[:, 0].tolist() == [False, False, True]
+    start = turned.marks["start"]
+    assert (start.x, start.y, start.heading) == (0.5, 0.5, TURN // 4)
+
+
+def test_a_turn_by_any_angle_goes_the_same_way_round():
+    bar = rectangle(20, 2).with_mark("tip", 20, 1, degrees=0)
+    tip, middle = bar.turn(30).marks["tip"], bar.turn(30).width / 2
+    assert tip.x > middle and tip.y > bar.turn(30).height / 2 and tip.heading == round(TURN / 12)
+    assert abs(bar.turn(89).marks["tip"].y - bar.turn(90).marks["tip"].y) <= 2
+
+
+def test_a_mirrored_heading_looks_the_other_way():
+    piece = rectangle(4, 2).with_start(1, 1, degrees=30)
+    assert piece.mirror("x").marks["start"].heading == piece.with_start(1, 1, degrees=150).marks["start"].heading
+    assert piece.mirror("y").marks["start"].heading == piece.with_start(1, 1, degrees=-30).marks["start"].heading
 
 
 def test_a_piece_cannot_be_changed():
