@@ -21,7 +21,7 @@ from worldgen.reach.effort import PATIENCE, Effort, effort
 from worldgen.reach.flood import flood, flood_compiled
 from worldgen.reach.lattice_graph import Graph, build_graph, find_path, neighbour_shifts
 from worldgen.reach.path import clearance_sq, shorten
-from worldgen.reach.prove import decide
+from worldgen.reach.prove import decide, decide_many
 from worldgen.reach.segments import scan_piece
 from worldgen.reach.walls import Walls, segment_box_sq
 
@@ -211,3 +211,18 @@ def test_small_worlds_are_left_to_plain_python_until_that_has_cost_as_much_as_lo
     assert not any(done[:-1])
     assert done[-1]
     assert Effort().pays_to_compile(10**6)
+
+
+@given(worlds=st.lists(still_worlds(), min_size=1, max_size=4))
+def test_many_worlds_are_decided_as_one_by_one(worlds):
+    assert decide_many(worlds) == [decide(world) for world in worlds]
+    bare = decide_many(worlds, certificate=False)
+    assert [decision.result for decision in bare] == [decide(world).result for world in worlds]
+
+
+def test_thousands_of_worlds_are_decided_by_compiled_code_from_the_first_on():
+    expecting = Effort()
+    expecting.expect(PATIENCE // 2)
+    assert not expecting.pays_to_compile(3600)
+    expecting.expect(PATIENCE)
+    assert expecting.pays_to_compile(3600)

@@ -1,6 +1,7 @@
 """Reachability of the target for a disc: a proof either way, and an independent checker.
 
-``decide`` proves, and ``decide_in_time`` does so for a deadline; ``latest_start`` says how long the robot may wait.
+``decide`` proves, ``decide_many`` does so of many worlds, ``decide_in_time`` for a deadline; ``latest_start`` says how
+long the robot may wait.
 ``check_certificate`` and ``check_confinement`` check, ``witness_margin`` measures how much later a timed witness may
 begin (these three load shapely, so they are imported when first used).
 """
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from worldgen.reach.confinement import Confinement
 from worldgen.reach.deadline import decide_in_time, latest_start, until
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision
-from worldgen.reach.prove import decide
+from worldgen.reach.prove import decide, decide_many
 from worldgen.reach.widest import widest_disc
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ __all__ = [
     "check_confinement",
     "decide",
     "decide_in_time",
+    "decide_many",
     "delayed",
     "latest_start",
     "until",

@@ -25,6 +25,11 @@ class Effort:
         self.spent += nodes
         return self.is_loaded
 
+    def expect(self, nodes: int) -> None:
+        """Makes ready for graphs of so many nodes in all."""
+        if self.spent + nodes > PATIENCE:
+            self.spent = PATIENCE
+
     @property
     def is_loaded(self) -> bool:
         """Whether the kernels are, or are about to be."""

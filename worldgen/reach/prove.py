@@ -25,17 +25,16 @@ from worldgen.reach.walls import Cell, ExactPoint, Walls
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, World
 
-__all__ = ["decide"]
+__all__ = ["decide", "decide_many"]
 
 _FINER = (4, 8, 16)  # nodes per cell side where half cells neither find a path nor leave a cut
 _MOST_NODES = 40_000_000  # a finer graph than this is not searched: about 1 GB
 _MOST_TIMED_NODES = 4_000_000  # likewise in time
-_HALF = Fraction(1, 2)
 _NONE = np.zeros(0, np.int64)
 _ROUNDING = Fraction(1, 2**120)  # share of the radius by which a way to a pose that is no fraction may be too near
 
 
-def decide(world: World, *, radius: float | None = None, margin: float = 0.0) -> Decision:
+def decide(world: World, *, radius: float | None = None, margin: float = 0.0, certificate: bool = True) -> Decision:
     """Whether a disc can get from the start to the target.
 
     Args:
@@ -43,6 +42,8 @@ def decide(world: World, *, radius: float | None = None, margin: float = 0.0) ->
         radius: Radius of the disc, m; the robot's where left out.
         margin: s. The witness of a world that changes holds too when the robot first waits at the start for any time
             up to this long, and then does everything so much later.
+        certificate: Whether the witness of a still world is wanted. Without it, small worlds take half the time: the
+            path is found all the same, but not straightened and measured.
 
     Raises:
         InvalidParameter: If the radius is not a finite number above 0, or the margin not one from 0 on.
@@ -54,9 +55,24 @@ def decide(world: World, *, radius: float | None = None, margin: float = 0.0) ->
         with np.errstate(all="ignore"):  # event times near the largest float
             if world.is_dynamic:
                 return _decide_changing(world, radius, margin)
-            return _Question(world, radius).answer()
+            return _Question(world, radius).answer(certificate=certificate)
     except OverflowError:
         return Decision(UNDECIDED, None, "lengths, speed and times are too far apart for numbers to hold them")
+
+
+def decide_many(worlds: Sequence[World], *, radius: float | None = None, certificate: bool = True) -> list[Decision]:
+    """What :func:`decide` says of each of many worlds; of thousands of small ones in compiled code from the first on.
+
+    Args:
+        worlds: Any worlds.
+        radius: Radius of the disc, m; each world's robot's where left out.
+        certificate: Whether the witnesses of still worlds are wanted.
+
+    Raises:
+        InvalidParameter: If the radius is not a finite number above 0.
+    """
+    effort.expect(4 * sum(world.walls.size for world in worlds))
+    return [decide(world, radius=radius, certificate=certificate) for world in worlds]
 
 
 def _decide_changing(world: World, radius: float, margin: float) -> Decision:
@@ -134,12 +150,13 @@ class _Question:
             return 0 <= column < columns and 0 <= row < rows and bool(self._halves.clear[row, column])
         return self.walls.is_clear(point, point)
 
-    def answer(self) -> Decision:
-        """The decision."""
+    def answer(self, *, certificate: bool = True) -> Decision:
+        """The decision, with its witness if that is asked for; a cut comes with it always."""
         bad_start = self.judge_start()
         if bad_start is not None:
             return bad_start
-        centre = (math.floor(self.disc.x + _HALF), math.floor(self.disc.y + _HALF))
+        target, cell_size = self.world.target, self.world.cell_size
+        centre = (metres_to_lattice(target.x, cell_size), metres_to_lattice(target.y, cell_size))
         in_the_middle = centre[0] == self.disc.x and centre[1] == self.disc.y  # mostly, and quicker to see
         if (in_the_middle or self.disc.holds(centre)) and self._is_clear(centre):
             self.goal = centre
@@ -152,6 +169,8 @@ class _Question:
         if not found:
             reason = "there is a way, only just wide enough for the disc, and no path along it was found"
             return Decision(UNDECIDED, None, reason)
+        if not certificate:
+            return Decision(REACHABLE, None, "a path was found; its witness was not asked for")
         points: list[ExactPoint] = [*shorten(self.walls, found, compiled=self.compiled)]
         if self.exact_start != points[0]:
             points.insert(0, self.exact_start)
@@ -179,7 +198,7 @@ class _Question:
         ends = _links(self.goal_walls, graph, self.goal) if self.goal is not None else []
         if not sources:
             return []
-        toward = (round(self.disc.x / unit), round(self.disc.y / unit))
+        toward = _nearest_node(self.disc, unit)
         nodes: list[int] = []
         if self.compiled and ends and not pinched:  # mostly there is no need to look for other ends
             nodes = find_path(graph, sources, ends, _NONE, toward, compiled=True)
@@ -251,6 +270,11 @@ class _Question:
         if stopped_sq is not None:
             clearance = min(clearance, root_up(stopped_sq * cell_size**2))
         return Cut(np.array(chain, np.int64), clearance)
+
+
+@functools.lru_cache(maxsize=1024)
+def _nearest_node(disc: Disc, unit: int) -> tuple[int, int]:
+    return round(disc.x / unit), round(disc.y / unit)
 
 
 def _gap_sq(a: Cell, b: Cell) -> int:
