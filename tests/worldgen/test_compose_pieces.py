@@ -202,6 +202,15 @@ def test_a_word_says_where_a_piece_goes(where, corner):
     assert host.place(rectangle(2, 1, solid=True), at=where) == host.place(rectangle(2, 1, solid=True), at=corner)
 
 
+@pytest.mark.parametrize(
+    ("where", "anchor", "corner"),
+    [((4, 3), "centre", (3, 3)), ((6.5, 2), "upper-right", (5, 1)), ("b", "lower-left", (5, 3)), ((3, 3), "a", (2, 3))],
+)
+def test_an_anchor_says_what_of_the_piece_goes_there(where, anchor, corner):
+    host, piece = rectangle(8, 6).with_mark("b", 5.0, 3.0), rectangle(2, 1, solid=True).with_mark("a", 1, 0)
+    assert host.place(piece, at=where, anchor=anchor) == host.place(piece, at=corner)
+
+
 def test_a_piece_keeps_clear_of_the_sides_and_of_start_and_target_wherever_it_is_drawn():
     host = of_family("rooms", 2, size=24)
     block = rectangle(5, 5, solid=True)
@@ -242,6 +251,9 @@ WRONG = {
     "sticks-out": (lambda p: p.place(p, at=(1, 0)), r"4 x 3 cells at \(1, 0\) sticks out of 4 x 3 cells"),
     "how": (lambda p: p.place(p, how="under"), "how='under' is not one of over, union, intersection, carve"),
     "word": (lambda p: p.place(p, at="middle"), "at='middle' is no place in the host; .* centre, "),
+    "anchor": (lambda p: p.place(p, at=(0, 0), anchor="c"), "anchor='c' is no point of the piece; give one of lower"),
+    "anchored": (lambda p: p.place(p, at="left", anchor="left"), "anchor='left' goes with a place in cells or a mark"),
+    "half": (lambda p: p.place(p, at=(0.5, 0)), "at x=0.5 is no whole number"),
     "no-seed": (lambda p: p.place(p, at="anywhere"), "at='anywhere' is drawn; give it a seed"),
     "no-room": (lambda p: p.place(p, at="anywhere", seed=1), "fits nowhere anywhere in 4 x 3 cells .* a margin of 1"),
     "no-start": (lambda p: p.place(p, start="piece"), "start='piece', and the piece has no start"),

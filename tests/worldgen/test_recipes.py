@@ -128,6 +128,23 @@ def test_a_recipe_without_chance_that_cannot_be_solved_says_that_no_seed_helps()
         generate(family_from_recipe(walled), 1)
 
 
+def test_steps_as_tables_of_their_own_are_the_same_recipe():
+    inline = SMALL[SMALL.index("steps = [") :]
+    table = """[[part.steps]]
+border = 1
+[[part.steps]]
+start = [2.5, 2.5]
+[[part.steps]]
+target = ["= size - 0.5", "= size - 0.5"]
+[[part.steps]]
+place = "stone"
+at = [{ from = 5, to = "= size - 5" }, 5]
+how = "union"
+"""
+    apart = family_from_recipe(SMALL.replace(inline, table))
+    assert world_digest(generate(apart, 3)) == world_digest(generate(family_from_recipe(SMALL), 3))
+
+
 def test_a_map_that_a_recipe_reads_travels_with_its_worlds(tmp_path):
     write_world(generate("rooms", 3, size=24), tmp_path / "office.grid")
     text = 'recipe = "on-a-map"\n[[part]]\nname = "office"\nfile = "office.grid"\n'
@@ -195,7 +212,7 @@ UNFIT = {
     "size": ("{ border = 1 }", "{ border = -1 }", r"part 'room', step 1 \(border\): border=-1 is no whole number"),
     "axis": ("{ border = 1 }", '{ mirror = "z" }', r"step 1 \(mirror\): mirror='z' is neither"),
     "huge": ("{ border = 1 }", "{ tile = [9999, 9999] }", r"step 1 \(tile\): tile gives 119988 x 119988 cells"),
-    "work": ("{ border = 1 }", "{ scale = 300 }, { rotate = 2 }, { rotate = 2 }, { rotate = 2 }, { rotate = 2 }",
+    "work": ("{ border = 1 }", "{ scale = 300 }, { keep = 'walls' }" + ", { fill = 'free' }" * 3,
              "the recipe makes more than 64000000 cells"),
     "range": ("from = 5", "from = 50", r"step 4 \(place\): from 50 to 7 is empty"),
     "zero": ("size - 5", "size // 0", r"step 4 \(place\): 'size // 0' divides by zero"),

@@ -140,7 +140,7 @@ class Run:
             draw = rng.child(time)
             options = {key: self._value(spec, draw, key) for key, spec in step.options.items() if key != "times"}
             at = options.get("at", [0, 0])
-            options["at"] = at if isinstance(at, str) else tuple(_numbers(at, 2, "at"))
+            options["at"] = at if isinstance(at, str) else _point(at, "at")
             if "margin" in options:
                 whole("margin", options["margin"], 0, MAX_SIDE)
             part = self._part(str(self._value(step.value, draw, "place")))

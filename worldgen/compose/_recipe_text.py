@@ -47,7 +47,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
 }
 # What a step does, with what may stand beside it.
 VERBS: dict[str, tuple[str, ...]] = {
-    "place": ("at", "how", "outside", "start", "target", "margin", "times"),
+    "place": ("at", "anchor", "how", "outside", "start", "target", "margin", "times"),
     "mirror": (),
     "rotate": (),
     "turn": (),

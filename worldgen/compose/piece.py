@@ -406,7 +406,8 @@ class Piece:
         self,
         piece: Piece,
         *,
-        at: tuple[int, int] | str = (0, 0),
+        at: tuple[float, float] | str = (0, 0),
+        anchor: str | None = None,
         how: How = "over",
         outside: str = "refuse",
         start: str = "host",
@@ -419,9 +420,11 @@ class Piece:
         Args:
             piece: What to put down. Its marks come along where the host has none of their names.
             at: Where its lower left cell goes, in cells; or a word: ``centre``, a side (``left``, ``top``, ...) or a
-                corner (``lower-left``, ...); or a mark of the host, on which the piece's middle goes; or drawn:
-                ``way``, its middle on the way from the host's start to its target, or ``anywhere``, both clear of
-                start and target.
+                corner (``lower-left``, ...) inside the host; or a mark of the host, on which the piece's middle goes;
+                or drawn: ``way``, its middle on the way from the host's start to its target, or ``anywhere``, both
+                clear of start and target.
+            anchor: What of the piece goes to the place or mark instead: its ``centre``, a side, a corner, or a mark
+                of its own; to the nearest whole cell.
             how: ``over``: what the piece says replaces what was there. ``union``: walls of both. ``intersection``:
                 walls where both have them, so that the piece's floor is dug out. ``carve``: the piece's walls are
                 cut out. Where the host says nothing, the piece alone counts; nothing is carved there.
@@ -438,7 +441,7 @@ class Piece:
         """
         check_choice("how", how, tuple(HOW))
         check_choice("outside", outside, ("refuse", "clip", "grow"))
-        x, y = self._corner(piece, at, margin, seed)
+        x, y = self._corner(piece, at, anchor, margin, seed)
         over = [max(0, -x), max(0, x + piece.width - self.width), max(0, -y), max(0, y + piece.height - self.height)]
         host = self
         if any(over) and outside == "refuse":
@@ -455,19 +458,29 @@ class Piece:
         )
 
     def _corner(
-        self, piece: Piece, at: tuple[int, int] | str, margin: int, seed: int | RandomStream | None
+        self,
+        piece: Piece,
+        at: tuple[float, float] | str,
+        anchor: str | None,
+        margin: int,
+        seed: int | RandomStream | None,
     ) -> tuple[int, int]:
         """First cell of a piece that is to be placed."""
-        if not isinstance(at, str):
-            x, y = at
-            return whole("at x", x, -MAX_SIDE, MAX_SIDE), whole("at y", y, -MAX_SIDE, MAX_SIDE)
         whole("margin", margin, 0, MAX_SIDE)
         sizes = (self.width, self.height), (piece.width, piece.height)
+        if not isinstance(at, str):
+            x, y = at
+            if anchor is None:
+                return whole("at x", x, -MAX_SIDE, MAX_SIDE), whole("at y", y, -MAX_SIDE, MAX_SIDE)
+            return piece._anchored(mark_at(x, y), anchor)
+        if at in self.marks and at not in (*NAMED, *DRAWN):
+            return piece._anchored(self.marks[at], anchor or "centre")
+        if anchor is not None:
+            raise InvalidParameter(
+                f"anchor={anchor!r} goes with a place in cells or a mark, not with at={at!r}; leave it out"
+            )
         if at in NAMED:
             return named_corner(at, *sizes, margin)
-        if at in self.marks and at not in DRAWN:
-            mark = self.marks[at]
-            return math.floor(mark.x - Fraction(piece.width - 1, 2)), math.floor(mark.y - Fraction(piece.height - 1, 2))
         if at not in DRAWN:
             words = ", ".join((*NAMED, *DRAWN, *self.marks))
             raise InvalidParameter(f"at={at!r} is no place in the host; give [x, y] in cells, or one of {words}")
@@ -480,6 +493,17 @@ class Piece:
         marks = marks_of(world) if world is not None else self.marks
         free = [(marks[name], in_cells(radius, size)) for name in (START, TARGET) if name in marks]
         return draw_corner(rng, *sizes, margin, free, way, size)
+
+    def _anchored(self, place: Mark, anchor: str) -> tuple[int, int]:
+        """First cell of this piece where a point of it goes to a place."""
+        if anchor in self.marks:
+            x, y = self.marks[anchor].x, self.marks[anchor].y
+        elif anchor in NAMED:
+            x, y = (Fraction(half * n, 2) for half, n in zip(NAMED[anchor], (self.width, self.height), strict=True))
+        else:
+            words = ", ".join((*NAMED, *self.marks))
+            raise InvalidParameter(f"anchor={anchor!r} is no point of the piece; give one of {words}")
+        return math.floor(place.x - x + HALF), math.floor(place.y - y + HALF)
 
     def _with(self, piece: Piece, x: int, y: int, how: How) -> Piece:
         """This piece with another on it, what sticks out cut off."""
