@@ -167,6 +167,20 @@ def test_a_foreign_map_travels_as_its_digest_and_a_change_is_noticed(tmp_path, m
         generate(made.family, made.seed, **made.params)
 
 
+def test_a_map_whose_cells_lie_in_another_file_is_noticed_when_they_change(tmp_path, monkeypatch):
+    for name in ("mrpt-uwb-demo.yaml", "mrpt-uwb-demo.pgm"):
+        (tmp_path / name).write_bytes(Path("corpora/maps", name).read_bytes())
+    lines = ('recipe = "hall"', "[parameters]", "cell_size = 0.04", "robot_radius = 0.2", "[[part]]", 'name = "m"')
+    (tmp_path / "r.toml").write_text("\n".join((*lines, 'file = "mrpt-uwb-demo.yaml"', "")))
+    made = generate(str(tmp_path / "r.toml"), 1).provenance
+    monkeypatch.chdir(tmp_path)
+    pixels = bytearray((tmp_path / "mrpt-uwb-demo.pgm").read_bytes())
+    pixels[len(pixels) // 2] ^= 0xFF
+    (tmp_path / "mrpt-uwb-demo.pgm").write_bytes(pixels)
+    with pytest.raises(FormatError, match="has changed since the world was made of it"):
+        generate(made.family, made.seed, **made.params)
+
+
 def edited(old, new):
     assert old in SMALL
     return SMALL.replace(old, new)
@@ -194,6 +208,7 @@ FAULTS = {
     "family": (edited("rows = ", "family = 'tarp' #"), "part 'stone': no family is called 'tarp'; did you mean 'trap'"),
     "code": (edited("rows = ", "family = './x.py:y' #"), "'./x.py:y' is no registered family"),
     "elsewhere": (edited("rows = ", "file = '../w.grid' #"), "'../w.grid' lies elsewhere; put it beside the recipe"),
+    "drawing": (edited("##\n##", "##\n#"), "r.toml:10: part 'stone': row 2 of a drawing has 1 signs"),
     "absent": (edited("rows = ", "file = 'w.grid' #"), "part 'stone': .*w.grid: cannot be read"),
 }  # fmt: skip
 
@@ -220,7 +235,6 @@ UNFIT = {
     "word": ("size - 5", "side", "'side': side is 'left', no number"),
     "shape": ("[2.5, 2.5]", "[2.5]", r"step 2 \(start\): start=\[2.5\] is no place; give \[x, y\] in cells"),
     "outside": ("[2.5, 2.5]", "[99, 1]", r"step 2 \(start\): start at \(99, 1\) lies outside"),
-    "drawing": ("##\n##", "##\n#", "part 'stone': row 2 of a drawing has 1 signs"),
 }  # fmt: skip
 
 

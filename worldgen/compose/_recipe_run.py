@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from worldgen.compose._recipe_text import ROBOT, Part, RecipeText, Step
 from worldgen.compose._values import Scalar, Spec, value_of
 from worldgen.compose.piece import Piece, whole
-from worldgen.compose.sources import above, beside, drawn, of_family, rectangle
+from worldgen.compose.sources import above, beside, of_family, rectangle
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, check_choice
 from worldgen.random_streams import RandomStream
@@ -36,7 +36,7 @@ class Run:
 
     Args:
         recipe: What to make.
-        files: The pieces of its ``file`` parts, by their names.
+        ready: The pieces of its drawings and files, by the names of their parts.
         params: Its parameters.
         rng: The only source of chance.
         work: Cells made so far, for this layout and for those that did not fit before it.
@@ -45,12 +45,12 @@ class Run:
     def __init__(
         self,
         recipe: RecipeText,
-        files: Mapping[str, Piece],
+        ready: Mapping[str, Piece],
         params: Mapping[str, Scalar],
         rng: RandomStream,
         work: Work,
     ) -> None:
-        self._recipe, self._files, self._params, self._rng, self._work = recipe, files, params, rng, work
+        self._recipe, self._ready, self._params, self._rng, self._work = recipe, ready, params, rng, work
         self._made: dict[str, Piece] = {}
 
     def piece(self) -> Piece:
@@ -98,10 +98,8 @@ class Run:
         options = {key: self._value(spec, rng, key) for key, spec in part.options.items()}
         if part.source == "family":
             return self._family(str(value), part, options.get("seed"), rng)
-        if part.source == "rows":
-            return drawn(str(value))
-        if part.source == "file":
-            return self._files[str(value)]
+        if part.source in ("rows", "file"):
+            return self._ready[part.name]
         if part.source == "box":
             width, height = _numbers(value, 2, "box")
             fill = options.get("fill", "free")

@@ -2,7 +2,7 @@
 
 A recipe's whole text travels in the provenance of every world that it makes, with the ``.grid`` files that it
 reads; so a world is made again from its file alone. Larger maps, and those of other formats, travel as their
-SHA-256: when they are read again they must be the same.
+SHA-256 of their cells: when they are read again they must be the same.
 """
 
 from __future__ import annotations
@@ -15,12 +15,14 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
+import numpy as np
+
 from worldgen.compose._recipe_run import Run, Work
 from worldgen.compose._recipe_text import MAX_BYTES, Declared, RecipeText, read_recipe, words_of
 from worldgen.compose._values import Scalar, is_drawn
 from worldgen.compose._where import DRAWN
 from worldgen.compose.piece import Piece
-from worldgen.compose.sources import first_possible, of_world, read
+from worldgen.compose.sources import drawn, first_possible, of_world, read
 from worldgen.errors import FormatError, GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES, MARGIN, Build, Family, check_at_least, check_between, family
 from worldgen.grid_file import loads
@@ -63,7 +65,7 @@ def family_from_recipe(
     text = text.replace("\r\n", "\n")
     read_text = read_recipe(text, source)
     _check_families(read_text, source)
-    pieces, kept = _read_files(read_text, folder or Path(), dict(files or {}), source)
+    pieces, kept = _read_pieces(read_text, folder or Path(), dict(files or {}), source)
     constants: dict[str, Value] = {"recipe": text, "made_with": _versions(read_text)}
     if kept:
         constants["files"] = {**kept}
@@ -111,25 +113,25 @@ def _check_families(recipe: RecipeText, source: str | None) -> None:
                 raise FormatError(f"{part.place}: {error}", line=part.line, source=source) from error
 
 
-def _read_files(
+def _read_pieces(
     recipe: RecipeText, folder: Path, given: dict[str, str], source: str | None
 ) -> tuple[dict[str, Piece], dict[str, str]]:
-    """The pieces of a recipe's files, and what provenance keeps of each."""
+    """The pieces of a recipe's drawings and files by part, and what provenance keeps of each file."""
     pieces: dict[str, Piece] = {}
     kept: dict[str, str] = {}
     for part in recipe.parts.values():
-        if part.source != "file" or str(part.value) in pieces:
-            continue
-        name = str(part.value)
-        pure = PurePosixPath(name)
-        if pure.is_absolute() or ".." in pure.parts or "\\" in name or "\0" in name:
-            raise FormatError(
-                f"{part.place}: file={name[:60]!r} lies elsewhere; put it beside the recipe, or in a folder there",
-                line=part.line,
-                source=source,
-            )
+        text = str(part.value)
         try:
-            pieces[name], kept[name] = _read_file(folder / name, given.get(name), sum(map(len, kept.values())))
+            if part.source == "rows":
+                pieces[part.name] = drawn(text)
+            elif part.source == "file":
+                pure = PurePosixPath(text)
+                if pure.is_absolute() or ".." in pure.parts or "\\" in text or "\0" in text:
+                    raise InvalidParameter(
+                        f"file={text[:60]!r} lies elsewhere; put it beside the recipe, or in a folder there"
+                    )
+                carried = sum(len(content) for name, content in kept.items() if name != text)
+                pieces[part.name], kept[text] = _read_file(folder / text, given.get(text), carried)
         except (FormatError, InvalidParameter) as error:
             raise FormatError(f"{part.place}: {error}", line=part.line, source=source) from error
     return pieces, kept
@@ -139,26 +141,35 @@ def _read_file(path: Path, given: str | None, carried: int) -> tuple[Piece, str]
     """A file's piece, and what provenance keeps of it; ``given`` is what it kept."""
     if given is not None and not given.startswith(_DIGEST):
         return of_world(loads(given.encode(), str(path))), given
-    data = read_bounded(path)
-    digest = _DIGEST + hashlib.sha256(data).hexdigest()
+    piece = read(path)
+    digest = _DIGEST + _digest(piece)
     if given is not None and given != digest:
         raise InvalidParameter(f"{path} has changed since the world was made of it; put the old file there")
-    piece = read(path)
-    if given is None and path.suffix == ".grid" and carried + len(data) <= _MOST_CARRIED:
-        return piece, data.decode("utf-8")
+    if given is None and path.suffix == ".grid":
+        data = read_bounded(path)
+        if carried + len(data) <= _MOST_CARRIED:
+            return piece, data.decode("utf-8")
     return piece, digest
+
+
+def _digest(piece: Piece) -> str:
+    """SHA-256 of all that a map's file gives; some formats have their cells in another file yet."""
+    line = piece.timeline
+    events = b"".join(np.ascontiguousarray(part).tobytes() for part in (line.times, line.ix, line.iy, line.states))
+    settings = repr((piece.solid.shape, piece.cell_size, dict(piece.marks))).encode()
+    return hashlib.sha256(np.packbits(piece.solid).tobytes() + events + settings).hexdigest()
 
 
 def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
     """The function that lays out a world of the recipe, with the recipe's parameters as its own."""
-    drawn = _is_drawn(recipe)
+    by_chance = _is_drawn(recipe)
 
     def build(rng: RandomStream, **values: Any) -> World:
         params: dict[str, Scalar] = {name: values[name] for name in recipe.parameters}
         for name, declared in recipe.parameters.items():
             _check_range(name, params[name], declared)
         work = Work()
-        if not drawn:
+        if not by_chance:
             margin = params.get(MARGIN, 0.0)
             return _only(recipe.name, Run(recipe, pieces, params, rng, work).piece().layout(), margin)
         return first_possible(lambda stream: Run(recipe, pieces, params, stream, work).piece().layout(), rng)
