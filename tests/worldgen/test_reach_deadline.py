@@ -9,6 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from tests.helpers.drawn_worlds import changing_worlds, drawn
+from tests.helpers.grid_strategies import worlds_with_everything
 from worldgen.errors import InvalidParameter
 from worldgen.generation import generate
 from worldgen.lattice import UNIT, in_cells
@@ -30,6 +31,7 @@ from worldgen.reach.latest import find_latest_start
 from worldgen.reach.spans import ChangingWalls, Spans
 from worldgen.reach.timed import find_timed_path
 from worldgen.timeline import CellState, Timeline
+from worldgen.world import Witness
 
 FREE, SOLID, BURNING = CellState
 OPEN = "###########\nS.........G\n###########"
@@ -109,7 +111,7 @@ def test_no_world_is_both_reached_in_time_and_blocked(world, deadline):
 
 
 @given(changing_worlds(), st.sampled_from([1, 2, 3, 4, 8]))
-@settings(max_examples=60)
+@settings(max_examples=40)
 def test_nothing_confines_a_robot_that_has_arrived(world, k):
     decision = decide(world)
     assume(decision.result == REACHABLE and decision.certificate.duration > 0)
@@ -189,7 +191,7 @@ def test_a_robot_may_wait_until_the_gate_shuts_less_its_way():
 
 
 @given(changing_worlds(), st.integers(1, 60).map(lambda n: n / 20))
-@settings(max_examples=100)
+@settings(max_examples=60)
 def test_the_latest_start_is_what_trying_every_start_finds(world, start):
     """Forward in time from every start, on the same graph: it succeeds up to the latest, and not after."""
     radius = in_cells(world.robot_radius, world.cell_size)
@@ -229,3 +231,13 @@ def test_no_witness_may_begin_much_later_than_the_robot(seed, over, monotone):
 def test_a_deadline_that_is_none_is_refused(deadline):
     with pytest.raises(InvalidParameter, match="must be a finite number above 0"):
         decide_in_time(drawn(OPEN), deadline)
+
+
+@given(worlds_with_everything(), st.floats(1e-300, 1e300) | st.floats(0.01, 5.0))
+@settings(max_examples=15)
+def test_any_legal_world_gets_an_answer_in_time_and_any_proof_a_report(world, deadline):
+    for asked in (None, deadline):
+        answer(world, asked)
+        assert latest_start(world, asked) is None or latest_start(world, asked) >= 0.0
+    if world.is_dynamic and isinstance(world.certificate, Witness) and check_certificate(world).valid:
+        assert witness_margin(world, world.certificate) >= 0.0

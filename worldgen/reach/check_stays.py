@@ -63,8 +63,9 @@ class _Check:
         self.pace = float(proof.slab * speed * proof.k / size)  # tiles a slab
         self.way = math.inf if proof.deadline is None else float(_decimal(proof.deadline) * speed * proof.k / size)
         self.last = FOR_EVER if proof.deadline is None else math.floor(_decimal(proof.deadline) / proof.slab)
-        self.start = self._tiles(world.start.x), self._tiles(world.start.y)
-        self.target = self._tiles(world.target.x), self._tiles(world.target.y)
+        self.home = math.floor(self._tiles(world.start.x)), math.floor(self._tiles(world.start.y))
+        self.start = float(self._tiles(world.start.x)), float(self._tiles(world.start.y))
+        self.target = float(self._tiles(world.target.x)), float(self._tiles(world.target.y))
         self.reach = float(self._tiles(world.target.radius))
         self.fixed = world.walls.copy()
         self.fixed[world.timeline.iy, world.timeline.ix] = False
@@ -92,8 +93,7 @@ class _Check:
                 raise _Refused(f"the stay in tile ({ix}, {iy}) is at the target")
         for stays in self.stays.values():
             stays.sort()
-        home = math.floor(self.start[0]), math.floor(self.start[1])
-        for tile in self._around(home):
+        for tile in self._around(self.home):
             for first, last in self._where_in_time(tile):
                 if first == 0:
                     self._require(tile, 0, min(last, 0))
@@ -118,10 +118,12 @@ class _Check:
         if not any(begin <= first and end >= last for begin, end in stays[: at + 1]):
             raise _Refused(f"a robot gets out of its stay into tile {tile} in slab {first}")
 
-    def _apart(self, tile: Tile, point: tuple[Fraction, Fraction]) -> float:
+    @staticmethod
+    def _apart(tile: Tile, point: tuple[float, float]) -> float:
         """Distance of a point from a tile, in sides of a tile."""
-        gaps = (max(float(tile[axis] - point[axis]), float(point[axis] - tile[axis] - 1), 0.0) for axis in (0, 1))
-        return math.sqrt(sum(gap * gap for gap in gaps))
+        dx = max(tile[0] - point[0], point[0] - tile[0] - 1.0, 0.0)
+        dy = max(tile[1] - point[1], point[1] - tile[1] - 1.0, 0.0)
+        return math.sqrt(dx * dx + dy * dy)
 
     def _where_in_time(self, tile: Tile) -> list[Slabs]:
         """Slabs in which some pose of the tile may be clear, and a robot may have come and still arrive in time."""

@@ -21,6 +21,7 @@ from worldgen.world import World
 __all__ = ["decide_in_time", "latest_start", "until"]
 
 _TILES = (4, 8)  # a cell side, of the tiles by which the robot is confined
+_COARSE = (2, 1)  # likewise, where those are too many
 _MOST_TILES = 4_000_000
 _NODES = (2, 4, 8)  # a cell side, of the graphs on which the latest start is sought
 _MOST_NODES = 4_000_000
@@ -67,9 +68,8 @@ def decide_in_time(world: World, deadline: float | None = None, *, radius: float
 def _confined(world: World, radius: float, deadline: float | None, why: str) -> Decision:
     """``BLOCKED`` with a confinement, or ``UNDECIDED`` because of ``why``."""
     earliest = 0.0
-    for k in _TILES:
-        if k * k * world.walls.size > _MOST_TILES:
-            break
+    fine, coarse = ([k for k in sides if k * k * world.walls.size <= _MOST_TILES] for sides in (_TILES, _COARSE))
+    for k in fine or coarse[:1]:
         reach = confine(world, in_cells(radius, world.cell_size), k, deadline)
         if reach is None:
             break
@@ -78,7 +78,9 @@ def _confined(world: World, radius: float, deadline: float | None, why: str) -> 
             reason = f"wherever the robot goes{within}, it does not get to the target"
             return Decision(BLOCKED, None, reason, reach.proof)
         earliest = max(earliest, reach.earliest)
-    return Decision(UNDECIDED, None, f"{why}, and it is not excluded that one takes {earliest:.6g} s")
+    if earliest > 0.0:
+        why = f"{why}, and it is not excluded that one takes {earliest:.6g} s"
+    return Decision(UNDECIDED, None, why)
 
 
 def until(world: World, deadline: float) -> World:
