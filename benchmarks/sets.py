@@ -1,0 +1,84 @@
+"""How fast sets are made, on one core: ``python -m benchmarks.sets``, with ``--json`` as one object.
+
+For each family worlds a second: made and thrown away (``stream``), written as a folder and as archives, and measured
+as well. The ratio is to ``stream`` in the same run; it says what writing and measuring cost. ``--count`` is the number
+of worlds of each case (default 2,000). Times are the processor's, so other work on the machine counts little; before
+the clock starts, kernels are loaded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from worldgen import stream
+from worldgen.sets import check_set, make_set, manifest_of, plan_set
+
+__all__ = ["CASES", "measure"]
+
+FAMILIES = ("maze", "trap")
+CASES: dict[str, dict[str, Any]] = {
+    "folder": {"name": "set", "metrics": False},
+    "zip": {"name": "set.zip", "metrics": False},
+    "tar.gz": {"name": "set.tar.gz", "metrics": False},
+    "tar.bz2": {"name": "set.tar.bz2", "metrics": False},
+    "folder, metrics": {"name": "set", "metrics": True},
+}
+WARM = 1_000  # worlds that are made first: by then compiled code has paid and is loaded
+
+
+def measure(count: int) -> Iterator[dict[str, Any]]:
+    """Times every case.
+
+    Args:
+        count: Worlds of each.
+
+    Returns:
+        ``family``, ``case``, ``worlds``, ``rate`` (worlds a second) and ``ratio`` (to ``stream``).
+    """
+    for family in FAMILIES:
+        deque(stream(family, count=WARM), maxlen=0)
+        bare = _seconds(lambda family=family: deque(stream(family, count=count), maxlen=0))
+        yield {"family": family, "case": "stream", "worlds": count, "rate": count / bare, "ratio": 1.0}
+        for case, how in CASES.items():
+            with tempfile.TemporaryDirectory() as folder:
+                out, plan = Path(folder) / how["name"], plan_set(family, 0, count, {}, metrics=how["metrics"])
+                taken = _seconds(lambda plan=plan, out=out: make_set(plan, out))
+                yield {"family": family, "case": case, "worlds": count, "rate": count / taken, "ratio": bare / taken}
+                if case == "folder":
+                    taken = _seconds(lambda out=out: check_set(out, manifest_of(out)))
+                    yield {"family": family, "case": "check", "worlds": count, "rate": count / taken}
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    begun = time.process_time()
+    work()
+    return time.process_time() - begun
+
+
+def main() -> None:
+    """Prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=2_000)
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    found = []
+    for result in measure(options.count):
+        found.append(result)
+        if not options.json:
+            ratio = f"{result['ratio']:6.2f} of stream" if "ratio" in result else ""
+            click.echo(f"{result['family']:6} {result['case']:16} {result['rate']:9,.0f} worlds/s {ratio}")
+    if options.json:
+        click.echo(json.dumps({"cases": found}))
+
+
+if __name__ == "__main__":
+    main()
