@@ -84,5 +84,8 @@ def test_a_folder_without_worlds_is_one_sentence():
 
 def test_the_table_says_loudly_what_it_skips(barn):
     result = CliRunner().invoke(main, ["--count", "2", "--only", "BARN", "--only", "Arena", "--barn", str(barn)])
-    assert "| BARN, outer raster of 0.025 m | 2 | 0.215 m | 2 | 1 | 1 |" in result.stdout
+    assert (
+        "| BARN, posts as squares | 2 | 100 | 0.35 m | 2 | 0, 0.0 % (0.0 to 84.2) | 0 | 1 (1) | 1 (1) |"
+        in result.stdout
+    )
     assert "SKIPPED: Arena-Rosnav maps: --arena is not given" in result.stderr
