@@ -19,6 +19,7 @@ from worldgen.reach import check_certificate
 TARGET = Target(0.65, 0.65, 0.05)
 GENERATOR = """
 import numpy as np
+print('loading')
 
 def maps(seed, *, side=6, density=0.2, border=False, kind="noise"):
     rng = np.random.default_rng(seed)
@@ -29,6 +30,10 @@ def maps(seed, *, side=6, density=0.2, border=False, kind="noise"):
 
 def unplaced(seed):
     yield "open", [[0, 0, 0]] * 3
+
+def talks(seed):
+    print("one map")
+    yield "only", np.zeros((4, 4), bool)
 
 def few(seed):
     yield "only", np.zeros((4, 4), bool)
@@ -220,7 +225,7 @@ def test_wrong_input_is_one_sentence_and_code_2(tmp_path, generator, args, messa
     given = [arg.replace("EMPTY", str(folder)).replace("GEN:", generator("")) for arg in args]
     result = worldgen("census", *given, "--count", 2, "--seed", 1)
     assert result.code == 2 and message in result.err
-    assert result.err.count("\n") <= 2 and "Traceback" not in result.err and not result.out
+    assert result.err.replace("loading\n", "").count("\n") <= 2 and "Traceback" not in result.err and not result.out
 
 
 def test_a_huge_radius_is_blocked_everywhere_and_soon(generator):
@@ -230,6 +235,11 @@ def test_a_huge_radius_is_blocked_everywhere_and_soon(generator):
 
 def test_a_generator_may_name_no_ends_and_hand_over_lists(generator):
     assert objects(generator("unplaced"), "--seed", 1)["pairs"] == {"named": 0, "drawn": 1}
+
+
+def test_what_a_generator_prints_goes_to_stderr(generator):
+    result = worldgen("census", generator("talks"), "--seed", 1, "--json")
+    assert json.loads(result.out)["maps"] == 1 and "one map" in result.err
 
 
 def test_arrays_are_read_top_row_first(tmp_path):

@@ -8,8 +8,10 @@ yields a :class:`worldgen.census.CensusMap` instead.
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import itertools
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -39,6 +41,13 @@ def _accept(name: str, thing: Any) -> Callable[..., Any]:
 GENERATORS: Registry[Callable[..., Any]] = Registry("worldgen.map_generators", "generator", _accept)
 
 
+@contextlib.contextmanager
+def _aside(doing: str) -> Iterator[None]:
+    """A generator's code, which may raise anything; what it prints goes to stderr, for stdout is data."""
+    with user_code(doing), contextlib.redirect_stdout(sys.stderr):
+        yield
+
+
 @dataclass(frozen=True)
 class GeneratedMaps:
     """Maps to come.
@@ -63,12 +72,12 @@ class GeneratedMaps:
         return self.count
 
     def __iter__(self) -> Iterator[CensusMap | Refused]:
-        with user_code(f"generator {self.name!r}"):
+        with _aside(f"generator {self.name!r}"):
             maps = iter(self.function(seed=self.seed, **self.options))
         for index in itertools.count():
             if index == self.count:
                 return
-            with user_code(f"generator {self.name!r}, map {index + 1}"):
+            with _aside(f"generator {self.name!r}, map {index + 1}"):
                 item = next(maps, _END)
             if item is _END:
                 return
@@ -117,7 +126,8 @@ def generated_maps(
     Raises:
         InvalidParameter: If there is no such function, it takes no ``seed``, or an option is none of its keywords.
     """
-    function = GENERATORS.get(name)
+    with contextlib.redirect_stdout(sys.stderr):
+        function = GENERATORS.get(name)
     try:
         known = inspect.signature(function).parameters
     except (TypeError, ValueError) as error:
