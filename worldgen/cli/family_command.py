@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option
+from worldgen.cli.wished_worlds import WISH_OPTIONS, given_parameters, make_wished
 
 if TYPE_CHECKING:
     from worldgen.family import Family, Parameter
@@ -38,11 +39,21 @@ def command_of(made_by: Family, name: str) -> click.Command:
         out: Path | None,
         workers: int | None,
         metrics: bool,
+        where: str | None,
+        difficulty: float | None,
+        tries: int | None,
         force: bool,
         as_json: bool,
         **params: Any,
     ) -> None:
-        if _is_one(count, out):
+        if where is not None or difficulty is not None:
+            make_wished(
+                made_by, name, draw_seed(seed), given_parameters(params), where=where, difficulty=difficulty,
+                tries=tries, count=count, out=out, metrics=metrics, force=force, as_json=as_json,
+            )  # fmt: skip
+        elif tries is not None:
+            raise click.UsageError("--tries is for a search; say with --where or --difficulty what for")
+        elif _is_one(count, out):
             _make_one(made_by, draw_seed(seed), params, out, metrics=metrics, force=force, as_json=as_json)
         elif out is None:
             raise click.UsageError(f"--count {count} writes {count} files; name a folder for them with --out")
@@ -54,7 +65,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
             make_many(plan, seed, out, workers=workers, force=force, as_json=as_json)
 
     command.__doc__ = made_by.description
-    for decorate in (json_option, force_option, *reversed(_SET_OPTIONS), seed_option):
+    for decorate in (json_option, force_option, *reversed((*_SET_OPTIONS, *WISH_OPTIONS)), seed_option):
         command = decorate(command)
     for parameter in reversed(made_by.parameters):
         command = _option(parameter)(command)

@@ -1,13 +1,29 @@
-"""How hard a world is.
+"""How hard a world is, and worlds as hard as is wished.
 
 Contents:
     measure, with_metrics: the metrics of a world; the world with them in its provenance.
     Metrics, METRICS, Metric: what is measured, in which unit, and which way is harder.
+    parse, Expression: wishes about metrics.
+    search_world, Search: worlds that fulfil a wish.
 """
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
+from worldgen.difficulty.expression import Expression, parse
 from worldgen.difficulty.measuring import measure, with_metrics
 from worldgen.difficulty.metrics import METRICS, Metric, Metrics
 
-__all__ = ["METRICS", "Metric", "Metrics", "measure", "with_metrics"]
+if TYPE_CHECKING:
+    from worldgen.difficulty.search import Search, search_world
+
+__all__ = ["METRICS", "Expression", "Metric", "Metrics", "Search", "measure", "parse", "search_world", "with_metrics"]
+
+
+def __getattr__(name: str) -> Any:
+    if name in {"Search", "search_world"}:  # which needs the families
+        from worldgen.difficulty import search
+
+        return getattr(search, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

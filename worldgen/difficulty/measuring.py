@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,8 @@ import numpy as np
 from worldgen import reach
 from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.difficulty.junctions import decisions
-from worldgen.difficulty.metrics import Metrics, rounded
+from worldgen.difficulty.metrics import METRICS, Metrics, rounded
+from worldgen.difficulty.model import INPUTS, difficulty
 from worldgen.difficulty.nodes import Bools, nodes_of
 from worldgen.difficulty.pockets import pockets
 from worldgen.difficulty.surroundings import samples_of, surroundings
@@ -23,7 +25,12 @@ from worldgen.world import Witness, World
 __all__ = ["measure", "with_metrics"]
 
 
-def measure(world: World) -> Metrics:
+_BOTTLENECK = frozenset({"bottleneck", "bottleneck_radii"})
+_MEANS = frozenset({"wall_distance", "visibility", "dispersion", "characteristic_dimension"})
+_POCKETS = frozenset({"concavity", "retreat"})
+
+
+def measure(world: World, *, only: Collection[str] | None = None) -> Metrics:
     """How hard a world is, by every metric that has a meaning for it.
 
     What goes by a way goes by the world's own witness; a world without a certificate is decided first. Equal worlds
@@ -31,19 +38,26 @@ def measure(world: World) -> Metrics:
 
     Args:
         world: Any; in one that changes, walls are those of time 0, and so is what keeps the robot off.
+        only: Names of the metrics that are asked for, which saves time; others may be left out.
     """
+    wanted = frozenset(METRICS if only is None else only)
+    if "difficulty" in wanted:
+        wanted |= frozenset(INPUTS)
     certificate = world.certificate if world.certificate is not None else reach.decide(world).certificate
     solid = _at_start(world)
     found: dict[str, float] = {"solid": int(np.count_nonzero(solid)) / solid.size}
-    radius = bottleneck(world, solid)
-    found |= {"bottleneck": radius, "bottleneck_radii": radius / world.robot_radius}
+    if wanted & _BOTTLENECK:
+        radius = bottleneck(world, solid)
+        found |= {"bottleneck": radius, "bottleneck_radii": radius / world.robot_radius}
     if world.is_dynamic:
         line = world.timeline
         found["changing"] = len(np.unique(line.iy * world.width + line.ix)) / solid.size
     if isinstance(certificate, Witness) and len(certificate.times):
         way = way_of(world, certificate)
         found |= _along(world, certificate, way)
-        found |= _round(world, solid, way)
+        found |= _round(world, solid, way, wanted)
+        if "difficulty" in wanted and not world.is_dynamic and found.keys() >= set(INPUTS):
+            found["difficulty"] = difficulty(found, world.robot_radius)
     return Metrics(**{name: value if isinstance(value, int) else rounded(value) for name, value in found.items()})
 
 
@@ -83,14 +97,19 @@ def _along(world: World, certificate: Witness, way: Way) -> dict[str, float]:
     return found
 
 
-def _round(world: World, solid: Bools, way: Way) -> dict[str, float]:
+def _round(world: World, solid: Bools, way: Way, wanted: frozenset[str]) -> dict[str, float]:
     """What the robot has round it, and where it may go."""
     samples = samples_of(way)
-    means = surroundings(solid, samples)
-    found = {name: value if name == "dispersion" else value * world.cell_size for name, value in means.items()}
+    found: dict[str, float] = {}
+    if wanted & _MEANS:
+        means = surroundings(solid, samples)
+        found |= {name: value if name == "dispersion" else value * world.cell_size for name, value in means.items()}
+    if not wanted & (_POCKETS | {"decisions"}):
+        return found
     nodes = nodes_of(world, solid)
-    found["decisions"] = decisions(nodes, samples.nodes())
-    depths = pockets(nodes, way, target_disc(world))
+    if "decisions" in wanted:
+        found["decisions"] = decisions(nodes, samples.nodes())
+    depths = pockets(nodes, way, target_disc(world)) if wanted & _POCKETS else None
     if depths is not None:
         found["concavity"], found["retreat"] = (depth * world.cell_size / UNIT for depth in depths)
     return found

@@ -1,0 +1,109 @@
+"""Worlds with wanted metrics are found, are ordinary worlds, and are searched for, not only drawn."""
+
+import json
+
+import pytest
+
+from tests.helpers.command_line import worldgen as run
+from worldgen.difficulty import measure, search_world
+from worldgen.difficulty.model import INPUTS, WEIGHTS, difficulty
+from worldgen.difficulty.search import Search, wish_for
+from worldgen.difficulty.space import KEPT, drawn, free_parameters, varied
+from worldgen.errors import GenerationFailed, InvalidParameter
+from worldgen.family import FAMILIES
+from worldgen.generation import generate
+from worldgen.grid_file import dumps, read_world
+from worldgen.random_streams import RandomStream
+
+
+def test_the_world_found_is_as_wished_and_generate_makes_it_again():
+    world = search_world("maze", "detour > 2.5 and decisions <= 12", seed=1, algorithm="backtracker")
+    found = measure(world)
+    assert found.detour > 2.5 and found.decisions <= 12
+    made = world.provenance
+    assert made.params["algorithm"] == "backtracker"
+    assert dumps(generate(made.family, made.seed, **made.params)) == dumps(world)
+
+
+def test_equal_searches_find_equal_worlds():
+    assert search_world("cave", "detour > 1.3", seed=5) == search_world("cave", "detour > 1.3", seed=5)
+
+
+def test_a_world_of_a_given_difficulty():
+    assert measure(search_world("trap", difficulty=0.6, seed=2)).difficulty == pytest.approx(0.6, abs=0.025)
+
+
+def test_guided_search_finds_what_drawing_does_not():
+    wish, maze = wish_for("detour > 3 and bottleneck < 1.2r"), FAMILIES.get("maze")
+    guided, drawing = Search(maze, wish, 2, {}), Search(maze, wish, 2, {}, guided=False)
+    while guided.tried < 200 and not (guided.nearest and guided.nearest.violation == 0.0):
+        guided.step()
+    while drawing.tried < guided.tried:
+        drawing.step()
+    assert guided.nearest.violation == 0.0 < drawing.nearest.violation
+
+
+def test_what_is_given_stays_and_the_robot_stays():
+    maze, rng = FAMILIES.get("maze"), RandomStream(1)
+    free = free_parameters(maze, {"size", "braid"})
+    assert {known.name for known in free}.isdisjoint({"size", "braid"} | KEPT)
+    values = drawn(free, rng, 1.0)
+    for _ in range(50):
+        values = varied(free, values, rng)
+        assert set(values) <= {known.name for known in free}
+
+
+def test_when_nothing_fits_the_nearest_is_told():
+    with pytest.raises(GenerationFailed, match=r"none of 5 worlds fits 'detour > 900'; the nearest has detour \d"):
+        search_world("trap", "detour > 900", tries=5)
+
+
+@pytest.mark.parametrize(("wish", "message"), [({}, "nothing is wished for"), ({"difficulty": 2.0}, "outside 0 to 1")])
+def test_a_wish_that_is_none_is_refused(wish, message):
+    with pytest.raises(InvalidParameter, match=message):
+        search_world("trap", **wish)
+
+
+def test_a_parameter_that_the_family_never_takes_is_refused_at_once():
+    with pytest.raises(InvalidParameter, match="braid"):
+        search_world("trap", "detour > 1", braid=1.0)
+
+
+def test_the_command_writes_what_it_finds_and_says_how_to_make_it_again(tmp_path):
+    path = tmp_path / "w.grid"
+    result = run("trap", "--where", "concavity > 1m", "--seed", 4, "--out", path, "--json")
+    assert result.code == 0
+    found = json.loads(result.out)
+    assert read_world(path).provenance.metrics["concavity"] > 1 and found["file"] == str(path)
+    again = result.err.split("made again by: worldgen ")[1].split()
+    assert run(*again).out.encode() == path.read_bytes()
+
+
+def test_the_command_ends_with_1_when_nothing_fits(tmp_path):
+    result = run("trap", "--where", "detour > 900", "--tries", 3, "--seed", 4, "--out", tmp_path / "w.grid")
+    assert result.code == 1 and "the nearest has detour" in result.err
+    assert not (tmp_path / "w.grid").exists()
+
+
+def test_count_gives_different_worlds_that_all_fit(tmp_path):
+    run("corridor", "--where", "detour > 1.5", "--seed", 4, "--count", 3, "--out", tmp_path / "set")
+    worlds = [read_world(file) for file in sorted((tmp_path / "set").iterdir())]
+    assert len({dumps(world) for world in worlds}) == 3
+    assert all(world.provenance.metrics["detour"] > 1.5 for world in worlds)
+
+
+def test_a_wish_with_a_fault_is_one_line_with_a_mark():
+    result = run("maze", "--where", "detuor > 3", "--seed", 1)
+    assert result.code == 2 and "did you mean detour?" in result.err and result.err.endswith("  ^\n")
+
+
+def test_tries_without_a_wish_are_refused():
+    assert "say with --where" in run("maze", "--tries", 3).err
+
+
+@pytest.mark.parametrize("name", INPUTS)
+def test_what_should_make_a_world_harder_makes_it_more_difficult(name):
+    assert WEIGHTS[name][1] > 0
+    tables = [{**dict.fromkeys(INPUTS, 2.0), name: value} for value in (1.0, 1.5, 3.0, 50.0)]
+    scores = [difficulty(table, 0.07) for table in tables]
+    assert scores == sorted(scores) and 0.0 <= scores[0] < scores[-1] <= 1.0

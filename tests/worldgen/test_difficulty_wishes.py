@@ -1,0 +1,125 @@
+"""Wishes about metrics: what they mean, and what is no wish."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from worldgen.difficulty import METRICS, parse
+from worldgen.errors import InvalidParameter, WorldgenError
+
+VALUES = {"detour": 3.0, "bottleneck": 0.1, "decisions": 4, "length": 6.0}
+
+TRUE = [
+    "detour > 2",
+    "detour >= 3 and detour <= 3",
+    "2 < detour < 4",
+    "1 < 2 < detour != 4 > decisions - 1",
+    "not detour < 2",
+    "not (detour < 2 or length > 100)",
+    "not not detour == 3",
+    "bottleneck < 1.5r",
+    "bottleneck==0.1m",
+    "length / detour * 2 == 4",
+    "-detour < +1 - 2 * (3 - length) / 3",
+    "detour > 9 or length > 5 and decisions == 4",
+    "1e1 > detour",
+    ".5 < detour < 5.",
+]
+FALSE = [
+    "detour > 3",
+    "2 < detour < 3",
+    "bottleneck < 1.2r",
+    "detour > 9 and length > 5",
+    "concavity < 1",  # which these worlds lack
+    "not concavity < 1",
+    "concavity == concavity",
+    "detour / 0 > 1",
+    "1 < 2 > 3",
+]
+WRONG = [
+    ("", "the end where a metric or a number belongs", 0),
+    ("detour >", "the end where a metric", 8),
+    ("detour", "a number, not a condition", 0),
+    ("detour > 3 and length", "a number, not a condition", 15),
+    ("(detour > 3) + 1 > 2", "a condition, not a number", 0),
+    ("detours > 3", "no metric is called 'detours'; did you mean detour\\?", 0),
+    ("detour > 3x", "'x' is no unit", 10),
+    ("detour = 3", "'=' has no meaning", 7),
+    ("(detour > 3", "the end where a closing parenthesis", 11),
+    ("detour > 3 length", "'length' is too much here", 11),
+    ("__import__('os')", "no metric is called", 0),
+    ("detour > 1e999", "beyond the range", 9),
+    ("(" * 60 + "detour" + ")" * 60 + " > 3", "nested deeper than 50", 51),
+]
+
+
+@pytest.mark.parametrize("text", TRUE)
+def test_a_wish_that_holds(text):
+    assert parse(text).holds(VALUES, 0.07)
+
+
+@pytest.mark.parametrize("text", FALSE)
+def test_a_wish_that_does_not_hold(text):
+    wish = parse(text)
+    assert not wish.holds(VALUES, 0.07) and wish.violation(VALUES, 0.07) > 0
+
+
+@pytest.mark.parametrize(("text", "message", "place"), WRONG)
+def test_what_is_no_wish_is_refused_with_a_mark_under_it(text, message, place):
+    with pytest.raises(InvalidParameter, match=message) as caught:
+        parse(text)
+    mark = str(caught.value).splitlines()[-1]
+    assert mark == "  " + " " * min(place, 60 if place > 60 else place) + "^"
+
+
+def test_an_unknown_name_comes_with_the_list_of_names():
+    with pytest.raises(InvalidParameter) as caught:
+        parse("hardness > 1")
+    assert all(name in str(caught.value) for name in METRICS)
+
+
+def test_the_names_asked_for_are_known():
+    assert parse("detour > 3 and (length < 2r or not decisions > 1)").names == {"detour", "length", "decisions"}
+
+
+def test_nearer_worlds_violate_less():
+    wish = parse("detour > 3 and bottleneck < 1.2r")
+    far = [wish.violation({"detour": detour, "bottleneck": 0.1}, 0.07) for detour in (1.0, 2.0, 2.9, 3.5)]
+    assert far == sorted(far, reverse=True) and far[-1] > 0
+
+
+_parts = st.sampled_from(
+    ["and", "or", "not", "(", ")", "<", "<=", "==", "!=", ">", "+", "-", "*", "/", "3", "1.5r", "2m", "detour", "solid"]
+)
+
+
+@given(st.text(max_size=40) | st.lists(_parts, max_size=12).map(" ".join) | st.lists(_parts, max_size=12).map("".join))
+def test_any_text_is_a_wish_or_refused(text):
+    try:
+        wish = parse(text)
+    except WorldgenError as error:
+        assert str(error).endswith("^")
+    else:
+        assert wish.violation({"detour": 2.0, "solid": 0.5}, 0.1) >= 0.0
+
+
+_numbers = st.sampled_from(["1", "2.5", "detour", "length", "(detour + 1)", "-length", "2r"])
+_conditions = st.recursive(
+    st.builds("{} {} {}".format, _numbers, st.sampled_from(["<", "<=", ">", ">=", "==", "!="]), _numbers),
+    lambda inner: (
+        st.builds("({} {} {})".format, inner, st.sampled_from(["and", "or"]), inner)
+        | st.builds("not ({})".format, inner)
+    ),
+    max_leaves=6,
+)
+
+
+@given(_conditions, st.integers(-3, 3), st.integers(-3, 3))
+def test_a_wish_means_what_python_takes_it_for(text, detour, length):
+    wish = parse(text)
+    as_python = eval(text.replace("2r", "0.5"), {"detour": detour, "length": length})
+    assert wish.holds({"detour": detour, "length": length}, 0.25) is as_python
+    assert parse(f"not ({text})").holds({"detour": detour, "length": length}, 0.25) is not as_python
+    assert math.isfinite(wish.violation({}, 0.25))

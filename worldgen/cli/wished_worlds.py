@@ -1,0 +1,161 @@
+"""``worldgen FAMILY --where ... --difficulty ...``: worlds that are searched for, not only drawn."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from worldgen.cli.output import emit_json, note
+from worldgen.errors import GenerationFailed, OutputError
+
+if TYPE_CHECKING:
+    from worldgen.difficulty.search import Nearest, Search
+    from worldgen.family import Family
+    from worldgen.world import Value
+
+__all__ = ["WISH_OPTIONS", "given_parameters", "make_wished"]
+
+_TRIES = 500
+
+WISH_OPTIONS = (
+    click.option(
+        "--where",
+        metavar="WISH",
+        help="Search for a world with such metrics: 'detour > 3 and bottleneck < 1.2r'. Parameters not given vary.",
+    ),
+    click.option("--difficulty", type=float, metavar="D", help="Search for a world of this difficulty, 0 to 1."),
+    click.option(
+        "--tries",
+        type=click.IntRange(1, 1_000_000),
+        help=f"Worlds that a search makes at most, for each that it finds.  [default: {_TRIES}]",
+    ),
+)
+
+
+def given_parameters(params: Mapping[str, Any]) -> dict[str, Any]:
+    """The parameters that were typed, not left at their defaults."""
+    source = click.get_current_context().get_parameter_source
+    default = click.core.ParameterSource.DEFAULT
+    return {name: value for name, value in params.items() if source(name) is not default}
+
+
+def make_wished(
+    made_by: Family,
+    name: str,
+    seed: int,
+    params: Mapping[str, Value],
+    *,
+    where: str | None,
+    difficulty: float | None,
+    tries: int | None,
+    count: int | None,
+    out: Path | None,
+    metrics: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Searches and writes what is found; what is found stays, whatever ends the work.
+
+    Raises:
+        Exit: With code 1 if a world that fits was not found.
+    """
+    from worldgen.difficulty.search import Search, found, wish_for
+
+    files = _files(name, count, out, force=force)
+    search = Search(made_by, wish_for(where, difficulty), seed, params)
+    results: list[dict[str, Any]] = []
+    try:
+        with _told(search.wish.text) as progress:
+            for file, one in zip(files, found(search, len(files), tries or _TRIES, progress), strict=True):
+                results.append(_write(one, file, name, params, metrics=metrics, force=force, as_json=as_json))
+    except GenerationFailed as failure:
+        note(f"worldgen: {failure}")
+        if as_json:
+            emit_json({"wish": search.wish.text, "tried": search.tried, "files": results, "nearest": _nearest(search)})
+        raise click.exceptions.Exit(1) from failure
+    if as_json:
+        found_all = {"wish": search.wish.text, "tried": search.tried}
+        emit_json({**found_all, **results[0]} if count is None else {**found_all, "files": results})
+
+
+def _files(name: str, count: int | None, out: Path | None, *, force: bool) -> list[Path | None]:
+    if count is None:
+        return [out]
+    if out is None or out.suffix in (".grid", ".gz", ".zip", ".bz2"):
+        raise click.UsageError("--count with --where or --difficulty writes files into a folder; name one with --out")
+    stem = Path(name).stem.rpartition(":")[2]
+    files: list[Path | None] = [out / f"{stem}-{number:0{len(str(count))}d}.grid" for number in range(1, count + 1)]
+    for file in files:
+        if file is not None and file.exists() and not force:
+            raise OutputError(f"{file} is there already; give --force to overwrite it, or another folder")
+    out.mkdir(parents=True, exist_ok=True)
+    return files
+
+
+def _write(
+    one: Nearest,
+    file: Path | None,
+    name: str,
+    params: Mapping[str, Value],
+    *,
+    metrics: bool,
+    force: bool,
+    as_json: bool,
+) -> dict[str, Any]:
+    from worldgen.difficulty import with_metrics
+    from worldgen.grid_file import dumps, world_digest, write_world
+
+    world = with_metrics(one.world) if metrics else one.world
+    if file is not None:
+        write_world(world, file, force=force)
+    elif not as_json:
+        click.echo(dumps(world).decode(), nl=False)
+    values = ", ".join(f"{metric} {value:g}" for metric, value in one.metrics.items())
+    again = _command(name, one.seed, {**params, **one.params})
+    note((f"{file}: " if file is not None else "") + f"fits at try {one.number}: {values}\n  made again by: {again}")
+    made = world.provenance
+    return {
+        "file": None if file is None else str(file),
+        "seed": one.seed,
+        "params": {} if made is None else made.params,
+        "metrics": one.metrics if made is None or not metrics else made.metrics,
+        "digest": world_digest(world),
+        "try": one.number,
+    }
+
+
+def _command(name: str, seed: int, params: Mapping[str, Value]) -> str:
+    words = ["worldgen", name, "--seed", str(seed)]
+    for key, value in params.items():
+        flag = key.replace("_", "-")
+        words += [f"--{flag}" if value else f"--no-{flag}"] if isinstance(value, bool) else [f"--{flag}", str(value)]
+    return shlex.join(words)
+
+
+def _nearest(search: Search) -> dict[str, Any] | None:
+    near = search.nearest
+    return None if near is None else {"seed": near.seed, "params": near.params, "metrics": near.metrics}
+
+
+@contextmanager
+def _told(wish: str) -> Iterator[Callable[[Search], None] | None]:
+    """Gives what to call after each try; one line on stderr that says how near the search is, if that is a terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(f"searching: {wish}") as status:
+
+        def progress(search: Search) -> None:
+            near = search.nearest
+            values = "" if near is None else ", ".join(f"{name} {value:g}" for name, value in near.metrics.items())
+            status.update(f"{search.tried} worlds tried; nearest: {values}")
+
+        yield progress

@@ -1,0 +1,102 @@
+"""The parameters of a family as a space to search in.
+
+A family declares types, defaults and words, and refuses what is out of range. So a value is varied by what its type and
+its default allow, and what the family refuses is dropped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from worldgen.family import MARGIN, Family, Parameter
+from worldgen.random_streams import RandomStream
+from worldgen.world import Value
+
+__all__ = ["KEPT", "drawn", "free_parameters", "mixed", "varied"]
+
+KEPT = frozenset({"robot_radius", "robot_speed", MARGIN})
+"""Never varied: they are the robot's."""
+
+_SIZE = (0.5, 2.0)  # of the default: how small and how large worlds may become
+_CHOSEN = -1  # of a number: the family chooses
+
+
+def free_parameters(family: Family, given: Collection[str]) -> tuple[Parameter, ...]:
+    """The parameters that a search may vary: those not given, save the robot's and texts without a choice of words."""
+    return tuple(
+        known
+        for known in family.parameters
+        if known.name not in given and known.name not in KEPT and (known.choices or not isinstance(known.default, str))
+    )
+
+
+def drawn(free: Collection[Parameter], rng: RandomStream, share: float) -> dict[str, Value]:
+    """Random values for a share of the parameters; the others keep their defaults."""
+    return {known.name: _any_value(known, rng) for known in free if rng.random() < share}
+
+
+def varied(free: Collection[Parameter], values: Mapping[str, Value], rng: RandomStream) -> dict[str, Value]:
+    """The values with one or two changed: a step up or down, another word, or back to the default."""
+    found = dict(values)
+    choices = list(free)
+    for _ in range(1 + rng.below(2)):
+        if choices:
+            known = rng.choice(choices)
+            found[known.name] = _next_value(known, found.get(known.name, known.default), rng)
+    return {name: value for name, value in found.items() if value != _default(free, name)}
+
+
+def mixed(one: Mapping[str, Value], other: Mapping[str, Value], rng: RandomStream) -> dict[str, Value]:
+    """Each value from one of two."""
+    names = [*one, *(name for name in other if name not in one)]
+    chosen = {name: (one if rng.below(2) else other).get(name) for name in names}
+    return {name: value for name, value in chosen.items() if value is not None}
+
+
+def _default(free: Collection[Parameter], name: str) -> Value:
+    return next(known.default for known in free if known.name == name)
+
+
+def _any_value(known: Parameter, rng: RandomStream) -> Value:
+    default = known.default
+    if known.choices:
+        return rng.choice(known.choices)
+    if isinstance(default, bool):
+        return rng.below(2) == 1
+    if known.name == "size" and isinstance(default, int):
+        return rng.between(round(_SIZE[0] * default), round(_SIZE[1] * default))
+    if isinstance(default, int):
+        low = _CHOSEN if default == _CHOSEN else 0
+        return max(low, int(rng.uniform(1.0, 4.0) ** rng.uniform(0.0, 2.5)) - (rng.below(2) if low < 1 else 0))
+    if known.name == "cell_size" and isinstance(default, float):
+        return _rounded(rng.uniform(0.6, 1.5) * default)
+    if isinstance(default, float):
+        return _rounded(rng.random() if 0.0 <= default <= 1.0 or default == _CHOSEN else default * _factor(rng, 4.0))
+    return default
+
+
+def _next_value(known: Parameter, value: Value, rng: RandomStream) -> Value:
+    """A value near another, or once in four times any."""
+    if known.choices or isinstance(value, bool | str) or rng.below(4) == 0:
+        return _any_value(known, rng)
+    if rng.below(8) == 0:
+        return known.default
+    if isinstance(value, int):
+        step = max(1, round(abs(value) * rng.uniform(0.0, 0.5)))
+        return value + (step if rng.below(2) else -step)
+    if isinstance(value, float):
+        if known.name == "cell_size":
+            return _rounded(value * _factor(rng, 1.15))
+        if 0.0 <= value <= 1.0:
+            return _rounded(min(1.0, max(0.0, value + rng.uniform(-0.3, 0.3))))
+        return _rounded(value * _factor(rng, 1.5))
+    return value
+
+
+def _factor(rng: RandomStream, most: float) -> float:
+    return rng.uniform(1.0, most) if rng.below(2) else 1.0 / rng.uniform(1.0, most)
+
+
+def _rounded(value: float) -> float:
+    """To three decimals, so that a command that makes the world again can be read."""
+    return round(value, 3)
