@@ -5,16 +5,17 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from scipy import sparse
+from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 from tests.helpers.drawn_worlds import RADII, still_worlds, tight_worlds
 from worldgen.lattice import UNIT
-from worldgen.reach import lattice_graph
+from worldgen.reach import check_certificate, lattice_graph, prove
 from worldgen.reach.bucket_search import bucket_search, room_for_search
+from worldgen.reach.coarse import walk_squares
 from worldgen.reach.cut import find_chain, linked_offsets, rim_cells
 from worldgen.reach.disc import parts
 from worldgen.reach.effort import PATIENCE, Effort, effort
@@ -226,3 +227,28 @@ def test_thousands_of_worlds_are_decided_by_compiled_code_from_the_first_on():
     assert not expecting.pays_to_compile(3600)
     expecting.expect(PATIENCE)
     assert expecting.pays_to_compile(3600)
+
+
+@given(world=still_worlds())
+def test_a_way_over_whole_cells_is_a_proof_and_what_it_does_not_find_is_found_among_half_cells(world, monkeypatch):
+    usual = decide(world)
+    monkeypatch.setattr(prove, "FROM_CELLS", 0)
+    coarse = decide(world)
+    monkeypatch.undo()
+    assert coarse.result == usual.result
+    assert coarse.certificate is None or check_certificate(world, coarse.certificate).valid
+
+
+@given(hnp.arrays(np.bool_, (6, 7)), st.integers(1, 3), st.data())
+def test_squares_get_wherever_they_are_joined_side_to_side(walls, side, data):
+    free = np.zeros((8, 9), bool)
+    for iy, ix in np.ndindex(7 - side, 8 - side):
+        free[iy + 1, ix + 1] = not walls[iy : iy + side, ix : ix + side].any()
+    assume(free.any())
+    places = st.sampled_from(np.flatnonzero(free).tolist())
+    source, goal = data.draw(places), data.draw(places)
+    way = walk_squares(walls.view(np.uint8), side, source, goal, np.zeros(72, np.uint8), np.zeros(7, np.int32))
+    parts, _ = ndimage.label(free)
+    joined = parts.ravel()[source] == parts.ravel()[goal]
+    assert (len(way) > 0) == joined
+    assert not joined or (way[0], way[-1]) == (source, goal)

@@ -159,7 +159,7 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--size", 5], "worldgen: size=5 cells is outside 10 to 2000 cells"),
+        (["--size", 5], "worldgen: size=5 cells is outside 10 to 20000 cells"),
         (["--size", "big"], "Invalid value for '--size': 'big' is not a valid integer"),
         (["--algorithm", "prism"], "'prism' is not one of 'wilson', 'aldous-broder'"),
         (["--braid", "nan"], "worldgen: maze: braid=nan is not finite"),

@@ -45,6 +45,7 @@ class Arena:
         cell_size: m.
         robot_radius: m.
         robot_speed: m/s.
+        most: Cells a side at most.
 
     Raises:
         InvalidParameter: If a number is out of range, or the robot does not fit between the walls.
@@ -54,9 +55,10 @@ class Arena:
     cell_size: float
     robot_radius: float
     robot_speed: float
+    most: int = MAX_SIZE
 
     def __post_init__(self) -> None:
-        check_between("size", self.size, MIN_SIZE, MAX_SIZE, "cells")
+        check_between("size", self.size, MIN_SIZE, self.most, "cells")
         check_between("cell_size", self.cell_size, 0.001, 1000.0, "m")
         check_positive("robot_radius", self.robot_radius, "m")
         check_between("robot_speed", self.robot_speed, 0.001, 1000.0, "m/s")

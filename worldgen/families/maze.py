@@ -22,7 +22,7 @@ from worldgen.families._mazes import (
 )
 from worldgen.family import check_at_least, check_between, family
 from worldgen.random_streams import RandomStream
-from worldgen.world import World
+from worldgen.world import MAX_SIDE, World
 
 __all__ = ["maze"]
 
@@ -64,7 +64,7 @@ def maze(
 
     Args:
         rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 10 to 2000.
+        size: Cells a side, the solid border included; 10 to 20000.
         algorithm: wilson, aldous-broder: every maze equally likely; backtracker: long winding ways;
             kruskal, prim: the lightest tree of random weights; for the others see the documentation.
         newest: Share of a growing tree's steps that go on from the newest chamber, 0 to 1; -1: half.
@@ -83,7 +83,7 @@ def maze(
 
     Source: each algorithm names its own, in worldgen/families/_mazes.
     """
-    arena = Arena(size, cell_size, robot_radius, robot_speed)
+    arena = Arena(size, cell_size, robot_radius, robot_speed, most=MAX_SIDE)
     passage = arena.passage("passage", passage)
     check_at_least("wall", wall, 1, "cells")
     check_between("braid", braid, 0.0, 1.0)

@@ -11,6 +11,7 @@ from fractions import Fraction
 import numpy as np
 
 from worldgen.lattice import UNIT, exact, in_cells, lattice_units, metres_to_lattice
+from worldgen.reach.coarse import FROM_CELLS, coarse_way
 from worldgen.reach.cut import MOST_TARGETS, find_chain
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_margin, check_radius
 from worldgen.reach.disc import Disc, beyond, parts, target_disc
@@ -160,7 +161,7 @@ class _Question:
         in_the_middle = centre[0] == self.disc.x and centre[1] == self.disc.y  # mostly, and quicker to see
         if (in_the_middle or self.disc.holds(centre)) and self._is_clear(centre):
             self.goal = centre
-        found = self._path(2)
+        found = self._coarse_way() or self._path(2)
         if not found:
             cut = self._cut()
             if cut is not None:
@@ -177,6 +178,11 @@ class _Question:
         witness = make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed, compiled=self.compiled)
         reason = f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through"
         return Decision(REACHABLE, witness, reason)
+
+    def _coarse_way(self) -> list[ExactPoint]:
+        if self.goal is None or self.world.walls.size <= FROM_CELLS:
+            return []
+        return coarse_way(self.walls, self.start, self.goal)
 
     def judge_start(self) -> Decision | None:
         """The decision, if the start settles it."""

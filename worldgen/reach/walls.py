@@ -28,6 +28,8 @@ __all__ = [
     "segment_meets_box",
 ]
 
+_MOST_BYTES = 4_000_000  # cells of a grid that are kept as bytes too, in which the next solid one is found quickest
+
 Number: TypeAlias = int | Fraction
 Point: TypeAlias = tuple[int, int]
 ExactPoint: TypeAlias = tuple[Number, Number]
@@ -82,9 +84,14 @@ class Walls:
                 low, high = px + (qx - px) * below // rise, px + (qx - px) * above // rise
             if low > high:
                 low, high = high, low
+            begin = max(-1, (low - 1 - reach) // UNIT - 1)
+            end = min(self.width, (high + 1 + reach) // UNIT + 1) + 1
+            if self.solid.size > _MOST_BYTES:  # row by row, or there would be one more copy of all
+                row = self.cells[iy + 1, begin + 1 : end + 1]
+                yield from ((begin + ix, iy) for ix in np.flatnonzero(row).tolist())
+                continue
             base = (iy + 1) * self._stride + 1
-            at = base + max(-1, (low - 1 - reach) // UNIT - 1)
-            end = base + min(self.width, (high + 1 + reach) // UNIT + 1) + 1
+            at, end = base + begin, base + end
             while (at := self._bytes.find(1, at, end)) >= 0:
                 yield at - base, iy
                 at += 1
