@@ -27,6 +27,7 @@ from worldgen.reach import (
     witness_margin,
 )
 from worldgen.reach.disc import target_disc
+from worldgen.reach.hasten import hasten
 from worldgen.reach.latest import find_latest_start
 from worldgen.reach.spans import ChangingWalls, Spans
 from worldgen.reach.timed import find_timed_path
@@ -108,6 +109,22 @@ def test_no_world_is_both_reached_in_time_and_blocked(world, deadline):
         assert decision.certificate.duration <= deadline
     if earliest.result == REACHABLE and earliest.certificate.duration <= deadline:
         assert decision.result == REACHABLE
+
+
+@given(changing_worlds())
+def test_a_witness_in_haste_arrives_no_later_and_holds(world):
+    decision = decide(world)
+    assume(world.is_dynamic and decision.result == REACHABLE)
+    walls = ChangingWalls(world, Spans(world), in_cells(world.robot_radius, world.cell_size))
+    hasty = hasten(world, walls, decision.certificate)
+    report = check_certificate(world, hasty)
+    assert report.valid and hasty.duration <= decision.certificate.duration, report.reason
+
+
+def test_a_straight_way_in_haste_is_faster_than_the_steps_it_replaced():
+    world = changing("......\n......\n.....G\nS.....", (9.0, 0, 3, SOLID))
+    early = decide(world).certificate.duration - 0.02
+    assert answer(world, early).certificate.duration <= early
 
 
 @given(changing_worlds(), st.sampled_from([1, 2, 3, 4, 8]))

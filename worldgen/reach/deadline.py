@@ -9,14 +9,15 @@ import numpy as np
 
 from worldgen.lattice import UNIT, in_cells
 from worldgen.reach.confine import confine
-from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_deadline, check_radius
+from worldgen.reach.decision import BLOCKED, UNDECIDED, Decision, check_deadline, check_radius
 from worldgen.reach.disc import target_disc
+from worldgen.reach.hasten import hasten
 from worldgen.reach.latest import find_latest_start
 from worldgen.reach.prove import decide
 from worldgen.reach.spans import ChangingWalls, Spans
 from worldgen.reach.walls import ExactPoint
 from worldgen.timeline import Timeline
-from worldgen.world import World
+from worldgen.world import Witness, World
 
 __all__ = ["decide_in_time", "latest_start", "until"]
 
@@ -51,11 +52,13 @@ def decide_in_time(world: World, deadline: float | None = None, *, radius: float
     ahead = world if deadline is None else until(world, deadline)
     decision = decide(ahead, radius=radius)
     late = ""
-    if decision.result == REACHABLE and decision.certificate is not None:
-        arrival = float(getattr(decision.certificate, "duration", 0.0))
-        if deadline is None or arrival <= deadline:
-            return decision
-        late = f"the earliest path found takes {arrival:.6g} s"
+    if isinstance(decision.certificate, Witness):
+        witness = decision.certificate
+        if deadline is not None and witness.duration > deadline and ahead.is_dynamic:
+            witness = hasten(ahead, ChangingWalls(ahead, Spans(ahead), in_cells(radius, world.cell_size)), witness)
+        if deadline is None or witness.duration <= deadline:
+            return replace(decision, certificate=witness)
+        late = f"the earliest path found takes {witness.duration:.6g} s"
     elif decision.result == BLOCKED:
         return decision
     try:
