@@ -242,4 +242,4 @@ def test_a_small_world_is_measured_without_numba():
 
 def test_places_in_each_others_discs_are_one_decision():
     spots = junctions_module._Spots(np.array([0, 1, 9]), np.array([4, 4, 4]), 100)
-    assert spots.apart([0, 1, 2]) == 2
+    assert len(list(spots.groups([0, 1, 2]))) == 2

@@ -22,11 +22,11 @@ from worldgen.difficulty.way import Ints
 from worldgen.jit import lazy_kernel
 from worldgen.reach.lattice_graph import neighbour_shifts
 
-__all__ = ["decisions"]
+__all__ = ["decision_points"]
 
 
-def decisions(nodes: Nodes, touched: Ints) -> int:
-    """Number of decision points along a way.
+def decision_points(nodes: Nodes, touched: Ints) -> list[tuple[int, int, int]]:
+    """The decision points along a way, each once: column, row and squared radius of its largest disc, in half cells.
 
     Args:
         nodes: The world at rest.
@@ -45,7 +45,7 @@ def decisions(nodes: Nodes, touched: Ints) -> int:
     else:
         chosen = chosen[_openings(nodes, places[chosen], sizes[chosen]) >= 3]
         chosen = chosen[spots.highest(chosen)]
-    return spots.apart(chosen.tolist())
+    return sorted(max(group, key=lambda spot: spot[2]) for group in spots.groups(chosen.tolist()))
 
 
 def _largest_discs(nodes: Nodes) -> Any:
@@ -194,19 +194,17 @@ class _Spots:
         found = [not any(size[k] < size[other] >= apart for other, apart in self._near(k)) for k in chosen.tolist()]
         return np.array(found, np.bool_)
 
-    def apart(self, chosen: list[int]) -> int:
-        """How many places are left of some when those that lie in each other's discs are one."""
-        left, count = set(chosen), 0
+    def groups(self, chosen: list[int]) -> Iterator[list[tuple[int, int, int]]]:
+        """Some of the places, those that lie in each other's discs together."""
+        left = set(chosen)
         while left:
-            count += 1
             group = [left.pop()]
-            while group:
-                k = group.pop()
+            for k in group:
                 same = {
                     other
                     for other, apart in self._near(k)
                     if other in left and apart <= min(self.spots[k][2], self.spots[other][2])
                 }
                 left -= same
-                group += same
-        return count
+                group += sorted(same)
+            yield sorted(self.spots[k] for k in group)

@@ -10,7 +10,7 @@ import numpy as np
 
 from worldgen import reach
 from worldgen.difficulty.bottleneck import bottleneck
-from worldgen.difficulty.junctions import decisions
+from worldgen.difficulty.junctions import decision_points
 from worldgen.difficulty.metrics import METRICS, Metrics, rounded
 from worldgen.difficulty.model import INPUTS, difficulty
 from worldgen.difficulty.nodes import Bools, nodes_of
@@ -108,7 +108,7 @@ def _round(world: World, solid: Bools, way: Way, wanted: frozenset[str]) -> dict
         return found
     nodes = nodes_of(world, solid)
     if "decisions" in wanted:
-        found["decisions"] = decisions(nodes, samples.nodes())
+        found["decisions"] = len(decision_points(nodes, samples.nodes()))
     depths = pockets(nodes, way, target_disc(world)) if wanted & _POCKETS else None
     if depths is not None:
         found["concavity"], found["retreat"] = (depth * world.cell_size / UNIT for depth in depths)
