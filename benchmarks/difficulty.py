@@ -50,7 +50,7 @@ Floats = npt.NDArray[np.float64]
 def worlds_of(name: str, count: int, seed: int) -> Iterator[World]:
     """Worlds of a family, each with parameters of its own."""
     rng, family = RandomStream(seed).child("difficulty", name), FAMILIES.get(name)
-    free = [known for known in free_parameters(family, ()) if known.name != "size"]
+    free = free_parameters(family, ("size", "cell_size"))  # all are 30 x 30 cells of 0.1 m, or as the family has them
     made = 0
     while made < count:
         try:

@@ -29,8 +29,8 @@ WISHES = (
     ("corridor", "turns > 40 and length < 8"),
     ("rubble", "0.78 < difficulty < 0.83"),
 )
-SEEDS = 7
-TRIES = 300
+SEEDS = 5
+TRIES = 250
 KINDS = {"guided": {"guided": True}, "random parameters": {"learns": False}, "defaults": {"guided": False}}
 
 
