@@ -87,7 +87,7 @@ def test_the_command_ends_with_1_when_nothing_fits(tmp_path):
 
 def test_count_gives_different_worlds_that_all_fit(tmp_path):
     run("corridor", "--where", "detour > 1.5", "--seed", 4, "--count", 3, "--out", tmp_path / "set")
-    worlds = [read_world(file) for file in sorted((tmp_path / "set").iterdir())]
+    worlds = [read_world(file) for file in sorted((tmp_path / "set").glob("*.grid"))]
     assert len({dumps(world) for world in worlds}) == 3
     assert all(world.provenance.metrics["detour"] > 1.5 for world in worlds)
 

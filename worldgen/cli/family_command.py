@@ -38,7 +38,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
         count: int | None,
         out: Path | None,
         workers: int | None,
-        metrics: bool,
+        metrics: bool | None,
         where: str | None,
         difficulty: float | None,
         tries: int | None,
@@ -46,23 +46,23 @@ def command_of(made_by: Family, name: str) -> click.Command:
         as_json: bool,
         **params: Any,
     ) -> None:
+        place = _set_place(count, out)
         if where is not None or difficulty is not None:
             make_wished(
-                made_by, name, draw_seed(seed), given_parameters(params), where=where, difficulty=difficulty,
-                tries=tries, count=count, out=out, metrics=metrics, force=force, as_json=as_json,
+                made_by, name, seed, given_parameters(params),
+                where=where, difficulty=difficulty, tries=tries, count=None if place is None else count,
+                out=out, metrics=metrics is not False, force=force, as_json=as_json,
             )  # fmt: skip
         elif tries is not None:
             raise click.UsageError("--tries is for a search; say with --where or --difficulty what for")
-        elif _is_one(count, out):
+        elif place is None:
             _make_one(made_by, draw_seed(seed), params, out, metrics=metrics, force=force, as_json=as_json)
-        elif out is None:
-            raise click.UsageError(f"--count {count} writes {count} files; name a folder for them with --out")
         else:
             from worldgen.cli.set_output import make_many
             from worldgen.sets import plan_set
 
-            plan = plan_set(name, 0, count or 1, params, metrics=metrics)
-            make_many(plan, seed, out, workers=workers, force=force, as_json=as_json)
+            plan = plan_set(name, 0, count or 1, params, metrics=metrics is not False)
+            make_many(plan, seed, place, workers=workers, force=force, as_json=as_json)
 
     command.__doc__ = made_by.description
     for decorate in (json_option, force_option, *reversed((*_SET_OPTIONS, *WISH_OPTIONS)), seed_option):
@@ -72,20 +72,24 @@ def command_of(made_by: Family, name: str) -> click.Command:
     return click.command(name)(command)
 
 
-def _is_one(count: int | None, out: Path | None) -> bool:
-    """Whether one file is wanted, not a set.
+def _set_place(count: int | None, out: Path | None) -> Path | None:
+    """Where a set goes, if one is wanted and not a single file.
 
     Raises:
-        UsageError: If the output's name is of the other kind.
+        UsageError: If there is no place for it, or the output's name is of the other kind.
     """
     from worldgen.archives import is_archive
     from worldgen.world_files import is_world_file
 
     if count is None and out is not None and is_archive(out):
         raise click.UsageError(f"{out} names an archive; say with --count how many worlds go into it")
-    if (count or 1) > 1 and out is not None and is_world_file(out.name):
+    if count is None or (count == 1 and (out is None or is_world_file(out.name))):
+        return None
+    if out is None:
+        raise click.UsageError(f"--count {count} writes {count} files; name a folder for them with --out")
+    if count > 1 and is_world_file(out.name):
         raise click.UsageError(f"{out} names one world's file; for {count} name a folder or an archive")
-    return count is None or (count == 1 and (out is None or is_world_file(out.name)))
+    return out
 
 
 _count_option = click.option(
@@ -101,9 +105,16 @@ _workers_option = click.option(
     "--workers", type=click.IntRange(1, 256), help="Processes that make a set [default: one a core, for large ones]."
 )
 _metrics_option = click.option(
-    "--metrics/--no-metrics", default=True, show_default=True, help="Measure each world, into its file's header."
+    "--metrics/--no-metrics",
+    default=None,
+    help="Measure each world, into its file's header.  [default: a single world up to 2000 x 2000 cells, and sets]",
 )
 _SET_OPTIONS = (_count_option, _out_option, _workers_option, _metrics_option)
+
+
+_MEASURED = (
+    4_000_000  # cells of the largest world that is measured unasked: longer than a quarter of a minute is too long
+)
 
 
 def _option(parameter: Parameter) -> Any:
@@ -116,7 +127,14 @@ def _option(parameter: Parameter) -> Any:
 
 
 def _make_one(
-    made_by: Family, seed: int, params: dict[str, Value], out: Path | None, *, metrics: bool, force: bool, as_json: bool
+    made_by: Family,
+    seed: int,
+    params: dict[str, Value],
+    out: Path | None,
+    *,
+    metrics: bool | None,
+    force: bool,
+    as_json: bool,
 ) -> None:
     from worldgen.grid_file import dumps, write_world
 
@@ -138,11 +156,14 @@ def _identity(made_by: Family, seed: int, params: dict[str, Value]) -> dict[str,
     return {"family": made_by.name, "version": made_by.version, "seed": seed, "params": made_by.complete(params)}
 
 
-def _made(made_by: Family, seed: int, params: dict[str, Value], *, metrics: bool) -> World:
+def _made(made_by: Family, seed: int, params: dict[str, Value], *, metrics: bool | None) -> World:
     from worldgen.generation import generate
 
     world = generate(made_by, seed, **params)
-    if not metrics:
+    if metrics is None and world.walls.size > _MEASURED:
+        note(f"{world.width} x {world.height} cells are not measured unasked; --metrics does")
+        return world
+    if metrics is False:
         return world
     from worldgen.difficulty import with_metrics
 

@@ -13,14 +13,16 @@ from worldgen.cli.output import draw_seed, emit_json, note
 from worldgen.errors import OutputError, WorldgenError
 
 if TYPE_CHECKING:
-    from worldgen.sets import SetPlan
+    from worldgen.sets import SetPlan, WishedPlan
 
 __all__ = ["make_many", "told", "workers_for"]
 
 _LARGE = 200  # worlds; below it takes longer to start processes than to do without
 
 
-def make_many(plan: SetPlan, seed: int | None, out: Path, *, workers: int | None, force: bool, as_json: bool) -> None:
+def make_many(
+    plan: SetPlan | WishedPlan, seed: int | None, out: Path, *, workers: int | None, force: bool, as_json: bool
+) -> None:
     """Makes a set, or goes on with it.
 
     Args:
@@ -31,21 +33,27 @@ def make_many(plan: SetPlan, seed: int | None, out: Path, *, workers: int | None
         force: Whether to replace what is there.
         as_json: Whether to print one object.
     """
+    from worldgen.random_streams import MASK64
     from worldgen.sets import make_set, manifest_of
 
     plan = plan.with_seed(_seed(plan, seed, out, force=force))
     header, count = plan.header, plan.header.count
     with told(out, count) as progress:
         done = make_set(plan, out, workers=workers_for(count, workers), force=force, progress=progress)
-    note(f"{out}: {count} worlds of {header.family}, seeds {plan.seed(0)} to {plan.seed(count - 1)}")
+    last = (header.seed + count - 1) & MASK64
+    note(
+        f"{out}: {count} worlds of {header.family}, "
+        + (f"found for {header.wish!r}" if header.wish else f"seeds {header.seed} to {last}")
+    )
     if as_json:
         asked = {"family": header.family, "version": header.version, "seed": header.seed, "params": header.params}
+        asked |= {"wish": header.wish} if header.wish else {}
         entries = [entry.as_dict() for entry in manifest_of(out).entries]
         files = [{**entry, "file": str(out / entry["file"])} for entry in entries]
         emit_json({**asked, "count": count, "out": str(out), "resumed": done.resumed, "files": files})
 
 
-def _seed(plan: SetPlan, seed: int | None, out: Path, *, force: bool) -> int:
+def _seed(plan: SetPlan | WishedPlan, seed: int | None, out: Path, *, force: bool) -> int:
     from worldgen.sets import begun_set
 
     begun = begun_set(out) if seed is None and not force else None

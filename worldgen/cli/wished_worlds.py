@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import emit_json, note
-from worldgen.errors import GenerationFailed, OutputError
+from worldgen.cli.output import draw_seed, emit_json, note
+from worldgen.cli.set_output import make_many
+from worldgen.errors import GenerationFailed
 
 if TYPE_CHECKING:
     from worldgen.difficulty.search import Nearest, Search
@@ -48,7 +49,7 @@ def given_parameters(params: Mapping[str, Any]) -> dict[str, Any]:
 def make_wished(
     made_by: Family,
     name: str,
-    seed: int,
+    seed: int | None,
     params: Mapping[str, Value],
     *,
     where: str | None,
@@ -60,42 +61,41 @@ def make_wished(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Searches and writes what is found; what is found stays, whatever ends the work.
+    """Searches and writes what is found: one world, or a set.
 
     Raises:
-        Exit: With code 1 if a world that fits was not found.
+        Exit: With code 1 if a world that fits was not found; those found before it stay.
     """
     from worldgen.difficulty.search import Search, found, wish_for
+    from worldgen.sets import plan_wished_set
 
-    files = _files(name, count, out, force=force)
-    search = Search(made_by, wish_for(where, difficulty), seed, params)
+    wish = wish_for(where, difficulty)
+    search: Search | None = None
     results: list[dict[str, Any]] = []
     try:
-        with _told(search.wish.text) as progress:
-            for file, one in zip(files, found(search, len(files), tries or _TRIES, progress), strict=True):
-                results.append(_write(one, file, name, params, metrics=metrics, force=force, as_json=as_json))
+        with _told(wish.text) as told:
+
+            def progress(now: Search) -> None:
+                nonlocal search
+                search = now
+                told(now)
+
+            if count is not None and out is not None:
+                plan = plan_wished_set(
+                    made_by, 0, count, params, where=wish.text, tries=tries or _TRIES, metrics=metrics, tell=progress
+                )
+                make_many(plan, seed, out, workers=1, force=force, as_json=as_json)
+                return
+            search = Search(made_by, wish, draw_seed(seed), params)
+            for one in found(search, 1, tries or _TRIES, progress):
+                results.append(_write(one, out, name, params, metrics=metrics, force=force, as_json=as_json))
     except GenerationFailed as failure:
         note(f"worldgen: {failure}")
         if as_json:
-            emit_json({"wish": search.wish.text, "tried": search.tried, "files": results, "nearest": _nearest(search)})
+            emit_json({"wish": wish.text, "tried": search.tried if search else 0, "nearest": _nearest(search)})
         raise click.exceptions.Exit(1) from failure
     if as_json:
-        found_all = {"wish": search.wish.text, "tried": search.tried}
-        emit_json({**found_all, **results[0]} if count is None else {**found_all, "files": results})
-
-
-def _files(name: str, count: int | None, out: Path | None, *, force: bool) -> list[Path | None]:
-    if count is None:
-        return [out]
-    if out is None or out.suffix in (".grid", ".gz", ".zip", ".bz2"):
-        raise click.UsageError("--count with --where or --difficulty writes files into a folder; name one with --out")
-    stem = Path(name).stem.rpartition(":")[2]
-    files: list[Path | None] = [out / f"{stem}-{number:0{len(str(count))}d}.grid" for number in range(1, count + 1)]
-    for file in files:
-        if file is not None and file.exists() and not force:
-            raise OutputError(f"{file} is there already; give --force to overwrite it, or another folder")
-    out.mkdir(parents=True, exist_ok=True)
-    return files
+        emit_json({"wish": wish.text, "tried": search.tried, **results[0]})
 
 
 def _write(
@@ -138,16 +138,16 @@ def _command(name: str, seed: int, params: Mapping[str, Value]) -> str:
     return shlex.join(words)
 
 
-def _nearest(search: Search) -> dict[str, Any] | None:
-    near = search.nearest
+def _nearest(search: Search | None) -> dict[str, Any] | None:
+    near = None if search is None else search.nearest
     return None if near is None else {"seed": near.seed, "params": near.params, "metrics": near.metrics}
 
 
 @contextmanager
-def _told(wish: str) -> Iterator[Callable[[Search], None] | None]:
+def _told(wish: str) -> Iterator[Callable[[Search], None]]:
     """Gives what to call after each try; one line on stderr that says how near the search is, if that is a terminal."""
     if not sys.stderr.isatty():
-        yield None
+        yield lambda search: None
         return
     from rich.console import Console
 

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from worldgen.errors import OutputError, WorldgenError
 from worldgen.sets.identity import entry_jobs
-from worldgen.sets.making import Job, Made, make_all
+from worldgen.sets.making import Made, make_all
 from worldgen.sets.manifest import MANIFEST, Entry, Header, Manifest, read_manifest
 from worldgen.sets.plan import SetPlan
 from worldgen.sets.stores import PART, FolderStore, Store, store_for
+from worldgen.sets.wished import WishedPlan
 
 __all__ = ["SetDiffers", "SetDone", "begun_set", "make_set", "regenerate_set", "restore_set"]
 
@@ -52,14 +53,14 @@ class _Work:
     Args:
         header: First line of the manifest.
         count: How many.
-        jobs: Those from this one on.
+        made: Makes those from this one on.
         named: Name of a file, and its line in the manifest.
         refuse: Raises if the set that is there is another, or is finished.
     """
 
     header: bytes
     count: int
-    jobs: Callable[[int], Iterator[Job]]
+    made: Callable[[int], Iterator[Made]]
     named: Callable[[int, Made], tuple[str, bytes]]
     refuse: Callable[[Manifest], None]
 
@@ -75,33 +76,33 @@ def begun_set(out: Path) -> Header | None:
 
 
 def make_set(
-    plan: SetPlan, out: Path, *, workers: int = 1, force: bool = False, progress: Progress | None = None
+    plan: SetPlan | WishedPlan, out: Path, *, workers: int = 1, force: bool = False, progress: Progress | None = None
 ) -> SetDone:
     """Makes a set as a folder or an archive; goes on with the same one where that is unfinished.
 
     Args:
         plan: What it is to hold.
         out: A folder; or a file that ends in ``.zip``, ``.tar.gz`` or ``.tar.bz2``.
-        workers: Processes; the bytes are the same for any number.
+        workers: Processes; the bytes are the same for any number. A search works in this one alone.
         force: Whether to replace what is there.
         progress: Called as the work goes on.
 
     Raises:
         OutputError: If something else is there, or cannot be written; what was made stays.
-        GenerationFailed: If a world cannot be made.
+        GenerationFailed: If a world cannot be made, or is not found.
     """
     header = plan.header
 
     def named(k: int, made: Made) -> tuple[str, bytes]:
-        name, seed = plan.file(k), plan.seed(k)
         digests = (made.digest, made.sha256, len(made.data), made.metrics)
-        return name, Entry(name, header.family, header.version, seed, header.params, *digests).line()
+        return plan.file(k), Entry(plan.file(k), header.family, header.version, made.seed, made.params, *digests).line()
 
     def refuse(old: Manifest) -> None:
         if old.first != header.line():
             raise OutputError(_other(old, header, out))
 
-    return _fill(_Work(header.line(), header.count, plan.jobs, named, refuse), out, workers, force, progress)
+    work = _Work(header.line(), header.count, lambda first: plan.made(first, workers), named, refuse)
+    return _fill(work, out, force, progress)
 
 
 def regenerate_set(
@@ -138,8 +139,8 @@ def regenerate_set(
         if old.first != manifest.first or old.lines != manifest.lines[: len(old.lines)]:
             raise OutputError(_other(old, manifest.header, out))
 
-    work = _Work(manifest.first, len(jobs), lambda first: iter(jobs[first:]), named, refuse)
-    return _fill(work, out, workers, force, progress)
+    work = _Work(manifest.first, len(jobs), lambda first: make_all(jobs[first:], workers), named, refuse)
+    return _fill(work, out, force, progress)
 
 
 def restore_set(
@@ -178,7 +179,7 @@ def restore_set(
     return SetDone(len(manifest.entries), len(manifest.entries) - len(wanted))
 
 
-def _fill(work: _Work, out: Path, workers: int, force: bool, progress: Progress | None) -> SetDone:
+def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> SetDone:
     store = store_for(out)
     try:
         old = store.find(force=force)
@@ -188,7 +189,7 @@ def _fill(work: _Work, out: Path, workers: int, force: bool, progress: Progress 
             resumed = store.resume(old)
             if len(old.entries) == work.count == resumed and isinstance(store, FolderStore):
                 raise OutputError(f"{out} holds this set already, finished; give --force to make it anew")
-        _write_all(work, store, resumed, old, started=old is not None and not force, workers=workers, progress=progress)
+        _write_all(work, store, resumed, old, started=old is not None and not force, progress=progress)
         store.finish()
         return SetDone(work.count, resumed)
     finally:
@@ -202,12 +203,11 @@ def _write_all(
     old: Manifest | None,
     *,
     started: bool,
-    workers: int,
     progress: Progress | None,
 ) -> None:
     tell = progress or (lambda _: None)
     tell(done)
-    for made in make_all(work.jobs(done), workers):
+    for made in work.made(done):
         if not started:  # not before a world is there to be written: bad parameters change nothing
             store.start(work.header, old)
             started = True
@@ -231,6 +231,7 @@ def _check_same(entry: Entry, made: Made, header: Header) -> None:
 def _other(old: Manifest, wanted: Header, out: Path) -> str:
     held = old.header
     what = f"{out} holds {len(old.entries)} of {held.count} worlds of another set: {held.family} from seed {held.seed}"
+    what += f" where {held.wish}" if held.wish else ""
     if held.worldgen != wanted.worldgen:
         what += f", by worldgen {held.worldgen}"
     return f"{what}; name another place, or give --force to replace it"

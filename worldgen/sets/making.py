@@ -17,7 +17,7 @@ from worldgen.errors import GenerationFailed, WorldgenError
 from worldgen.generation import generate
 from worldgen.grid_file import dumps, world_digest
 from worldgen.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
-from worldgen.world import Provenance, Value
+from worldgen.world import Provenance, Value, World
 
 __all__ = ["Job", "Made", "make_all"]
 
@@ -48,16 +48,27 @@ class Made:
     """A world that was made.
 
     Args:
+        seed: Its seed.
+        params: Its parameters.
         data: Bytes of its file.
         digest: The world's id.
         sha256: Of the bytes.
         metrics: What was measured of it.
     """
 
+    seed: int
+    params: Mapping[str, Value]
     data: bytes
     digest: str
     sha256: str
     metrics: Mapping[str, float]
+
+    @classmethod
+    def of(cls, world: World, params: Mapping[str, Value], metrics: Mapping[str, float]) -> Made:
+        """The file of a world whose provenance is to name these parameters and metrics."""
+        made = cast("Provenance", world.provenance)  # generate() gives no world without one
+        data = dumps(replace(world, provenance=replace(made, params=params, metrics=metrics)))
+        return cls(made.seed, params, data, world_digest(world), hashlib.sha256(data).hexdigest(), metrics)
 
 
 _Done = tuple[list[Made], WorldgenError | None]
@@ -140,7 +151,4 @@ def _make_piece(jobs: list[Job]) -> _Done:
 
 def _make(job: Job) -> Made:
     world = generate(job.family, job.seed, **job.params)
-    made = cast("Provenance", world.provenance)  # generate() gives no world without one
-    metrics = measure(world).as_dict() if job.metrics is None else job.metrics
-    data = dumps(replace(world, provenance=replace(made, params=job.params, metrics=metrics)))
-    return Made(data, world_digest(world), hashlib.sha256(data).hexdigest(), metrics)
+    return Made.of(world, job.params, measure(world).as_dict() if job.metrics is None else job.metrics)

@@ -29,11 +29,12 @@ class Header:
     Args:
         family: Name of the family.
         version: Its version.
-        params: All its parameters.
-        seed: Of the first world.
+        params: All its parameters; of a search, those that were fixed.
+        seed: Of the first world, or of the search.
         count: Worlds in the finished set.
         metrics: Whether each is measured.
         worldgen: Version of worldgen that made the set.
+        wish: What the worlds were searched for by; empty where their seeds rise from the first's.
     """
 
     family: str
@@ -43,12 +44,13 @@ class Header:
     count: int
     metrics: bool
     worldgen: str
+    wish: str = ""
 
     def line(self) -> bytes:
         """The line, with its end."""
         head = {"format": FORMAT, "worldgen": self.worldgen, "family": self.family, "version": self.version}
         asked = {"seed": self.seed, "count": self.count, "params": _sorted(self.params), "metrics": self.metrics}
-        return _line({**head, **asked})
+        return _line({**head, **asked, **({"wish": self.wish} if self.wish else {})})
 
 
 @dataclass(frozen=True)
@@ -192,7 +194,8 @@ class _Fields:
             raise self._wrong("metrics", "must be true or false")
         family, version, params = self._text("family"), self._whole("version", 0, 2**63), self._table("params")
         seed, count = self._whole("seed", 0, 2**64 - 1), self._whole("count", 1, 2**63)
-        return Header(family, version, params, seed, count, metrics, self._text("worldgen"))
+        wish = self._text("wish") if "wish" in self.found else ""
+        return Header(family, version, params, seed, count, metrics, self._text("worldgen"), wish)
 
     def entry(self, header: Header) -> Entry:
         """A world; one with the set's parameters shares them, as a hundred thousand do."""

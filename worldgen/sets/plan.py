@@ -10,11 +10,11 @@ from importlib.metadata import version
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES, Family
 from worldgen.random_streams import MASK64
-from worldgen.sets.making import Job
+from worldgen.sets.making import Job, Made, make_all
 from worldgen.sets.manifest import Header
 from worldgen.world import Value
 
-__all__ = ["SetPlan", "plan_set"]
+__all__ = ["SetPlan", "file_name", "plan_set"]
 
 _FLAT = 10_000  # worlds at most in one folder
 _SHARD = 1_000  # worlds in each subfolder where there are more
@@ -38,6 +38,10 @@ class SetPlan:
         for k in range(first, self.header.count):
             yield Job(self.family, self.seed(k), self.header.params, None if self.header.metrics else {})
 
+    def made(self, first: int, workers: int) -> Iterator[Made]:
+        """Makes the worlds from this one on, in so many processes."""
+        return make_all(self.jobs(first), workers)
+
     def seed(self, k: int) -> int:
         """Seed of the world counted ``k`` from 0."""
         return (self.header.seed + k) & MASK64
@@ -48,9 +52,13 @@ class SetPlan:
 
     def file(self, k: int) -> str:
         """Name of the file of the world counted ``k`` from 0."""
-        header = self.header
-        name = f"{_ODD.sub('-', header.family).lstrip('.') or 'world'}-{self.seed(k)}.grid"
-        return f"{k // _SHARD:04}/{name}" if header.count > _FLAT else name
+        return file_name(self.header, k, str(self.seed(k)))
+
+
+def file_name(header: Header, k: int, called: str) -> str:
+    """Name of the file of the world counted ``k`` from 0, in a subfolder where there are many."""
+    name = f"{_ODD.sub('-', header.family).lstrip('.') or 'world'}-{called}.grid"
+    return f"{k // _SHARD:04}/{name}" if header.count > _FLAT else name
 
 
 def plan_set(family: str, seed: int, count: int, params: Mapping[str, Value], *, metrics: bool = True) -> SetPlan:
