@@ -22,8 +22,9 @@ from worldgen.difficulty.way import Ints
 from worldgen.jit import lazy_kernel
 from worldgen.lattice import UNIT, exact, in_cells
 from worldgen.reach import REACHABLE, decide
-from worldgen.reach.cut import rim_cells
-from worldgen.reach.disc import target_disc
+from worldgen.reach.cut import find_chain, rim_cells
+from worldgen.reach.disc import parts, target_disc
+from worldgen.reach.target_poses import deciding_poses
 from worldgen.reach.walls import Walls
 from worldgen.timeline import Timeline
 from worldgen.world import World
@@ -60,20 +61,45 @@ def bottleneck(world: World, solid: Bools) -> float:
 
 def _halved(world: World, solid: Bools, low: float, high: float) -> float:
     """The largest radius, cells, between two; ``low`` if nothing larger passes."""
-    still = replace(world, walls=solid, timeline=Timeline(), certificate=None)
-
-    def passes(radius: float) -> bool:
-        metres = radius * world.cell_size
-        return metres > 0.0 and decide(still, radius=metres).result == REACHABLE
-
-    if not passes(max(low * (1 + _CLOSE), _LEAST)):
+    question = _Question(world, solid)
+    if not question.passes(max(low * (1 + _CLOSE), _LEAST)):
         return low
-    if passes(high):
+    if question.passes(high):
         return high
     while high - low > _CLOSE * high:
         middle = (low + high) / 2
-        low, high = (middle, high) if passes(middle) else (low, middle)
+        low, high = (middle, high) if question.passes(middle) else (low, middle)
     return low
+
+
+class _Question:
+    """Whether a disc that fits at the start gets to any pose of the target, asked for one radius after another.
+
+    No way is sought: a pose that no chain parts from the start can be reached (docs/reachability.md).
+    """
+
+    def __init__(self, world: World, solid: Bools) -> None:
+        self.world, self.solid, self.disc = world, solid, target_disc(world)
+        self.start = tuple(in_cells(value, world.cell_size) * UNIT for value in (world.start.x, world.start.y))
+
+    def passes(self, radius: float) -> bool:
+        """For a radius in cells."""
+        exactly, start = Fraction(radius), (self.start[0], self.start[1])
+        if radius <= 0.0:
+            return False
+        walls = Walls(self.solid, exactly)
+        if not walls.is_clear(start, start):
+            return False
+        left = deciding_poses(walls, self.disc)
+        if left is None:  # thousands of corners lie near a large target
+            still = replace(self.world, walls=self.solid, timeline=Timeline(), certificate=None)
+            return decide(still, radius=radius * self.world.cell_size).result == REACHABLE
+        while left:
+            chain = find_chain(self.solid, exactly, start, left[:1])
+            if chain is None:
+                return True
+            left = [pose for pose in left[1:] if not parts(chain, start, pose)]
+        return False
 
 
 def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int | None:
