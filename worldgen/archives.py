@@ -28,6 +28,7 @@ _LEVEL = 6  # of zlib, its own default; fixed
 _FIRST_DAY = (1980, 1, 1, 0, 0, 0)  # a zip file knows no earlier one
 _MODE = 0o644
 _BLOCK = 512  # bytes, of a tar file
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _PIECE = 1 << 20  # bytes skipped at a time
 
 
@@ -170,6 +171,9 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
         for entry in archive.infolist():
 
             def read(limit: int, entry: zipfile.ZipInfo = entry) -> bytes | None:
+                if entry.compress_type not in _METHODS:  # others take memory as the file pleases
+                    message = "is compressed by another method than deflate; pack it anew with that"
+                    raise FormatError(message, source=f"{source}/{entry.filename}")
                 with _told(f"{source}/{entry.filename}"), archive.open(entry) as file:
                     data = file.read(limit + 1)
                 return data if len(data) <= limit else None

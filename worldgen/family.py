@@ -10,6 +10,7 @@ import re
 import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from worldgen.errors import InvalidParameter
@@ -36,7 +37,21 @@ Build = Callable[..., World]
 
 MARGIN = "margin"  # of every parameter so called: seconds by which the witness may begin later
 # parameters of generate(), and options of every family's command
-_TAKEN = ("name", "seed", "count", "out", "force", "json", "metrics", "where", "difficulty", "tries", "workers")
+_TAKEN = (
+    "name",
+    "seed",
+    "count",
+    "out",
+    "force",
+    "json",
+    "as_json",
+    "help",
+    "metrics",
+    "where",
+    "difficulty",
+    "tries",
+    "workers",
+)
 _INT64 = 2**63  # a file holds no larger whole number
 
 
@@ -254,9 +269,10 @@ class FamilyRegistry(Registry[Family]):
             return self.get(name)
         if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
             raise InvalidParameter(f"{name}: files is no table of texts; take it as it stands in a world's provenance")
-        key = (text, *sorted((file, str(content)) for file, content in files.items()))
+        folder = Path(name).parent if name.endswith(".toml") else None
+        key = (text, folder, *sorted((file, str(content)) for file, content in files.items()))
         if key != self._last[0]:  # a set asks for the same one again and again
-            self._last = (key, self._from_recipe(text, files=files))
+            self._last = (key, self._from_recipe(text, files=files, folder=folder))
         made_by = self._last[1]
         if made_by is None or (made_by.name != name and name.startswith(RECIPE)):
             other = made_by.name if made_by else "none"

@@ -21,6 +21,8 @@ GENERATOR = """
 import numpy as np
 print('loading')
 
+from worldgen.census import CensusMap
+
 def maps(seed, *, side=6, density=0.2, border=False, kind="noise"):
     rng = np.random.default_rng(seed)
     for number in range(1000):
@@ -49,6 +51,19 @@ def rubbish(seed):
     yield "ragged", [[0, 1], [0]]
     yield "empty", np.zeros((0, 3), bool)
     yield None
+
+def metres(seed):
+    yield CensusMap("good", np.eye(4, dtype=np.uint8))
+    yield CensusMap("list", [[0, 1], [0]])
+    yield CensusMap("flat", np.zeros(4, bool))
+    yield CensusMap("greys", np.full((3, 3), 7))
+    yield CensusMap("none", np.zeros((4, 4), bool), float("nan"))
+    yield CensusMap("word", np.zeros((4, 4), bool), "1 m")
+
+def alike(seed):
+    walls = np.array([[0, 1, 0], [1, 0, 0], [0, 0, 0]])
+    for name in ("m", "m", "m-2", "n" * 300, "\\udcff"):
+        yield name, walls, (0, 0), (2, 2)
 
 def breaks(seed):
     yield "good", np.zeros((4, 4), bool)
@@ -173,6 +188,26 @@ def test_what_a_generator_yields_wrongly_is_listed_and_the_rest_judged(generator
     }  # fmt: skip
     assert refused.keys() == expected.keys()
     assert all(part in refused[name] for name, part in expected.items())
+
+
+def test_maps_in_metres_are_checked_like_the_others(generator):
+    found = objects(generator("metres"), "--seed", 1, "--radius", "0.7c")
+    assert found["maps"] == 1
+    assert {one["name"]: one["reason"].split("; ")[0] for one in found["refused"]} == {
+        "list": "walls of shape (0,) and type float64 came",
+        "flat": "walls of shape (4,) and type bool came",
+        "greys": "walls hold numbers other than 0 and 1",
+        "none": "cell_size=nan m is outside 1e-06 to 1e+06 m",
+        "word": "cell_size='1 m' is no number",
+    }
+
+
+def test_maps_of_one_name_and_of_odd_names_are_counted_and_kept_apart(generator, tmp_path):
+    table, kept = tmp_path / "t.csv", tmp_path / "kept"
+    found = objects(generator("alike"), "--seed", 1, "--radius", "0.6c", "--csv", table, "--out", kept)
+    assert found["maps"] == found["pairs"]["named"] == len(list(kept.iterdir())) == 5
+    names = [line.split(",")[0] for line in table.read_text().splitlines()[1:]]
+    assert names == ["m", "m-2", "m-2-2", "n" * 300, "\\udcff"]
 
 
 def test_a_generator_that_breaks_leaves_the_table_of_what_came_before(generator):

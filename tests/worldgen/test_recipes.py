@@ -167,6 +167,15 @@ def test_a_foreign_map_travels_as_its_digest_and_a_change_is_noticed(tmp_path, m
         generate(made.family, made.seed, **made.params)
 
 
+def test_a_set_on_a_foreign_map_is_made_from_another_folder(tmp_path):
+    (tmp_path / "m.map").write_bytes(Path("corpora/maps/maze-32-32-2.map").read_bytes())
+    (tmp_path / "r.toml").write_text('recipe = "maze"\n[[part]]\nname = "m"\nfile = "m.map"\n')
+    made = ("compose", tmp_path / "r.toml", "--robot-radius", 0.04, "--seed", 1)
+    assert worldgen(*made, "--count", 2, "--out", tmp_path / "set").code == 0
+    again = ("regenerate", tmp_path / "set", "--out", tmp_path / "again", "--family", tmp_path / "r.toml")
+    assert worldgen(*again).code == 0
+
+
 def test_a_map_whose_cells_lie_in_another_file_is_noticed_when_they_change(tmp_path, monkeypatch):
     for name in ("mrpt-uwb-demo.yaml", "mrpt-uwb-demo.pgm"):
         (tmp_path / name).write_bytes(Path("corpora/maps", name).read_bytes())
@@ -195,6 +204,9 @@ FAULTS = {
     "default": (edited("default = 12", "default = 2"), "r.toml:5: parameters.size: default=2 is not between"),
     "choices": (edited('["left"', '["lift"'), "r.toml:6: parameters.side: default='left' is none of its choices"),
     "taken": (edited("side =", "seed ="), "'seed' must stand after"),
+    "keyword": (edited("side =", "class ="), "r.toml:6: parameters.class: is no name; use small letters"),
+    "stream": (edited("side =", "rng ="), "r.toml:6: parameters.rng: is no name"),
+    "help": (edited("side =", "help ="), "'help' must stand after"),
     "source": (edited('box = ["= size", "= size"]', ""), "r.toml:15: part 'room': is made of nothing; give"),
     "part-key": (edited("rows =", "row ="), "r.toml:8: part 'stone': is made of nothing"),
     "formula": (edited('box = ["= size"', 'box = ["= syze"'), "r.toml:17: part 'room', box: 'syze': no parameter is"),
@@ -234,6 +246,10 @@ UNFIT = {
     "grows": ("size - 5", "size * 9e99", "'size \\* 9e99' grows beyond"),
     "word": ("size - 5", "side", "'side': side is 'left', no number"),
     "shape": ("[2.5, 2.5]", "[2.5]", r"step 2 \(start\): start=\[2.5\] is no place; give \[x, y\] in cells"),
+    "bits": ("from = 5", "from = -9223372036854775808", "has more than 63 bits"),
+    "anchor": ('how = "union"', "anchor = [1]", r"step 4 \(place\): anchor=\[1\] is no word"),
+    "mark": ("{ border = 1 }", "{ mark = [1], at = [1, 1] }", r"step 1 \(mark\): mark=\[1\] is no word"),
+    "forget": ("{ border = 1 }", "{ forget = [[1]] }", r"step 1 \(forget\): forget=\[1\] is no word"),
     "outside": ("[2.5, 2.5]", "[99, 1]", r"step 2 \(start\): start at \(99, 1\) lies outside"),
 }  # fmt: skip
 

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+import zipfile
 
 import pytest
 
@@ -18,7 +19,7 @@ from worldgen.difficulty import with_metrics
 from worldgen.errors import FormatError, InvalidParameter, OutputError
 from worldgen.generation import generate, stream
 from worldgen.grid_file import dumps, read_world, world_digest
-from worldgen.sets import check_set, make_set, manifest_of, plan_set, regenerate_set
+from worldgen.sets import Difference, check_set, make_set, manifest_of, plan_set, regenerate_set
 from worldgen.sets.journal import Journal
 
 SMALL = {"size": 12}
@@ -220,6 +221,55 @@ def test_two_commands_do_not_write_one_set(traps):
     assert "is being written by another command" in run(*TRAPS, "--out", traps).err
     other.close()
     assert "holds this set already" in run(*TRAPS, "--out", traps).err
+
+
+@pytest.mark.parametrize("out", ["set", "set.zip"])
+def test_a_set_that_came_into_being_meanwhile_is_not_replaced(tmp_path, monkeypatch, out):
+    place = tmp_path / out
+    honest = worldgen.sets.make.make_all
+
+    def while_another_works(jobs, workers):
+        monkeypatch.setattr(worldgen.sets.make, "make_all", honest)
+        make_set(plan_set("trap", 5, 2, SMALL), place)
+        return honest(jobs, workers)
+
+    monkeypatch.setattr(worldgen.sets.make, "make_all", while_another_works)
+    with pytest.raises(OutputError, match="by another command meanwhile"):
+        make_set(plan_set("maze", 1, 1, SMALL), place)
+    assert check_set(place, manifest_of(place)) == [] and len(manifest_of(place).entries) == 2
+    assert not (tmp_path / "set.zip.part").exists()
+
+
+@pytest.mark.parametrize(("out", "way_out"), [("set", "without --force goes on"), ("set.zip", "set.zip is moved away")])
+def test_what_force_began_goes_on_as_the_message_says(whole, tmp_path, monkeypatch, out, way_out):
+    place = tmp_path / out
+    run("maze", "--size", 12, "--seed", 1, "--count", 2, "--out", place)
+    real = Journal.append
+    monkeypatch.setattr(Journal, "append", lambda self, line: full() if b"trap-8" in line else real(self, line))
+    result = run(*TRAPS, "--out", place, "--force")
+    assert result.code == 2 and way_out in result.err
+    monkeypatch.undo()
+    if place.is_file():
+        place.rename(tmp_path / "moved.zip")
+    assert "3 of 6 worlds are there already" in run(*TRAPS, "--out", place).err
+    assert contents(place) == contents(whole / out)
+
+
+def full():
+    raise OutputError("No space left on device")
+
+
+def test_a_file_that_an_archive_has_twice_is_found(whole, tmp_path):
+    with zipfile.ZipFile(shutil.copy(whole / "set.zip", tmp_path), "a") as archive, pytest.warns(UserWarning):
+        archive.writestr("trap-7.grid", b"another")
+    assert check_set(tmp_path / "set.zip", manifest_of(whole / "set")) == [Difference("extra", "trap-7.grid")]
+
+
+def test_an_archive_of_another_compression_is_refused(whole, tmp_path):
+    with zipfile.ZipFile(tmp_path / "lzma.zip", "w", zipfile.ZIP_LZMA) as archive:
+        archive.write(whole / "set/trap-7.grid", "trap-7.grid")
+    result = run("verify", tmp_path / "lzma.zip")
+    assert result.code == 2 and "lzma.zip/trap-7.grid: is compressed by another method than deflate" in result.err
 
 
 def test_a_full_disk_loses_nothing_and_the_command_goes_on(whole, tmp_path, monkeypatch):

@@ -39,7 +39,7 @@ class CensusMap:
     """A map to judge.
 
     Args:
-        name: Unique in its source; seeds what is drawn.
+        name: Seeds what is drawn; in a census a name that came before gets a number behind it.
         walls: (height, width) bool, True is solid; row 0 is the lowest y.
         cell_size: Side of a cell, m.
         ends: What the map itself asks; where there are none, ends are drawn.

@@ -13,7 +13,7 @@ import inspect
 import itertools
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,8 @@ import numpy.typing as npt
 
 from worldgen.census.case import CensusMap, Ends, Refused, cell_ends
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop.foreign_map import check_sides
+from worldgen.family import check_between
+from worldgen.interop.foreign_map import CELL_SIZES, check_sides
 from worldgen.registry import Registry, user_code
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
@@ -87,9 +88,11 @@ class GeneratedMaps:
         name = f"map {index + 1}"
         try:
             if isinstance(item, CensusMap):
-                height, width = item.walls.shape
-                check_sides(width, height)
-                return item
+                name = str(item.name)
+                if not isinstance(item.cell_size, int | float):
+                    raise InvalidParameter(f"cell_size={item.cell_size!r} is no number; give the side of a cell in m")
+                check_between("cell_size", item.cell_size, *CELL_SIZES, "m")
+                return replace(item, name=name, walls=_walls(item.walls))
             if not isinstance(item, tuple) or len(item) not in (2, 4) or not isinstance(item[0], str):
                 raise InvalidParameter(
                     f"a {type(item).__name__} came; yield (name, walls) or (name, walls, start, target)"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -17,6 +18,7 @@ from worldgen.world import Cut, Provenance, Value, World
 
 __all__ = ["VERSION", "Census", "CensusOptions", "Question", "take_census"]
 
+_LONGEST = 50  # characters of a map's name in a file's name: at most 200 of 255 bytes
 VERSION = 1  # goes up whenever a seed draws other pairs than before
 
 
@@ -114,10 +116,11 @@ def take_census(
         progress: Called after each map.
     """
     census = Census(options or CensusOptions())
+    names, files = Counter[str](), Counter[str]()
     try:
         for item in maps:
             if isinstance(item, CensusMap):
-                _judge(census, item, keep)
+                _judge(census, replace(item, name=_once(item.name, names)), keep, files)
             else:
                 census.refused.append(item)
             if progress is not None:
@@ -129,7 +132,17 @@ def take_census(
     return census
 
 
-def _judge(census: Census, item: CensusMap, keep: Callable[[str, World], object] | None) -> None:
+def _once(name: str, taken: Counter[str]) -> str:
+    """The name, with a number behind it if it is taken."""
+    told = name = name.encode(errors="backslashreplace").decode()  # a file's name may hold what UTF-8 cannot
+    while taken[told]:
+        taken[name] += 1
+        told = f"{name}-{taken[name]}"
+    taken[told] += 1
+    return told
+
+
+def _judge(census: Census, item: CensusMap, keep: Callable[[str, World], object] | None, files: Counter[str]) -> None:
     """Every question about one map; all of them or, if the map has a fault, none."""
     options = census.options
     try:
@@ -145,7 +158,7 @@ def _judge(census: Census, item: CensusMap, keep: Callable[[str, World], object]
             question, judged = _answer(item, number, pair, world, radius, planners)
             found.append(question)
             if question.grid_only and keep is not None:
-                kept.append((_file_name(question), _with_source(judged, item, question, options.seed)))
+                kept.append((_once(_file_name(question), files), _with_source(judged, item, question, options.seed)))
     for name, judged in kept:
         if keep is not None:
             keep(name, judged)
@@ -187,7 +200,7 @@ def _file_name(question: Question) -> str:
     """Without ending; what parts start and target on the way comes apart from what gives them no room."""
     plain = "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in question.map)
     kind = "parted" if question.room else "no-room"
-    return f"{kind}-{plain}-{question.pair}-r{question.radius:g}"
+    return f"{kind}-{plain[:_LONGEST]}-{question.pair}-r{question.radius:g}"
 
 
 def _with_source(world: World, item: CensusMap, question: Question, seed: int) -> World:

@@ -25,7 +25,7 @@ __all__ = ["census"]
 EXAMPLES = (
     "\b\n  worldgen census maps/ --radius 0.2 --radius 0.3 --seed 1\n"
     "  worldgen census maps/ scenarios/ --pairs 5 --seed 1 --out grid-only/\n"
-    "  worldgen census ./examples/census/mazelib_mazes.py:maps --count 500 --seed 1 --option side=20"
+    "  worldgen census ./examples/census/mazelib_maps.py:maps --count 500 --seed 1 --option side=20"
 )
 PATH = click.Path(path_type=Path)
 

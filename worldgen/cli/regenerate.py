@@ -95,7 +95,7 @@ def _make(
     if not elsewhere and not place.is_dir():
         raise OutputError(f"{path} is one file; say with --out where to make the set, or give --check to compare")
     try:
-        with told(place, count) as progress:
+        with told(place, count, force=force and elsewhere) as progress:
             work = regenerate_set if elsewhere else restore_set
             processes = workers_for(count, workers)
             done = work(manifest, place, families=families, workers=processes, force=force, progress=progress)

@@ -38,7 +38,7 @@ def make_many(
 
     plan = plan.with_seed(_seed(plan, seed, out, force=force))
     header, count = plan.header, plan.header.count
-    with told(out, count) as progress:
+    with told(out, count, force=force) as progress:
         done = make_set(plan, out, workers=workers_for(count, workers), force=force, progress=progress)
     last = (header.seed + count - 1) & MASK64
     note(
@@ -69,10 +69,10 @@ def workers_for(count: int, workers: int | None) -> int:
 
 
 @contextmanager
-def told(out: Path, count: int) -> Iterator[Callable[[int], None]]:
+def told(out: Path, count: int, *, force: bool) -> Iterator[Callable[[int], None]]:
     """Gives what to call with the number of worlds that are safe; tells it when the work ends early.
 
-    A bar with the rate is on stderr where that is a terminal.
+    A bar with the rate is on stderr where that is a terminal. With ``force`` the same command would begin anew.
     """
     safe = -1
     with _bar(count) as show:
@@ -88,12 +88,20 @@ def told(out: Path, count: int) -> Iterator[Callable[[int], None]]:
             yield progress
         except (KeyboardInterrupt, WorldgenError) as error:
             if safe >= 0:
-                on = "" if isinstance(error, WorldgenError) and not isinstance(error, OutputError) else _ON
+                on = (
+                    ""
+                    if isinstance(error, WorldgenError) and not isinstance(error, OutputError)
+                    else _going_on(out, force=force)
+                )
                 note(f"{out}: {safe} of {count} worlds are written{on}")
             raise
 
 
-_ON = "; the same command goes on from there"
+def _going_on(out: Path, *, force: bool) -> str:
+    if not force:
+        return "; the same command goes on from there"
+    moved = f", once {out} is moved away," if out.is_file() else ""
+    return f"; the same command without --force{moved} goes on from there"
 
 
 @contextmanager

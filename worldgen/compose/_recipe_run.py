@@ -141,6 +141,8 @@ class Run:
             options["at"] = at if isinstance(at, str) else _point(at, "at")
             if "margin" in options:
                 whole("margin", options["margin"], 0, MAX_SIDE)
+            if "anchor" in options:
+                _word(options["anchor"], "anchor")
             part = self._part(str(self._value(step.value, draw, "place")))
             piece = self._count(piece.place(part, seed=draw.child("where"), **options))
         return piece
@@ -175,6 +177,12 @@ def _point(value: Any, name: str) -> tuple[float, float]:
     return value[0], value[1]
 
 
+def _word(value: Any, name: str) -> str:
+    if not isinstance(value, str):
+        raise InvalidParameter(f"{name}={value!r} is no word; give one in quotes")
+    return value
+
+
 def _pad(piece: Piece, value: Any, options: Options) -> Piece:
     sides = _numbers(value, 4, "pad") if isinstance(value, list) else [whole("pad", value, 0, MAX_SIDE)] * 4
     return piece.pad(*sides, fill=options.get("with", "nothing"))
@@ -195,7 +203,7 @@ def _dig(piece: Piece, value: Any, options: Options) -> Piece:
 def _mark(piece: Piece, value: Any, options: Options) -> Piece:
     if "at" not in options:
         raise InvalidParameter("a mark is somewhere; give at = [x, y]")
-    return piece.with_mark(str(value), *_point(options["at"], "at"), degrees=options.get("degrees"))
+    return piece.with_mark(_word(value, "mark"), *_point(options["at"], "at"), degrees=options.get("degrees"))
 
 
 def _trim(piece: Piece, value: Any, options: Options) -> Piece:
@@ -217,7 +225,7 @@ def _crop(piece: Piece, value: Any, options: Options) -> Piece:
 def _forget(piece: Piece, value: Any, options: Options) -> Piece:
     names = value if isinstance(value, list) else [value]
     for name in names:
-        if name not in piece.marks:
+        if _word(name, "forget") not in piece.marks:
             raise InvalidParameter(f"no mark is called {name!r}; the part has {', '.join(piece.marks) or 'none'}")
     return piece.without_marks(*names)
 

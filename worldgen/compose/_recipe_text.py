@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import keyword
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -237,7 +238,8 @@ def _read_parameters(reader: _Reader, table: Any) -> dict[str, Declared]:
     own: dict[str, Declared] = {}
     for name, raw in table.items():
         with reader.at(f"parameters.{name}", None, "parameters", name):
-            _check(_PARAMETER.match(name) is not None, "is no name; use small letters, digits and _")
+            plain = _PARAMETER.match(name) is not None and not keyword.iskeyword(name) and name != "rng"
+            _check(plain, "is no name; use small letters, digits and _, and no word of Python's, as for, nor rng")
             _check(name not in _RESERVED, f"is a word of provenance, as {', '.join(_RESERVED)}; take another")
             own[name] = _declared(raw)
             if name in ROBOT or name == MARGIN:

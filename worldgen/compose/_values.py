@@ -176,7 +176,9 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
         if low > high:
             raise InvalidParameter(f"from {low} to {high} is empty; give the smaller number first")
         if isinstance(low, int) and isinstance(high, int):
-            return rng.between(low, high) if high - low < 2**63 else low
+            if high - low >= 2**63:
+                raise InvalidParameter(f"from {low} to {high} has more than 63 bits; give numbers nearer to each other")
+            return rng.between(low, high)
         return rng.uniform(low, high)
     if isinstance(spec, Choice):
         return value_of(rng.choice(spec.options), params, rng.child("any"))

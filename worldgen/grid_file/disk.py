@@ -45,13 +45,11 @@ def read_world(path: str | PathLike[str]) -> World:
     try:
         with Path(path).open("rb") as stream:
             data = _read_up_to(stream, MAX_FILE_BYTES)
-    except NotADirectoryError as error:
+    except (NotADirectoryError, FileNotFoundError) as error:  # the latter is Windows's for both
         place = archive_in(Path(path))
         if place is None:
             raise FormatError("there is no such file; check the name", source=source) from error
         return _read_archived(*place, source)
-    except FileNotFoundError as error:
-        raise FormatError("there is no such file; check the name", source=source) from error
     except IsADirectoryError as error:
         raise FormatError("this is a folder; name a .grid file in it", source=source) from error
     except OSError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,7 +48,7 @@ def manifest_of(path: Path) -> Manifest:
             data = member.read(_MOST)
             if data is None:
                 raise FormatError(f"longer than {_MOST} bytes; unpack it by hand", source=f"{path}/{MANIFEST}")
-            return parse_manifest(data.splitlines(keepends=True), f"{path}/{MANIFEST}")
+            return parse_manifest(io.BytesIO(data), f"{path}/{MANIFEST}")  # line by line: most may be a bomb
     raise FormatError(f"holds no {MANIFEST}; it is no set", source=str(path))
 
 
@@ -61,14 +62,18 @@ def check_set(place: Path, manifest: Manifest) -> list[Difference]:
     Raises:
         FormatError: If the archive or a file cannot be read.
     """
-    found = dict(_archived(place) if is_archive(place) and place.is_file() else _in_folder(place))
+    found: dict[str, str] = {}
+    extra = []
+    for name, sha256 in _archived(place) if is_archive(place) and place.is_file() else _in_folder(place):
+        if found.setdefault(name, sha256) != sha256:  # twice in an archive: whoever reads it takes the first
+            extra.append(name)
     differences = []
     for entry in manifest.entries:
-        sha256 = found.pop(entry.file, None)
-        if sha256 != entry.sha256:
-            differences.append(Difference("missing" if sha256 is None else "changed", entry.file))
+        came = found.pop(entry.file, None)
+        if came != entry.sha256:
+            differences.append(Difference("missing" if came is None else "changed", entry.file))
     found.pop(MANIFEST, None)
-    differences += [Difference("extra", name) for name in sorted(found)]
+    differences += [Difference("extra", name) for name in sorted([*found, *extra])]
     if not manifest.finished:
         differences.append(Difference("unfinished", MANIFEST))
     return differences

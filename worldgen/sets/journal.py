@@ -53,10 +53,14 @@ class Journal:
         """Begins anew with this line.
 
         Raises:
-            OutputError: If it cannot be written, or another process has begun meanwhile.
+            OutputError: If it cannot be written, or another process has begun, or even ended, since ``read``.
         """
-        if self._file is None:
+        if self._file is None:  # there was none to read
             self._open(os.O_RDWR | os.O_CREAT)
+            with self._told():
+                begun = os.fstat(self._opened()).st_size > 0
+            if begun:
+                raise OutputError(f"{self.path} was written by another command meanwhile; look at it, or name another")
         self.cut(0)
         self.append(header)
 

@@ -177,12 +177,14 @@ class ArchiveStore:
     def __init__(self, archive: Path) -> None:
         self._archive = archive
         self._part = archive.with_name(archive.name + PART)
+        self._over_others = False
         self._journal = Journal(self._part / MANIFEST)
         self._worlds: int | None = None
         self._end = 0
 
     def find(self, *, force: bool) -> Manifest | None:
         """What an earlier run left of an archive that is not whole; a whole one is refused."""
+        self._over_others = force
         try:
             found = self._journal.read()
         except FormatError:
@@ -203,6 +205,9 @@ class ArchiveStore:
             self._archive.parent.mkdir(parents=True, exist_ok=True)
             self._part.mkdir(exist_ok=True)
         self._journal.start(header)
+        if self._archive.exists() and not self._over_others:
+            self._remove_part()
+            raise OutputError(f"{self._archive} was made by another command meanwhile; look at it, or name another")
         self._open_worlds(0)
 
     def resume(self, old: Manifest) -> int:
