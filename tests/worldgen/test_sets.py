@@ -224,18 +224,14 @@ def test_two_commands_do_not_write_one_set(traps):
 
 
 @pytest.mark.parametrize("out", ["set", "set.zip"])
-def test_a_set_that_came_into_being_meanwhile_is_not_replaced(tmp_path, monkeypatch, out):
+def test_a_set_that_came_into_being_meanwhile_is_not_replaced(tmp_path, out):
     place = tmp_path / out
-    honest = worldgen.sets.make.make_all
 
-    def while_another_works(jobs, workers):
-        monkeypatch.setattr(worldgen.sets.make, "make_all", honest)
+    def another_works_meanwhile(done):
         make_set(plan_set("trap", 5, 2, SMALL), place)
-        return honest(jobs, workers)
 
-    monkeypatch.setattr(worldgen.sets.make, "make_all", while_another_works)
     with pytest.raises(OutputError, match="by another command meanwhile"):
-        make_set(plan_set("maze", 1, 1, SMALL), place)
+        make_set(plan_set("maze", 1, 1, SMALL), place, progress=another_works_meanwhile)
     assert check_set(place, manifest_of(place)) == [] and len(manifest_of(place).entries) == 2
     assert not (tmp_path / "set.zip.part").exists()
 
