@@ -388,6 +388,13 @@ def test_a_manifest_with_a_fault_is_refused_with_its_line(whole, tmp_path, old, 
         manifest_of(edited(whole, tmp_path, old, new))
 
 
+def test_a_manifest_with_an_unknown_parameter_is_refused_before_anything_is_made(whole, tmp_path):
+    result = run(
+        "regenerate", edited(whole, tmp_path, '"params": {', '"params": {"seed": 5, '), "--out", tmp_path / "o"
+    )
+    assert result.code == 2 and "trap has no parameter 'seed'" in result.err and not (tmp_path / "o").exists()
+
+
 def test_a_familys_own_file_is_named_again(tmp_path):
     (tmp_path / "mine.py").write_text(OWN)
     place = f"{tmp_path}/mine.py:pillars"

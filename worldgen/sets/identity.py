@@ -20,7 +20,7 @@ def entry_jobs(entries: Iterable[Entry], families: Sequence[str] = ()) -> list[J
         families: Where families are that are not registered, as ``./file.py:name``.
 
     Raises:
-        InvalidParameter: If a family is unknown or of another version than the manifest's.
+        InvalidParameter: If a family is unknown or of another version than the manifest's, or a parameter is none.
     """
     places = {FAMILIES.get(place).name: place for place in families}
     checked: dict[tuple[str, int], str] = {}
@@ -29,13 +29,14 @@ def entry_jobs(entries: Iterable[Entry], families: Sequence[str] = ()) -> list[J
         key = (entry.family, entry.version)
         if key not in checked:
             checked[key] = _place(entry, places.get(entry.family, entry.family))
+        if not jobs or entry.params is not jobs[-1].params:  # those of a set are one object
+            FAMILIES.find(checked[key], entry.params).complete(entry.params)
         jobs.append(Job(checked[key], entry.seed, entry.params, entry.metrics))
     return jobs
 
 
 def _place(entry: Entry, place: str) -> str:
     if place.startswith(RECIPE):  # its text is among the parameters
-        FAMILIES.find(place, entry.params).complete(entry.params)
         return place
     if place == entry.family and place not in FAMILIES.names():
         raise InvalidParameter(
