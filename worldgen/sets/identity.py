@@ -24,7 +24,7 @@ def entry_jobs(entries: Iterable[Entry], families: Sequence[str] = ()) -> list[J
     """
     places = {FAMILIES.get(place).name: place for place in families}
     checked: dict[tuple[str, int], str] = {}
-    jobs = []
+    jobs: list[Job] = []
     for entry in entries:
         key = (entry.family, entry.version)
         if key not in checked:
