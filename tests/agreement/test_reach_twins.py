@@ -149,9 +149,9 @@ def paths(draw):
     """A map and a path through it, mostly of half cells."""
     walls, radius = draw(maps), draw(radii)
     half = st.integers(0, 16).map(lambda value: value * UNIT // 2)
-    corners = draw(st.lists(st.tuples(half, half), min_size=2, max_size=8))
-    if draw(st.booleans()):
-        corners[0] = (corners[0][0] + Fraction(1, 3), corners[0][1])
+    corners = draw(st.lists(st.tuples(half, half), min_size=1, max_size=8))
+    for i in draw(st.sets(st.integers(0, len(corners) - 1), max_size=3)):
+        corners[i] = (corners[i][0] + Fraction(1, 3), corners[i][1])
     return Walls(walls, radius), corners
 
 

@@ -252,6 +252,25 @@ def test_a_start_that_touches_a_wall_between_lattice_points_is_decided():
     assert decided(world).result == REACHABLE
 
 
+def test_a_target_in_a_wedge_between_a_side_and_a_corner_is_reached_along_the_side():
+    text = "...#..#.... #......#... ..........# ......#.... .#......... ..#........"
+    walls = np.array([[letter == "#" for letter in row] for row in text.split()[::-1]])
+    world = World(walls, Pose(8.5, 2.5), Target(6.5, 0.5, 1.0), cell_size=1.0, robot_radius=1.0000001)
+    decision = decide(world)  # the wedge begins at (7.0006, 1.0000001) and is too thin for nodes a sixteenth apart
+    assert decision.result == REACHABLE
+    assert check_certificate(world, decision.certificate).valid
+
+
+@pytest.mark.parametrize("target", [(4.5, 4.1667), (4.5001, 4.1667), (4.501, 4.168)])
+def test_a_pocket_between_three_corners_with_no_node_in_it_is_decided(target):
+    walls = np.zeros((9, 9), bool)
+    walls[[2, 2, 6], [2, 6, 3]] = True  # corners at (3, 3), (6, 3) and (4, 6): their circle has a radius of 1.9003
+    world = World(walls, Pose(4.5, 4.1667), Target(*target, 1e-6), cell_size=1.0, robot_radius=1.89)
+    decision = decide(world)
+    assert decision.result == REACHABLE
+    assert check_certificate(world, decision.certificate).valid
+
+
 def test_one_ring_parts_the_start_from_a_target_that_has_poses_on_several_sides():
     walled = """
 .........

@@ -23,7 +23,7 @@ def delayed(world: World, witness: Witness, delay: float) -> Witness:
 
 
 def witness_margin(world: World, witness: Witness, *, radius: float | None = None) -> float:
-    """The largest delay, s, up to which every delay of a witness that holds leaves it one that holds; may be infinite.
+    """The delay, s, below which every delay of a witness that holds leaves it one that holds; may be infinite.
 
     The robot waits at the start meanwhile, and must be safe there. A cell that the disc is nearer to than the radius
     from time u to time v, and that is blocked from b to e, is met at a delay between b - v and e - u.

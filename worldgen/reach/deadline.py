@@ -24,7 +24,7 @@ __all__ = ["decide_in_time", "latest_start", "until"]
 _TILES = (4, 8)  # a cell side, of the tiles by which the robot is confined
 _COARSE = (2, 1)  # likewise, where those are too many
 _MOST_TILES = 4_000_000
-_NODES = (2, 4, 8)  # a cell side, of the graphs on which the latest start is sought
+_NODES = (2, 4, 8, 16)  # a cell side, of the graphs on which the latest start is sought, as those of witnesses
 _MOST_NODES = 4_000_000
 
 

@@ -92,12 +92,12 @@ def _shorten_compiled(walls: Walls, points: list[ExactPoint], patience: int) -> 
 
 
 def _whole_points(points: Sequence[ExactPoint]) -> tuple[Ints, Ints, npt.NDArray[np.uint8]]:
-    """Both coordinates in lu, rounded down; and whether that left them as they were."""
-    first, last = points[0], points[-1]  # all others are nodes of a graph
-    whole = np.ones(len(points), np.uint8)
-    ends = [(math.floor(x), math.floor(y)) for x, y in (first, last)]
-    whole[0], whole[-1] = first == ends[0], last == ends[1]
-    both = np.array([ends[0], *points[1:-1], ends[1]][: len(points)], np.int64)
+    """Both coordinates in lu, rounded down; and whether they are whole, so that this left them as they were."""
+    whole = np.array([isinstance(x, int) and isinstance(y, int) for x, y in points], np.uint8)
+    floors = list(points)
+    for i in np.flatnonzero(whole == 0).tolist():  # few: all others are nodes of a graph
+        floors[i] = (math.floor(points[i][0]), math.floor(points[i][1]))
+    both = np.array(floors, np.int64)
     return np.ascontiguousarray(both[:, 0]), np.ascontiguousarray(both[:, 1]), whole
 
 
@@ -124,10 +124,11 @@ def _least_compiled(
 ) -> tuple[Fraction, list[tuple[ExactPoint, ExactPoint]]]:
     """The least squared distance, at most that of ``reach``, and the pieces that it does not count."""
     x, y, whole = _whole_points(points)
-    first, last = 1 - int(whole[0]), len(points) - (1 - int(whole[-1]))
-    odd = [(points[i], points[i + 1]) for i in {0, len(points) - 2} if i >= 0 and not whole[i : i + 2].all()]
     if len(points) == 1:
-        odd = [(points[0], points[0])]
+        return Fraction(reach * reach), [(points[0], points[0])]
+    first = int(np.flatnonzero(whole[: len(points) // 2] == 0).max(initial=-1)) + 1
+    last = first + int(whole[first:].argmin()) if not whole[first:].all() else len(points)
+    odd = [(points[i], points[i + 1]) for i in (*range(first), *range(max(first, last - 1), len(points) - 1))]
     if last - first < 2:
         return Fraction(reach * reach), odd
     x, y = x[first:last], y[first:last]

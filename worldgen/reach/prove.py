@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -166,7 +167,7 @@ class _Question:
             cut = self._cut()
             if cut is not None:
                 return cut
-            found = self._path_through_pinches()
+            found = self._path_off_graph() or self._path_through_pinches()
         if not found:
             reason = "there is a way, only just wide enough for the disc, and no path along it was found"
             return Decision(UNDECIDED, None, reason)
@@ -194,14 +195,22 @@ class _Question:
             self.start = self.exact_start  # it touches a wall, and would not once it is rounded
         return None
 
-    def _path(self, k: int, *, pinched: bool = False) -> list[ExactPoint]:
-        """Points from the start to the target over one graph; empty if it has no such path."""
+    def _path(self, k: int, *, pinched: bool = False, cornered: bool = False) -> list[ExactPoint]:
+        """Points from the start to the target over one graph; empty if it has no such path.
+
+        Args:
+            k: Nodes a cell side.
+            pinched: Whether to go over bridges too.
+            cornered: Whether to go on and off the graph round a corner too.
+        """
         graph = self._halves
         if k > 2:
             graph = build_graph(self.world.walls, self.walls.radius, k, compiled=self.compiled)
         unit = UNIT // k
         sources = _links(self.walls, graph, self.start)
         ends = _links(self.goal_walls, graph, self.goal) if self.goal is not None else []
+        onto, off = self._links_round_corners(graph) if cornered else ({}, {})
+        sources, ends = [*sources, *onto], [*ends, *off]
         if not sources:
             return []
         toward = _nearest_node(self.disc, unit)
@@ -213,22 +222,40 @@ class _Question:
             if not (ends or len(spare)):
                 return []
             extra = bridges(self.walls, graph) if pinched else []
-            nodes = find_path(graph, sources, ends, spare, toward, extra, compiled=self.compiled)
+            compiled = self.compiled and not cornered  # whose sources lie near each other
+            nodes = find_path(graph, sources, ends, spare, toward, extra, compiled=compiled)
         if not nodes:
             return []
         stride = graph.stride
-        points: list[ExactPoint] = [self.start, *((node % stride * unit, node // stride * unit) for node in nodes)]
+        points: list[ExactPoint] = [(node % stride * unit, node // stride * unit) for node in nodes]
+        points = [self.start, onto.get(nodes[0], self.start), *points]
         if self.goal is not None and nodes[-1] in ends:
-            points.append(self.goal)
+            points += [off.get(nodes[-1], self.goal), self.goal]
         return points
 
+    def _links_round_corners(self, graph: Graph) -> tuple[dict[int, ExactPoint], dict[int, ExactPoint]]:
+        """Nodes with the corners on the way from the start, and on the way to the goal."""
+        off = _links_round_corners(self.goal_walls, graph, self.goal) if self.goal is not None else {}
+        return _links_round_corners(self.walls, graph, self.start), off
+
+    def _path_off_graph(self) -> list[ExactPoint]:
+        """The start, if the target's disc holds it; or a way to the goal with one corner at most, and no node."""
+        if self.disc.holds(self.exact_start):
+            return [self.exact_start]
+        if self.goal is None:
+            return []
+        start, goal = self.start, self.goal
+        for corner in (start, (start[0], goal[1]), (goal[0], start[1])):
+            if self.goal_walls.is_clear(start, corner) and self.goal_walls.is_clear(corner, goal):
+                return [start, corner, goal]
+        return []
+
     def _path_through_pinches(self) -> list[ExactPoint]:
-        for k in (2, *_FINER):
-            if k > 2 and k * k * self.world.walls.size > _MOST_NODES:
-                break
-            found = self._path(k, pinched=True)
-            if found:
-                return found
+        for cornered, k in itertools.product((False, True), (2, *_FINER)):
+            if k == 2 or k * k * self.world.walls.size <= _MOST_NODES:
+                found = self._path(k, pinched=True, cornered=cornered)
+                if found:
+                    return found
         return []
 
     def _cut(self) -> Decision | None:
@@ -304,3 +331,26 @@ def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:
             if point == (i * unit, j * unit) or walls.is_clear(point, (i * unit, j * unit)):
                 nodes.append(j * graph.stride + i)
     return nodes
+
+
+def _links_round_corners(walls: Walls, graph: Graph, point: ExactPoint) -> dict[int, ExactPoint]:
+    """Clear nodes to which the disc may go from a point along one axis and then along the other, and the corner there.
+
+    Where it touches a wall's side and a cell's corner, it may have to go along the wall at first: the room beside it
+    widens as slowly as a circle leaves its tangent, so the first node may be far along and is near across.
+    """
+    unit = UNIT // graph.k
+    links: dict[int, ExactPoint] = {}
+    wide = 2 + math.isqrt(math.ceil(8 * graph.k * walls.radius))
+    for along in (0, 1):
+        columns, rows = (
+            range(int(value // unit) - reach, int(value // unit) + reach + 2)
+            for value, reach in zip(point, (wide, 1) if along == 0 else (1, wide), strict=True)
+        )
+        for j, i in itertools.product(rows, columns):
+            if 0 <= i < graph.clear.shape[1] and 0 <= j < graph.clear.shape[0] and graph.clear[j, i]:
+                node: ExactPoint = (i * unit, j * unit)
+                corner: ExactPoint = (node[0], point[1]) if along == 0 else (point[0], node[1])
+                if walls.is_clear(point, corner) and walls.is_clear(corner, node):
+                    links.setdefault(j * graph.stride + i, corner)
+    return links
