@@ -25,7 +25,10 @@ def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generi
     """
     if isinstance(values, np.ndarray) and values.dtype == dtype and _is_ours(values):
         return values
-    return _keep(np.array(values, dtype=dtype))
+    array = np.array(values, dtype=dtype)
+    if array.dtype == np.bool_:  # an image's 255 seen as a bool is true, and no index of two letters
+        array = array.view(np.uint8) != 0
+    return _keep(array)
 
 
 def hand_over(array: npt.NDArray[T]) -> npt.NDArray[T]:

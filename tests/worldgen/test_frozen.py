@@ -55,6 +55,12 @@ def test_another_type_of_element_is_copied():
     assert frozen(frozen([1, 2], np.int64), np.float64).dtype == np.float64
 
 
+def test_an_image_of_0_and_255_seen_as_walls_is_written_as_walls():
+    image = np.zeros((5, 5), np.uint8)
+    image[2, 2] = 255
+    assert dumps(world_of(image.view(bool))) == dumps(world_of(image > 0))
+
+
 def test_a_view_that_is_handed_over_is_copied_all_the_same():
     walls = np.zeros((5, 5), bool)
     assert frozen(hand_over(walls[::-1]), np.bool_) is not walls

@@ -18,7 +18,7 @@ from worldgen.world import World
 
 __all__ = ["check_confinement"]
 
-SLACK = 1e-9  # tiles by which a robot may be too far off; what is nearer than that to being in time counts as in time
+SLACK = 1e-9  # tiles; a robot that is too late, or a tile too far from the target, by less counts as in time, or as there
 
 Tile: TypeAlias = tuple[int, int]
 Slabs: TypeAlias = tuple[int, int]
@@ -89,7 +89,7 @@ class _Check:
             if not (inside and 0 <= first <= last):
                 raise _Refused(f"a stay in tile ({ix}, {iy}) from slab {first} to {last} is none")
             self.stays[ix, iy].append((first, last))
-            if first <= self.last and self._apart((ix, iy), self.target) <= self.reach:
+            if first <= self.last and self._apart((ix, iy), self.target) <= self.reach + SLACK:
                 raise _Refused(f"the stay in tile ({ix}, {iy}) is at the target")
         for stays in self.stays.values():
             stays.sort()
