@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import os
 
 import pytest
 
@@ -54,3 +55,22 @@ def test_what_is_measured_is_the_world_not_what_its_header_says(folder):
     path.write_text(text)
     assert read_world(path).provenance.metrics == {"detour": 99.0}
     assert json.loads(run("measure", path, "--json").out)["metrics"]["detour"] < 99.0
+
+
+def test_what_was_measured_before_a_broken_file_is_told(folder):
+    (folder / "w2.grid").write_text("rubbish")
+    result = run("measure", folder, "--json")
+    assert result.code == 2
+    assert json.loads(result.out)["path"] == str(folder / "w1.grid")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no file may be called so there")
+@pytest.mark.parametrize("command", ["measure", "verify"])
+def test_a_files_name_cannot_steer_the_terminal(folder, command):
+    (folder / "w1.grid").rename(folder / "\x1b[31mred\n.grid")
+    (folder / "w2.grid").write_text("rubbish")
+    (folder / "w2.grid").rename(folder / "\x1b[32mgreen.grid")
+    result = run(command, folder)
+    assert "\\x1b[31mred\\n.grid" in result.out
+    assert "\\x1b[32mgreen.grid" in result.err
+    assert "\x1b" not in result.out + result.err

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option, write_bytes
+from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option, shown, write_bytes
 from worldgen.errors import InvalidParameter, OutputError
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def census(
     if as_json:
         emit_json(library.as_json(found))
     else:
-        click.echo(library.as_text(found), nl=False)
+        click.echo("\n".join(shown(line) for line in library.as_text(found).split("\n")), nl=False)
     if table is not None:
         write_bytes(table, library.as_csv(found).encode(), force=force)
         note(f"wrote {table}")

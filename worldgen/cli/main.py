@@ -10,6 +10,7 @@ from typing import NoReturn
 
 import click
 
+from worldgen.cli.output import note
 from worldgen.errors import WorldgenError
 
 __all__ = ["cli", "main"]
@@ -111,7 +112,7 @@ def main() -> NoReturn:
         click.echo("interrupted", err=True)
         code = 130
     except WorldgenError as error:
-        click.echo(f"worldgen: {error}", err=True)
+        note(f"worldgen: {error}")
         code = 2
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -121,7 +122,7 @@ def main() -> NoReturn:
             code = _our_fault(error)
         else:
             where = f"{error.filename}: " if error.filename else ""
-            click.echo(f"worldgen: {where}{error.strerror or error}", err=True)
+            note(f"worldgen: {where}{error.strerror or error}")
             code = 2
     except MemoryError:
         click.echo("worldgen: out of memory; use a smaller world", err=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from worldgen.cli.output import emit_json, json_option
+from worldgen.cli.output import emit_json, json_option, shown
 
 __all__ = ["measure"]
 
@@ -31,7 +31,16 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
 
     if as_csv and as_json:
         raise click.UsageError("--csv and --json are two forms of the same; give one of them")
-    results = [(path, measured(world).as_dict()) for path, world in read_worlds(paths)]
+    results: list[tuple[Path, dict[str, float]]] = []
+    try:
+        for path, world in read_worlds(paths):
+            results.append((path, measured(world).as_dict()))
+    finally:  # what was measured is told, whatever ends the work
+        if results:
+            _tell(results, as_csv=as_csv, as_json=as_json)
+
+
+def _tell(results: Sequence[tuple[Path, dict[str, float]]], *, as_csv: bool, as_json: bool) -> None:
     if as_json:
         found = [{"path": str(path), "metrics": metrics} for path, metrics in results]
         emit_json(found[0] if len(found) == 1 else {"files": found})
@@ -58,10 +67,12 @@ def _table(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
     if len(results) == 1:
         path, metrics = results[0]
         lines = [[name, _cell(metrics.get(name)), METRICS[name].unit, METRICS[name].meaning] for name in METRICS]
-        return f"{path}\n" + _aligned([line for line in lines if line[1]], left={0, 2, 3})
+        return f"{shown(path)}\n" + _aligned([line for line in lines if line[1]], left={0, 2, 3})
     used = [name for name in METRICS if any(name in metrics for _, metrics in results)]
     head = [["", *used], ["", *(METRICS[name].unit for name in used)]]
-    return _aligned([*head, *([str(path), *(_cell(metrics.get(name)) for name in used)] for path, metrics in results)])
+    return _aligned(
+        [*head, *([shown(path), *(_cell(metrics.get(name)) for name in used)] for path, metrics in results)]
+    )
 
 
 def _cell(value: Any) -> str:

@@ -20,6 +20,7 @@ __all__ = [
     "json_option",
     "note",
     "seed_option",
+    "shown",
     "write_bytes",
 ]
 
@@ -41,7 +42,12 @@ seed_option: Callable[[F], F] = click.option(
 
 def note(message: str) -> None:
     """A message for the person at the terminal: stderr, so that stdout stays data."""
-    click.echo(message, err=True)
+    click.echo("\n".join(shown(line) for line in message.split("\n")), err=True)
+
+
+def shown(text: object) -> str:
+    """A text with what a terminal would obey, as in the names of strangers' files, written as escapes."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
 
 
 def emit_json(result: Mapping[str, Any]) -> None:

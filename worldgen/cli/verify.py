@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import emit_json, json_option
+from worldgen.cli.output import emit_json, json_option, shown
 
 if TYPE_CHECKING:
     from worldgen.world import Witness, World
@@ -146,7 +146,7 @@ def _line(result: dict[str, Any]) -> str:
         verdict += "; the witness may begin " + ("at any time" if late is None else f"up to {late:g} s late")
         verdict += ", and on some path the robot may wait " + ("for ever" if latest is None else f"until {latest:g} s")
     at_all = f"; the largest disc that could pass at all: {result['widest']:.9g} m" if "widest" in result else ""
-    return f"{result['path']}: {verdict}{at_all}"
+    return f"{shown(result['path'])}: {verdict}{at_all}"
 
 
 def _within(result: dict[str, Any]) -> str:

@@ -18,7 +18,9 @@ from worldgen.world import World
 
 __all__ = ["check_confinement"]
 
-SLACK = 1e-9  # tiles; a robot that is too late, or a tile too far from the target, by less counts as in time, or as there
+SLACK = (
+    1e-9  # tiles; a robot that is too late, or a tile too far from the target, by less counts as in time, or as there
+)
 
 Tile: TypeAlias = tuple[int, int]
 Slabs: TypeAlias = tuple[int, int]
