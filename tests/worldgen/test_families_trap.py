@@ -1,12 +1,15 @@
 """Traps: depth, mouth and turn are what was asked for, and the trap lies between start and target."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from worldgen.difficulty import measure
 from worldgen.errors import InvalidParameter
-from worldgen.families.trap import trap
+from worldgen.families.trap import Shape, trap
 from worldgen.family import stream_for
 from worldgen.generation import generate
 
@@ -100,6 +103,11 @@ def test_the_mouth_faces_the_start_and_the_target_is_behind(seed, shape, turn, i
     assert target[0] < x0 and y0 < target[1] < y1
     assert (x0 < start[0] < x1) if inside else (start[0] > x1)
     assert y0 < start[1] < y1
+
+
+@given(seed=SEEDS, shape=st.sampled_from(get_args(Shape)))
+def test_behind_the_mouth_the_signal_has_a_local_maximum(seed, shape):
+    assert measure(generate("trap", seed, shape=shape)).concavity > 0
 
 
 @given(SEEDS, SHAPES, TURNS)
