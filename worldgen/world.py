@@ -242,7 +242,8 @@ class World:
 
     def _check_inside(self, name: str, x: float, y: float) -> None:
         width, height = self.width * self.cell_size, self.height * self.cell_size
-        if not (0.0 <= x <= width and 0.0 <= y <= height):  # also false for nan
+        finite = math.isfinite(x) and math.isfinite(y)  # the width of enormous cells may not be
+        if not (finite and 0.0 <= x <= width and 0.0 <= y <= height):
             raise InvalidWorld(f"{name} ({x}, {y}) m lies outside the grid of {width:g} x {height:g} m; move it inside")
 
     @property

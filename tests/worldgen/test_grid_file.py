@@ -241,6 +241,11 @@ def test_the_smallest_cells_have_targets():
     assert world.target.radius > 0.0
 
 
+def test_a_start_at_infinity_is_refused_although_enormous_cells_reach_so_far():
+    with pytest.raises(InvalidWorld, match="lies outside the grid"):
+        World(np.zeros((5, 5), bool), Pose(float("inf"), 0.0), Target(0.0, 0.0, 1.0), cell_size=1.7e308)
+
+
 def test_an_empty_certificate_is_kept():
     world = small(certificate=Cut(np.zeros((0, 2)), 0.1))
     assert dumps(world).endswith(b"%cut\n%end\n")

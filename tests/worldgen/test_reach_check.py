@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests.helpers.drawn_worlds import drawn
-from worldgen.reach import check_certificate, decide
+from worldgen.reach import BLOCKED, check_certificate, decide
 from worldgen.timeline import CellState, Timeline
-from worldgen.world import Cut, Pose, Target, Witness
+from worldgen.world import Cut, Pose, Target, Witness, World
 
 ROOM = """
 ........
@@ -130,6 +130,15 @@ def test_a_cut_that_leaves_part_of_the_target_on_the_near_side_is_refused():
 def test_a_cut_may_cross_the_part_of_the_target_where_no_disc_fits():
     world = dataclasses.replace(drawn(WALLED), target=Target(0.65, 0.55, 0.29))
     assert check_certificate(world, Cut(ROUND_START, 0.069)).valid
+
+
+def test_a_target_that_misses_the_only_clear_pose_by_a_hair_of_1e_31_cell_is_proved_blocked():
+    radius = 0.07500000000000001  # the corner at (5 - r, r) is sqrt(r**2 + 6e-16**2) from the target, which is r wide
+    target = Target(0.17500000000000002, 0.0, radius)
+    world = World(np.zeros((5, 5), bool), Pose(radius, radius), target, cell_size=0.05, robot_radius=radius)
+    decision = decide(world)
+    assert decision.result == BLOCKED
+    assert check_certificate(world, decision.certificate).valid
 
 
 def test_one_cell_is_a_cut_where_it_covers_the_start():

@@ -2,8 +2,8 @@
 
 Each connected part of those poses has one that is nearest to the disc's centre. There the way to the centre is
 barred by one cell or by two: so it is the centre, the nearest point to it on the edge of one cell's neighbourhood, or a
-point on the edges of two (docs/reachability.md). Edges lie on lines and circles. All such points are worked out to 60
-digits, and one that is within 10**-30 cell of being clear, or of the disc, counts as clear, or as in the disc: so what
+point on the edges of two (docs/reachability.md). Edges lie on lines and circles. All such points are worked out to 160
+digits, and one that is within 10**-80 cell of being clear, or of the disc, counts as clear, or as in the disc: so what
 is doubtful goes against the certificate. Only how near a thing has to be to be looked at is decided in floats.
 """
 
@@ -22,8 +22,8 @@ import numpy.typing as npt
 
 __all__ = ["TooMuch", "poses_to_part"]
 
-_DIGITS = 60
-_DOUBT = Decimal(10) ** -30  # cells
+_DIGITS = 160  # numbers of 17 digits give poses that are off by 1e-32 cell, and by less
+_DOUBT = Decimal(10) ** -80  # cells; as many digits as a root near zero keeps
 _MOST = 4_000_000  # points looked at
 
 Place: TypeAlias = tuple[Decimal, Decimal]
