@@ -121,6 +121,13 @@ def test_a_witness_in_haste_arrives_no_later_and_holds(world):
     assert report.valid and hasty.duration <= decision.certificate.duration, report.reason
 
 
+@pytest.mark.parametrize("seed", [0, 2, 5])
+def test_a_witness_that_arrives_in_time_is_found_whatever_is_left_out_after_the_deadline(seed):
+    for over in ("rooms", "cave", "maze", "forest"):
+        world = generate("fire", seed, size=16, over=over, monotone=True, margin=1.0)
+        assert answer(world, decide(world).certificate.duration).result == REACHABLE
+
+
 def test_a_straight_way_in_haste_is_faster_than_the_steps_it_replaced():
     world = changing("......\n......\n.....G\nS.....", (9.0, 0, 3, SOLID))
     early = decide(world).certificate.duration - 0.02
