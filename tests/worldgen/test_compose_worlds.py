@@ -5,7 +5,7 @@ from hypothesis import given, reject
 from hypothesis import strategies as st
 
 from worldgen.compose import drawn, first_solvable, of_family, rectangle
-from worldgen.errors import GenerationFailed, InvalidWorld
+from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.reach import check_certificate
 from worldgen.world import Witness
 
@@ -62,3 +62,15 @@ def test_drawn_compositions_are_tried_until_one_can_be_solved():
         return room.place(gate.pad(0, 0, 0, 4 - gate.height, fill="free"), at=(6, 1)).for_robot(radius=0.04)
 
     assert not any(first_solvable(build, seed).walls[4, 6] for seed in range(6))
+
+
+def test_a_composition_of_too_many_cells_is_not_drawn_again():
+    drawings = []
+
+    def build(rng):
+        drawings.append(rng)
+        return rectangle(5000, 5000)
+
+    with pytest.raises(InvalidParameter, match="a rectangle gives 5000 x 5000 cells"):
+        first_solvable(build)
+    assert len(drawings) == 1

@@ -9,6 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.helpers.command_line import worldgen
+from worldgen.compose._recipe_run import MOST_WORK, Work
+from worldgen.compose._sizes import TooLarge
 from worldgen.compose.recipe import family_from_recipe
 from worldgen.errors import FormatError, GenerationFailed, InvalidParameter, WorldgenError
 from worldgen.family import FAMILIES
@@ -258,6 +260,35 @@ UNFIT = {
 def test_what_does_not_fit_is_said_with_its_place(old, new, message):
     with pytest.raises(InvalidParameter, match=message):
         generate(family_from_recipe(edited(old, new)), 1)
+
+
+ROOM = 'name = "room"\nbox = ["= size", "= size"]'
+
+BOUNDS = {
+    "family": ('name = "room"\nfamily = "maze"\nparams = { size = 20000 }',
+               "part 'room': maze of size=20000 gives 20000 x 20000 cells"),
+    "draw": ('name = "room"\nfamily = "maze"\nparams = { size = { from = 19000, to = 20000 } }', "maze of size="),
+    "row": (f'name = "slab"\nbox = [200, 400]\n[[part]]\nname = "room"\nbeside = {["slab"] * 100}',
+            "part 'room': the recipe makes more than 64000000 cells"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("part", "message"), BOUNDS.values(), ids=BOUNDS)
+def test_too_many_cells_are_refused_before_they_are_made(part, message):
+    made_by = family_from_recipe(edited(ROOM, part))
+    for _ in range(2):
+        with pytest.raises(TooLarge, match=message) as refusal:
+            generate(made_by, 1)
+        assert "\n" not in str(refusal.value)
+
+
+def test_a_recipe_asks_for_cells_before_it_makes_them_and_counts_those_that_are_made():
+    work = Work()
+    work.check(MOST_WORK)
+    work.spend(MOST_WORK - 10)
+    work.check(10)
+    with pytest.raises(TooLarge, match="the recipe makes more than 64000000 cells"):
+        work.check(11)
 
 
 @given(

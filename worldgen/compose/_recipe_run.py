@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from worldgen.compose._recipe_text import ROBOT, Part, RecipeText, Step
+from worldgen.compose._sizes import TooLarge, check_size, whole
 from worldgen.compose._values import Scalar, Spec, value_of
-from worldgen.compose.piece import Piece, whole
-from worldgen.compose.sources import above, beside, of_family, rectangle
+from worldgen.compose.piece import Piece
+from worldgen.compose.sources import above, beside, of_family, rectangle, row_size
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, check_choice
 from worldgen.random_streams import RandomStream
@@ -29,6 +30,24 @@ class Work:
     """Cells made so far."""
 
     cells: int = 0
+
+    def check(self, cells: int) -> None:
+        """Asks for so many more, before there are any.
+
+        Raises:
+            TooLarge: If that is more than a recipe may make.
+        """
+        if self.cells + cells > MOST_WORK:
+            raise TooLarge(f"the recipe makes more than {MOST_WORK} cells on its way; use smaller or fewer parts")
+
+    def spend(self, cells: int) -> None:
+        """Counts so many more.
+
+        Raises:
+            TooLarge: If that is more than a recipe may make.
+        """
+        self.check(cells)
+        self.cells += cells
 
 
 class Run:
@@ -83,11 +102,7 @@ class Run:
         return self._made[name]
 
     def _count(self, piece: Piece) -> Piece:
-        self._work.cells += piece.width * piece.height
-        if self._work.cells > MOST_WORK:
-            raise InvalidParameter(
-                f"the recipe makes more than {MOST_WORK} cells on its way; use smaller or fewer parts"
-            )
+        self._work.spend(piece.width * piece.height)
         return piece
 
     def _value(self, spec: Spec, rng: RandomStream, label: str) -> Any:
@@ -107,8 +122,10 @@ class Run:
             return rectangle(width, height, solid=fill == "solid")
         if part.source == "part":
             return self._part(str(value))
-        row = beside if part.source == "beside" else above
-        return row([self._part(name) for name in value], **options)
+        upwards, pieces = part.source == "above", [self._part(name) for name in value]
+        width, height = row_size(pieces, options.get("gap", 0), upwards=upwards)
+        self._work.spend(width * height * (len(pieces) - 1))  # each is put on the whole row
+        return (above if upwards else beside)(pieces, **options)
 
     def _family(self, name: str, part: Part, seed: Any, rng: RandomStream) -> Piece:
         made_by = FAMILIES.get(name)
@@ -117,6 +134,10 @@ class Run:
         for key, spec in part.params.items():
             value = self._value(spec, rng.child("params"), key)
             params[key] = float(value) if type(known.get(key)) is float and type(value) is int else value
+        side = params.get("size", known.get("size"))  # cells a side, in every family that has it
+        if type(side) is int and side > 0:
+            check_size(f"{name} of size={side}", side, side)
+            self._work.check(side * side)
         if seed is not None:
             return of_family(made_by, whole("seed", seed, 0, 2**64 - 1), **params)
         return of_family(made_by, rng.child("layout"), **params)
@@ -155,6 +176,8 @@ def _at(place: str) -> Iterator[None]:
         yield
     except _Placed:
         raise
+    except TooLarge as error:
+        raise _PlacedTooLarge(f"{place}: {error}") from error
     except (InvalidParameter, InvalidWorld) as error:
         raise _Placed(f"{place}: {error}") from error
     except GenerationFailed as error:
@@ -163,6 +186,10 @@ def _at(place: str) -> Iterator[None]:
 
 class _Placed(InvalidParameter):
     """A fault with its place."""
+
+
+class _PlacedTooLarge(_Placed, TooLarge):
+    """Likewise, of too many cells."""
 
 
 def _numbers(value: Any, count: int, name: str) -> list[int]:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from worldgen.angles import SCALE, direction
 from worldgen.compose._cells import HOW, Bools, Events, How, put_together, settled, state_of_two, taken, timeline_of
 from worldgen.compose._marks import HALF, START, TARGET, Mark, Marks, frozen, mark_at, marks_of, moved
+from worldgen.compose._sizes import check_size, whole
 from worldgen.compose._where import DRAWN, NAMED, draw_corner, named_corner
 from worldgen.compose._world import proved, usual, way_of, world_of
 from worldgen.errors import InvalidParameter
@@ -29,35 +30,10 @@ from worldgen.world import (
     World,
 )
 
-__all__ = ["MAX_CELLS", "Piece", "whole"]
+__all__ = ["Piece"]
 
-MAX_CELLS = 16_000_000  # of one piece, 4000 x 4000: its index arrays then take 128 MB each
 _FINE = 64  # units a cell, where a piece is turned by any angle
 _THICKER = 14  # units, more than (sqrt(2) - 1) / 2 cells: a slanted wall of one cell then has no hole
-
-
-def whole(name: str, value: object, low: int, high: int) -> int:
-    """A whole number in a range.
-
-    Raises:
-        InvalidParameter: If it is none.
-    """
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
-        raise InvalidParameter(f"{name}={value!r} is no whole number from {low} to {high}; give one")
-    return int(value)
-
-
-def check_size(what: str, width: int, height: int) -> None:
-    """Refuses sizes that no piece has.
-
-    Raises:
-        InvalidParameter: If a side is 0 or too long, or there are too many cells.
-    """
-    if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE and width * height <= MAX_CELLS):
-        raise InvalidParameter(
-            f"{what} gives {width} x {height} cells; a piece has sides of 1 to {MAX_SIDE} and at most {MAX_CELLS} "
-            "cells; take a smaller one"
-        )
 
 
 @dataclass(frozen=True, eq=False)

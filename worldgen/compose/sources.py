@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.compose._marks import START, TARGET, Mark, frozen, marks_of
-from worldgen.compose.piece import Piece, check_size, whole
+from worldgen.compose._sizes import TooLarge, check_size, whole
+from worldgen.compose.piece import Piece
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import FAMILIES, Family, check_choice, family
 from worldgen.generation import generate
@@ -36,6 +37,7 @@ __all__ = [
     "of_world",
     "read",
     "rectangle",
+    "row_size",
 ]
 
 _SIGNS = {"#": True, ".": False, "S": False, "G": False}
@@ -173,17 +175,28 @@ def above(pieces: Sequence[Piece], *, gap: int = 0, align: str = "low", join: in
     return _chain(pieces, gap, align, join, upwards=True)
 
 
-def _chain(pieces: Sequence[Piece], gap: int, align: str, join: int, *, upwards: bool) -> Piece:
+def row_size(pieces: Sequence[Piece], gap: int, *, upwards: bool) -> tuple[int, int]:
+    """Width and height of pieces in a row, in cells.
+
+    Raises:
+        InvalidParameter: If there is no piece, or they give too many cells.
+    """
     if not pieces:
         raise InvalidParameter("there is no piece to put in a row; give at least one")
+    gaps = whole("gap", gap, 0, MAX_SIDE) * (len(pieces) - 1)
+    widths, heights = [piece.width for piece in pieces], [piece.height for piece in pieces]
+    size = (max(widths), sum(heights) + gaps) if upwards else (sum(widths) + gaps, max(heights))
+    check_size("a row of pieces", *size)
+    return size
+
+
+def _chain(pieces: Sequence[Piece], gap: int, align: str, join: int, *, upwards: bool) -> Piece:
     check_choice("align", align, _ALIGNED)
-    whole("gap", gap, 0, MAX_SIDE)
     whole("join", join, 0, MAX_SIDE)
     lengths = [piece.height if upwards else piece.width for piece in pieces]
     breadths = [piece.width if upwards else piece.height for piece in pieces]
-    length, breadth = sum(lengths) + gap * (len(pieces) - 1), max(breadths)
-    size = (length, breadth) if upwards else (breadth, length)
-    check_size("a row of pieces", size[1], size[0])
+    width, height = row_size(pieces, gap, upwards=upwards)
+    size, breadth = (height, width), max(breadths)
     scene = Piece(np.zeros(size, dtype=np.bool_), np.zeros(size, dtype=np.bool_))
     at, last = 0, len(pieces) - 1
     for number, (piece, own, across) in enumerate(zip(pieces, lengths, breadths, strict=True)):
@@ -233,11 +246,14 @@ def first_possible(build: Callable[[RandomStream], T], rng: RandomStream) -> T:
 
     Raises:
         WorldgenError: What the function raised first, if it raises every time.
+        TooLarge: If the function makes too many cells; that is not drawn again.
     """
     refusals: list[WorldgenError] = []
     for attempt in range(MOST_REFUSALS):
         try:
             return build(rng.child("composition", attempt))
+        except TooLarge:
+            raise
         except (InvalidParameter, InvalidWorld, GenerationFailed) as refusal:
             refusals.append(refusal)
     raise refusals[0]

@@ -1,0 +1,40 @@
+"""How large pieces may be."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from worldgen.errors import InvalidParameter
+from worldgen.world import MAX_SIDE
+
+__all__ = ["MAX_CELLS", "TooLarge", "check_size", "whole"]
+
+MAX_CELLS = 16_000_000  # of one piece, 4000 x 4000: its index arrays then take 128 MB each
+
+
+class TooLarge(InvalidParameter):
+    """More cells than there may be; other draws are not tried in place of these."""
+
+
+def whole(name: str, value: object, low: int, high: int) -> int:
+    """A whole number in a range.
+
+    Raises:
+        InvalidParameter: If it is none.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
+        raise InvalidParameter(f"{name}={value!r} is no whole number from {low} to {high}; give one")
+    return int(value)
+
+
+def check_size(what: str, width: int, height: int) -> None:
+    """Refuses sizes that no piece has.
+
+    Raises:
+        TooLarge: If a side is 0 or too long, or there are too many cells.
+    """
+    if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE and width * height <= MAX_CELLS):
+        raise TooLarge(
+            f"{what} gives {width} x {height} cells; a piece has sides of 1 to {MAX_SIDE} and at most {MAX_CELLS} "
+            "cells; take a smaller one"
+        )
