@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["frozen", "hand_over"]
+__all__ = ["HoldsFrozen", "frozen", "hand_over"]
 
 T = TypeVar("T", bound=np.generic)
 
@@ -29,6 +29,15 @@ def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike) -> npt.NDArray[np.generi
     if array.dtype == np.bool_:  # an image's 255 seen as a bool is true, and no index of two letters
         array = array.view(np.uint8) != 0
     return _keep(array)
+
+
+class HoldsFrozen:
+    """A base of immutable classes with arrays: in a copy and in what was pickled they are frozen, too."""
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """Takes over what ``pickle`` or ``copy`` brings."""
+        for name, value in state.items():
+            object.__setattr__(self, name, frozen(value, value.dtype) if isinstance(value, np.ndarray) else value)
 
 
 def hand_over(array: npt.NDArray[T]) -> npt.NDArray[T]:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
-from worldgen.frozen import frozen
+from worldgen.frozen import HoldsFrozen, frozen
 
 __all__ = ["CellState", "Event", "Timeline"]
 
@@ -39,7 +39,7 @@ class Event(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Timeline:
+class Timeline(HoldsFrozen):
     """Events in order of time, as parallel arrays.
 
     Args:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
-from worldgen.frozen import frozen
+from worldgen.frozen import HoldsFrozen, frozen
 from worldgen.timeline import Timeline
 
 __all__ = [
@@ -118,7 +118,7 @@ def _frozen_array(
 
 
 @dataclass(frozen=True, eq=False)
-class Witness:
+class Witness(HoldsFrozen):
     """A timed path that the robot could drive; it proves that the target can be reached.
 
     Args:
@@ -163,7 +163,7 @@ class Witness:
 
 
 @dataclass(frozen=True, eq=False)
-class Cut:
+class Cut(HoldsFrozen):
     """A closed chain of solid cells, each gap narrower than the robot, that parts start from target.
 
     Args:
@@ -190,7 +190,7 @@ Certificate: TypeAlias = Witness | Cut
 
 
 @dataclass(frozen=True, eq=False)
-class World:
+class World(HoldsFrozen):
     """Everything a scenario fixes about the surroundings. Immutable; use ``dataclasses.replace``.
 
     Args:

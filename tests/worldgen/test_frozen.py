@@ -1,11 +1,15 @@
 """What is immutable shares its arrays with what is made of it, and never with a writer."""
 
+import copy
 import dataclasses
+import pickle
 
 import numpy as np
+import pytest
 
 from worldgen.families._layout import Arena
 from worldgen.frozen import frozen, hand_over
+from worldgen.generation import generate
 from worldgen.grid_file import dumps, loads
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import Pose, Target, World
@@ -72,3 +76,13 @@ def test_a_familys_walls_and_those_of_a_file_are_not_copied():
     world = Arena(10, 0.1, 0.07, 2.0).world(walls, start=(3, 3), target=(7, 7), quarter=0)
     assert world.walls is walls
     assert not loads(dumps(world)).walls.flags.writeable
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda world: pickle.loads(pickle.dumps(world))])
+def test_a_copied_or_unpickled_world_is_as_immutable(copied):
+    world = generate("fire", 1, size=14)
+    other = copied(world)
+    assert other == world
+    for array in (other.walls, other.timeline.times, other.certificate.x):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
