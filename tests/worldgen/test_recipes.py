@@ -370,6 +370,17 @@ def test_a_set_of_a_recipes_worlds_is_made_again_from_its_manifest(tmp_path):
         assert (tmp_path / "again" / file.name).read_bytes() == file.read_bytes()
 
 
+@pytest.mark.parametrize("wish", [(), ("--where", "detour > 1.1")], ids=["rising", "searched"])
+def test_a_sets_manifest_has_the_text_of_its_recipe_once(wish, tmp_path):
+    folder = tmp_path / "set"
+    done = worldgen("compose", EXAMPLES[0], "--seed", 7, "--count", 3, *wish, "--out", folder)
+    text = (folder / "manifest.jsonl").read_text()
+    assert done.code == 0 and text.count('"recipe": ') == 1 and len(text.splitlines()) == 4
+    assert worldgen("regenerate", folder / "manifest.jsonl", "--out", tmp_path / "again").code == 0
+    for file in folder.glob("*.grid"):
+        assert (tmp_path / "again" / file.name).read_bytes() == file.read_bytes()
+
+
 def test_what_is_no_recipe_by_its_name_is_refused():
     done = worldgen("compose", "recipe.txt", "--seed", 1)
     assert done.code == 2 and "a recipe's name ends in .toml; rename it" in done.err

@@ -21,6 +21,7 @@ from worldgen.generation import generate, stream
 from worldgen.grid_file import dumps, read_world, world_digest
 from worldgen.sets import Difference, check_set, make_set, manifest_of, plan_set, regenerate_set
 from worldgen.sets.journal import Journal
+from worldgen.sets.manifest import Entry, parse_manifest
 
 SMALL = {"size": 12}
 TRAPS = ("trap", "--size", 12, "--seed", 5, "--count", 6)
@@ -66,9 +67,33 @@ def test_a_manifest_says_of_each_world_what_it_is(whole):
     for seed, line in enumerate(lines[1:], 5):
         world = with_metrics(generate("trap", seed, size=12))
         assert line["metrics"] == world.provenance.metrics
-        assert line["digest"] == world_digest(world) and line["params"] == dict(world.provenance.params)
+        assert line["digest"] == world_digest(world) and line["params"] == {}
+        assert lines[0]["params"] == dict(world.provenance.params)
         assert (line["family"], line["version"], line["seed"]) == ("trap", world.provenance.version, seed)
         assert (whole / "set" / line["file"]).read_bytes() == dumps(world) and line["bytes"] == len(dumps(world))
+
+
+def test_a_manifest_whose_lines_repeat_every_parameter_is_read_and_made_again(whole, tmp_path):
+    folder = whole / "set"
+    first, *lines = [json.loads(line) for line in (folder / "manifest.jsonl").read_text().splitlines()]
+    full = [first, *({**line, "params": first["params"]} for line in lines)]
+    (tmp_path / "manifest.jsonl").write_text("".join(f"{json.dumps(line)}\n" for line in full))
+    assert manifest_of(tmp_path).entries == manifest_of(folder).entries
+    assert run("regenerate", tmp_path).code == 0
+    for file in folder.glob("*.grid"):
+        assert (tmp_path / file.name).read_bytes() == file.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("value", "own"), [(0.0, {}), (-0.0, {"braid": -0.0}), (0, {"braid": 0}), (False, {"braid": False})]
+)
+def test_a_line_says_only_of_parameters_that_differ_and_keeps_their_types(value, own):
+    header = plan_set("maze", seed=0, count=1, params={"braid": 0.0}).header
+    params = {**header.params, "braid": value}
+    line = Entry("m.grid", "maze", 1, 0, params, "0" * 64, "0" * 64, 9).line(header)
+    assert repr(json.loads(line)["params"]) == repr(own)
+    [entry] = parse_manifest([header.line(), line], "text").entries
+    assert {name: repr(read) for name, read in entry.params.items()} == {name: repr(v) for name, v in params.items()}
 
 
 @every_kind
@@ -389,9 +414,8 @@ def test_a_manifest_with_a_fault_is_refused_with_its_line(whole, tmp_path, old, 
 
 
 def test_a_manifest_with_an_unknown_parameter_is_refused_before_anything_is_made(whole, tmp_path):
-    result = run(
-        "regenerate", edited(whole, tmp_path, '"params": {', '"params": {"seed": 5, '), "--out", tmp_path / "o"
-    )
+    manifest = edited(whole, tmp_path, '"params": {}', '"params": {"seed": 5}')
+    result = run("regenerate", manifest, "--out", tmp_path / "o")
     assert result.code == 2 and "trap has no parameter 'seed'" in result.err and not (tmp_path / "o").exists()
 
 
@@ -437,6 +461,13 @@ def test_a_set_that_was_searched_for_is_made_again_from_its_manifest(wished, tmp
     assert manifest_of(wished).header.wish == "detour > 2"
     assert run("regenerate", wished / "manifest.jsonl", "--out", tmp_path / "again").code == 0
     assert contents(tmp_path / "again") == contents(wished)
+
+
+def test_lines_of_a_set_that_was_searched_for_have_what_the_search_varied(wished):
+    first, *lines = [json.loads(line) for line in (wished / "manifest.jsonl").read_text().splitlines()]
+    assert first["params"] == {"size": 12} and all("size" not in line["params"] for line in lines)
+    worlds = [read_world(wished / line["file"]) for line in lines]
+    assert [{**first["params"], **line["params"]} for line in lines] == [dict(w.provenance.params) for w in worlds]
 
 
 def test_a_search_that_was_interrupted_goes_on_to_the_same_set(wished, tmp_path):

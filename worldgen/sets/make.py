@@ -95,7 +95,8 @@ def make_set(
 
     def named(k: int, made: Made) -> tuple[str, bytes]:
         digests = (made.digest, made.sha256, len(made.data), made.metrics)
-        return plan.file(k), Entry(plan.file(k), header.family, header.version, made.seed, made.params, *digests).line()
+        entry = Entry(plan.file(k), header.family, header.version, made.seed, made.params, *digests)
+        return entry.file, entry.line(header)
 
     def refuse(old: Manifest) -> None:
         if old.first != header.line():

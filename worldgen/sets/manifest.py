@@ -62,7 +62,7 @@ class Entry:
         family: Name of the family.
         version: Its version.
         seed: Seed.
-        params: All parameters.
+        params: All parameters, those of the first line included.
         digest: The world's id, 64 hex digits.
         sha256: Of the file's bytes, 64 hex digits.
         size: Length of the file, bytes.
@@ -80,16 +80,17 @@ class Entry:
     metrics: Mapping[str, float] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
-        """Keys and values as the line has them."""
+        """Keys and values as the line has them, and all parameters."""
         return {
             "file": self.file, "family": self.family, "version": self.version, "seed": self.seed,
             "params": _sorted(self.params), "digest": self.digest, "sha256": self.sha256, "bytes": self.size,
             "metrics": _sorted(self.metrics),
         }  # fmt: skip
 
-    def line(self) -> bytes:
-        """The line, with its end."""
-        return _line(self.as_dict())
+    def line(self, header: Header) -> bytes:
+        """The line, with its end; of the parameters only those that differ from the first line's."""
+        own = _differing(self.params, header) if self.family == header.family else self.params
+        return _line({**self.as_dict(), "params": _sorted(own)})
 
 
 @dataclass(frozen=True)
@@ -198,7 +199,7 @@ class _Fields:
         return Header(family, version, params, seed, count, metrics, self._text("worldgen"), wish)
 
     def entry(self, header: Header) -> Entry:
-        """A world; one with the set's parameters shares them, as a hundred thousand do."""
+        """A world; its parameters that differ from the set's stand in its line, or all, as older sets have them."""
         file = self._text("file")
         if not _SAFE.match(file):
             raise self._wrong("file", "is no name of a world's file in a set, such as maze-7.grid or 0012/maze-7.grid")
@@ -208,9 +209,14 @@ class _Fields:
         found = self.found
         version, seed = self._whole("version", 0, 2**63), self._whole("seed", 0, 2**64 - 1)
         size, metrics = self._whole("bytes", 0, 2**63), self._table("metrics")
-        params = header.params if self._table("params") == header.params else found["params"]
         family = self._text("family")
+        params = self._params(header) if family == header.family else self._table("params")
         return Entry(file, family, version, seed, params, found["digest"], found["sha256"], size, metrics)
+
+    def _params(self, header: Header) -> Mapping[str, Value]:
+        """The set's, which a hundred thousand worlds share, or a world's own over them."""
+        own = _differing(self._table("params"), header)
+        return {**header.params, **own} if own else header.params
 
     def _text(self, key: str) -> str:
         value = self.found.get(key)
@@ -237,6 +243,12 @@ class _Fields:
 
 def _line(value: Mapping[str, Any]) -> bytes:
     return json.dumps(value, ensure_ascii=False, allow_nan=False).encode() + b"\n"
+
+
+def _differing(params: Mapping[str, Value], header: Header) -> dict[str, Value]:
+    """Parameters that are not the first line's; 1 is not 1.0, nor is 0.0 -0.0."""
+    rest = header.params
+    return {name: value for name, value in params.items() if name not in rest or repr(rest[name]) != repr(value)}
 
 
 def _sorted(values: Mapping[str, Any]) -> dict[str, Any]:

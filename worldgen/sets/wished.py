@@ -41,7 +41,8 @@ class WishedPlan:
     def made(self, first: int, workers: int) -> Iterator[Made]:
         """The worlds from this one on; what the search found before it is found again, for the next depend on it."""
         header = self.header
-        search = Search(self.family, wish_for(header.wish), header.seed, header.params)
+        given = {name: value for name, value in header.params.items() if name not in self.family.constants}
+        search = Search(self.family, wish_for(header.wish), header.seed, given)
         for k, one in enumerate(found(search, header.count, self.tries, self.tell)):
             if k >= first and isinstance(provenance := one.world.provenance, Provenance):
                 metrics = measure(one.world).as_dict() if header.metrics else {}
@@ -82,6 +83,7 @@ def plan_wished_set(
     """
     made_by = family if isinstance(family, Family) else FAMILIES.get(family)
     made_by.complete(given)
+    fixed = {**given, **made_by.constants}
     wish = wish_for(where, difficulty).text
-    header = Header(made_by.name, made_by.version, given, seed & MASK64, count, metrics, version("worldgen"), wish)
+    header = Header(made_by.name, made_by.version, fixed, seed & MASK64, count, metrics, version("worldgen"), wish)
     return WishedPlan(made_by, header, tries, tell)
