@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from tests.helpers.drawn_worlds import changing_worlds, drawn
 from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, check_certificate, decide, timed
 from worldgen.timeline import CellState, Timeline
-from worldgen.world import Pose
+from worldgen.world import Pose, Target
 
 FREE, SOLID, BURNING = CellState
 GATE = """
@@ -122,3 +122,9 @@ def test_the_compiled_search_finds_what_plain_python_finds(monkeypatch):
     monkeypatch.setattr(timed, "SMALL", 0)
     assert plain.result == REACHABLE
     assert decide(world) == plain
+
+
+def test_a_way_between_nodes_that_no_change_touches_is_found():
+    world = changing("######\n#S...#\n#...G#\n######", (1.0, 4, 2, SOLID))
+    at = Pose(0.153, 0.161)  # the target is so small that no node of any graph is in it
+    assert decided(dataclasses.replace(world, start=at, target=Target(at.x, at.y, 0.001))).result == REACHABLE

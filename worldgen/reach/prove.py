@@ -97,6 +97,9 @@ def _decide_changing(world: World, radius: float, margin: float) -> Decision:
             for_ever = _Question(replace(still, walls=spans.always), radius).answer()
             if for_ever.result == BLOCKED:
                 return for_ever
+    untouched = _Question(replace(still, walls=spans.ever), radius).answer()
+    if untouched.result == REACHABLE:  # by a way between nodes, which the timed graphs lack
+        return untouched
     late = f" that may begin {margin:g} s late" if margin else ""
     reason = f"no timed path{late} was found, and the cells that never open leave no cut"
     return Decision(UNDECIDED, None, reason)

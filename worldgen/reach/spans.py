@@ -39,6 +39,7 @@ class Spans:
         changing: (height, width) bool, cells with an event.
         at_start: (height, width) bool, blocked at time 0.
         always: (height, width) bool, blocked at every time.
+        ever: (height, width) bool, blocked at some time.
         first: (height * width + 1,) int64; cell c = iy * width + ix has spans first[c] to first[c + 1] - 1.
         begin: (n,) int64, tick from which on the cell counts as blocked.
         end: (n,) int64, tick until which it does; ``FOREVER`` if it stays so.
@@ -86,6 +87,7 @@ class Spans:
         self.fixed: npt.NDArray[np.bool_] = world.walls & ~self.changing
         self.at_start = self.fixed | self._raster(world, cell[since == 0])
         self.always = self.fixed | self._raster(world, cell[(since == 0) & (until == math.inf)])
+        self.ever = self.fixed | self._raster(world, cell)
 
     @staticmethod
     def _raster(world: World, places: Ints) -> npt.NDArray[np.bool_]:
