@@ -12,14 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.angles import SCALE, direction
-from worldgen.compose._cells import HOW, Bools, Events, How, put_together, settled, state_of_two, taken, timeline_of
-from worldgen.compose._marks import HALF, START, TARGET, Mark, Marks, frozen, mark_at, marks_of, moved
+from worldgen.compose._cells import HOW, Bools, Events, How, settled, taken, timeline_of
+from worldgen.compose._marks import HALF, START, TARGET, Mark, Marks, frozen, mark_at, moved
+from worldgen.compose._placing import corner_of, overlaid, put_down
 from worldgen.compose._sizes import check_size, whole
-from worldgen.compose._where import DRAWN, NAMED, draw_corner, named_corner
-from worldgen.compose._world import proved, usual, way_of, world_of
+from worldgen.compose._world import proved, usual, world_of
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between, check_choice
-from worldgen.lattice import TURN, in_cells
+from worldgen.lattice import TURN
 from worldgen.random_streams import RandomStream
 from worldgen.timeline import Timeline
 from worldgen.world import (
@@ -178,7 +178,7 @@ class Piece:
         for du in (-_THICKER, _THICKER):
             for dv in (-_THICKER, _THICKER):
                 near = walls._taken(walls._cell_at(u + du, v + dv), frozen({}))
-                turned = turned._with(near, 0, 0, "union")
+                turned = overlaid(turned, near, 0, 0, "union")
         return turned
 
     def _cell_at(self, u: npt.NDArray[np.int64], v: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
@@ -307,7 +307,7 @@ class Piece:
         dug = np.zeros_like(self.solid)
         for low_x, low_y, high_x, high_y in (along, across):
             dug[max(low_y, 0) : high_y + width, max(low_x, 0) : high_x + width] = True
-        return self._with(Piece(np.zeros_like(dug), dug), 0, 0, "over")
+        return overlaid(self, Piece(np.zeros_like(dug), dug), 0, 0, "over")
 
     def _brush(self, point: str | tuple[float, float], width: int) -> tuple[int, int]:
         """First cell of a square round a point."""
@@ -417,95 +417,8 @@ class Piece:
         """
         check_choice("how", how, tuple(HOW))
         check_choice("outside", outside, ("refuse", "clip", "grow"))
-        x, y = self._corner(piece, at, anchor, margin, seed)
-        over = [max(0, -x), max(0, x + piece.width - self.width), max(0, -y), max(0, y + piece.height - self.height)]
-        host = self
-        if any(over) and outside == "refuse":
-            raise InvalidParameter(
-                f"a piece of {piece.width} x {piece.height} cells at ({x}, {y}) sticks out of {self.width} x "
-                f"{self.height} cells; put it elsewhere, or give outside='clip' or 'grow'"
-            )
-        if any(over) and outside == "grow":
-            host = self.pad(*over)
-            x, y = x + over[0], y + over[2]
-        dropped = [name for name, whose in ((START, start), (TARGET, target)) if _is_piece(name, whose, piece)]
-        return replace(host, marks={name: mark for name, mark in host.marks.items() if name not in dropped})._with(
-            piece, x, y, how
-        )
-
-    def _corner(
-        self,
-        piece: Piece,
-        at: tuple[float, float] | str,
-        anchor: str | None,
-        margin: int,
-        seed: int | RandomStream | None,
-    ) -> tuple[int, int]:
-        """First cell of a piece that is to be placed."""
-        whole("margin", margin, 0, MAX_SIDE)
-        sizes = (self.width, self.height), (piece.width, piece.height)
-        if not isinstance(at, str):
-            x, y = at
-            if anchor is None:
-                return whole("at x", x, -MAX_SIDE, MAX_SIDE), whole("at y", y, -MAX_SIDE, MAX_SIDE)
-            return piece._anchored(mark_at(x, y), anchor)
-        if at in self.marks and at not in (*NAMED, *DRAWN):
-            return piece._anchored(self.marks[at], anchor or "centre")
-        if anchor is not None:
-            raise InvalidParameter(
-                f"anchor={anchor!r} goes with a place in cells or a mark, not with at={at!r}; leave it out"
-            )
-        if at in NAMED:
-            return named_corner(at, *sizes, margin)
-        if at not in DRAWN:
-            words = ", ".join((*NAMED, *DRAWN, *self.marks))
-            raise InvalidParameter(f"at={at!r} is no place in the host; give [x, y] in cells, or one of {words}")
-        if seed is None:
-            raise InvalidParameter(f"at={at!r} is drawn; give it a seed")
-        rng = seed if isinstance(seed, RandomStream) else RandomStream(seed).child("place", at)
-        world = self.layout() if at == "way" else None
-        way = way_of(world) if world is not None else None
-        size, radius = usual(self.cell_size, DEFAULT_CELL_SIZE), usual(self.robot_radius, DEFAULT_ROBOT_RADIUS)
-        marks = marks_of(world) if world is not None else self.marks
-        free = [(marks[name], in_cells(radius, size)) for name in (START, TARGET) if name in marks]
-        return draw_corner(rng, *sizes, margin, free, way, size)
-
-    def _anchored(self, place: Mark, anchor: str) -> tuple[int, int]:
-        """First cell of this piece where a point of it goes to a place."""
-        if anchor in self.marks:
-            x, y = self.marks[anchor].x, self.marks[anchor].y
-        elif anchor in NAMED:
-            x, y = (Fraction(half * n, 2) for half, n in zip(NAMED[anchor], (self.width, self.height), strict=True))
-        else:
-            words = ", ".join((*NAMED, *self.marks))
-            raise InvalidParameter(f"anchor={anchor!r} is no point of the piece; give one of {words}")
-        return math.floor(place.x - x + HALF), math.floor(place.y - y + HALF)
-
-    def _with(self, piece: Piece, x: int, y: int, how: How) -> Piece:
-        """This piece with another on it, what sticks out cut off."""
-        agreed = replace(
-            self,
-            marks={**moved(piece.marks, lambda mx, my: (mx + x, my + y), self.width, self.height), **self.marks},
-            cell_size=_same_size(self.cell_size, piece.cell_size),
-            robot_radius=piece.robot_radius if self.robot_radius is None else self.robot_radius,
-            robot_speed=piece.robot_speed if self.robot_speed is None else self.robot_speed,
-        )
-        low_x, low_y = max(x, 0), max(y, 0)
-        high_x, high_y = min(x + piece.width, self.width), min(y + piece.height, self.height)
-        if low_x >= high_x or low_y >= high_y:
-            return agreed
-        part = piece.crop(low_x - x, low_y - y, high_x - low_x, high_y - low_y)
-        here = (slice(low_y, high_y), slice(low_x, high_x))
-        says, solid, mask = (np.zeros_like(self.solid) for _ in range(3))
-        says[here], solid[here] = part.mask, part.solid
-        if how == "carve":
-            says &= self.mask
-        mask = self.mask | says
-        line = part.timeline
-        events = Events((line.iy + low_y) * self.width + line.ix + low_x, line.times, line.states)
-        both = put_together(Events.of(self.timeline, self.width), events, self.solid, self.mask, solid, says, how)
-        solid = np.where(says, state_of_two(self.solid, self.mask, solid, how), self.solid)
-        return replace(agreed, solid=solid, mask=mask, timeline=timeline_of(both, self.width))
+        corner = corner_of(self, piece, at, anchor, margin, seed)
+        return put_down(self, piece, corner, how, outside, {START: start, TARGET: target})
 
     def union(self, other: Piece) -> Piece:
         """Walls of either; the lower left corners lie on each other, and the larger sides count."""
@@ -550,20 +463,3 @@ class Piece:
             GenerationFailed: If the target cannot be reached, or was not proved to be; it says why.
         """
         return proved(self.layout(seed=seed), margin)
-
-
-def _is_piece(name: str, whose: str, piece: Piece) -> bool:
-    """Whether the piece's mark counts, not the host's."""
-    check_choice(name, whose, ("host", "piece"))
-    if whose == "piece" and name not in piece.marks:
-        raise InvalidParameter(f"{name}='piece', and the piece has no {name}; give it one, or leave {name} out")
-    return whose == "piece"
-
-
-def _same_size(host: float | None, piece: float | None) -> float | None:
-    if host is not None and piece is not None and host != piece:
-        raise InvalidParameter(
-            f"the host has cells of {host:g} m, the piece of {piece:g} m; make one with the other's cell_size, "
-            f"or give the piece for_robot(cell_size={host:g}), which changes its size in m"
-        )
-    return piece if host is None else host

@@ -1,0 +1,152 @@
+"""Putting one piece on another: where it goes, and what becomes of both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from worldgen.compose._cells import Events, How, put_together, state_of_two, timeline_of
+from worldgen.compose._marks import HALF, START, TARGET, Mark, mark_at, marks_of, moved
+from worldgen.compose._sizes import whole
+from worldgen.compose._where import DRAWN, NAMED, draw_corner, named_corner
+from worldgen.compose._world import usual, way_of
+from worldgen.errors import InvalidParameter
+from worldgen.family import check_choice
+from worldgen.lattice import in_cells
+from worldgen.random_streams import RandomStream
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, MAX_SIDE
+
+if TYPE_CHECKING:
+    from worldgen.compose.piece import Piece
+
+__all__ = ["corner_of", "overlaid", "put_down"]
+
+
+def corner_of(
+    host: Piece,
+    piece: Piece,
+    at: tuple[float, float] | str,
+    anchor: str | None,
+    margin: int,
+    seed: int | RandomStream | None,
+) -> tuple[int, int]:
+    """First cell of a piece that is to be placed."""
+    whole("margin", margin, 0, MAX_SIDE)
+    sizes = (host.width, host.height), (piece.width, piece.height)
+    if not isinstance(at, str):
+        x, y = at
+        if anchor is None:
+            return whole("at x", x, -MAX_SIDE, MAX_SIDE), whole("at y", y, -MAX_SIDE, MAX_SIDE)
+        return _anchored(piece, mark_at(x, y), anchor)
+    if at in host.marks and at not in (*NAMED, *DRAWN):
+        return _anchored(piece, host.marks[at], anchor or "centre")
+    if anchor is not None:
+        raise InvalidParameter(
+            f"anchor={anchor!r} goes with a place in cells or a mark, not with at={at!r}; leave it out"
+        )
+    if at in NAMED:
+        return named_corner(at, *sizes, margin)
+    if at not in DRAWN:
+        words = ", ".join((*NAMED, *DRAWN, *host.marks))
+        raise InvalidParameter(f"at={at!r} is no place in the host; give [x, y] in cells, or one of {words}")
+    if seed is None:
+        raise InvalidParameter(f"at={at!r} is drawn; give it a seed")
+    rng = seed if isinstance(seed, RandomStream) else RandomStream(seed).child("place", at)
+    world = host.layout() if at == "way" else None
+    way = way_of(world) if world is not None else None
+    size, radius = usual(host.cell_size, DEFAULT_CELL_SIZE), usual(host.robot_radius, DEFAULT_ROBOT_RADIUS)
+    marks = marks_of(world) if world is not None else host.marks
+    free = [(marks[name], in_cells(radius, size)) for name in (START, TARGET) if name in marks]
+    return draw_corner(rng, *sizes, margin, free, way, size)
+
+
+def _anchored(piece: Piece, place: Mark, anchor: str) -> tuple[int, int]:
+    """First cell of a piece where a point of it goes to a place."""
+    if anchor in piece.marks:
+        x, y = piece.marks[anchor].x, piece.marks[anchor].y
+    elif anchor in NAMED:
+        x, y = (Fraction(half * n, 2) for half, n in zip(NAMED[anchor], (piece.width, piece.height), strict=True))
+    else:
+        words = ", ".join((*NAMED, *piece.marks))
+        raise InvalidParameter(f"anchor={anchor!r} is no point of the piece; give one of {words}")
+    return math.floor(place.x - x + HALF), math.floor(place.y - y + HALF)
+
+
+def put_down(
+    host: Piece, piece: Piece, corner: tuple[int, int], how: How, outside: str, whose: Mapping[str, str]
+) -> Piece:
+    """The host with a piece on it.
+
+    Args:
+        host: What it lies on.
+        piece: What is put down.
+        corner: Its first cell in the host.
+        how: As in ``Piece.place``.
+        outside: As in ``Piece.place``.
+        whose: Of ``start`` and ``target``: the ``host``'s counts, or the ``piece``'s.
+
+    Raises:
+        InvalidParameter: If the piece sticks out and may not, lacks a mark, or has cells of another size.
+    """
+    x, y = corner
+    over = [max(0, -x), max(0, x + piece.width - host.width), max(0, -y), max(0, y + piece.height - host.height)]
+    if any(over) and outside == "refuse":
+        raise InvalidParameter(
+            f"a piece of {piece.width} x {piece.height} cells at ({x}, {y}) sticks out of {host.width} x "
+            f"{host.height} cells; put it elsewhere, or give outside='clip' or 'grow'"
+        )
+    if any(over) and outside == "grow":
+        host = host.pad(*over)
+        x, y = x + over[0], y + over[2]
+    dropped = [name for name, who in whose.items() if _is_piece(name, who, piece)]
+    kept = replace(host, marks={name: mark for name, mark in host.marks.items() if name not in dropped})
+    return overlaid(kept, piece, x, y, how)
+
+
+def overlaid(host: Piece, piece: Piece, x: int, y: int, how: How) -> Piece:
+    """The host with a piece on it, what sticks out cut off."""
+    agreed = replace(
+        host,
+        marks={**moved(piece.marks, lambda mx, my: (mx + x, my + y), host.width, host.height), **host.marks},
+        cell_size=_same_size(host.cell_size, piece.cell_size),
+        robot_radius=piece.robot_radius if host.robot_radius is None else host.robot_radius,
+        robot_speed=piece.robot_speed if host.robot_speed is None else host.robot_speed,
+    )
+    low_x, low_y = max(x, 0), max(y, 0)
+    high_x, high_y = min(x + piece.width, host.width), min(y + piece.height, host.height)
+    if low_x >= high_x or low_y >= high_y:
+        return agreed
+    part = piece.crop(low_x - x, low_y - y, high_x - low_x, high_y - low_y)
+    here = (slice(low_y, high_y), slice(low_x, high_x))
+    says, solid, mask = (np.zeros_like(host.solid) for _ in range(3))
+    says[here], solid[here] = part.mask, part.solid
+    if how == "carve":
+        says &= host.mask
+    mask = host.mask | says
+    line = part.timeline
+    events = Events((line.iy + low_y) * host.width + line.ix + low_x, line.times, line.states)
+    both = put_together(Events.of(host.timeline, host.width), events, host.solid, host.mask, solid, says, how)
+    solid = np.where(says, state_of_two(host.solid, host.mask, solid, how), host.solid)
+    return replace(agreed, solid=solid, mask=mask, timeline=timeline_of(both, host.width))
+
+
+def _is_piece(name: str, whose: str, piece: Piece) -> bool:
+    """Whether the piece's mark counts, not the host's."""
+    check_choice(name, whose, ("host", "piece"))
+    if whose == "piece" and name not in piece.marks:
+        raise InvalidParameter(f"{name}='piece', and the piece has no {name}; give it one, or leave {name} out")
+    return whose == "piece"
+
+
+def _same_size(host: float | None, piece: float | None) -> float | None:
+    if host is not None and piece is not None and host != piece:
+        raise InvalidParameter(
+            f"the host has cells of {host:g} m, the piece of {piece:g} m; make one with the other's cell_size, "
+            f"or give the piece for_robot(cell_size={host:g}), which changes its size in m"
+        )
+    return piece if host is None else host
