@@ -12,6 +12,7 @@ import zipfile
 
 import pytest
 
+import worldgen.sets.journal
 import worldgen.sets.stores
 from tests.helpers.command_line import worldgen as run
 from worldgen.archives import members
@@ -246,6 +247,29 @@ def test_two_commands_do_not_write_one_set(traps):
     assert "is being written by another command" in run(*TRAPS, "--out", traps).err
     other.close()
     assert "holds this set already" in run(*TRAPS, "--out", traps).err
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no file locks")
+def test_no_other_command_begins_in_a_folder_that_is_being_removed(tmp_path, monkeypatch):
+    remove, refused = shutil.rmtree, []
+
+    def remove_watched(part, **options):
+        with pytest.raises(OutputError, match="is being written by another command"):
+            Journal(part / "manifest.jsonl").read(force=True)
+        refused.append(part)
+        remove(part, **options)
+
+    monkeypatch.setattr(worldgen.sets.stores.shutil, "rmtree", remove_watched)
+    make_set(plan_set("trap", 5, 1, SMALL), tmp_path / "set.zip")
+    assert refused == [tmp_path / "set.zip.part"] and not refused[0].exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no file locks")
+def test_a_manifest_that_is_removed_before_it_is_locked_is_not_written(traps, monkeypatch):
+    manifest = traps / "manifest.jsonl"
+    monkeypatch.setattr(worldgen.sets.journal.fcntl, "flock", lambda *_: manifest.unlink())
+    with pytest.raises(OutputError, match="was finished by another command meanwhile"):
+        Journal(manifest).read()
 
 
 @pytest.mark.parametrize("out", ["set", "set.zip"])

@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from worldgen.errors import OutputError
+from worldgen.errors import FormatError, OutputError
 from worldgen.sets.manifest import Manifest, parse_manifest
 
 try:
@@ -30,11 +30,14 @@ class Journal:
         self._file: int | None = None
         self._end = 0  # bytes of whole lines
 
-    def read(self) -> Manifest | None:
+    def read(self, *, force: bool = False) -> Manifest | None:
         """What is there already, kept from other processes until ``close``.
 
+        Args:
+            force: Whether it may be something else, that is to be replaced.
+
         Returns:
-            The manifest; ``None`` if there is none, or not even a whole first line.
+            The manifest; ``None`` if there is none, or not even a whole first line, or by ``force`` something else.
 
         Raises:
             FormatError: If it is no manifest.
@@ -47,7 +50,12 @@ class Journal:
             lines = list(stream)
         if not lines or not lines[0].endswith(b"\n"):
             return None
-        return parse_manifest(lines, str(self.path))
+        try:
+            return parse_manifest(lines, str(self.path))
+        except FormatError:
+            if force:
+                return None
+            raise
 
     def start(self, header: bytes) -> None:
         """Begins anew with this line.
@@ -105,6 +113,9 @@ class Journal:
             except OSError as error:
                 self.close()
                 raise OutputError(f"{self.path} is being written by another command; let that one end first") from error
+            if os.fstat(self._file).st_nlink == 0:  # removed between opening and locking
+                self.close()
+                raise OutputError(f"{self.path} was finished by another command meanwhile; look at what it made")
 
     def _opened(self) -> int:
         if self._file is None:

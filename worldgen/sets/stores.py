@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import IO, Protocol
 
 from worldgen.archives import is_archive, writer_for
-from worldgen.errors import FormatError, OutputError
+from worldgen.errors import OutputError
 from worldgen.sets.journal import Journal, append_at
 from worldgen.sets.manifest import MANIFEST, Entry, Manifest, read_manifest
 
@@ -86,12 +86,7 @@ class FolderStore:
     def find(self, *, force: bool) -> Manifest | None:
         """What an earlier run left; a folder with other files in it is refused."""
         self._over_others = force
-        try:
-            found = self._journal.read()
-        except FormatError:
-            if not force:
-                raise
-            return None
+        found = self._journal.read(force=force)
         if found is None and not force and self._folder.is_dir():
             others = sorted(path.name for path in self._folder.iterdir() if not path.name.startswith("."))
             others = [name for name in others if name != MANIFEST]
@@ -185,12 +180,7 @@ class ArchiveStore:
     def find(self, *, force: bool) -> Manifest | None:
         """What an earlier run left of an archive that is not whole; a whole one is refused."""
         self._over_others = force
-        try:
-            found = self._journal.read()
-        except FormatError:
-            if not force:
-                raise
-            return None
+        found = self._journal.read(force=force)
         if self._archive.exists() and not force:
             if found is not None and found.finished:  # killed between its last two steps
                 self._remove_part()
@@ -249,7 +239,6 @@ class ArchiveStore:
                 stream.flush()
                 os.fsync(stream.fileno())
             packed.replace(self._archive)
-        self.close()
         self._remove_part()
 
     def close(self) -> None:
@@ -266,8 +255,10 @@ class ArchiveStore:
         self._end = size
 
     def _remove_part(self) -> None:
-        self.close()
+        if os.name == "nt":  # where files that are open are not removed, and nothing is locked
+            self.close()
         shutil.rmtree(self._part, ignore_errors=True)
+        self.close()  # not before: another command must not begin in a folder that is being removed
 
 
 def place_file(file: Path, data: bytes) -> None:
