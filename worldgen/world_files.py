@@ -11,7 +11,7 @@ from worldgen.grid_file import read_world
 from worldgen.grid_file.disk import unpack_world
 from worldgen.world import World
 
-__all__ = ["is_world_file", "read_worlds"]
+__all__ = ["files_in", "is_world_file", "read_worlds"]
 
 _ENDINGS = (".grid", ".grid.gz")
 
@@ -19,6 +19,11 @@ _ENDINGS = (".grid", ".grid.gz")
 def is_world_file(name: str) -> bool:
     """Whether a file of this name is taken for a world."""
     return name.endswith(_ENDINGS)
+
+
+def files_in(folder: Path) -> list[Path]:
+    """The files in a folder and below that are taken for worlds, sorted by name."""
+    return sorted(file for file in folder.rglob("*") if is_world_file(file.name) and file.is_file())
 
 
 def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
@@ -36,7 +41,7 @@ def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
     """
     for path in paths:
         if path.is_dir():
-            files = sorted(file for file in path.rglob("*") if is_world_file(file.name) and file.is_file())
+            files = files_in(path)
             for file in files:
                 yield file, read_world(file)
             found = bool(files)

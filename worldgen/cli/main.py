@@ -76,6 +76,7 @@ _SUMMARY = {
     "compare": "Run controllers in many worlds and print one table of times, failures, best and worst.",
     "check-family": "Check what every family promises, over a family of your own.",
     "compose": "Make worlds of parts, by a recipe: a trap in a maze, a fire in one wing.",
+    "corpus": "Look at saved failures, compare and merge folders of them, and keep them small.",
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",
     "find": "Find a world in which given controllers have given outcomes, or come as near as the budget allows.",
     "export": "Write a world in another program's format.",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -97,9 +98,12 @@ def _panel(panel: Panel, pixels: int) -> Image.Image:
         frame.bottom + frame.band,
     )
     chart = picture.crop(box)
-    image = Image.new("RGB", (chart.width, chart.height + _LINE * (1 + len(panel.notes))), PAPER)
+    font = ImageFont.load_default(_TYPE)
+    text = max(font.getlength(line) for line in (panel.title, *panel.notes))
+    width = max(chart.width, min(math.ceil(text), pixels))  # a narrow world keeps its words
+    image = Image.new("RGB", (width, chart.height + _LINE * (1 + len(panel.notes))), PAPER)
     image.paste(chart, (0, _LINE))
-    pen, font = ImageDraw.Draw(image), ImageFont.load_default(_TYPE)
+    pen = ImageDraw.Draw(image)
     pen.text((0, _LINE - 6), panel.title, fill=rgb(INK), font=font, anchor="ls")
     for k, note in enumerate(panel.notes):
         baseline = _LINE + chart.height + (k + 1) * _LINE - 6

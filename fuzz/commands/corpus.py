@@ -1,0 +1,251 @@
+"""``worldgen corpus``: folders and archives of failures, looked at and kept small."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from worldgen.cli.output import emit_json, force_option, json_option, note, shown, write_bytes
+
+if TYPE_CHECKING:
+    from fuzz.corpus import Corpus, Entry
+
+__all__ = ["corpus"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+FILE = click.Path(path_type=Path)
+
+
+def _filters(command: F) -> F:
+    """``--controller``, ``--class`` and ``--verdict``, each with shell patterns and as often as wanted."""
+    for name, argument, what in (
+        ("--verdict", "verdicts", "Only this verdict: 'loop', or a pattern like '*'."),
+        ("--class", "kinds", "Only this class: 'tunnel-*'."),
+        ("--controller", "controllers", "Only this controller, with its options: 'thesis-1*'."),
+    ):
+        command = click.option(name, argument, multiple=True, metavar="PATTERN", help=what)(command)
+    return command
+
+
+def _paths(command: F) -> F:
+    return click.argument("paths", nargs=-1, required=True, type=FILE, metavar="PATH|DIR|ARCHIVE...")(command)
+
+
+@click.group()
+def corpus() -> None:
+    """Look at saved failures, compare and merge folders of them, and keep them small.
+
+    A corpus is a folder, or an archive, of failures as worldgen fuzz writes them. Two failures are of one class if
+    controller, motion model and class are the same. docs/corpus.md has the whole of it.
+    """
+
+
+@corpus.command("list")
+@_paths
+@_filters
+@json_option
+def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -> None:
+    """List failures: class, verdict, controller, motion model, when first seen, size, digest."""
+    found = _read(paths, patterns)
+    entries = found.entries
+    classes = len({entry.facts.key for entry in entries})
+    if as_json:
+        emit_json({"failures": [_json(entry) for entry in entries], "classes": classes, "others": found.others})
+        return
+    if entries:
+        rows = [_row(entry) for entry in entries]
+        click.echo(
+            _aligned([["class", "verdict", "controller", "motion", "first seen", "size", "digest", "file"], *rows])
+        )
+    click.echo(f"{_counted(len(entries), 'failure')} of {_counted(classes, 'class', 'classes')}")
+    if found.others:
+        note(f"passed over {_counted(found.others, 'world')} without a failure")
+
+
+@corpus.command()
+@_paths
+@_filters
+@click.option("--png", type=FILE, metavar="OUT", help="Draw all on one sheet instead, a PNG picture.")
+@force_option
+def show(paths: tuple[Path, ...], png: Path | None, force: bool, **patterns: tuple[str, ...]) -> None:
+    """Show failures in the terminal: picture, evidence, the line that replays it; or all on one sheet.
+
+    Runs the controllers that the files name.
+    """
+    from fuzz.corpus import contact_sheet
+    from fuzz.session import describe
+    from worldgen.errors import WorldgenError
+    from worldgen.files import check_output
+    from worldgen.grid_file import read_world
+
+    entries = _read(paths, patterns).entries
+    if png is not None:
+        check_output(png, force)
+        write_bytes(png, contact_sheet(entries), force=force)
+        note(f"wrote {png}: {_counted(len(entries), 'failure')}")
+        return
+    for entry in entries:
+        world = read_world(entry.path)
+        try:
+            click.echo(describe(world, entry.path))
+        except WorldgenError as error:
+            click.echo(f"{shown(entry.path)}: {shown(entry.facts.kind)}, {entry.facts.size_in_words()}")
+            note(f"  {entry.facts.controller} cannot be run here: {error}")
+    if not entries:
+        note("no failure fits")
+
+
+@corpus.command(epilog="\b\n  worldgen corpus merge baseline/ failures/ --out baseline/ --force")
+@_paths
+@_filters
+@click.option("--out", type=FILE, required=True, help="Folder for the failures.")
+@json_option
+@force_option
+def merge(paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **patterns: tuple[str, ...]) -> None:
+    """Copy the smallest failure of each class into a folder, as CONTROLLER/MOTION/CLASS.grid.
+
+    The same corpora give the same files, in whatever order they are named. A folder that holds other worlds is refused
+    without --force, which replaces those of the same name and keeps the others.
+    """
+    from fuzz.corpus import merge as merge_failures
+
+    entries = _read(paths, patterns).entries
+    written = merge_failures(entries, out, force=force)
+    if as_json:
+        emit_json({"read": len(entries), "files": {str(path): str(entry.path) for path, entry in written.items()}})
+        return
+    click.echo(f"{_counted(len(entries), 'failure')}, {_counted(len(written), 'class', 'classes')} in {shown(out)}")
+
+
+@corpus.command(epilog="\b\n  worldgen corpus diff baseline/ failures/")
+@click.argument("old", type=FILE, metavar="OLD")
+@click.argument("new", type=FILE, metavar="NEW")
+@_filters
+@json_option
+def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> None:
+    """Say which classes of failures are new, gone, met in a smaller or only in a larger world.
+
+    Exit code 1 if NEW has a class that OLD has not, else 0: known failures do not fail a build.
+    """
+    from fuzz.corpus import differences
+
+    found = differences(_read((old,), patterns).entries, _read((new,), patterns).entries)
+    count = Counter[str](difference.change for difference in found)
+    changes = ("new", "gone", "smaller", "larger", "same")
+    if as_json:
+        rows = [
+            {
+                "change": difference.change,
+                "old": _json(difference.old) if difference.old else None,
+                "new": _json(difference.new) if difference.new else None,
+            }
+            for difference in found
+        ]
+        emit_json({**{change: count[change] for change in changes}, "classes": rows})
+    else:
+        rows_of_text = [
+            [
+                difference.change,
+                *map(shown, difference.entry.facts.key),
+                difference.old.facts.size_in_words() if difference.old else "-",
+                difference.new.facts.size_in_words() if difference.new else "-",
+                shown(difference.entry.path),
+            ]
+            for difference in found
+            if difference.change != "same"
+        ]
+        if rows_of_text:
+            click.echo(_aligned([["", "controller", "motion", "class", "old", "new", "file"], *rows_of_text]))
+        click.echo(", ".join(f"{count[change]} {change}" for change in changes))
+    if count["new"]:
+        raise SystemExit(1)
+
+
+@corpus.command()
+@click.argument("folder", type=FILE, metavar="DIR")
+@_filters
+@click.option("--dry-run", is_flag=True, help="Say what would go; delete nothing.")
+@json_option
+def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...]) -> None:
+    """Delete failures that no longer replay, and all but the smallest of each class.
+
+    Asks for nothing; nothing is deleted before all are judged. A failure whose controller cannot be run here stays,
+    and the exit code is then 1. Runs the controllers that the files name.
+    """
+    from fuzz.corpus import judge_all, remove
+    from worldgen.errors import OutputError
+
+    if not folder.is_dir():
+        raise OutputError(f"{folder} is no folder; unpack an archive first, or delete a single file yourself")
+    judged = []
+    for judgement in judge_all(_read((folder,), patterns).entries):
+        judged.append(judgement)
+        if not as_json and judgement.reason:
+            word = "keep" if judgement.keep else "would drop" if dry_run else "drop"
+            click.echo(f"{word} {shown(judgement.entry.path)}: {shown(judgement.reason)}")
+    dropped = [judgement for judgement in judged if not judgement.keep]
+    unsure = [judgement for judgement in judged if not judgement.judged]
+    for judgement in () if dry_run else dropped:
+        remove(judgement.entry)
+    if as_json:
+        rows = [{"file": str(j.entry.path), "keep": j.keep, "judged": j.judged, "reason": j.reason} for j in judged]
+        emit_json({"kept": len(judged) - len(dropped), "dropped": len(dropped), "dry_run": dry_run, "failures": rows})
+    else:
+        word = "would be dropped" if dry_run else "dropped"
+        click.echo(f"{len(judged) - len(dropped)} kept, {len(dropped)} {word}")
+    if unsure:
+        raise SystemExit(1)
+
+
+@corpus.command(epilog="\b\n  worldgen corpus export failures/ --out failures.zip")
+@_paths
+@_filters
+@click.option("--out", type=FILE, required=True, help="A .zip, .tar.gz, .tar.bz2, .tar, .csv or .parquet file.")
+@json_option
+@force_option
+def export(paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **patterns: tuple[str, ...]) -> None:
+    """Write failures into one file: an archive with pictures and a table, or a table.
+
+    Equal failures are an equal archive, byte for byte, and every command reads it like a folder. The pictures show the
+    robot's way: the controllers that the files name are run, but for a .csv.
+    """
+    from fuzz.corpus import export as export_failures
+
+    count = export_failures(_read(paths, patterns).entries, out, force=force)
+    if as_json:
+        emit_json({"file": str(out), "failures": count})
+        return
+    click.echo(f"wrote {shown(out)}: {_counted(count, 'failure')}")
+
+
+def _read(paths: Sequence[Path], patterns: dict[str, tuple[str, ...]]) -> Corpus:
+    from fuzz.corpus import Selection, read_corpus
+
+    return read_corpus(paths, Selection(**patterns))
+
+
+def _json(entry: Entry) -> dict[str, Any]:
+    from fuzz.session import replay_line
+
+    row = entry.as_dict()
+    return row | {"first_seen": row["first_seen"] or None, "replay": replay_line(entry.path)}
+
+
+def _row(entry: Entry) -> list[str]:
+    facts = entry.facts
+    words = (facts.kind, facts.verdict, facts.controller, facts.motion, entry.first_seen[:10] or "-")
+    return [*map(shown, words), facts.size_in_words(), facts.digest[:12], shown(entry.path)]
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> str:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+
+
+def _counted(count: int, one: str, many: str = "") -> str:
+    return f"{count} {one if count == 1 else many or one + 's'}"

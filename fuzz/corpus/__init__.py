@@ -1,0 +1,25 @@
+"""Corpora: folders and archives of failures, read, compared, merged, pruned, exported.
+
+Contents:
+    Corpus, Entry, Selection, read_corpus: what a folder or an archive holds, without its worlds.
+    differences, Difference: what one corpus has that another has not.
+    merge, smallest: the smallest failure of each class, in a folder.
+    judge_all, Judgement, remove: what may be dropped, and why.
+    export: one archive, or a table.
+    contact_sheet: a corpus as one picture.
+
+The files are the truth. ``docs/corpus.md`` is the description.
+"""
+
+from fuzz.corpus.comparing import Difference, differences
+from fuzz.corpus.entry import Entry
+from fuzz.corpus.exporting import export
+from fuzz.corpus.merging import merge, smallest
+from fuzz.corpus.pictures import contact_sheet
+from fuzz.corpus.pruning import Judgement, judge_all, remove
+from fuzz.corpus.reading import Corpus, Selection, read_corpus
+
+__all__ = [
+    "Corpus", "Difference", "Entry", "Judgement", "Selection", "contact_sheet", "differences", "export", "judge_all",
+    "merge", "read_corpus", "remove", "smallest",
+]  # fmt: skip

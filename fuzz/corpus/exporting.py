@@ -1,0 +1,114 @@
+"""A corpus for others: one archive with a table and pictures, or the table alone."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from fuzz.corpus.entry import Entry, Facts
+from fuzz.corpus.names import name_of
+from fuzz.corpus.pictures import draw_failure
+from worldgen.archives import ENDINGS, is_archive, writer_for
+from worldgen.errors import InvalidParameter, OutputError
+from worldgen.files import check_output, write_bytes
+from worldgen.grid_file import dumps, read_world
+
+__all__ = ["TABLE", "export"]
+
+TABLE = "corpus.csv"  # in an archive
+_COLUMNS = ("file", *("class" if field.name == "kind" else field.name for field in fields(Facts)))
+
+
+def export(entries: Iterable[Entry], out: Path, *, force: bool = False) -> int:
+    """Writes failures into one file, in the order of controllers, motion models, classes and sizes.
+
+    Args:
+        entries: Of any number of corpora; of equal failures one is written.
+        out: Its ending says what is made: an archive with a file, a picture and a row for each failure; a table
+            as ``.csv``; or one with pictures as ``.parquet``, which needs pyarrow.
+        force: Whether a file that is there is overwritten.
+
+    Returns:
+        How many failures were written.
+
+    Raises:
+        InvalidParameter: If the ending is unknown.
+        OutputError: If the file is there already or cannot be written, or pyarrow is missing.
+        FormatError: If a file cannot be read any more.
+    """
+    ending = out.suffix.lower()
+    if not is_archive(out) and ending not in (".csv", ".parquet"):
+        raise InvalidParameter(f"{out.name!r}: no known kind; name a file {', '.join(ENDINGS)}, .csv or .parquet")
+    check_output(out, force)
+    if ending == ".parquet":
+        _pyarrow()  # before the pictures are drawn
+    chosen = {entry.facts.digest: entry for entry in sorted(entries, key=lambda entry: str(entry.path), reverse=True)}
+    ordered = sorted(chosen.values(), key=lambda entry: (entry.facts.key, entry.facts.order))
+    make = _archive if is_archive(out) else _parquet if ending == ".parquet" else _bare_table
+    write_bytes(out, make(ordered, out), force=force)
+    return len(ordered)
+
+
+def _archive(entries: Sequence[Entry], out: Path) -> bytes:
+    """Equal failures, equal bytes: no name, time or place of their files goes into it."""
+    stream = io.BytesIO()
+    archive = writer_for(out, stream)
+    rows = []
+    for name, entry in _named(entries):
+        world, picture = read_world(entry.path), f"pictures/{name}.png"
+        archive.add(f"{name}.grid", dumps(world))
+        archive.add(picture, draw_failure(entry, world))
+        row = entry.as_dict() | {"file": f"{name}.grid", "picture": picture}
+        rows.append(row)
+    archive.add(TABLE, _table(rows, (*_COLUMNS, "picture")))
+    archive.close()
+    return stream.getvalue()
+
+
+def _named(entries: Sequence[Entry]) -> Iterator[tuple[str, Entry]]:
+    met: Counter[tuple[str, str, str]] = Counter()
+    for entry in entries:
+        met[entry.facts.key] += 1
+        yield name_of(entry.facts, met[entry.facts.key]), entry
+
+
+def _bare_table(entries: Sequence[Entry], _out: Path) -> bytes:
+    return _table([entry.as_dict() for entry in entries], (*_COLUMNS, "first_seen"))
+
+
+def _table(rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> bytes:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue().encode(errors="backslashreplace")
+
+
+def _parquet(entries: Sequence[Entry], _out: Path) -> bytes:
+    """The table, and in it each failure's text and picture as bytes."""
+    arrow, parquet = _pyarrow()
+    rows = []
+    for entry in entries:
+        world = read_world(entry.path)
+        rows.append(entry.as_dict() | {"grid": dumps(world), "picture": draw_failure(entry, world)})
+    kinds = {"width": arrow.int64(), "height": arrow.int64(), "solid": arrow.int64(), "events": arrow.int64()}
+    kinds |= {"grid": arrow.binary(), "picture": arrow.binary()}
+    columns = (*_COLUMNS, "first_seen", "grid", "picture")
+    schema = arrow.schema([(name, kinds.get(name, arrow.string())) for name in columns])
+    stream = io.BytesIO()
+    parquet.write_table(arrow.Table.from_pylist(rows, schema=schema), stream)
+    return stream.getvalue()
+
+
+def _pyarrow() -> tuple[Any, Any]:
+    try:
+        import pyarrow  # noqa: PLC0415 - an extra
+        import pyarrow.parquet  # noqa: PLC0415
+    except ImportError as error:
+        raise OutputError("a .parquet table needs pyarrow; pip install 'worldgen[parquet]', or write .csv") from error
+    return pyarrow, pyarrow.parquet

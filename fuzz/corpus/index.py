@@ -1,0 +1,75 @@
+"""A cache of facts by the digest of a file's bytes: it can be missing, never wrong about a file that changed."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from fuzz.corpus.entry import Facts
+from worldgen.errors import FormatError, OutputError
+from worldgen.files import read_text, write_bytes
+
+__all__ = ["INDEX_FOLDER", "Index"]
+
+INDEX_FOLDER = ".worldgen-corpus"  # in the corpus; it tells git to leave it alone
+_FILE = "index.json"
+_VERSION = 1  # of `Facts` and of how they are read from a file; another one's index is made anew
+_TYPES = {"controller": str, "motion": str, "kind": str, "verdict": str, "width": int, "height": int, "solid": int,
+          "events": int, "digest": str}  # fmt: skip
+
+
+class Index:
+    """The facts of a folder's files.
+
+    Args:
+        folder: The corpus.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder / INDEX_FOLDER
+        self._known = self._load()
+        self._used: dict[str, Facts | None] = {}
+
+    def get(self, digest: str) -> tuple[bool, Facts | None]:
+        """Whether a file with this digest is known, and its facts; none are those of a world without failure."""
+        if digest not in self._known:
+            return False, None
+        self._used[digest] = self._known[digest]
+        return True, self._known[digest]
+
+    def put(self, digest: str, facts: Facts | None) -> None:
+        """Notes what was read from a file."""
+        self._used[digest] = facts
+
+    def save(self) -> None:
+        """Writes what was asked for or noted; where that cannot be, there is no index, which costs time only."""
+        if self._used == self._known:
+            return
+        files = {digest: facts and asdict(facts) for digest, facts in sorted(self._used.items())}
+        text = json.dumps({"version": _VERSION, "files": files}, indent=1) + "\n"
+        with contextlib.suppress(OSError, OutputError):
+            self._folder.mkdir(exist_ok=True)
+            write_bytes(self._folder / ".gitignore", b"*\n", force=True)
+            write_bytes(self._folder / _FILE, text.encode(), force=True)
+
+    def _load(self) -> dict[str, Facts | None]:
+        with contextlib.suppress(FormatError, ValueError, RecursionError):
+            found = json.loads(read_text(self._folder / _FILE))
+            if isinstance(found, dict) and found.get("version") == _VERSION and isinstance(found.get("files"), dict):
+                return {digest: _facts(values) for digest, values in found["files"].items()}
+        return {}
+
+
+def _facts(values: object) -> Facts | None:
+    """Facts from their JSON.
+
+    Raises:
+        ValueError: If they are something else.
+    """
+    if values is None:
+        return None
+    if not isinstance(values, dict) or {name: type(value) for name, value in values.items()} != _TYPES:
+        raise ValueError("no facts")
+    return Facts(**values)

@@ -1,0 +1,76 @@
+"""Several corpora into one: the smallest failure of each class."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from fuzz.corpus.entry import Entry
+from fuzz.corpus.names import name_of
+from worldgen.errors import OutputError
+from worldgen.files import write_bytes
+from worldgen.grid_file import dumps, read_world
+from worldgen.world_files import files_in
+
+__all__ = ["merge", "smallest"]
+
+
+def smallest(entries: Iterable[Entry]) -> dict[tuple[str, str, str], Entry]:
+    """The smallest failure by controller, motion model and class, whatever the order in which they come."""
+    best: dict[tuple[str, str, str], Entry] = {}
+    for entry in sorted(entries, key=lambda entry: (entry.facts.order, str(entry.path))):
+        best.setdefault(entry.facts.key, entry)
+    return dict(sorted(best.items()))
+
+
+def merge(entries: Iterable[Entry], out: Path, *, force: bool = False) -> dict[Path, Entry]:
+    """Writes the smallest failure of each class into a folder, dated by the first of its class.
+
+    Args:
+        entries: Of any number of corpora.
+        out: The folder; made if it is missing. What is there as it is to be stays untouched.
+        force: Whether files of the same name may be replaced, and others may be there.
+
+    Returns:
+        Where each failure lies, and where it came from.
+
+    Raises:
+        OutputError: If the folder holds other failures, or cannot be written.
+        FormatError: If a file cannot be read any more.
+    """
+    entries = list(entries)
+    chosen = {out / f"{name_of(entry.facts)}.grid": entry for entry in smallest(entries).values()}
+    texts = {path: dumps(read_world(entry.path)) for path, entry in chosen.items()}
+    if not force:
+        _refuse_others(out, texts)
+    first: dict[tuple[str, str, str], int] = {}
+    for entry in entries:
+        if entry.seen is not None:
+            first[entry.facts.key] = min(entry.seen, first.get(entry.facts.key, entry.seen))
+    for path, text in texts.items():
+        _write(path, text, first.get(chosen[path].facts.key))
+    return chosen
+
+
+def _refuse_others(out: Path, texts: dict[Path, bytes]) -> None:
+    if out.exists() and not out.is_dir():
+        raise OutputError(f"{out} is a file; name a folder")
+    others = [path for path in files_in(out) if texts.get(path) != path.read_bytes()]
+    if others:
+        more = f" and {len(others) - 1} more" if len(others) > 1 else ""
+        raise OutputError(
+            f"{out} holds other worlds: {others[0].relative_to(out)}{more}; give --force to replace those of the same "
+            "name and keep the others, or name another folder"
+        )
+
+
+def _write(path: Path, text: bytes, seen: int | None) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not (path.is_file() and path.read_bytes() == text):
+            write_bytes(path, text, force=True)
+        if seen is not None:
+            os.utime(path, (seen, seen))
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}; choose another place") from error

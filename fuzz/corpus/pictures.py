@@ -1,0 +1,57 @@
+"""Failures as pictures: each with the robot's way, where its controller can be run here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fuzz.corpus.entry import Entry
+from fuzz.failure import regardless_of_walls, scenario_of
+from sim.episode import simulate
+from sim.picture import trail_of
+from worldgen.errors import InvalidParameter, WorldgenError
+from worldgen.grid_file import read_world
+from worldgen.render import Trail, draw_png
+from worldgen.render.sheet import Panel, draw_sheet
+from worldgen.world import Cut, World
+
+__all__ = ["contact_sheet", "draw_failure"]
+
+_PIXELS = 480  # longer side of a map; at 900 a picture takes 250 kB
+_MOST = 200  # panels: a sheet of five columns and 16,000 px height
+
+
+def draw_failure(entry: Entry, world: World) -> bytes:
+    """A failure as the bytes of a PNG file."""
+    facts = entry.facts
+    title = f"{facts.controller}, {facts.motion}: {facts.kind}"
+    return draw_png(world, trail=_trail(world), title=title, pixels=_PIXELS)
+
+
+def contact_sheet(entries: Sequence[Entry]) -> bytes:
+    """Failures side by side, as the bytes of a PNG file.
+
+    Raises:
+        InvalidParameter: If there is none, or there are more than a sheet shows.
+        FormatError: If a file cannot be read any more.
+    """
+    if not entries:
+        raise InvalidParameter("there is no failure to draw; check the path and the filters")
+    if len(entries) > _MOST:
+        raise InvalidParameter(f"{len(entries)} failures are more than the {_MOST} of a sheet; choose with --class")
+    return draw_sheet([_panel(entry) for entry in entries], ())
+
+
+def _panel(entry: Entry) -> Panel:
+    world, facts = read_world(entry.path), entry.facts
+    return Panel(world, facts.kind, (_trail(world),), (f"{facts.controller}, {facts.motion}",))
+
+
+def _trail(world: World) -> Trail | None:
+    """The robot's way as it is now; ``None`` where its controller cannot be run."""
+    record, options = scenario_of(world)
+    if isinstance(world.certificate, Cut):
+        options = regardless_of_walls(options)
+    try:
+        return trail_of(simulate(world, record.controller, options, record=True))
+    except WorldgenError:
+        return None

@@ -1,0 +1,68 @@
+"""What a corpus need not hold: failures that are none any more, and all but the smallest of each class."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import groupby
+
+from fuzz.corpus.entry import Entry
+from fuzz.failure import replay
+from worldgen.errors import OutputError
+from worldgen.grid_file import read_world
+
+__all__ = ["Judgement", "judge_all", "remove"]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Whether a failure stays.
+
+    Args:
+        entry: The failure.
+        keep: Whether it stays.
+        reason: Why; empty for the smallest of its class that replays.
+        judged: Whether it could be run; one that could not, for want of its controller perhaps, stays.
+    """
+
+    entry: Entry
+    keep: bool
+    reason: str = ""
+    judged: bool = True
+
+
+def judge_all(entries: Iterable[Entry]) -> Iterator[Judgement]:
+    """Replays the failures of each class, the smallest first, until one is confirmed; those behind it may go."""
+    ordered = sorted(entries, key=lambda entry: (entry.facts.key, entry.facts.order, str(entry.path)))
+    for _, group in groupby(ordered, key=lambda entry: entry.facts.key):
+        kept: Entry | None = None
+        for entry in group:
+            if kept is not None:
+                what = "the same world" if kept.facts.digest == entry.facts.digest else "a smaller world"
+                yield Judgement(entry, False, f"{kept.path} is {what} of its class")
+                continue
+            judgement = _judge(entry)
+            if judgement.keep and judgement.judged:
+                kept = entry
+            yield judgement
+
+
+def _judge(entry: Entry) -> Judgement:
+    shown = replay(read_world(entry.path))
+    if shown.confirmed:
+        return Judgement(entry, True)
+    if shown.verdict == "error":
+        return Judgement(entry, True, f"cannot be replayed here: {shown.reason}", judged=False)
+    return Judgement(entry, False, f"no longer replays: {shown.reason}")
+
+
+def remove(entry: Entry) -> None:
+    """Deletes a failure's file.
+
+    Raises:
+        OutputError: If it cannot be deleted.
+    """
+    try:
+        entry.path.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{entry.path}: cannot be deleted: {error.strerror or error}") from error
