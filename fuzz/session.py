@@ -25,7 +25,7 @@ from sim.picture import trail_of
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from sim.words import evidence_in_words
-from worldgen.cli.output import emit_json, note
+from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.family import FAMILIES
 from worldgen.grid_file import write_world
@@ -221,10 +221,11 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     color = wants_color(sys.stdout)
     return (
-        f"{who} under {record.motion}: {record.verdict}{words}\n"
-        f"  class {kind}{often}; {world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
+        f"{shown(who)} under {record.motion}: {record.verdict}{words}\n"
+        f"  class {shown(kind)}{often}; "
+        f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{draw_terminal(world, trail=trail_of(episode), color=color)}"
-        f"  {replay_line(path)}\n"
+        f"  {shown(replay_line(path))}\n"
     )
 
 

@@ -8,6 +8,7 @@ from itertools import groupby
 
 from fuzz.corpus.entry import Entry
 from fuzz.failure import replay
+from sim.outcome import BY_THE_CONTROLLER
 from worldgen.errors import OutputError
 from worldgen.grid_file import read_world
 
@@ -51,6 +52,9 @@ def _judge(entry: Entry) -> Judgement:
     shown = replay(read_world(entry.path))
     if shown.confirmed:
         return Judgement(entry, True)
+    if shown.verdict in BY_THE_CONTROLLER:  # as a program does whose files are not here
+        reason = f"its controller ends in {shown.verdict} here: {shown.reason}"
+        return Judgement(entry, True, reason, judged=False)
     if shown.verdict == "error":
         return Judgement(entry, True, f"cannot be replayed here: {shown.reason}", judged=False)
     return Judgement(entry, False, f"no longer replays: {shown.reason}")

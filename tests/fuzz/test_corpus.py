@@ -266,6 +266,16 @@ def test_where_the_smallest_no_longer_replays_the_next_one_stays(tmp_path):
     assert judged == [("small.grid", False), ("next.grid", True)]
 
 
+@pytest.mark.parametrize("body", ["raise FileNotFoundError('map.yaml')", "return None"])
+def test_prune_keeps_failures_whose_controller_now_fails_for_itself(body, tmp_path):
+    (tmp_path / "mine.py").write_text(f"class R:\n def reset(self): return ()\n def act(self, o, m): {body}\n")
+    world = read_world(LOOP)
+    record = replace(world.failure, controller=f"{tmp_path}/mine.py:R", motion="swept")
+    write_world(replace(world, failure=record), tmp_path / "f.grid")
+    result = worldgen("corpus", "prune", tmp_path)
+    assert result.code == 1 and (tmp_path / "f.grid").exists() and "its controller ends in crash here" in result.out
+
+
 def test_prune_refuses_an_archive():
     result = worldgen("corpus", "prune", "failures.zip")
     assert result.code == 2 and "is no folder" in result.err
@@ -331,6 +341,11 @@ def test_export_refuses_what_it_cannot_write(name, message, tmp_path):
 def test_show_draws_a_failure_and_says_how_to_replay_it():
     result = worldgen("corpus", "show", FAULTS, "--class", "loop-*")
     assert result.code == 0 and "S start  G target" in result.out and f"worldgen replay {LOOP}" in result.out
+
+
+def test_words_from_a_strangers_file_cannot_steer_the_terminal(tmp_path):
+    failure(tmp_path, "x", kind="loop\x1b[2J")
+    assert all("\x1b" not in worldgen("corpus", word, tmp_path).out for word in ("list", "show", "prune"))
 
 
 def test_show_draws_a_corpus_on_one_sheet(tmp_path):
