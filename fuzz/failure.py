@@ -28,6 +28,7 @@ from worldgen.world import Cut, FailureRecord, Pose, Target, Value, World
 
 __all__ = [
     "Replay",
+    "certificate_fault",
     "certified",
     "failure_of",
     "judge",
@@ -196,12 +197,12 @@ def replay(world: World, controller: str | None = None) -> Replay:
         episode, wrong = judge(world, controller or record.controller, options)
     except WorldgenError as error:
         return Replay("error", False, str(error))
-    reason = _difference(record, episode) or wrong or _certificate_at_fault(world)
+    reason = _difference(record, episode) or wrong or certificate_fault(world)
     return Replay(episode.verdict, not reason, reason, episode)
 
 
-def _certificate_at_fault(world: World) -> str:
-    """Why a failure's certificate does not hold; empty if it does."""
+def certificate_fault(world: World) -> str:
+    """Why a world's certificate does not hold; empty if it does."""
     if world.certificate is None:
         return "the file carries no witness that the target can be reached"
     if isinstance(world.certificate, Cut):

@@ -1,0 +1,203 @@
+"""Worlds as regression tests: is a stored failure fixed, or still as it was; what to show and keep if not."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from fuzz.failure import certificate_fault, certified, failure_of, judge, replay, scenario_of
+from sim.episode import Episode, simulate
+from sim.picture import trail_of
+from sim.run_options import RunOptions, step_budget
+from sim.scenario import Scenario
+from sim.words import evidence_in_words
+from worldgen.errors import InvalidParameter, InvalidWorld, WorldgenError
+from worldgen.grid_file import read_world, write_world
+from worldgen.render import draw_terminal
+from worldgen.world import Cut, World
+
+__all__ = ["CONFIRMED", "FIXED", "Checked", "Seen", "Told", "check", "run", "tell"]
+
+FIXED, CONFIRMED = "fixed", "confirmed"
+_STAYS_OUT = ("loop", "stalled", "timeout")  # verdicts that are right where the target is walled off
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a test looked at.
+
+    Args:
+        world: The world, without a record of an older failure.
+        scenario: What ran in it; ``None`` if nothing did.
+        options: How it ran.
+        episode: How it ended, recorded.
+        stored: The file, if it shows the same again.
+    """
+
+    world: World
+    scenario: Scenario | None = None
+    options: RunOptions | None = None
+    episode: Episode | None = None
+    stored: str = ""
+
+
+@dataclass(frozen=True)
+class Checked:
+    """Whether a stored failure is as expected.
+
+    Args:
+        reason: Why it is not; empty if it is.
+        seen: What was looked at.
+    """
+
+    reason: str
+    seen: Seen
+
+
+@dataclass(frozen=True)
+class Told:
+    """A failing test's world, for a report.
+
+    Args:
+        text: Picture, file and command.
+        properties: ``artifact`` and ``replay``, as far as there are any.
+    """
+
+    text: str
+    properties: Mapping[str, str] = field(default_factory=dict)
+
+
+def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Checked:
+    """Runs a stored failure, or a world, and holds the outcome against what is expected.
+
+    Args:
+        path: A ``.grid`` file.
+        expect: ``fixed``: the robot now arrives, within the failure's budget or the witness's, whichever is longer;
+            where the target is walled off, it goes through no wall. ``confirmed``: verdict, evidence, digest and
+            certificate are as stored.
+        controller: Instead of the one that the file names; a world without a failure needs one.
+
+    Raises:
+        FormatError: If the file cannot be read.
+        InvalidParameter: If a name is unknown, or the file holds no failure and no controller is named.
+        InvalidWorld: If it holds no failure and its target cannot be reached.
+    """
+    world = read_world(path)
+    if expect == CONFIRMED:
+        return _confirmed(path, world, controller)
+    if expect != FIXED:
+        raise InvalidParameter(f"expect={expect!r} is neither {FIXED} nor {CONFIRMED}; give one of them")
+    return _fixed(world, controller)
+
+
+def _confirmed(path: Path, world: World, controller: str | None) -> Checked:
+    record, options = scenario_of(world)
+    shown = replay(world, controller)
+    name = controller or record.controller
+    again = f"worldgen replay {shlex.quote(_near(path))}" + (f" --controller {shlex.quote(name)}" if controller else "")
+    seen = Seen(world, Scenario.of(name, options), options, shown.episode, again)
+    if shown.confirmed:
+        return Checked("", seen)
+    hint = "; it arrives, so expect it to be fixed" if shown.verdict == "reached" and shown.episode else ""
+    return Checked(f"{name} under {record.motion}: not confirmed: {shown.reason}{hint}", seen)
+
+
+def _fixed(world: World, controller: str | None) -> Checked:
+    world, scenario, options = _what_runs(world, controller)
+    fault = certificate_fault(world)
+    if fault:
+        return Checked(f"the file proves nothing: {fault}; make the failure again", Seen(world))
+    episode, wrong = judge(world, scenario.controller, options)
+    seen = Seen(world, scenario, options, episode)
+    ended = f"{_who(scenario)}: {episode.verdict}{evidence_in_words(episode)}"
+    if isinstance(world.certificate, Cut):
+        return Checked("" if episode.verdict in _STAYS_OUT else f"{ended}, where the target is walled off", seen)
+    if episode.verdict == "reached":
+        return Checked(f"{ended}, but {wrong}" if wrong else "", seen)
+    return Checked(f"{ended}, though the target can be reached", seen)
+
+
+def _what_runs(world: World, controller: str | None) -> tuple[World, Scenario, RunOptions]:
+    """The world without its record, what is to run in it, and with which budget."""
+    if world.failure is not None:
+        record, stored = scenario_of(world)
+        options = replace(stored, steps=max(stored.steps, step_budget(world, stored.time_step)))
+        return replace(world, failure=None), Scenario.of(controller or record.controller, options), options
+    if controller is None:
+        raise InvalidParameter("this world holds no failure, so it names no controller; give --worldgen-controller")
+    proved = world if world.certificate is not None else certified(world)
+    if proved is None:
+        raise InvalidWorld("it is not proved that this world's target can be reached; worldgen verify says more")
+    scenario = Scenario.parse(controller)
+    return proved, scenario, scenario.options(proved)
+
+
+def run(world: World, controller: str, seed: int = 0) -> tuple[Seen, Episode]:
+    """Runs a controller, with variations as the command line takes them, and records it.
+
+    Raises:
+        InvalidParameter: If a name or an option is unknown.
+        InvalidWorld: If the robot cannot stand at the start.
+    """
+    scenario = Scenario.parse(controller, seed=seed % 2**64)
+    options = scenario.options(world)
+    episode = simulate(world, scenario.controller, options, record=True)
+    return Seen(world, scenario, options, episode), episode
+
+
+def tell(seen: Seen, path: Path | None) -> Told:
+    """Draws a failing test's world in plain text, and keeps it.
+
+    Args:
+        seen: What the test looked at.
+        path: The file to keep it in, overwritten; ``None`` to keep nothing.
+    """
+    lines, properties = [], {}
+    if seen.scenario is not None and seen.episode is not None:
+        lines.append(f"{_who(seen.scenario)}: {seen.episode.verdict}{evidence_in_words(seen.episode)}")
+    trail = None if seen.episode is None else trail_of(seen.episode)
+    lines.append(draw_terminal(seen.world, trail=trail, color=False).rstrip("\n"))
+    replayed_by = seen.stored
+    if not replayed_by and path is not None:
+        try:
+            replayed_by = _keep(seen, path)
+            properties["artifact"] = _near(path)
+            lines.append(f"world:  {_near(path)}")
+        except (WorldgenError, OSError) as error:
+            lines.append(f"the world could not be kept: {error}")
+    if replayed_by:
+        properties["replay"] = replayed_by
+        lines.append(f"replay: {replayed_by}")
+    return Told("\n".join(lines), properties)
+
+
+def _keep(seen: Seen, path: Path) -> str:
+    """Writes the world, as a failure if it is one; returns the command that shows it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    file = shlex.quote(_near(path))
+    if seen.scenario is None or seen.options is None:
+        write_world(seen.world, path, force=True)
+        return f"worldgen show {file}"
+    try:
+        failure = failure_of(seen.world, seen.scenario, steps=seen.options.steps)
+    except WorldgenError:  # such as a run too long to be recorded
+        failure = None
+    write_world(failure or seen.world, path, force=True)
+    if failure is not None:
+        return f"worldgen replay {file}"
+    label = seen.scenario.label(RunOptions.motion, RunOptions.time_step)
+    return f"worldgen run {file} --controller {shlex.quote(label)} --seed {seen.scenario.seed}"
+
+
+def _who(scenario: Scenario) -> str:
+    return f"{scenario.label(scenario.motion, scenario.time_step)} under {scenario.motion}"
+
+
+def _near(path: Path) -> str:
+    """The path as seen from here, if it is below."""
+    try:
+        return str(path.resolve().relative_to(Path.cwd()))
+    except ValueError:
+        return str(path)

@@ -1,0 +1,111 @@
+"""Worlds as regression tests: what counts as fixed, what as confirmed, what is kept of a failing run."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fuzz.failure import failure_of, replay
+from fuzz.regression import CONFIRMED, Seen, check, run, tell
+from sim.scenario import Scenario
+from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.generation import generate
+from worldgen.grid_file import read_world, write_world
+from worldgen.world import Pose, Target, World
+
+BREACH = Path("corpora/thesis-faults/thesis-1-breach.grid")
+
+
+@pytest.fixture(scope="module")
+def trap():
+    return generate("trap", 0, shape="U")
+
+
+@pytest.fixture(scope="module")
+def failure(trap):
+    return failure_of(trap, Scenario("turn-right"))
+
+
+@pytest.fixture
+def stored(failure, tmp_path):
+    write_world(failure, tmp_path / "loop.grid")
+    return tmp_path / "loop.grid"
+
+
+def walled_off(**changes):
+    cells = np.zeros((12, 12), bool)
+    cells[:, 6] = True
+    return World(cells, Pose(0.25, 0.65, 0.0), Target(0.95, 0.65, 0.05), **changes)
+
+
+def test_a_failure_that_still_fails_is_confirmed_but_not_fixed(stored):
+    assert check(stored, CONFIRMED).reason == ""
+    assert "turn-right under swept: loop for ever" in check(stored).reason
+
+
+def test_a_failure_in_which_another_controller_arrives_is_fixed_but_not_confirmed(stored):
+    assert check(stored, controller="bug2").reason == ""
+    reason = check(stored, CONFIRMED, "bug2").reason
+    assert "the verdict is reached, not loop" in reason and reason.endswith("; it arrives, so expect it to be fixed")
+
+
+def test_a_repaired_controller_gets_the_witness_s_budget_even_if_the_failure_was_short(failure, tmp_path):
+    record = replace(failure.failure, parameters={**failure.failure.parameters, "steps": 3})
+    write_world(replace(failure, failure=record), tmp_path / "short.grid")
+    assert check(tmp_path / "short.grid", controller="bug2").reason == ""
+
+
+def test_a_failure_without_its_witness_is_never_fixed(failure, tmp_path):
+    write_world(replace(failure, certificate=None), tmp_path / "bare.grid")
+    assert "the file proves nothing" in check(tmp_path / "bare.grid", controller="bug2").reason
+
+
+def test_where_the_target_is_walled_off_fixed_means_that_the_robot_stays_out(tmp_path):
+    assert "where the target is walled off" in check(BREACH).reason
+    breach = read_world(BREACH)
+    write_world(replace(breach, failure=replace(breach.failure, motion="swept", parameters={})), tmp_path / "b.grid")
+    assert check(tmp_path / "b.grid", controller="bug2").reason == ""
+
+
+def test_a_world_without_a_failure_is_a_test_for_the_controller_that_is_named(trap, tmp_path):
+    write_world(trap, tmp_path / "w.grid")
+    assert check(tmp_path / "w.grid", controller="bug2").reason == ""
+    assert "though the target can be reached" in check(tmp_path / "w.grid", controller="turn-right").reason
+    with pytest.raises(InvalidParameter, match="names no controller; give --worldgen-controller"):
+        check(tmp_path / "w.grid")
+
+
+def test_a_world_whose_target_cannot_be_reached_is_no_test(tmp_path):
+    write_world(walled_off(), tmp_path / "w.grid")
+    with pytest.raises(InvalidWorld, match="worldgen verify says more"):
+        check(tmp_path / "w.grid", controller="bug2")
+
+
+def test_the_world_of_a_failing_run_is_kept_as_a_failure_that_replays(trap, tmp_path):
+    seen, episode = run(trap, "turn-right", 5)
+    told = tell(seen, tmp_path / "new" / "w.grid")
+    assert episode.verdict == "loop" and told.properties["replay"] == f"worldgen replay {tmp_path}/new/w.grid"
+    assert replay(read_world(tmp_path / "new" / "w.grid")).confirmed
+
+
+def test_the_world_of_a_run_that_arrives_is_kept_with_the_command_that_runs_it(trap, tmp_path):
+    told = tell(run(trap, "bug2+time_step=0.02", 5)[0], tmp_path / "w.grid")
+    assert read_world(tmp_path / "w.grid") == trap
+    assert f"run {tmp_path}/w.grid --controller bug2+time_step=0.02 --seed 5" in told.text
+
+
+def test_a_world_in_which_nothing_ran_is_kept_with_the_command_that_draws_it(trap, tmp_path):
+    assert tell(Seen(trap), tmp_path / "w.grid").properties["replay"] == f"worldgen show {tmp_path}/w.grid"
+
+
+def test_a_world_that_cannot_be_kept_is_shown_all_the_same(trap, tmp_path):
+    (tmp_path / "file").write_text("")
+    told = tell(run(trap, "turn-right")[0], tmp_path / "file" / "w.grid")
+    assert "the world could not be kept" in told.text and "S start  G target" in told.text
+    assert not told.properties
+
+
+def test_the_picture_has_no_colours(trap, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert tell(run(trap, "turn-right")[0], None).text.isascii()

@@ -1,0 +1,159 @@
+"""The pytest plug-in, in real runs of pytest, each a process of its own."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fuzz.failure import failure_of, replay
+from sim.scenario import Scenario
+from worldgen.generation import generate
+from worldgen.grid_file import read_world, write_world
+from worldgen.jit import cache_root
+
+pytest_plugins = ["pytester"]
+KERNELS = str(cache_root())  # pytester has a home of its own, in which every kernel would be compiled anew
+
+DOCUMENT = (Path(__file__).parents[2] / "docs/pytest.md").read_text()
+
+
+@pytest.fixture
+def project(pytester, monkeypatch):
+    monkeypatch.setenv("WORLDGEN_CACHE_DIR", KERNELS)
+    monkeypatch.delenv("PYTEST_ADDOPTS", raising=False)
+    return pytester
+
+
+@pytest.fixture(scope="module")
+def failure():
+    return failure_of(generate("trap", 0, shape="U"), Scenario("turn-right"))
+
+
+@pytest.fixture
+def corpus(project, failure):
+    folder = project.mkdir("failures")
+    write_world(failure, folder / "loop.grid")
+    return folder
+
+
+def pytest_run(project, *args):
+    return project.runpytest_subprocess("-W", "error", *args)
+
+
+def test_a_stored_failure_fails_until_it_is_fixed_and_shows_its_world(project, corpus):
+    done = pytest_run(project, "--worldgen-corpus", "failures")
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines([
+        "worldgen: *failures, expected: fixed",
+        "turn-right under swept: loop for ever (*), though the target can be reached",
+        "*- worldgen -*",
+        "##############*",
+        "S start  G target*",
+        "world:  .pytest_cache/d/worldgen/loop-fixed-*.grid",
+        "replay: worldgen replay .pytest_cache/d/worldgen/loop-fixed-*.grid",
+        "FAILED failures/loop.grid::fixed - turn-right*",
+    ])  # fmt: skip
+    done.stdout.no_fnmatch_line("*Traceback*")
+    [kept] = (project.path / ".pytest_cache/d/worldgen").iterdir()
+    assert replay(read_world(kept)).confirmed
+
+
+def test_ini_settings_collect_a_corpus_and_name_a_controller_when_no_path_is_named(project, corpus):
+    project.makeini("[pytest]\nworldgen_corpus = failures\nworldgen_controller = bug2\ntestpaths = tests")
+    test = project.mkdir("tests") / "test_own.py"
+    test.write_text("def test_own(): pass")
+    pytest_run(project).assert_outcomes(passed=2)
+    pytest_run(project, "tests").assert_outcomes(passed=1)
+
+
+MARKED = """
+    import pytest
+
+    @pytest.mark.worldgen(family="trap", controller="turn-right", count=2, seed=3, shape="U")
+    def test_arrives(worldgen_episode):
+        assert worldgen_episode.verdict == "reached"
+
+    @pytest.mark.worldgen(family=["trap", "corridor"], count=1)
+    def test_is_small(worldgen_world):
+        assert worldgen_world.width < 100
+"""
+
+
+def test_marked_tests_and_corpora_run_and_show_what_fails_also_under_xdist(project, corpus):
+    project.makepyfile(test_it=MARKED)
+    project.makeini("[pytest]\nworldgen_corpus = failures\nworldgen_artifacts = kept\naddopts = --strict-markers")
+    done = pytest_run(project, "-n", "2", "--worldgen-expect", "confirmed", "--junitxml", "out.xml")
+    done.assert_outcomes(passed=3, failed=2)
+    done.stdout.fnmatch_lines(["*- worldgen -*", "turn-right under swept: loop*", "replay: worldgen replay kept/*"])
+    assert len(list((project.path / "kept").iterdir())) == 2
+    report = (project.path / "out.xml").read_text()
+    assert 'name="worldgen.replay" value="worldgen replay kept/test-it-test-arrives-trap-3-' in report
+
+
+WRONG = {
+    'mark.worldgen(family="trap")\ndef test_it(): pass': "takes no world; add the argument worldgen_world",
+    "mark.filterwarnings('error')\ndef test_it(worldgen_world): pass": "does not say of which worlds; add @pytest",
+    "mark.worldgen('trap')\ndef test_it(worldgen_world): pass": "takes names only, not 'trap'; write family='trap'",
+    "mark.worldgen(count=3)\ndef test_it(worldgen_world): pass": 'family=None names no family; write family="trap"',
+    "mark.worldgen(family='trap', count=0)\ndef test_it(worldgen_world): pass": "count=0 is no whole number from 1",
+    "mark.worldgen(family='trap', controller=3)\ndef test_it(worldgen_world): pass": "controller=3 is no name",
+    "mark.worldgen(family='trapp', count=1)\ndef test_it(worldgen_world): pass": "did you mean 'trap'?",
+    "mark.worldgen(family='trap', count=1)\ndef test_it(worldgen_episode): pass": "no controller is named; add cont",
+}
+
+
+def test_a_wrong_mark_is_answered_by_one_sentence(project):
+    for number, test in enumerate(WRONG):
+        Path(f"test_{number}.py").write_text(f"import pytest\n@pytest.{test}\n")
+    done = pytest_run(project, "--continue-on-collection-errors")
+    assert [sentence for sentence in WRONG.values() if sentence not in done.stdout.str()] == []
+    done.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_wrong_settings_are_usage_errors(project):
+    done = pytest_run(project, "--worldgen-corpus", "nowhere")
+    assert done.ret == pytest.ExitCode.USAGE_ERROR
+    done.stderr.fnmatch_lines(["ERROR: the corpus *nowhere is no folder; make it, or name another --worldgen-corpus"])
+    project.makeini("[pytest]\nworldgen_expect = maybe")
+    assert "'maybe' is neither fixed nor confirmed" in pytest_run(project).stderr.str()
+
+
+def test_a_broken_file_in_a_corpus_fails_as_a_test_with_one_sentence(project):
+    (project.mkdir("failures") / "broken.grid").write_text("no world\n")
+    done = pytest_run(project, "failures/broken.grid")
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines(["*broken.grid:1: *"])
+    done.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_where_the_plugin_is_not_used_it_imports_and_writes_nothing(project):
+    project.makepyfile("""
+        import sys
+
+        def test_light():
+            assert "worldgen_plugins.for_pytest" in sys.modules
+            assert not {"numpy", "numba", "worldgen", "sim", "fuzz", "hypothesis"} & set(sys.modules)
+    """)
+    pytest_run(project).assert_outcomes(passed=1)
+    assert not (project.path / ".pytest_cache/d").exists()
+
+
+def test_a_project_with_a_folder_of_a_name_of_ours_still_runs(project):
+    project.makepyfile(test_it="def test_it(): pass", **{"fuzz/__init__": "", "sim/__init__": ""})
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "test_it.py"], capture_output=True, text=True, check=False
+    )
+    assert "1 passed" in done.stdout, done.stdout + done.stderr
+
+
+def test_the_plugin_can_be_left_out(project, corpus):
+    assert pytest_run(project, "-p", "no:worldgen", "--co").ret == pytest.ExitCode.NO_TESTS_COLLECTED
+
+
+def test_the_document_names_every_setting(project):
+    named = set(
+        re.findall(r"--worldgen-[a-z]+|worldgen_(?!world|episode)[a-z]+", pytest_run(project, "--help").stdout.str())
+    )
+    assert len(named) == 8 and [name for name in named if name not in DOCUMENT] == []

@@ -1,0 +1,8 @@
+"""What pytest and Hypothesis load by themselves; light, for they load it in every project of an environment.
+
+Contents:
+    for_pytest: worlds as test parameters, stored failures as tests, failure sections.
+    for_hypothesis: ``World`` for ``st.from_type``.
+
+Both stand outside ``fuzz`` so that a project with a folder of that name, which hides the package, still starts.
+"""
