@@ -5,6 +5,8 @@ Contents, each imported when it is first used:
     Campaign, CampaignConfig: a budgeted search.
     failure_of, replay, Replay: failures and their confirmation.
     Shrunk: what ``fuzz.shrink.shrink`` returns, the smallest world that still fails.
+
+PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
 """
 
 from __future__ import annotations

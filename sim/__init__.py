@@ -8,6 +8,8 @@ Contents, each imported when it is first used:
     CompiledController, PythonController, VectorController, ProcessController: bring your own controller.
     Observation, Command, Observations, Commands: what it sees and says, for one robot and for many.
     CONTROLLERS, MOTIONS: what is registered.
+
+PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
 """
 
 from __future__ import annotations

@@ -8,6 +8,8 @@ Contents, each imported when it is first used:
     read_world, write_world, world_digest: the ``.grid`` file.
     decide, check_certificate: reachability, proved and checked apart from each other.
     WorldgenError and its kinds: what went wrong, as a sentence.
+
+PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
 """
 
 from __future__ import annotations

@@ -5,4 +5,6 @@ Contents:
     for_hypothesis: ``World`` for ``st.from_type``.
 
 Both stand outside ``fuzz`` so that a project with a folder of that name, which hides the package, still starts.
+
+PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
 """

@@ -1,5 +1,6 @@
 """The pytest plug-in, in real runs of pytest, each a process of its own."""
 
+import importlib
 import re
 import subprocess
 import sys
@@ -157,3 +158,8 @@ def test_the_document_names_every_setting(project):
         re.findall(r"--worldgen-[a-z]+|worldgen_(?!world|episode)[a-z]+", pytest_run(project, "--help").stdout.str())
     )
     assert len(named) == 8 and [name for name in named if name not in DOCUMENT] == []
+
+
+@pytest.mark.parametrize("package", ["worldgen", "sim", "fuzz", "corpora", "worldgen_plugins"])
+def test_pytest_does_not_warn_that_a_package_was_imported_before_it_could_rewrite_it(package):
+    assert "PYTEST_DONT_REWRITE" in importlib.import_module(package).__doc__
