@@ -1,5 +1,8 @@
 """Failures: a world, a controller and options under which it does not arrive, with evidence that holds.
 
+A run may also fail by an oracle that was asked for: its verdict is then what it is, ``reached`` for one, and the
+evidence names the ``oracle`` and its ``objection`` (:mod:`fuzz.asked`).
+
 One kind is the other way round, a *breach*: the target is walled off, as a cut proves, the robot goes through a
 wall (verdict ``tunnel``), and, where walls end nothing, it arrives (``reached`` in the evidence).
 """
@@ -12,6 +15,7 @@ from dataclasses import dataclass, replace
 
 from scipy.special import betaincinv
 
+from fuzz.asked import Asked, Trial, asked_by
 from fuzz.oracles import object_to_breach, objection
 from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
@@ -30,8 +34,10 @@ __all__ = [
     "Replay",
     "certificate_fault",
     "certified",
+    "failure_by",
     "failure_of",
     "judge",
+    "judge_asked",
     "regardless_of_walls",
     "replay",
     "scenario_of",
@@ -171,6 +177,54 @@ def failure_of(
     return replace(world, failure=record)
 
 
+def failure_by(world: World, scenario: Scenario, asked: Asked, **details: Value) -> World | None:
+    """The failure file of a scenario to which an oracle objects, or ``None`` if it does not, or not twice alike.
+
+    Args:
+        world: A world that carries a witness.
+        scenario: What runs in it.
+        asked: The oracle.
+        **details: What else to note.
+    """
+    options = scenario.options(world)
+    episode, said = judge_asked(world, scenario.controller, options, asked)
+    if said is None:
+        return None
+    if _comes_again(said) and not isinstance(CONTROLLERS.get(scenario.controller), CompiledController):
+        again, same = judge_asked(world, scenario.controller, options, asked)
+        if same != said or again.trace_digest != episode.trace_digest:
+            return None
+    record = FailureRecord(
+        controller=scenario.controller,
+        motion=scenario.motion,
+        seed=scenario.seed,
+        verdict=episode.verdict,
+        trace_digest=episode.trace_digest,
+        parameters=options.parameters(),
+        evidence={**episode.evidence, "oracle": asked.text, "objection": said},
+        details={"class": asked.kind(said), "motion_version": MOTIONS.get(scenario.motion).version, **details},
+    )
+    return replace(world, failure=record)
+
+
+def judge_asked(
+    world: World, controller: str, options: RunOptions, asked: Asked
+) -> tuple[Episode, dict[str, Value] | None]:
+    """Runs a scenario, recorded, and asks an oracle about it.
+
+    Returns:
+        The episode, and the objection; ``None`` also if already the verdict does not hold.
+    """
+    episode, wrong = judge(world, controller, options)
+    said = asked.objection(Trial(world, controller, options, episode))
+    return episode, None if said is None or (wrong and _comes_again(said)) else said
+
+
+def _comes_again(objection: Mapping[str, Value]) -> bool:
+    """Whether the run and the objection come again with the same bytes."""
+    return objection.get("repeatable") is not False
+
+
 def scenario_of(world: World) -> tuple[FailureRecord, RunOptions]:
     """The record of a failure and the options that it stores.
 
@@ -191,6 +245,8 @@ def replay(world: World, controller: str | None = None) -> Replay:
         controller: Another name for the controller, where the file's name cannot be found here.
     """
     record, options = scenario_of(world)
+    if "oracle" in record.evidence:
+        return _replay_asked(world, record, controller or record.controller, options)
     if record.verdict == "reached":
         return Replay("reached", False, "the file records that the robot arrived, which is no failure")
     try:
@@ -198,6 +254,27 @@ def replay(world: World, controller: str | None = None) -> Replay:
     except WorldgenError as error:
         return Replay("error", False, str(error))
     reason = _difference(record, episode) or wrong or certificate_fault(world)
+    return Replay(episode.verdict, not reason, reason, episode)
+
+
+def _replay_asked(world: World, record: FailureRecord, controller: str, options: RunOptions) -> Replay:
+    """The replay of a failure by an oracle that was asked for."""
+    before = record.evidence.get("objection")
+    try:
+        asked = asked_by(record.evidence)
+        if asked is None or not isinstance(before, dict):
+            return Replay("error", False, "the evidence names no oracle and objection")
+        episode, said = judge_asked(world, controller, options, asked)
+    except WorldgenError as error:
+        return Replay("error", False, str(error))
+    if said is None:
+        return Replay(episode.verdict, False, f"oracle {asked.text} does not object to the run", episode)
+    if _comes_again(said):
+        shown = replace(episode, evidence={**episode.evidence, "oracle": asked.text, "objection": said})
+        reason = _difference(record, shown)
+    else:
+        reason = "" if asked.kind(said) == asked.kind(before) else f"oracle {asked.text} objects otherwise: {said}"
+    reason = reason or certificate_fault(world)
     return Replay(episode.verdict, not reason, reason, episode)
 
 

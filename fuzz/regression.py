@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from fuzz.failure import certificate_fault, certified, failure_of, judge, replay, scenario_of
+from fuzz.asked import asked_by, objection_in_words
+from fuzz.failure import certificate_fault, certified, failure_of, judge, judge_asked, replay, scenario_of
 from sim.episode import Episode, simulate
 from sim.picture import trail_of
 from sim.run_options import RunOptions, step_budget
@@ -75,7 +76,8 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
     Args:
         path: A ``.grid`` file.
         expect: ``fixed``: the robot now arrives, within the failure's budget or the witness's, whichever is longer;
-            where the target is walled off, it goes through no wall. ``confirmed``: verdict, evidence, digest and
+            where the target is walled off, it goes through no wall; and the oracle that the failure names, if it
+            names one, does not object. ``confirmed``: verdict, evidence, digest and
             certificate are as stored.
         controller: Instead of the one that the file names; a world without a failure needs one.
 
@@ -105,6 +107,7 @@ def _confirmed(path: Path, world: World, controller: str | None) -> Checked:
 
 
 def _fixed(world: World, controller: str | None) -> Checked:
+    asked = asked_by(world.failure.evidence) if world.failure else None
     world, scenario, options = _what_runs(world, controller)
     fault = certificate_fault(world)
     if fault:
@@ -114,6 +117,10 @@ def _fixed(world: World, controller: str | None) -> Checked:
     ended = f"{_who(scenario)}: {episode.verdict}{evidence_in_words(episode)}"
     if isinstance(world.certificate, Cut):
         return Checked("" if episode.verdict in _STAYS_OUT else f"{ended}, where the target is walled off", seen)
+    if episode.verdict == "reached" and asked is not None and not wrong:
+        said = judge_asked(world, scenario.controller, options, asked)[1]
+        words = "" if said is None else objection_in_words({"oracle": asked.text, "objection": said})
+        return Checked(f"{ended}{words}" if words else "", seen)
     if episode.verdict == "reached":
         return Checked(f"{ended}, but {wrong}" if wrong else "", seen)
     return Checked(f"{ended}, though the target can be reached", seen)

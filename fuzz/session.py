@@ -15,8 +15,9 @@ from rich.console import Console
 from rich.progress import Progress as Bar
 from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from fuzz.asked import Asked, Trial, objection_in_words
 from fuzz.campaign import Campaign, Found
-from fuzz.failure import regardless_of_walls
+from fuzz.failure import certified, regardless_of_walls
 from fuzz.lanes import LAYOUT_LANES, SEALED, TIME_STEPS, can_breach
 from fuzz.unit import CampaignConfig
 from sim.episode import Episode, prepare, simulate
@@ -47,6 +48,7 @@ def configure(
     examples: int,
     seed: int,
     shrink: bool | None = None,
+    oracles: tuple[str, ...] = (),
 ) -> CampaignConfig:
     """Checks a campaign's parts before any work begins.
 
@@ -67,13 +69,13 @@ def configure(
     time_steps: tuple[float, ...] = (scenario.time_step,)
     if time_step is None and scenario.time_step == usual and MOTIONS.get(scenario.motion).name == "endpoint":
         time_steps = TIME_STEPS
-    _try_out(scenario)
+    _try_out(scenario, [Asked.parse(text) for text in oracles])
     wanted = fixed_map is None if shrink is None else shrink
-    return CampaignConfig(scenario, seed, families, time_steps, fixed_map, examples, wanted)
+    return CampaignConfig(scenario, seed, families, time_steps, fixed_map, examples, wanted, oracles)
 
 
-def _try_out(scenario: Scenario) -> None:
-    """One short run in an empty arena, so that a name or a compile error shows at once."""
+def _try_out(scenario: Scenario, asked: list[Asked]) -> None:
+    """One short run in an empty arena, judged by each oracle, so that a name or a compile error shows at once."""
     arena = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0.6, 0.05))
     run = prepare(arena, scenario.controller, scenario.options(arena, 2))
     outcome = run.run(2, find_loop=False, record=False, digest=False)
@@ -82,6 +84,9 @@ def _try_out(scenario: Scenario) -> None:
             f"{scenario.controller} does not answer its first observation within {outcome.fault['deadline']} s; does "
             "it flush its output after each line? docs/controllers.md has the protocol"
         )
+    proved = certified(arena)
+    for oracle in asked:
+        oracle.objection(Trial(arena if proved is None else proved, scenario.controller, scenario.options(arena, 2)))
 
 
 class CampaignSession:
@@ -234,7 +239,7 @@ def _seen(world: World, record: FailureRecord, options: RunOptions) -> tuple[Epi
     episode = simulate(world, record.controller, options, record=True)
     words = evidence_in_words(episode)
     if not isinstance(world.certificate, Cut):
-        return episode, words
+        return episode, words + objection_in_words(record.evidence)
     whole = simulate(world, record.controller, regardless_of_walls(options), record=True)
     return whole, f"{words}: reached a walled-off target in step {whole.steps}"
 

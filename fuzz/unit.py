@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
 from dataclasses import dataclass, field, replace
 
-from fuzz.failure import certified, failure_of, regardless_of_walls, walled_off
+from fuzz.asked import Asked, Trial
+from fuzz.failure import certified, failure_by, failure_of, regardless_of_walls, walled_off
 from fuzz.lanes import SEALED, Draw, combined, explore, lane_strategy
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from sim.episode import prepare
@@ -37,6 +39,7 @@ class CampaignConfig:
         fixed_map: A foreign map on which only start, heading, target and radius vary.
         examples: Hypothesis examples in one unit.
         shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
+        oracles: Oracles to ask about each run beside its verdict, as ``--oracle`` takes them.
     """
 
     scenario: Scenario
@@ -46,6 +49,7 @@ class CampaignConfig:
     fixed_map: World | None = None
     examples: int = 400
     shrink: bool = True
+    oracles: tuple[str, ...] = ()
 
     def lane(self, unit: int) -> str:
         """The lane of a unit."""
@@ -92,6 +96,7 @@ class _Search:
         self._config, self.result = config, result
         self._controller = CONTROLLERS.get(config.scenario.controller)
         self.compiled = isinstance(self._controller, CompiledController)
+        self._asked = [Asked.parse(text) for text in config.oracles]
         self._failed: Counter[tuple[str, str]] = Counter()
         self._proof_steps = _PROOF_STEPS if self.compiled else _PROOF_STEPS // _SLOWER
         if isinstance(self._controller, ProcessController):  # of which no loop can be proved
@@ -112,6 +117,8 @@ class _Search:
         self.result.verdicts[verdict] += 1
         if verdict != "reached" and self._is_to_be_proved(verdict, outcome):
             self._prove(draw.world, scenario)
+        if self._asked:
+            self._ask(draw.world, scenario)
 
     def visit_sealed(self, draw: Draw) -> None:
         """Runs one scenario whose target is walled off; all that counts is a robot that gets there."""
@@ -132,8 +139,11 @@ class _Search:
             self._keep(None if sealed is None else failure_of(sealed, scenario, steps=options.steps))
 
     def _is_to_be_proved(self, verdict: str, outcome: Outcome) -> bool:
-        self._failed[verdict, outcome.cause] += 1
-        return self._failed[verdict, outcome.cause] <= (_PROVE_HANGS_AT_MOST if verdict == "hang" else _PROVE_AT_MOST)
+        return self._is_one_of_few(verdict, outcome.cause)
+
+    def _is_one_of_few(self, verdict: str, cause: str) -> bool:
+        self._failed[verdict, cause] += 1
+        return self._failed[verdict, cause] <= (_PROVE_HANGS_AT_MOST if verdict == "hang" else _PROVE_AT_MOST)
 
     def _scenario(self, draw: Draw) -> Scenario:
         return replace(self._config.scenario, time_step=draw.time_step, seed=draw.seed)
@@ -144,6 +154,19 @@ class _Search:
             self._keep(None if proved is None else failure_of(proved, scenario, fewest_steps=self._proof_steps))
         except InvalidParameter:  # too long to be recorded, so nothing that could be shown
             return
+
+    def _ask(self, world: World, scenario: Scenario) -> None:
+        """Lets every oracle that was asked for judge the run, with its witness's budget."""
+        proved = world if world.certificate else certified(world)
+        if proved is None:
+            return
+        trial = Trial(proved, scenario.controller, scenario.options(proved))
+        for asked in self._asked:
+            said = asked.objection(trial)
+            if said is None or not self._is_one_of_few("oracle", asked.kind(said)):
+                continue
+            with contextlib.suppress(InvalidParameter):  # too long to be recorded
+                self._keep(failure_by(proved, scenario, asked))
 
     def _keep(self, failure: World | None) -> None:
         if failure is None or failure.failure is None:

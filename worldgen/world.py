@@ -107,6 +107,11 @@ class FailureRecord:
     evidence: Mapping[str, Value] = field(default_factory=dict)
     details: Mapping[str, Value] = field(default_factory=dict)
 
+    @property
+    def outcome(self) -> str:
+        """The verdict; with the oracle that objects to the run, where it is not the verdict that is the failure."""
+        return self.verdict + (f", oracle {self.evidence['oracle']} objects" if "oracle" in self.evidence else "")
+
 
 def _frozen_array(
     values: npt.ArrayLike, dtype: npt.DTypeLike, what: str, shape: tuple[int | None, ...]

@@ -14,7 +14,8 @@ __all__ = ["fuzz"]
 EXAMPLES = (
     "\b\n  worldgen fuzz --controller turn-right --motion stepped --budget 30s --seed 1 --out failures/\n"
     "  worldgen fuzz --controller ./mine.py:Robot --family trap --units 20 --out failures/\n"
-    "  worldgen fuzz --controller turn-left --world map.grid --budget 1m --out failures/"
+    "  worldgen fuzz --controller turn-left --world map.grid --budget 1m --out failures/\n"
+    "  worldgen fuzz --controller bug1 --detour 5 --oracle turn --budget 30s --out failures/"
 )
 
 
@@ -28,6 +29,20 @@ EXAMPLES = (
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: the motion model's].")
 @click.option("--examples", type=click.IntRange(1, 100_000), default=400, show_default=True, help="Draws a unit.")
+@click.option(
+    "--detour",
+    type=click.FloatRange(1.0),
+    metavar="RATIO",
+    help="Arriving by a longer way than RATIO times the witness's is a failure too; the same as --oracle detour=RATIO.",
+)
+@click.option(
+    "--oracle",
+    "oracles",
+    multiple=True,
+    metavar="NAME[=NUMBER]",
+    help="Ask this oracle about each run: "
+    "detour, repeat, turn, shift, scale, mirror, finer, or ./file.py:name; may be repeated.",
+)
 @click.option("--shrink/--no-shrink", default=None, help="Shrink failures [default: yes, but not with --world].")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the failures.")
 @seed_option
@@ -43,6 +58,8 @@ def fuzz(
     workers: int | None,
     time_step: float | None,
     examples: int,
+    detour: float | None,
+    oracles: tuple[str, ...],
     shrink: bool | None,
     out: Path,
     seed: int | None,
@@ -71,6 +88,7 @@ def fuzz(
         time_step=time_step,
         examples=examples,
         shrink=shrink,
+        oracles=oracles if detour is None else (f"detour={detour!r}".removesuffix(".0"), *oracles),
         seed=draw_seed(seed),
     )
     session = CampaignSession(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from fuzz.asked import Asked, Trial, asked_by
 from fuzz.failure import certified, regardless_of_walls, scenario_of, walled_off
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
@@ -29,6 +30,7 @@ class StillFails:
         manner: What to keep beside the verdict: the cause of a tunnel or overlap, the kind of a stalled run;
             empty for whatever it is.
         breach: Whether the target is to stay walled off, and to be reached regardless of walls.
+        asked: The oracle that is to object still, for a failure by one; then the manner is its class.
     """
 
     scenario: Scenario
@@ -36,6 +38,7 @@ class StillFails:
     budget: int
     manner: str = ""
     breach: bool = False
+    asked: Asked | None = None
     simulations: int = 0
     _controller: Controller | None = field(default=None, repr=False)
 
@@ -49,22 +52,28 @@ class StillFails:
         """
         record, options = scenario_of(failure)
         manner = record.evidence.get("kind" if record.verdict == "stalled" else "cause", "")
+        asked, said = asked_by(record.evidence), record.evidence.get("objection")
+        if asked is not None:
+            manner = asked.kind(said if isinstance(said, dict) else {})
         return cls(
             Scenario.of(record.controller, options),
             record.verdict,
             options.steps if budget is None else budget,
             manner=str(manner),
             breach=isinstance(failure.certificate, Cut),
+            asked=asked,
         )
 
     @property
     def proof_budget(self) -> int | None:
         """Budget that the final failure must have; ``None`` where its witness decides."""
-        return self.budget if self.verdict in _PROVED_BY_THE_RUN else None
+        return self.budget if self.verdict in _PROVED_BY_THE_RUN and self.asked is None else None
 
     def __call__(self, candidate: World) -> World | None:
         """The candidate with a fresh certificate if it still fails the same way, else ``None``."""
         try:
+            if self.asked is not None:
+                return self._objected(self.asked, candidate)
             if self.verdict in _PROVED_BY_THE_RUN:
                 if not self._fails(candidate, self.budget):
                     return None
@@ -75,6 +84,15 @@ class StillFails:
         except InvalidWorld:
             return None
         return proved
+
+    def _objected(self, asked: Asked, candidate: World) -> World | None:
+        """The candidate with a fresh witness if the oracle objects in the same manner."""
+        proved = certified(candidate)
+        if proved is None:
+            return None
+        self.simulations += 1
+        said = asked.objection(Trial(proved, self.scenario.controller, self.scenario.options(proved)))
+        return proved if said is not None and asked.kind(said) == self.manner else None
 
     def _fails(self, world: World, steps: int) -> bool:
         if self._controller is None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from fuzz.failure import failure_of, scenario_of, seeds_that_fail
+from fuzz.failure import failure_by, failure_of, scenario_of, seeds_that_fail
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removable
 from fuzz.shrink.order import PASSES, Pass
@@ -72,8 +72,9 @@ def shrink(
     still_fails = StillFails.of(failure, min(budget, MAX_STEPS))
     best = still_fails(bare(failure))
     if best is None:
+        by = "" if still_fails.asked is None else f" with an objection of oracle {still_fails.asked.text}"
         raise InvalidParameter(
-            f"{record.controller} under {record.motion} does not end as {record.verdict!r} in this world, or its "
+            f"{record.controller} under {record.motion} does not end as {record.verdict!r}{by} in this world, or its "
             f"target is not {'walled off' if still_fails.breach else 'reachable'}; replay the file first: "
             "worldgen replay"
         )
@@ -93,8 +94,11 @@ def shrink(
     }
     for fresh in ("class", "motion_version"):
         details.pop(fresh, None)
-    details |= seeds_that_fail(reducer.best, scenario)
-    world = failure_of(reducer.best, scenario, steps=still_fails.proof_budget, **details)
+    if still_fails.asked is not None:
+        world = failure_by(reducer.best, scenario, still_fails.asked, **details)
+    else:
+        details |= seeds_that_fail(reducer.best, scenario)
+        world = failure_of(reducer.best, scenario, steps=still_fails.proof_budget, **details)
     if world is None:
         raise InvalidParameter(f"the shrunk world of {record.verdict!r} was not confirmed by its oracle")
     return Shrunk(world, failure.solid_cells, world.solid_cells, still_fails.simulations, left, complete)

@@ -93,7 +93,7 @@ def _known(world: World) -> list[tuple[str, str]]:
         rows.append(
             (
                 "failure",
-                f"{failure.controller} under {failure.motion}, seed {failure.seed}: {failure.verdict}",
+                f"{failure.controller} under {failure.motion}, seed {failure.seed}: {failure.outcome}",
             )
         )
         rows.append(("trace digest", failure.trace_digest))

@@ -1,0 +1,167 @@
+"""Asking an oracle: its name and number as the command line writes them, and its answer, checked."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from fuzz.asked.trial import Trial
+from fuzz.oracles import ORACLES as JUDGED_VERDICTS
+from sim.outcome import BY_THE_CONTROLLER
+from worldgen.errors import InvalidParameter, WorldgenError
+from worldgen.registry import Registry, user_code
+from worldgen.world import Value
+
+__all__ = ["ORACLES", "Asked", "asked_by", "objection_in_words"]
+
+Oracle = Callable[..., Any]
+
+_WRITTEN = re.compile(r"(?P<name>.+?)(?:=(?P<number>[^=:/\\]*))?", re.DOTALL)
+_TAKEN = (*JUDGED_VERDICTS, *BY_THE_CONTROLLER, "breach")
+
+
+def _accept(name: str, thing: Any) -> Oracle:
+    """Whatever can be called with a trial, or with a trial and a number.
+
+    Raises:
+        InvalidParameter: If it cannot be called so.
+    """
+    if not callable(thing):
+        raise InvalidParameter(f"oracle {name!r} is no function but {type(thing).__name__}; {_HOW}")
+    if not 1 <= len(_places(thing)) <= 2:
+        raise InvalidParameter(f"oracle {name!r} takes {inspect.signature(thing)}; {_HOW}")
+    found: Oracle = thing
+    return found
+
+
+_HOW = "write a function of a trial, or of a trial and a number; docs/oracles.md has one"
+
+ORACLES: Registry[Oracle] = Registry("worldgen.oracles", "oracle", _accept)
+
+
+def _places(oracle: Oracle) -> list[inspect.Parameter]:
+    """The parameters that may be given by place."""
+    kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    return [one for one in inspect.signature(oracle).parameters.values() if one.kind in kinds]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """An oracle and its number.
+
+    Args:
+        text: As it was written: ``detour=5``.
+        oracle: The function.
+        numbers: What it gets beside the trial: nothing, or one number.
+    """
+
+    text: str
+    oracle: Oracle = field(repr=False)
+    numbers: tuple[float, ...] = ()
+
+    @classmethod
+    def parse(cls, text: str) -> Asked:
+        """Reads ``NAME`` or ``NAME=NUMBER``.
+
+        Raises:
+            InvalidParameter: If there is no such oracle, or it wants a number, or none.
+        """
+        parts = _WRITTEN.fullmatch(text.strip())
+        if parts is None:
+            raise InvalidParameter(f"an empty text names no oracle; give one of {', '.join(ORACLES)}")
+        name, number = parts["name"], parts["number"]
+        oracle = ORACLES.get(name)
+        if _plain(name) in _TAKEN:
+            raise InvalidParameter(f"oracle {name!r} is called like a verdict; give it another name")
+        second = _places(oracle)[1:]
+        if number is None:
+            if second and second[0].default is inspect.Parameter.empty:
+                raise InvalidParameter(f"oracle {name!r} needs a number, {second[0].name}; write {name}=5")
+            return cls(text.strip(), oracle)
+        if not second:
+            raise InvalidParameter(f"oracle {name!r} takes no number; write --oracle {name}")
+        return cls(text.strip(), oracle, (_number(text, number),))
+
+    def kind(self, objection: Mapping[str, Value]) -> str:
+        """The class of a failure that it found: its name, and the objection's ``kind``, fit for a file name."""
+        words = [self.text.partition("=")[0] if ":" not in self.text else self.text, str(objection.get("kind", ""))]
+        return "-".join(plain for plain in map(_plain, words) if plain)
+
+    def objection(self, trial: Trial) -> dict[str, Value] | None:
+        """What the oracle has against a run; ``None`` if nothing.
+
+        Raises:
+            InvalidParameter: If the oracle fails, or its answer is no table that a file could hold.
+        """
+        try:
+            with user_code(f"oracle {self.text!r}"):
+                answer = self.oracle(trial, *self.numbers)
+        except InvalidParameter as error:
+            if isinstance(error.__cause__, WorldgenError):
+                raise error.__cause__ from None
+            raise
+        if answer is None:
+            return None
+        if not isinstance(answer, Mapping) or not answer or not _fits(answer):
+            raise InvalidParameter(
+                f"oracle {self.text!r} answers {answer!r}; return None, or a table of evidence: names with booleans, "
+                "finite numbers, texts, lists and tables"
+            )
+        return {name: _plain_value(one) for name, one in answer.items()}
+
+
+def asked_by(evidence: Mapping[str, Value]) -> Asked | None:
+    """The oracle that a failure's evidence names; ``None`` of a failure by its verdict.
+
+    Raises:
+        InvalidParameter: If it cannot be found here.
+    """
+    return Asked.parse(str(evidence["oracle"])) if "oracle" in evidence else None
+
+
+def objection_in_words(evidence: Mapping[str, Value]) -> str:
+    """The oracle's objection, to stand behind a failure's verdict; empty of a failure by its verdict."""
+    if "oracle" not in evidence:
+        return ""
+    said = evidence.get("objection")
+    facts = said.items() if isinstance(said, dict) else ()
+    words = ", ".join(f"{name} {value}" for name, value in facts if name not in ("kind", "repeatable"))
+    return f", but oracle {evidence['oracle']} objects: {words or 'it does'}"
+
+
+def _plain(name: str) -> str:
+    """A name without its place and number, of letters, digits, ``_`` and ``-``."""
+    last = name.rpartition(":")[2].partition("=")[0]
+    return re.sub(r"[^A-Za-z0-9_]+", "-", last).strip("-")
+
+
+def _number(text: str, number: str) -> float:
+    try:
+        value = float(number)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InvalidParameter(f"oracle {text!r}: {number!r} is no number; write one, such as 5 or 1.5")
+    return value
+
+
+def _fits(value: object) -> bool:
+    """Whether a `.grid` file can hold it."""
+    if isinstance(value, Mapping):
+        return all(isinstance(name, str) and _fits(one) for name, one in value.items())
+    if isinstance(value, list | tuple):
+        return all(_fits(one) for one in value)
+    return isinstance(value, bool | int | str) or (isinstance(value, float) and math.isfinite(value))
+
+
+def _plain_value(value: Any) -> Any:
+    """Tables as dicts, lists and tuples as lists, numbers of NumPy that are Python's as Python's."""
+    if isinstance(value, Mapping):
+        return {name: _plain_value(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain_value(one) for one in value]
+    return float(value) if isinstance(value, float) else value

@@ -1,0 +1,83 @@
+"""Metamorphic oracles: in a world that corresponds to another one, the outcome corresponds too.
+
+Each runs the controller once more where it ought to fare alike, and objects if the robot arrives in one of the two
+runs and not in the other; with a number, also if one run takes more than that many times the other's steps.
+
+Source: Tsong Yueh Chen, Shing-Chi Cheung and Siu-Ming Yiu, "Metamorphic testing: a new approach for generating next
+test cases", Hong Kong University of Science and Technology, 1998.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from fuzz.asked.trial import Trial
+from fuzz.asked.worlds import mirrored, scaled, shifted, turned
+from sim.run_options import MAX_STEPS
+from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.world import Value, World
+
+__all__ = ["finer", "mirror", "scale", "shift", "turn"]
+
+_SHORTEST_STEP = 0.001  # s: what the simulator takes
+
+
+def turn(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
+    """The world turned by a quarter, counter-clockwise. Exact for who steers by angles to its heading or the target."""
+    return _objection(trial, factor, turned(trial.world))
+
+
+def shift(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
+    """Three more columns and five more rows of wall on the left and below: the same place, elsewhere."""
+    return _objection(trial, factor, shifted(trial.world))
+
+
+def scale(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
+    """Every length and the top speed doubled. Exact for who has no length of its own in metres."""
+    return _objection(trial, factor, scaled(trial.world))
+
+
+def mirror(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
+    """Left and right swapped, for who has no side of preference."""
+    return _objection(trial, factor, mirrored(trial.world))
+
+
+def finer(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
+    """Steps of half the duration, of which two count as one."""
+    step, steps = trial.options.time_step / 2, min(2 * trial.options.steps, MAX_STEPS)
+    if step < _SHORTEST_STEP:
+        raise InvalidParameter(
+            f"oracle finer: half of time_step={trial.options.time_step:g} s is below 0.001 s; give a longer one"
+        )
+    return _objection(trial, factor, trial.world, each=0.5, time_step=step, steps=steps)
+
+
+def _objection(
+    trial: Trial, factor: float, world: World, *, each: float = 1.0, **changes: Any
+) -> dict[str, Value] | None:
+    """The objection to a run whose counterpart fares otherwise.
+
+    Args:
+        trial: The run.
+        factor: Greatest ratio of the two numbers of steps that is no failure, at least 1.
+        world: Of the counterpart.
+        each: Steps of the run that a step of the counterpart is worth.
+        **changes: Options of the counterpart.
+    """
+    if factor < 1.0:
+        raise InvalidParameter(f"a factor of {factor:g} is below 1, and equal runs have 1; give 1 or more")
+    try:
+        there = trial.again(world, **changes)
+    except InvalidWorld:  # a start between two poses of the lattice was rounded into a wall
+        return None
+    here = trial.episode
+    arrived = (here.verdict == "reached", there.verdict == "reached")
+    slow, fast = max(here.steps, there.steps * each), min(here.steps, there.steps * each)
+    if not any(arrived) or (all(arrived) and slow <= factor * max(fast, 1)):
+        return None
+    return {
+        "kind": "slower" if all(arrived) else "only-here" if arrived[0] else "only-there",
+        "verdicts": [here.verdict, there.verdict],
+        "steps": [here.steps, there.steps],
+    }

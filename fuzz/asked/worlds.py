@@ -1,0 +1,75 @@
+"""Worlds that correspond to another one: turned, shifted, scaled, mirrored. Exact; without certificate."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from worldgen.lattice import exact
+from worldgen.timeline import Timeline
+from worldgen.world import Pose, Target, World
+
+__all__ = ["mirrored", "scaled", "shifted", "turned"]
+
+_COLUMNS, _ROWS = 3, 5  # of a shift: unlike, so that no mix-up of the axes goes unseen
+
+
+def turned(world: World) -> World:
+    """Turned by a quarter, counter-clockwise."""
+    start, target, line = world.start, world.target, world.timeline
+    return replace(
+        _bare(world),
+        walls=world.walls.T[:, ::-1].copy(),
+        start=Pose(_across(world, world.height, start.y), start.x, start.heading + math.pi / 2),
+        target=Target(_across(world, world.height, target.y), target.x, target.radius),
+        timeline=Timeline(line.times, world.height - 1 - line.iy, line.ix, line.states),
+    )
+
+
+def mirrored(world: World) -> World:
+    """Left and right swapped."""
+    start, target, line = world.start, world.target, world.timeline
+    return replace(
+        _bare(world),
+        walls=world.walls[:, ::-1].copy(),
+        start=Pose(_across(world, world.width, start.x), start.y, math.pi - start.heading),
+        target=replace(target, x=_across(world, world.width, target.x)),
+        timeline=Timeline(line.times, world.width - 1 - line.ix, line.iy, line.states),
+    )
+
+
+def shifted(world: World) -> World:
+    """With three solid columns more on the left and five solid rows more below."""
+    side, start, target, line = exact(world.cell_size), world.start, world.target, world.timeline
+    right, up = _COLUMNS * side, _ROWS * side
+    return replace(
+        _bare(world),
+        walls=np.pad(world.walls, ((_ROWS, 0), (_COLUMNS, 0)), constant_values=True),
+        start=replace(start, x=float(exact(start.x) + right), y=float(exact(start.y) + up)),
+        target=replace(target, x=float(exact(target.x) + right), y=float(exact(target.y) + up)),
+        timeline=Timeline(line.times, line.ix + _COLUMNS, line.iy + _ROWS, line.states),
+    )
+
+
+def scaled(world: World) -> World:
+    """Every length and the top speed doubled, times as they are."""
+    start, target = world.start, world.target
+    return replace(
+        _bare(world),
+        cell_size=2 * world.cell_size,
+        robot_radius=2 * world.robot_radius,
+        robot_speed=2 * world.robot_speed,
+        start=replace(start, x=2 * start.x, y=2 * start.y),
+        target=Target(2 * target.x, 2 * target.y, 2 * target.radius),
+    )
+
+
+def _bare(world: World) -> World:
+    return replace(world, certificate=None, provenance=None, failure=None)
+
+
+def _across(world: World, cells: int, metres: float) -> float:
+    """A coordinate counted from the other side."""
+    return float(cells * exact(world.cell_size) - exact(metres))

@@ -1,0 +1,252 @@
+"""Oracles that are asked for: what they object to, and what they let pass."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fuzz.asked import Asked, Trial, asked_by, objection_in_words
+from fuzz.asked.worlds import mirrored, scaled, shifted, turned
+from fuzz.failure import certified, failure_by, replay
+from fuzz.regression import CONFIRMED, check
+from fuzz.shrink import removable, shrink
+from fuzz.shrink.predicate import StillFails
+from sim.run_options import RunOptions
+from sim.scenario import Scenario
+from worldgen import CellState, Event, Pose, Target, Timeline, World
+from worldgen.errors import InvalidParameter
+from worldgen.grid_file import dumps, loads, write_world
+
+BLOCK = certified(
+    World(
+        np.pad(np.ones((3, 3), bool), ((3, 3), (3, 6))),
+        Pose(0.15, 0.45, 0.0),
+        Target(1.05, 0.45, 0.05),
+    )
+)
+
+
+def objection(text, controller="bug1", world=BLOCK, **options):
+    trial = Trial(world, controller, RunOptions(steps=4000, **options))
+    return Asked.parse(text).objection(trial)
+
+
+def failing(text, controller="bug1", world=BLOCK):
+    return failure_by(world, Scenario(controller), Asked.parse(text))
+
+
+@pytest.fixture
+def chance(tmp_path):
+    """A controller with chance of its own."""
+    (tmp_path / "mine.py").write_text(
+        "import math, random\nfrom sim import Command\n"
+        "class Chance:\n"
+        "    def reset(self): return ()\n"
+        "    def act(self, o, memory):\n"
+        "        turn = (o.target_heading - o.heading + math.pi) % math.tau - math.pi\n"
+        "        return Command(o.top_speed, random.uniform(0.5, 1.0) * turn / o.time_step), memory\n"
+    )
+    return f"{tmp_path}/mine.py:Chance"
+
+
+@pytest.fixture
+def northerner(tmp_path):
+    """A controller with an absolute frame: it drives north until y is 0.6 m, whatever it sees."""
+    (tmp_path / "north.py").write_text(
+        "import math\nfrom sim import Command\n"
+        "class North:\n"
+        "    def reset(self): return ()\n"
+        "    def act(self, o, memory):\n"
+        "        return Command(o.top_speed if o.y < 0.6 else 0.0, (math.pi / 2 - o.heading) / o.time_step), memory\n"
+    )
+    return f"{tmp_path}/north.py:North"
+
+
+UP = certified(World(np.zeros((9, 9), bool), Pose(0.45, 0.15, math.pi / 2), Target(0.45, 0.5, 0.05)))
+
+
+def test_a_way_round_the_whole_block_is_a_detour_with_its_lengths():
+    said = objection("detour=2")
+    assert said["ratio"] > 2 and said["ratio"] == pytest.approx(said["path"] / said["witness"], rel=1e-4)
+    assert said["witness"] == pytest.approx(BLOCK.certificate.length)
+
+
+def test_a_way_within_the_bound_is_no_detour():
+    ratio = objection("detour=2")["ratio"]
+    assert objection(f"detour={ratio + 0.01}") is None and objection(f"detour={ratio - 0.01}") is not None
+
+
+def test_a_run_that_does_not_arrive_makes_no_detour():
+    assert objection("detour=1", world=replace(BLOCK, target=Target(0.45, 0.45, 0.01))) is None
+
+
+def test_a_detour_stays_one_from_file_to_replay():
+    failure = loads(dumps(failing("detour=2")))
+    assert failure.failure.verdict == "reached" and failure.failure.details["class"] == "detour"
+    assert replay(failure).confirmed
+
+
+def test_a_replay_notices_a_detour_that_is_said_to_be_longer():
+    failure = failing("detour=2")
+    said = {**failure.failure.evidence["objection"], "path": 99.0}
+    record = replace(failure.failure, evidence={**failure.failure.evidence, "objection": said})
+    outcome = replay(replace(failure, failure=record))
+    assert not outcome.confirmed and "the evidence is" in outcome.reason
+
+
+def test_a_replay_notices_a_bound_that_the_run_keeps():
+    failure = failing("detour=2")
+    record = replace(failure.failure, evidence={**failure.failure.evidence, "oracle": "detour=500"})
+    assert "does not object" in replay(replace(failure, failure=record)).reason
+
+
+def test_a_replay_notices_that_the_oracle_is_not_here():
+    failure = failing("detour=2")
+    record = replace(failure.failure, evidence={**failure.failure.evidence, "oracle": "./gone.py:gone"})
+    assert "no such file" in replay(replace(failure, failure=record)).reason
+
+
+def test_a_detour_is_shrunk_to_a_1_minimal_one():
+    failure = failing("detour=2", world=certified(replace(BLOCK, walls=np.pad(BLOCK.walls, ((0, 4), (0, 3))))))
+    result = shrink(failure)
+    assert result.world.failure.evidence["objection"]["ratio"] > 2 and replay(result.world).confirmed
+    assert result.world.walls.size < failure.walls.size and result.after < result.before
+    assert removable(result.world, StillFails.of(result.world)) == [] == list(result.left)
+
+
+def test_a_library_controller_repeats_itself():
+    assert objection("repeat", "turn-random", seed=3) is None
+
+
+def test_chance_without_a_seed_is_seen_in_the_first_step_that_differs(chance):
+    said = objection(
+        "repeat", chance, UP.__class__(UP.walls, Pose(0.45, 0.15, 0.0), UP.target, certificate=UP.certificate)
+    )
+    assert said["step"] == 1 and said["poses"][0] != said["poses"][1] and said["repeatable"] is False
+
+
+def test_a_run_that_does_not_come_again_is_replayed_and_shrunk(chance):
+    failure = failing("repeat", chance, certified(replace(UP, start=Pose(0.25, 0.15, 0.0))))
+    assert replay(failure).confirmed
+    small = shrink(failure).world
+    assert small.walls.size < failure.walls.size and replay(small).confirmed
+
+
+def test_only_repeat_speaks_of_a_controller_that_is_not_the_same_twice(chance):
+    assert failing("detour=1", chance, certified(replace(UP, start=Pose(0.25, 0.15, 0.0)))) is None
+
+
+@pytest.mark.parametrize("oracle", ["turn=1", "shift=1", "scale=1"])
+@pytest.mark.parametrize("controller", ["bug1", "turn-right", "vfh"])
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+def test_a_controller_without_an_absolute_frame_runs_alike_where_worlds_correspond(oracle, controller, motion):
+    assert objection(oracle, controller, motion=motion) is None
+
+
+@pytest.mark.parametrize(("oracle", "there"), [("turn", "loop"), ("shift", "loop"), ("scale", "loop")])
+def test_an_absolute_frame_shows_where_worlds_correspond(oracle, there, northerner):
+    said = objection(oracle, northerner, UP)
+    assert said["kind"] == "only-here" and said["verdicts"] == ["reached", there]
+
+
+def test_an_objection_to_a_turned_world_is_replayed_and_shrunk(northerner):
+    failure = failing("turn", northerner, UP)
+    small = shrink(failure).world
+    assert small.failure.details["class"] == "turn-only-here" and small.failure.details["one_minimal"]
+    assert small.walls.size < UP.walls.size and replay(small).confirmed
+
+
+def test_a_factor_also_compares_the_steps_of_runs_that_arrive():
+    world = certified(replace(BLOCK, start=Pose(0.15, 0.35, 0.0)))
+    assert objection("mirror=1.1", "bug2", world)["kind"] == "slower"
+    assert objection("mirror=1.5", "bug2", world) is None and objection("mirror", "bug2", world) is None
+
+
+def test_two_steps_of_half_the_duration_count_as_one():
+    said = objection("finer=1", "bug1")
+    assert said["steps"][1] == pytest.approx(2 * said["steps"][0], rel=0.2) and objection("finer=1.2", "bug1") is None
+
+
+CHANGING = replace(UP, timeline=Timeline.of([Event(0.5, 1, 7, CellState.SOLID)]))
+
+
+def test_four_quarters_and_two_mirrors_give_the_world_back():
+    walls = np.pad(np.ones((2, 3), bool), ((5, 2), (0, 2)))
+    world = replace(CHANGING, certificate=None, walls=walls, start=Pose(0.25, 0.15, 0.0), target=Target(0.4, 0.2, 0.1))
+    quarters = turned(turned(turned(turned(world))))
+    twice = mirrored(mirrored(world))
+    for same in (quarters, twice):
+        assert (same.walls == world.walls).all() and same.target == world.target and same.timeline == world.timeline
+        assert math.remainder(same.start.heading - world.start.heading, math.tau) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_shift_moves_cells_places_and_events_alike():
+    moved = shifted(CHANGING)
+    assert (moved.width, moved.height) == (12, 14) and moved.walls[:5].all() and moved.walls[:, :3].all()
+    assert (moved.start.x, moved.start.y, moved.target.x, moved.target.y) == (0.75, 0.65, 0.75, 1.0)
+    assert [(event.ix, event.iy) for event in moved.timeline] == [(4, 12)]
+
+
+def test_a_scale_doubles_every_length_and_the_speed():
+    large = scaled(UP)
+    assert (large.cell_size, large.robot_radius, large.robot_speed) == (0.2, 2 * UP.robot_radius, 4.0)
+    assert (large.start.x, large.target.radius) == (0.9, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("detuor=5", "did you mean 'detour'"),
+        ("detour", "needs a number, bound; write detour=5"),
+        ("detour=far", "'far' is no number"),
+        ("detour=nan", "'nan' is no number"),
+        ("detour=0.5", "detour=0.5 is below 1"),
+        ("turn=0.5", "a factor of 0.5 is below 1"),
+        ("repeat=1.5", "no whole number from 1"),
+        ("", "an empty text names no oracle"),
+    ],
+)
+def test_what_is_no_oracle_is_refused(text, message):
+    with pytest.raises(InvalidParameter, match=message):
+        objection(text)
+
+
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [
+        ("bad = 3", "is no function but int"),
+        ("def bad(): return None", r"takes \(\)"),
+        ("def bad(trial): return 1 / 0", "ZeroDivisionError"),
+        ("def bad(trial): return True", "answers True; return None, or a table"),
+        ("def bad(trial): return {'way': float('inf')}", "finite numbers"),
+        ("def bad(trial): raise SystemExit(3)", "ends Python"),
+        ("def loop(trial): return None", "is called like a verdict"),
+    ],
+)
+def test_an_oracle_that_is_none_is_refused(code, message, tmp_path):
+    (tmp_path / "mine.py").write_text(code + "\n")
+    name = "loop" if "loop" in code else "bad"
+    with pytest.raises(InvalidParameter, match=message):
+        objection(f"{tmp_path}/mine.py:{name}")
+
+
+def test_an_oracle_without_a_number_takes_none(tmp_path):
+    (tmp_path / "mine.py").write_text("def mine(trial): return {'kind': 'a/b c', 'x': [1, (2, 3)]}\n")
+    with pytest.raises(InvalidParameter, match="takes no number"):
+        Asked.parse(f"{tmp_path}/mine.py:mine=3")
+    asked = Asked.parse(f"{tmp_path}/mine.py:mine")
+    assert asked.kind(objection(asked.text)) == "mine-a-b-c" and objection(asked.text)["x"] == [1, [2, 3]]
+
+
+def test_an_objection_is_put_in_words():
+    evidence = {"step": 3, "oracle": "detour=2", "objection": {"kind": "x", "ratio": 2.5}}
+    assert objection_in_words(evidence) == ", but oracle detour=2 objects: ratio 2.5"
+    assert objection_in_words({"step": 3}) == "" and asked_by({"step": 3}) is None
+
+
+def test_a_detour_is_fixed_when_the_oracle_has_nothing_to_say(tmp_path):
+    write_world(failing("detour=2"), tmp_path / "w.grid")
+    assert "reached, but oracle detour=2 objects: path" in check(tmp_path / "w.grid").reason
+    assert check(tmp_path / "w.grid", controller="bug2").reason == ""
+    assert check(tmp_path / "w.grid", CONFIRMED).reason == ""
