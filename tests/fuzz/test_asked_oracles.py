@@ -14,6 +14,7 @@ from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
+from tests.helpers.command_line import worldgen
 from worldgen import CellState, Event, Pose, Target, Timeline, World
 from worldgen.errors import InvalidParameter
 from worldgen.grid_file import dumps, loads, write_world
@@ -250,3 +251,16 @@ def test_a_detour_is_fixed_when_the_oracle_has_nothing_to_say(tmp_path):
     assert "reached, but oracle detour=2 objects: path" in check(tmp_path / "w.grid").reason
     assert check(tmp_path / "w.grid", controller="bug2").reason == ""
     assert check(tmp_path / "w.grid", CONFIRMED).reason == ""
+
+
+def test_a_campaign_refuses_an_oracle_that_is_not_there_before_it_begins(tmp_path):
+    result = worldgen("fuzz", "--controller", "bug1", "--oracle", "detuor=5", "--units", 1, "--out", tmp_path / "f")
+    assert result.code == 2 and "did you mean 'detour'" in result.err and not (tmp_path / "f").exists()
+
+
+def test_a_campaign_finds_the_same_with_one_worker_and_with_two(tmp_path):
+    fuzz = ("fuzz", "--controller", "bug1", "--detour", 3, "--units", 2, "--examples", 20, "--seed", 2, "--no-shrink")
+    for workers in (1, 2):
+        assert worldgen(*fuzz, "--workers", workers, "--out", tmp_path / str(workers)).code == 1
+    one, two = ({file.name: file.read_bytes() for file in (tmp_path / n).glob("*.grid")} for n in "12")
+    assert one == two and "detour.grid" in one
