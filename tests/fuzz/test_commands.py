@@ -214,6 +214,7 @@ def test_ctrl_c_keeps_what_was_found(tmp_path):
         out, err = process.communicate(timeout=60)
     finally:
         process.kill()
+        process.wait()
     assert process.returncode == 130 and "Traceback" not in err and "are kept in" in err
     assert worldgen("replay", folder).code == 0 and "worldgen replay" in out
 

@@ -10,6 +10,7 @@ from typing import NoReturn
 
 import click
 
+from worldgen.cli.ctrl_c import never_lose_ctrl_c
 from worldgen.cli.output import note
 from worldgen.errors import WorldgenError
 
@@ -101,6 +102,7 @@ def cli() -> None:
 
 def main() -> NoReturn:
     """Runs the command line and ends the process with the documented exit code."""
+    never_lose_ctrl_c()
     try:
         code = cli.main(standalone_mode=False)
         sys.stdout.flush()
