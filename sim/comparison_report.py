@@ -11,6 +11,7 @@ from typing import Any
 
 from sim.comparison import NEVER, PERCENTILES, Cell, Comparison, Total, standing
 from sim.published import Agreement, Figure
+from worldgen.plain_text import aligned
 
 __all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text", "outcome_in_words"]
 
@@ -18,7 +19,6 @@ CSV_COLUMNS = (
     "world", "controller", "motion", "time_step", "budget", "seeds", "first_seed", "reached", "low", "high",
     "verdict", "detail", "verdicts", "steps", "time", *(f"p{percent}" for percent in PERCENTILES), "source",
 )  # fmt: skip
-_GAP = "  "
 _WIDTH = 116  # of sentences below a table
 
 
@@ -56,7 +56,7 @@ def _main_table(comparison: Comparison, beside: Agreement | None) -> str:
         known = {} if beside is None else {c: own for (row, c), own in beside.figures.items() if row == index}
         if known:
             rows.append(["  published", *_published_row(cells, known), *(_published_ranks(comparison, known))])
-    text = _aligned(rows, numbers=range(1, 1 + len(comparison.labels)))
+    text = aligned(_by_the_point(rows, range(1, 1 + len(comparison.labels))))
     keys = ["Times in s."]
     if any(cell.random for row in comparison.cells for cell in row):
         keys.append("(k/n): k of n seeds arrive, the time is their median.")
@@ -90,8 +90,8 @@ def _figure_in_words(cell: Cell, figure: Figure) -> str:
     return time if cell.time is None else f"{time} ({cell.time - figure.time:+.3f})"
 
 
-def _aligned(rows: Sequence[Sequence[str]], numbers: Sequence[int] = ()) -> str:
-    """Rows as lines; in the columns of ``numbers`` decimal points stand below each other."""
+def _by_the_point(rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> list[list[str]]:
+    """All rows, filled up; below the first, decimal points in the columns of ``numbers`` stand below each other."""
     columns = max(map(len, rows))
     filled = [[*row, *[""] * (columns - len(row))] for row in rows]
     for column in numbers:
@@ -99,9 +99,7 @@ def _aligned(rows: Sequence[Sequence[str]], numbers: Sequence[int] = ()) -> str:
         for row in filled[1:]:
             if row[column][:1].isdigit():
                 row[column] = " " * (lead - row[column].find(".")) + row[column]
-    widths = [max(len(row[column]) for row in filled) for column in range(columns)]
-    lines = [_GAP.join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in filled]
-    return "\n".join(lines)
+    return filled
 
 
 def _totals_table(comparison: Comparison) -> str:
@@ -113,7 +111,7 @@ def _totals_table(comparison: Comparison) -> str:
         if comparison.common:
             rows.append(["mean time", *(f"{total.mean_time:.3f}" for total in totals)])
             rows.append(["median time", *(f"{total.median_time:.3f}" for total in totals)])
-    text = _aligned(rows)
+    text = aligned(rows)
     if len(totals) > 1:
         count, of = len(comparison.common), len(comparison.worlds)
         which = f"the {count} of {of} worlds" if count else f"no world of {of}, so none are given,"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from worldgen.cli.output import emit_json, force_option, json_option, note, shown, write_bytes
+from worldgen.plain_text import aligned, counted
 
 if TYPE_CHECKING:
     from fuzz.corpus import Corpus, Entry
@@ -60,11 +61,11 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
     if entries:
         rows = [_row(entry) for entry in entries]
         click.echo(
-            _aligned([["class", "verdict", "controller", "motion", "first seen", "size", "digest", "file"], *rows])
+            aligned([["class", "verdict", "controller", "motion", "first seen", "size", "digest", "file"], *rows])
         )
-    click.echo(f"{_counted(len(entries), 'failure')} of {_counted(classes, 'class', 'classes')}")
+    click.echo(f"{counted(len(entries), 'failure')} of {counted(classes, 'class', 'classes')}")
     if found.others:
-        note(f"passed over {_counted(found.others, 'world')} without a failure")
+        note(f"passed over {counted(found.others, 'world')} without a failure")
 
 
 @corpus.command()
@@ -87,7 +88,7 @@ def show(paths: tuple[Path, ...], png: Path | None, force: bool, **patterns: tup
     if png is not None:
         check_output(png, force)
         write_bytes(png, contact_sheet(entries), force=force)
-        note(f"wrote {png}: {_counted(len(entries), 'failure')}")
+        note(f"wrote {png}: {counted(len(entries), 'failure')}")
         return
     for entry in entries:
         world = read_world(entry.path)
@@ -119,7 +120,7 @@ def merge(paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **patt
     if as_json:
         emit_json({"read": len(entries), "files": {str(path): str(entry.path) for path, entry in written.items()}})
         return
-    click.echo(f"{_counted(len(entries), 'failure')}, {_counted(len(written), 'class', 'classes')} in {shown(out)}")
+    click.echo(f"{counted(len(entries), 'failure')}, {counted(len(written), 'class', 'classes')} in {shown(out)}")
 
 
 @corpus.command(epilog="\b\n  worldgen corpus diff baseline/ failures/")
@@ -160,7 +161,7 @@ def diff(old: Path, new: Path, as_json: bool, **patterns: tuple[str, ...]) -> No
             if difference.change != "same"
         ]
         if rows_of_text:
-            click.echo(_aligned([["", "controller", "motion", "class", "old", "new", "file"], *rows_of_text]))
+            click.echo(aligned([["", "controller", "motion", "class", "old", "new", "file"], *rows_of_text]))
         click.echo(", ".join(f"{count[change]} {change}" for change in changes))
     if count["new"]:
         raise SystemExit(1)
@@ -220,7 +221,7 @@ def export(paths: tuple[Path, ...], out: Path, as_json: bool, force: bool, **pat
     if as_json:
         emit_json({"file": str(out), "failures": count})
         return
-    click.echo(f"wrote {shown(out)}: {_counted(count, 'failure')}")
+    click.echo(f"wrote {shown(out)}: {counted(count, 'failure')}")
 
 
 def _read(paths: Sequence[Path], patterns: dict[str, tuple[str, ...]]) -> Corpus:
@@ -240,12 +241,3 @@ def _row(entry: Entry) -> list[str]:
     facts = entry.facts
     words = (facts.kind, facts.verdict, facts.controller, facts.motion, entry.first_seen[:10] or "-")
     return [*map(shown, words), facts.size_in_words(), facts.digest[:12], shown(entry.path)]
-
-
-def _aligned(rows: Sequence[Sequence[str]]) -> str:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
-
-
-def _counted(count: int, one: str, many: str = "") -> str:
-    return f"{count} {one if count == 1 else many or one + 's'}"

@@ -10,6 +10,7 @@ from typing import Any
 from worldgen.census.radius import Radius
 from worldgen.census.take import Census
 from worldgen.census.tally import ROWS, Tally, tally
+from worldgen.plain_text import GAP, aligned, counted
 
 __all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text"]
 
@@ -17,7 +18,6 @@ CSV_COLUMNS = (
     "map", "pair", "named", "width", "height", "cell_size", "radius", "radius_in_cells", "result", "proved", "room",
     "four", "eight", "costmap", "square",
 )  # fmt: skip
-_GAP = "  "
 _MOST_REFUSALS = 10  # lines of text; JSON has them all
 
 
@@ -27,7 +27,7 @@ def as_text(census: Census) -> str:
     rows = [["", *(str(one.asked) for one in tallies)], ["", *map(_in_the_other_unit, tallies)]]
     rows += [[label, *(_share(one, name) for one in tallies)] for name, label in ROWS.items()]
     rows.append(["seconds", *(f"{one.seconds:.2f}" for one in tallies)])
-    lines = [_headline(census), "", *_aligned(rows)]
+    lines = [_headline(census), "", aligned(rows, right=range(1, 1 + len(tallies)))]
     if census.options.pairs > 1:
         lines += ["", "Intervals, 95 %, take the pairs on one map for independent, which they are not quite."]
     for refused in census.refused[:_MOST_REFUSALS]:
@@ -46,14 +46,10 @@ def _headline(census: Census) -> str:
         ends = [f"{width} x {height}" for width, height in (sides[0], sides[-1])]
         size = f" of {ends[0]} cells" if sides[0] == sides[-1] else f" of {ends[0]} to {ends[1]} cells"
     return (
-        f"{_counted(census.maps, 'map')}{size}, {len(census.refused)} refused; "
-        f"{_counted(len(asked), 'start and target', 'starts and targets')}, {named} named by the map, "
+        f"{counted(census.maps, 'map')}{size}, {len(census.refused)} refused; "
+        f"{counted(len(asked), 'start and target', 'starts and targets')}, {named} named by the map, "
         f"{len(asked) - named} drawn with seed {census.options.seed}"
     )
-
-
-def _counted(count: int, one: str, many: str = "") -> str:
-    return f"{count} {one if count == 1 else many or one + 's'}"
 
 
 def _in_the_other_unit(one: Tally) -> str:
@@ -68,16 +64,7 @@ def _share(one: Tally, name: str) -> str:
     if share is None:
         return "-"
     low, high = one.interval(name)
-    return f"{one.counts[name]}{_GAP}{100 * share:5.1f} % ({100 * low:.1f} to {100 * high:.1f})"
-
-
-def _aligned(rows: list[list[str]]) -> list[str]:
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    aligned = []
-    for row in rows:
-        cells = [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
-        aligned.append(_GAP.join(cells).rstrip())
-    return aligned
+    return f"{one.counts[name]}{GAP}{100 * share:5.1f} % ({100 * low:.1f} to {100 * high:.1f})"
 
 
 def as_csv(census: Census) -> str:

@@ -63,28 +63,17 @@ def _comma_separated(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
 def _table(results: Sequence[tuple[Path, dict[str, float]]]) -> str:
     """One world below the other, or one metric a line where there is one world."""
     from worldgen.difficulty import METRICS
+    from worldgen.plain_text import aligned
 
     if len(results) == 1:
         path, metrics = results[0]
         lines = [[name, _cell(metrics.get(name)), METRICS[name].unit, METRICS[name].meaning] for name in METRICS]
-        return f"{shown(path)}\n" + _aligned([line for line in lines if line[1]], left={0, 2, 3})
+        return f"{shown(path)}\n" + aligned([line for line in lines if line[1]], right={1})
     used = [name for name in METRICS if any(name in metrics for _, metrics in results)]
     head = [["", *used], ["", *(METRICS[name].unit for name in used)]]
-    return _aligned(
-        [*head, *([shown(path), *(_cell(metrics.get(name)) for name in used)] for path, metrics in results)]
-    )
+    rows = [[shown(path), *(_cell(metrics.get(name)) for name in used)] for path, metrics in results]
+    return aligned([*head, *rows], right=range(1, 1 + len(used)))
 
 
 def _cell(value: Any) -> str:
     return "" if value is None else f"{value:g}"
-
-
-def _aligned(rows: Sequence[Sequence[str]], left: frozenset[int] | set[int] = frozenset({0})) -> str:
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    lines = [
-        "  ".join(
-            cell.ljust(w) if k in left else cell.rjust(w) for k, (cell, w) in enumerate(zip(row, widths, strict=True))
-        )
-        for row in rows
-    ]
-    return "\n".join(line.rstrip() for line in lines)
