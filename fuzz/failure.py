@@ -160,21 +160,7 @@ def failure_of(
             _repeatable(episode.evidence),
         ):
             return None  # a controller that does not do the same twice: nothing that a file could replay
-    record = FailureRecord(
-        controller=scenario.controller,
-        motion=scenario.motion,
-        seed=scenario.seed,
-        verdict=episode.verdict,
-        trace_digest=episode.trace_digest,
-        parameters=options.parameters(),
-        evidence=episode.evidence,
-        details={
-            "class": failure_class(world, episode),
-            "motion_version": MOTIONS.get(scenario.motion).version,
-            **details,
-        },
-    )
-    return replace(world, failure=record)
+    return _recorded(world, scenario, options, episode, episode.evidence, failure_class(world, episode), details)
 
 
 def failure_by(world: World, scenario: Scenario, asked: Asked, **details: Value) -> World | None:
@@ -194,6 +180,20 @@ def failure_by(world: World, scenario: Scenario, asked: Asked, **details: Value)
         again, same = judge_asked(world, scenario.controller, options, asked)
         if same != said or again.trace_digest != episode.trace_digest:
             return None
+    evidence: dict[str, Value] = {**episode.evidence, "oracle": asked.text, "objection": said}
+    return _recorded(world, scenario, options, episode, evidence, asked.kind(said), details)
+
+
+def _recorded(
+    world: World,
+    scenario: Scenario,
+    options: RunOptions,
+    episode: Episode,
+    evidence: Mapping[str, Value],
+    kind: str,
+    details: Mapping[str, Value],
+) -> World:
+    """The world with the record of what went wrong in it; ``kind`` is the failure's class."""
     record = FailureRecord(
         controller=scenario.controller,
         motion=scenario.motion,
@@ -201,8 +201,8 @@ def failure_by(world: World, scenario: Scenario, asked: Asked, **details: Value)
         verdict=episode.verdict,
         trace_digest=episode.trace_digest,
         parameters=options.parameters(),
-        evidence={**episode.evidence, "oracle": asked.text, "objection": said},
-        details={"class": asked.kind(said), "motion_version": MOTIONS.get(scenario.motion).version, **details},
+        evidence=evidence,
+        details={"class": kind, "motion_version": MOTIONS.get(scenario.motion).version, **details},
     )
     return replace(world, failure=record)
 
