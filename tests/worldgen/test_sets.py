@@ -15,6 +15,7 @@ import pytest
 import worldgen.sets.journal
 import worldgen.sets.stores
 from tests.helpers.command_line import worldgen as run
+from tests.helpers.set_contents import contents
 from worldgen.archives import members
 from worldgen.difficulty import with_metrics
 from worldgen.errors import FormatError, InvalidParameter, OutputError
@@ -38,13 +39,6 @@ def pillars(rng, *, size: int = 12):
     return World(walls, start=Pose(0.2, 0.2), target=Target(1.0, 1.0, 0.05))
 """
 every_kind = pytest.mark.parametrize("out", ["set", "set.zip", "set.tar.gz", "set.tar.bz2"])
-
-
-def contents(place):
-    """Names and bytes of all files of a set, or the bytes of an archive."""
-    if place.is_file():
-        return place.read_bytes()
-    return {path.relative_to(place).as_posix(): path.read_bytes() for path in place.rglob("*") if path.is_file()}
 
 
 @pytest.fixture(scope="module")
@@ -468,64 +462,6 @@ def test_a_manifest_from_before_a_parameter_was_added_gives_the_same_bytes(whole
     (tmp_path / "manifest.jsonl").write_text(text)
     result = run("regenerate", tmp_path / "manifest.jsonl", "--out", tmp_path / "again")
     assert result.code == 0 and b"angle" not in (tmp_path / "again/trap-7.grid").read_bytes()
-
-
-WISHED = ("trap", "--where", "detour > 2", "--size", 12, "--seed", 5)
-
-
-@pytest.fixture(scope="module")
-def wished(tmp_path_factory):
-    """A folder with a set that was searched for; not to be changed."""
-    folder = tmp_path_factory.mktemp("wished") / "set"
-    assert run(*WISHED, "--count", 4, "--out", folder).code == 0
-    return folder
-
-
-def test_a_set_that_was_searched_for_is_made_again_from_its_manifest(wished, tmp_path):
-    assert manifest_of(wished).header.wish == "detour > 2"
-    assert run("regenerate", wished / "manifest.jsonl", "--out", tmp_path / "again").code == 0
-    assert contents(tmp_path / "again") == contents(wished)
-
-
-def test_lines_of_a_set_that_was_searched_for_have_what_the_search_varied(wished):
-    first, *lines = [json.loads(line) for line in (wished / "manifest.jsonl").read_text().splitlines()]
-    assert first["params"] == {"size": 12} and all("size" not in line["params"] for line in lines)
-    worlds = [read_world(wished / line["file"]) for line in lines]
-    assert [{**first["params"], **line["params"]} for line in lines] == [dict(w.provenance.params) for w in worlds]
-
-
-def test_a_search_that_was_interrupted_goes_on_to_the_same_set(wished, tmp_path):
-    part = shutil.copytree(wished, tmp_path / "set")
-    lines = (part / "manifest.jsonl").read_bytes().splitlines(keepends=True)
-    (part / "manifest.jsonl").write_bytes(b"".join(lines[:3]))
-    (part / "trap-4.grid").unlink()
-    assert "2 of 4 worlds are there already" in run(*WISHED, "--count", 4, "--out", part).err
-    assert contents(part) == contents(wished)
-
-
-def test_another_wish_does_not_go_on_with_a_set(wished):
-    err = run("trap", "--where", "detour > 1.5", "--size", 12, "--seed", 5, "--count", 4, "--out", wished).err
-    assert "holds 4 of 4 worlds of another set: trap from seed 5 where detour > 2" in err
-
-
-def test_what_a_search_found_stays_when_it_finds_no_more(tmp_path):
-    result = run(
-        "trap",
-        "--where",
-        "detour > 2",
-        "--size",
-        12,
-        "--seed",
-        5,
-        "--count",
-        40,
-        "--tries",
-        2,
-        "--out",
-        tmp_path / "set",
-    )
-    assert result.code == 1
-    assert 0 < len(manifest_of(tmp_path / "set").entries) < 40
 
 
 def test_large_sets_are_in_folders_of_a_thousand():
