@@ -16,16 +16,16 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fuzz.campaign import Campaign
+    from fuzz.config import CampaignConfig
     from fuzz.failure import Replay, failure_of, replay
     from fuzz.shrink.run import Shrunk
     from fuzz.strategies import family_worlds, feature_worlds, worlds
-    from fuzz.unit import CampaignConfig
 
 _HOME = {
     "campaign": ("Campaign",),
+    "config": ("CampaignConfig",),
     "failure": ("Replay", "failure_of", "replay"),
     "strategies": ("family_worlds", "feature_worlds", "worlds"),
-    "unit": ("CampaignConfig",),
 }
 _MODULE = {name: f"fuzz.{module}" for module, names in _HOME.items() for name in names}
 _MODULE |= {"Shrunk": "fuzz.shrink.run"}

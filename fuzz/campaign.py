@@ -10,14 +10,16 @@ from dataclasses import dataclass, field
 from multiprocessing import get_context
 from typing import Any
 
+from fuzz.config import CampaignConfig
+from fuzz.result import Memory, UnitResult
 from fuzz.shrink import shrink
-from fuzz.unit import CampaignConfig, UnitResult, run_unit
+from fuzz.unit import run_unit
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import dumps
 from worldgen.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 from worldgen.world import World
 
-__all__ = ["Campaign", "CampaignState", "Found", "Progress", "UnitDone"]
+__all__ = ["Campaign", "CampaignState", "Find", "Found", "Progress", "UnitDone"]
 
 _RESTARTS = 3  # failures of one class that are shrunk; the smallest result stays
 _WAITING = 1  # units that wait for a worker, so that none is idle
@@ -49,9 +51,41 @@ class Found:
 Progress = UnitDone | Found
 
 
+@dataclass(frozen=True)
+class Find:
+    """A class was met for the first time, or in a smaller world than before.
+
+    Args:
+        unit: That met it.
+        lane: Of that unit.
+        kind: The class.
+        solid_cells: Of its world, before shrinking.
+        worlds: Of the campaign up to that unit, and with it.
+        steps: Likewise.
+    """
+
+    unit: int
+    lane: str
+    kind: str
+    solid_cells: int
+    worlds: int
+    steps: int
+
+
 @dataclass
 class CampaignState:
-    """Totals so far; ``best`` has the smallest failure of each class."""
+    """Totals so far.
+
+    Args:
+        units: Done and merged.
+        worlds: Scenarios simulated.
+        steps: Steps simulated.
+        verdicts: At first look.
+        met: How often each class was met.
+        best: By class, the smallest failure, shrunk.
+        memory: What the lanes brought, and what later units know of it.
+        finds: In the order of units.
+    """
 
     units: int = 0
     worlds: int = 0
@@ -59,6 +93,8 @@ class CampaignState:
     verdicts: Counter[str] = field(default_factory=Counter)
     met: Counter[str] = field(default_factory=Counter)
     best: dict[str, World] = field(default_factory=dict)
+    memory: Memory = field(default_factory=Memory)
+    finds: list[Find] = field(default_factory=list)
 
 
 class Campaign:
@@ -86,6 +122,7 @@ class Campaign:
         self.state = CampaignState()
         self._shrunk_per_class: Counter[str] = Counter()
         self._unshrunk: dict[str, list[World]] = {}
+        self._known = [Memory(), Memory()]  # by epoch
 
     def pending(self) -> dict[str, World]:
         """Failures by class that are proved but not shrunk yet; of use after an interruption."""
@@ -101,7 +138,7 @@ class Campaign:
     def _serially(self) -> Iterator[Progress]:
         started, unit = time.monotonic(), 0
         while not self._enough(unit, started):
-            todo = self._merge(unit, run_unit(self.config, unit))
+            todo = self._merge(unit, run_unit(self.config, unit, self._memory_for(unit)))
             yield UnitDone(unit, self.state)
             for kind, failure in todo:
                 yield from self._keep(kind, failure, shrunk_or_same(failure, self.config.shrink))
@@ -127,9 +164,9 @@ class Campaign:
         units: dict[int, Future[UnitResult]] = {}
         shrinks: dict[Future[World], tuple[str, World]] = {}
         while True:
-            while len(units) < self.workers + _WAITING and not self._enough(submitted, started):
+            while self._takes_more(len(units), submitted) and not self._enough(submitted, started):
                 with workers_begin_deaf():
-                    units[submitted] = pool.submit(run_unit, self.config, submitted)
+                    units[submitted] = pool.submit(run_unit, self.config, submitted, self._memory_for(submitted))
                 submitted += 1
             if not units and not shrinks:
                 return
@@ -147,6 +184,13 @@ class Campaign:
                 kind, failure = shrinks.pop(future)
                 yield from self._keep(kind, failure, future.result())
 
+    def _takes_more(self, under_way: int, unit: int) -> bool:
+        """Whether a worker is free for a unit, and what the unit is to know is known."""
+        return under_way < self.workers + _WAITING and unit // self.config.epoch < len(self._known)
+
+    def _memory_for(self, unit: int) -> Memory:
+        return self._known[unit // self.config.epoch]
+
     def _merge(self, unit: int, result: UnitResult) -> list[tuple[str, World]]:
         """Adds a unit's result; returns the failures that are to be shrunk, the same for any timing."""
         state = self.state
@@ -157,10 +201,15 @@ class Campaign:
         state.met += result.met
         todo = []
         for kind, failure in sorted(result.failures.items()):
+            if state.memory.is_news(kind, failure):
+                state.finds.append(Find(unit, result.lane, kind, failure.solid_cells, state.worlds, state.steps))
             if self._shrunk_per_class[kind] < _RESTARTS:
                 self._shrunk_per_class[kind] += 1
                 self._unshrunk.setdefault(kind, []).append(failure)
                 todo.append((kind, failure))
+        state.memory = state.memory.after(result)
+        if (unit + 1) % self.config.epoch == 0:
+            self._known.append(state.memory)
         return todo
 
     def _keep(self, kind: str, failure: World, shrunk: World) -> Iterator[Found]:

@@ -17,9 +17,9 @@ from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from fuzz.asked import Asked, Trial, objection_in_words
 from fuzz.campaign import Campaign, Found
+from fuzz.config import CampaignConfig
 from fuzz.failure import certified, regardless_of_walls
-from fuzz.lanes import LAYOUT_LANES, SEALED, TIME_STEPS, can_breach
-from fuzz.unit import CampaignConfig
+from fuzz.lanes.drawn import LAYOUT_LANES, SEALED, TIME_STEPS, can_breach
 from sim.episode import Episode, prepare, simulate
 from sim.motion import MOTIONS
 from sim.picture import trail_of

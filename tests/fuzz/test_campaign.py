@@ -6,8 +6,9 @@ from dataclasses import replace
 import pytest
 
 from fuzz.campaign import Campaign, Found
+from fuzz.config import CampaignConfig
 from fuzz.failure import replay
-from fuzz.unit import CampaignConfig, run_unit
+from fuzz.unit import run_unit
 from sim.scenario import Scenario
 from worldgen import check_certificate
 from worldgen.grid_file import dumps

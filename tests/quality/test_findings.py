@@ -5,9 +5,9 @@ import functools
 import pytest
 
 from fuzz.campaign import Campaign
+from fuzz.config import CampaignConfig
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
-from fuzz.unit import CampaignConfig
 from sim.scenario import Scenario
 
 

@@ -9,10 +9,10 @@ import pytest
 
 from benchmarks.thesis_faults import KINDS, draw_worlds, tally
 from fuzz.campaign import Campaign
+from fuzz.config import CampaignConfig
 from fuzz.failure import replay, scenario_of
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
-from fuzz.unit import CampaignConfig
 from sim import simulate
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen

@@ -1,4 +1,4 @@
-"""Lanes: where a campaign's scenarios come from. Each is a Hypothesis strategy and a way to run its draws."""
+"""Lanes in which Hypothesis draws scenarios one by one: feature layouts, families, poses on a map, sealed targets."""
 
 from __future__ import annotations
 
@@ -11,11 +11,16 @@ import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from fuzz.door import SLOWER
+from fuzz.failure import regardless_of_walls
 from fuzz.features import decode_world
+from fuzz.lanes.task import Task
 from fuzz.sealed import SEALED_BYTES, decode_sealed
 from fuzz.strategies import family_worlds, layouts
+from sim.episode import prepare
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
+from sim.run_options import step_budget
 from sim.scenario import Scenario
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import lattice_to_metres
@@ -32,6 +37,8 @@ __all__ = [
     "explore",
     "lane_strategy",
     "poses_on",
+    "search",
+    "search_sealed",
 ]
 
 COMBINED = (
@@ -46,6 +53,8 @@ SEALED = "sealed"
 LAYOUT_LANES = ("features", SEALED)
 """Lanes that may be named like families."""
 
+_SEARCH_STEPS = 6_000  # budget of a first look, before the witness is known
+_DEARER = 4  # how many feature layouts are drawn in the time of one world of a family
 _EXAMPLE_WORDS = 128  # of 8 bytes; more than any lane's strategy reads
 
 TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)  # s: the range of the thesis's spinner
@@ -74,6 +83,48 @@ def can_breach(scenario: Scenario) -> bool:
 def combined(scenario: Scenario) -> tuple[str, ...]:
     """The lanes of a campaign for which no family is named."""
     return (*COMBINED, SEALED) if can_breach(scenario) else COMBINED
+
+
+def search(task: Task) -> None:
+    """Runs worlds as Hypothesis draws them, and hands on what does not arrive."""
+
+    def visit(draw: Draw) -> None:
+        scenario = task.scenario(draw.seed, draw.time_step)
+        budget = step_budget(draw.world, draw.time_step) if draw.world.certificate else _SEARCH_STEPS
+        try:
+            run = prepare(draw.world, task.controller, scenario.options(draw.world, budget))
+            outcome = run.run(budget, find_loop=True, record=False, digest=False)
+        except InvalidWorld:  # the drawn start is in a wall
+            return
+        task.door.look(draw.world, scenario, outcome)
+
+    _draw(task, visit)
+
+
+def search_sealed(task: Task) -> None:
+    """Runs worlds whose target is walled off; all that counts is a robot that gets there."""
+
+    def visit(draw: Draw) -> None:
+        scenario, verdict = task.scenario(draw.seed, draw.time_step), "sealed"
+        options = scenario.options(draw.world)
+        run = prepare(draw.world, task.controller, options)
+        outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
+        if outcome.ending == "tunnel":
+            run = prepare(draw.world, task.controller, regardless_of_walls(options))
+            whole = run.run(options.steps, find_loop=True, record=False, digest=False)
+            verdict = "breach" if whole.ending == "reached" else "sealed"
+        task.door.count(verdict, outcome.steps)
+        if verdict == "breach":
+            task.door.enter(draw.world, scenario, verdict, outcome.cause)
+
+    _draw(task, visit)
+
+
+def _draw(task: Task, visit: Callable[[Draw], None]) -> None:
+    config, lane = task.config, task.lane
+    strategy = lane_strategy(lane, time_steps=config.time_steps, fixed_map=config.fixed_map)
+    share = (1 if lane in (*LAYOUT_LANES, "map") else _DEARER) * (1 if config.is_compiled else SLOWER)
+    explore(strategy, task.stream.next64(), max(config.examples // share, 1), visit)
 
 
 def explore(strategy: st.SearchStrategy[Draw], unit_seed: int, examples: int, visit: Callable[[Draw], None]) -> None:

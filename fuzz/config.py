@@ -1,0 +1,44 @@
+"""What a campaign looks for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sim.controllers import CONTROLLERS, CompiledController
+from sim.run_options import RunOptions
+from sim.scenario import Scenario
+from worldgen.world import World
+
+__all__ = ["CampaignConfig"]
+
+
+@dataclass(frozen=True)
+class CampaignConfig:
+    """What a campaign looks for; with a unit's number and its memory all that a unit hangs on.
+
+    Args:
+        scenario: Controller, motion model and switches; each draw has its own seed and time step.
+        seed: Of the whole campaign.
+        families: Where worlds come from; empty for feature layouts and the built-in families in turn.
+        time_steps: Durations of a step to draw from, s.
+        fixed_map: A foreign map on which only start, heading, target and radius vary.
+        examples: Hypothesis examples in one unit.
+        shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
+        oracles: Oracles to ask about each run beside its verdict, as ``--oracle`` takes them.
+        epoch: Units in an epoch: what they found, the units of the epoch after the next one know.
+    """
+
+    scenario: Scenario
+    seed: int = 0
+    families: tuple[str, ...] = ()
+    time_steps: tuple[float, ...] = (RunOptions.time_step,)
+    fixed_map: World | None = None
+    examples: int = 400
+    shrink: bool = True
+    oracles: tuple[str, ...] = ()
+    epoch: int = 16
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the controller is compiled, so that runs take microseconds."""
+        return isinstance(CONTROLLERS.get(self.scenario.controller), CompiledController)

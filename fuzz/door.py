@@ -1,0 +1,111 @@
+"""The door through which failures of every lane come: certified, run again, judged by oracles, classified."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import Counter
+
+from fuzz.asked import Asked, Trial
+from fuzz.config import CampaignConfig
+from fuzz.failure import certified, failure_by, failure_of, walled_off
+from fuzz.result import UnitResult
+from sim.controllers import CONTROLLERS, CompiledController, ProcessController
+from sim.outcome import Outcome
+from sim.scenario import Scenario
+from worldgen.errors import InvalidParameter
+from worldgen.world import World
+
+__all__ = ["SLOWER", "Door", "first_look"]
+
+SLOWER = 8
+"""How much less a unit does for a Python controller: its steps take microseconds, not nanoseconds."""
+
+_PROOF_STEPS = 60_000  # budget in which a failing run may close its loop
+_PROVE_AT_MOST = 24  # failing runs of one verdict and cause that a unit proves and classifies; the rest it counts
+_PROVE_HANGS_AT_MOST = 2  # likewise, for each run that hangs costs a whole deadline, several times
+
+
+class Door:
+    """Turns runs that look like failures into failures, and keeps the smallest of each class in a unit's result.
+
+    Args:
+        config: The campaign's.
+        result: Of the unit; runs are counted and failures kept there.
+    """
+
+    def __init__(self, config: CampaignConfig, result: UnitResult) -> None:
+        self._config, self.result = config, result
+        self._asked = [Asked.parse(text) for text in config.oracles]
+        self._failed: Counter[tuple[str, str]] = Counter()
+        controller = CONTROLLERS.get(config.scenario.controller)
+        self._proof_steps = _PROOF_STEPS if isinstance(controller, CompiledController) else _PROOF_STEPS // SLOWER
+        if isinstance(controller, ProcessController):  # of which no loop can be proved
+            self._proof_steps = 0
+
+    def count(self, verdict: str, steps: int) -> None:
+        """Counts one run."""
+        self.result.worlds += 1
+        self.result.steps += steps
+        self.result.verdicts[verdict] += 1
+
+    def look(self, world: World, scenario: Scenario, outcome: Outcome) -> None:
+        """Counts a run at first look; if it does not arrive it is proved. Oracles that are asked for judge it."""
+        verdict = first_look(outcome)
+        self.count(verdict, outcome.steps)
+        if verdict != "reached":
+            self.enter(world, scenario, verdict, outcome.cause)
+        if self._asked:
+            self._ask(world, scenario)
+
+    def enter(self, world: World, scenario: Scenario, verdict: str, cause: str = "") -> None:
+        """Proves, classifies and keeps a run that failed, if not too many of its kind came before.
+
+        Args:
+            world: Where, with or without certificate.
+            scenario: What ran.
+            verdict: At first look; ``breach`` for a robot that got to a walled-off target.
+            cause: Of the verdict, as far as the kernel knows it.
+        """
+        if not self._is_one_of_few(verdict, cause):
+            return
+        if verdict == "breach":
+            sealed = walled_off(world)
+            steps = scenario.options(world).steps
+            self._keep(None if sealed is None else failure_of(sealed, scenario, steps=steps))
+            return
+        proved = world if world.certificate else certified(world)
+        with contextlib.suppress(InvalidParameter):  # too long to be recorded, so nothing that could be shown
+            self._keep(None if proved is None else failure_of(proved, scenario, fewest_steps=self._proof_steps))
+
+    def _is_one_of_few(self, verdict: str, cause: str) -> bool:
+        self._failed[verdict, cause] += 1
+        return self._failed[verdict, cause] <= (_PROVE_HANGS_AT_MOST if verdict == "hang" else _PROVE_AT_MOST)
+
+    def _ask(self, world: World, scenario: Scenario) -> None:
+        """Lets every oracle that was asked for judge the run, with its witness's budget."""
+        proved = world if world.certificate else certified(world)
+        if proved is None:
+            return
+        trial = Trial(proved, scenario.controller, scenario.options(proved))
+        for asked in self._asked:
+            said = asked.objection(trial)
+            if said is None or not self._is_one_of_few("oracle", asked.kind(said)):
+                continue
+            with contextlib.suppress(InvalidParameter):  # too long to be recorded
+                self._keep(failure_by(proved, scenario, asked))
+
+    def _keep(self, failure: World | None) -> None:
+        if failure is None or failure.failure is None:
+            return
+        kind = str(failure.failure.details["class"])
+        self.result.met[kind] += 1
+        before = self.result.failures.get(kind)
+        if before is None or failure.solid_cells < before.solid_cells:
+            self.result.failures[kind] = failure
+
+
+def first_look(outcome: Outcome) -> str:
+    """The verdict of a run whose budget was short: ``undecided`` where it was spent."""
+    if outcome.ending == "limit":
+        return "overlap" if outcome.overlap_step >= 0 else "undecided"
+    return "overlap" if outcome.overlap_step >= 0 and outcome.ending in ("reached", "loop") else outcome.ending

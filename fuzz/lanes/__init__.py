@@ -1,0 +1,25 @@
+"""Lanes: where a campaign's scenarios come from. Each looks for runs that fail and brings them to the one door.
+
+Contents:
+    lane_of: the lane of a name.
+    Task: what a lane gets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from fuzz.lanes import drawn
+from fuzz.lanes.task import Task
+
+__all__ = ["Lane", "Task", "lane_of"]
+
+Lane = Callable[[Task], None]
+"""Does a unit's work: counts its runs and hands what fails to the task's door."""
+
+_OWN: dict[str, Lane] = {drawn.SEALED: drawn.search_sealed}
+
+
+def lane_of(name: str) -> Lane:
+    """The lane of a name; that of a family, of ``features`` and of ``map`` lets Hypothesis draw."""
+    return _OWN.get(name, drawn.search)
