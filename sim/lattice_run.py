@@ -196,8 +196,7 @@ class LatticeRun:
             return self._run_compiled(self.controller, steps, record)
         loop = PythonLoop(self.controller, self.arena(), self.settings, self.scales)
         loop.run(steps, record=record)
-        recording = loop.recording() if record else None
-        return self._outcome(loop.robot, recording, loop.complete, loop.fault)
+        return self._outcome(loop.robot, loop.recording(), loop.complete, loop.fault)
 
     def recurrence(self, period: int, most: int) -> tuple[int, Words] | None:
         """Where a recurrence that a run has found begins: the step, at ``most`` that one, and the state then.

@@ -71,8 +71,13 @@ class PythonLoop:
             self._guarded(steps, record)
         self.complete = hidden is not None and hidden_state(self._controller) == hidden
 
-    def recording(self) -> tuple[Ints, Ints]:
-        """The states as rows, and the points of the path, as the compiled episode writes them."""
+    def recording(self) -> tuple[Ints, Ints] | None:
+        """The states as rows, and the points of the path, as the compiled episode writes them.
+
+        ``None`` of a run that was not recorded, or whose controller failed in ``reset``.
+        """
+        if not len(self._rows):
+            return None
         done = int(self.robot.counts[layout.OUT_STEPS]) - (self.fault is not None)
         written = self._path[: int(self.robot.counts[layout.OUT_POINTS])]
         return self._rows[: max(done, 0) + 1], written[written[:, layout.POINT_STEP] > 0]

@@ -232,8 +232,9 @@ class Forgetful(Straight):
         (Nonsense(), "invalid-command"),
     ],
 )
-def test_a_broken_controller_has_a_verdict_of_its_own(controller, verdict):
-    assert simulate(arena(), controller).verdict == verdict
+@pytest.mark.parametrize("record", [False, True])
+def test_a_broken_controller_has_a_verdict_of_its_own(controller, verdict, record):
+    assert simulate(arena(), controller, record=record).verdict == verdict
 
 
 def test_what_a_controller_prints_leaves_stdout_alone(capsys):
