@@ -41,26 +41,32 @@ def _worlds(_: object) -> Any:
 
 
 class _Awaited(MetaPathFinder):
-    """Lets others find the module, once, and registers when it has been executed."""
+    """Lets others find the module, and registers when it has been executed; who only looks for it changes nothing."""
+
+    def __init__(self) -> None:
+        self._asks_others = False
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """The specification that the other finders give, with a loader that reports."""
-        if fullname != _HOME:
+        if fullname != _HOME or self._asks_others:
             return None
-        sys.meta_path.remove(self)
-        spec = importlib.util.find_spec(fullname)
+        self._asks_others = True
+        try:
+            spec = importlib.util.find_spec(fullname)
+        finally:
+            self._asks_others = False
         if spec is not None and spec.loader is not None:
-            spec.loader = _Reporting(spec.loader)
+            spec.loader = _Reporting(spec.loader, self)
         return spec
 
 
 class _Reporting(Loader):
     """Another loader, which it puts back into the module before that is executed."""
 
-    def __init__(self, loader: Loader) -> None:
-        self._loader = loader
+    def __init__(self, loader: Loader, finder: _Awaited) -> None:
+        self._loader, self._finder = loader, finder
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
         """As the other loader does."""
@@ -72,4 +78,5 @@ class _Reporting(Loader):
         if module.__spec__ is not None:
             module.__spec__.loader = self._loader
         self._loader.exec_module(module)
+        sys.meta_path.remove(self._finder)
         _register(module)
