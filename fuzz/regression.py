@@ -16,6 +16,7 @@ from sim.scenario import Scenario
 from sim.words import evidence_in_words
 from worldgen.errors import InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.grid_file import read_world, write_world
+from worldgen.plain_text import shown_lines
 from worldgen.render import draw_terminal
 from worldgen.world import Cut, World
 
@@ -177,7 +178,7 @@ def tell(seen: Seen, path: Path | None) -> Told:
     if replayed_by:
         properties["replay"] = replayed_by
         lines.append(f"replay: {replayed_by}")
-    return Told("\n".join(lines), properties)
+    return Told(shown_lines("\n".join(lines)), properties)
 
 
 def _keep(seen: Seen, path: Path) -> str:

@@ -226,7 +226,7 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     color = wants_color(sys.stdout)
     return (
-        f"{shown(who)} under {record.motion}: {record.verdict}{words}\n"
+        f"{shown(who)} under {record.motion}: {record.verdict}{shown(words)}\n"
         f"  class {shown(kind)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{draw_terminal(world, trail=trail_of(episode), color=color)}"

@@ -1,10 +1,10 @@
-"""Plain text for terminals: aligned columns, counted nouns."""
+"""Plain text for terminals: aligned columns, counted nouns, and nothing that a terminal would obey."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-__all__ = ["GAP", "aligned", "counted"]
+__all__ = ["GAP", "aligned", "counted", "shown", "shown_lines"]
 
 GAP = "  "  # between two columns
 
@@ -32,3 +32,13 @@ def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
 def counted(count: int, one: str, many: str = "") -> str:
     """The count and its noun: ``1 map``, ``2 maps``; ``many`` where an s is not enough."""
     return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def shown(text: object) -> str:
+    """A text with what a terminal would obey, as in the names of strangers' files, written as escapes."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
+
+
+def shown_lines(text: str) -> str:
+    """The same for a text of several lines, which stay so."""
+    return "\n".join(map(shown, text.split("\n")))

@@ -133,7 +133,12 @@ class FailureFile(pytest.File):
 
 
 class NotAsExpected(Exception):
-    """A stored failure is not what it is expected to be; the message says why."""
+    """A stored failure is not what it is expected to be; the message says why, in words that steer no terminal."""
+
+    def __init__(self, reason: object) -> None:
+        from worldgen.plain_text import shown
+
+        super().__init__(shown(reason))
 
 
 class FailureTest(pytest.Item):
@@ -152,7 +157,7 @@ class FailureTest(pytest.Item):
         try:
             outcome = check(self.path, settings.expect, settings.controller)
         except WorldgenError as error:
-            raise NotAsExpected(str(error)) from error
+            raise NotAsExpected(error) from error
         if outcome.reason:
             self.stash[_SEEN] = outcome.seen
             raise NotAsExpected(outcome.reason)

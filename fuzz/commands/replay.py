@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, json_option
+from worldgen.cli.output import emit_json, json_option, shown
 
 __all__ = ["replay"]
 
@@ -31,8 +31,8 @@ def replay(paths: tuple[Path, ...], controller: str | None, with_picture: bool, 
         results.append({"file": str(path), "verdict": outcome.verdict, "confirmed": outcome.confirmed})
         if not as_json:
             click.echo(
-                f"{path}: {outcome.verdict} "
-                + ("confirmed" if outcome.confirmed else f"NOT confirmed: {outcome.reason}")
+                f"{shown(path)}: {outcome.verdict} "
+                + ("confirmed" if outcome.confirmed else f"NOT confirmed: {shown(outcome.reason)}")
             )
             if with_picture and outcome.confirmed:
                 click.echo(describe(world, path))

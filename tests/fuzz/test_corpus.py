@@ -344,8 +344,10 @@ def test_show_draws_a_failure_and_says_how_to_replay_it():
 
 
 def test_words_from_a_strangers_file_cannot_steer_the_terminal(tmp_path):
-    failure(tmp_path, "x", kind="loop\x1b[2J")
-    assert all("\x1b" not in worldgen("corpus", word, tmp_path).out for word in ("list", "show", "prune"))
+    failure(tmp_path, "x\x1b[2J", kind="loop\x1b[2J", controller="thesis-2+oops\x1b[2J")
+    failure(tmp_path, "y", kind="loop\x1b[2J")
+    commands = ("corpus", "list"), ("corpus", "show"), ("corpus", "prune"), ("replay",)
+    assert all("\x1b" not in worldgen(*command, tmp_path).out for command in commands)
 
 
 def test_show_draws_a_corpus_on_one_sheet(tmp_path):

@@ -4,7 +4,9 @@ import importlib
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -127,6 +129,17 @@ def test_a_broken_file_in_a_corpus_fails_as_a_test_with_one_sentence(project):
     done.assert_outcomes(failed=1)
     done.stdout.fnmatch_lines(["*broken.grid:1: *"])
     done.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_words_of_a_stranger_cannot_steer_the_terminal(project, failure):
+    strange = replace(failure.failure, controller="\x1b[2J\0|<b>")
+    write_world(replace(failure, failure=strange), project.mkdir("failures") / "strange.grid")
+    project.makepyfile(loud="class Loud:\n    act = print\n    def reset(self): raise ValueError('\x1b[2J\ufffe')\n")
+    for more in ((), ("--worldgen-controller", "./loud.py:Loud")):
+        done = pytest_run(project, "failures/strange.grid", "--junitxml=out.xml", *more)
+        done.assert_outcomes(failed=1)
+        assert "\x1b" not in done.stdout.str()
+        ElementTree.parse(project.path / "out.xml")
 
 
 def test_where_the_plugin_is_not_used_it_imports_and_writes_nothing(project):

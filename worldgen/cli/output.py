@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import click
 
 from worldgen.files import write_bytes
+from worldgen.plain_text import shown, shown_lines
 
 __all__ = [
     "CONTROLLER_HELP",
@@ -42,12 +43,7 @@ seed_option: Callable[[F], F] = click.option(
 
 def note(message: str) -> None:
     """A message for the person at the terminal: stderr, so that stdout stays data."""
-    click.echo("\n".join(shown(line) for line in message.split("\n")), err=True)
-
-
-def shown(text: object) -> str:
-    """A text with what a terminal would obey, as in the names of strangers' files, written as escapes."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
+    click.echo(shown_lines(message), err=True)
 
 
 def emit_json(result: Mapping[str, Any]) -> None:
