@@ -22,8 +22,14 @@ def is_world_file(name: str) -> bool:
 
 
 def files_in(folder: Path) -> list[Path]:
-    """The files in a folder and below that are taken for worlds, sorted by name."""
-    return sorted(file for file in folder.rglob("*") if is_world_file(file.name) and file.is_file())
+    """The files in a folder and below that are taken for worlds, sorted by name; none in a folder called ``.name``."""
+    found = (file for file in folder.rglob("*") if is_world_file(file.name) and file.is_file())
+    return sorted(file for file in found if not _is_hidden(file.relative_to(folder)))
+
+
+def _is_hidden(path: Path) -> bool:
+    """Whether a program keeps it for itself, as a campaign its memory and pytest its cache."""
+    return any(part.startswith(".") for part in path.parts[:-1])
 
 
 def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:

@@ -80,6 +80,13 @@ def test_worlds_without_a_failure_are_passed_over(tmp_path):
     assert "0 failures" in result.out and "passed over 1 world " in result.err
 
 
+def test_a_hidden_folder_is_no_part_of_a_corpus_unless_it_is_named(tmp_path):
+    failure(tmp_path, "out/x")
+    failure(tmp_path, "out/.campaign/failures/y", kind="loop-b")
+    hidden = tmp_path / "out/.campaign"
+    assert [len(read(folder)) for folder in (tmp_path / "out", hidden)] == [1, 1]
+
+
 @pytest.mark.parametrize("text", ["", "no world\n", "%worldgen-grid 1\ncell_size = 1e999\n"])
 def test_a_broken_file_is_one_line_that_names_it(text, tmp_path):
     (tmp_path / "broken.grid").write_text(text)
