@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 import time
-from collections import Counter
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
@@ -15,23 +12,21 @@ from rich.console import Console
 from rich.progress import Progress as Bar
 from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from fuzz.asked import Asked, Trial, objection_in_words
+from fuzz.asked import Asked, Trial
 from fuzz.campaign import Campaign, Found
 from fuzz.config import CampaignConfig
-from fuzz.failure import certified, regardless_of_walls
+from fuzz.failure import certified
 from fuzz.lanes.drawn import LAYOUT_LANES, SEALED, TIME_STEPS, can_breach
-from sim.episode import Episode, prepare, simulate
+from fuzz.telling import describe, replay_line
+from sim.episode import prepare
 from sim.motion import MOTIONS
-from sim.picture import trail_of
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
-from sim.words import evidence_in_words
-from worldgen.cli.output import emit_json, note, shown
+from worldgen.cli.output import emit_json, note
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.family import FAMILIES
 from worldgen.grid_file import write_world
-from worldgen.render import draw_terminal, wants_color
-from worldgen.world import Cut, FailureRecord, Pose, Target, World
+from worldgen.world import Pose, Target, World
 
 __all__ = ["CampaignSession", "configure"]
 
@@ -203,45 +198,6 @@ class CampaignSession:
                 for kind, world in sorted(state.best.items())
             ],
         }
-
-
-def replay_line(path: Path) -> str:
-    """The command that shows a failure again."""
-    return f"worldgen replay {shlex.quote(str(path))}"
-
-
-def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> str:
-    """A failure for the terminal: what happened, the picture, the line that replays it."""
-    record = world.failure
-    if record is None:
-        return str(path)
-    options = RunOptions.of(record.motion, record.seed, record.parameters)
-    episode, words = _seen(world, record, options)
-    who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
-    kind = str(record.details.get("class", record.verdict))
-    often = f", met {met[kind]} times" if met and met[kind] else ""
-    seeds = record.details.get("failing_seeds")
-    does = "get there" if isinstance(world.certificate, Cut) else "fail"
-    chance = f", {seeds[0]} of {seeds[1]} seeds {does}" if isinstance(seeds, list) else ""
-    minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
-    color = wants_color(sys.stdout)
-    return (
-        f"{shown(who)} under {record.motion}: {record.verdict}{shown(words)}\n"
-        f"  class {shown(kind)}{often}; "
-        f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
-        f"{draw_terminal(world, trail=trail_of(episode), color=color)}"
-        f"  {shown(replay_line(path))}\n"
-    )
-
-
-def _seen(world: World, record: FailureRecord, options: RunOptions) -> tuple[Episode, str]:
-    """The run to draw, and the evidence in words; a breach is drawn up to the target."""
-    episode = simulate(world, record.controller, options, record=True)
-    words = evidence_in_words(episode)
-    if not isinstance(world.certificate, Cut):
-        return episode, words + objection_in_words(record.evidence)
-    whole = simulate(world, record.controller, regardless_of_walls(options), record=True)
-    return whole, f"{words}: reached a walled-off target in step {whole.steps}"
 
 
 def _prepare_folder(out: Path, force: bool) -> None:

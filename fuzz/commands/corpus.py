@@ -79,7 +79,7 @@ def show(paths: tuple[Path, ...], png: Path | None, force: bool, **patterns: tup
     Runs the controllers that the files name.
     """
     from fuzz.corpus import contact_sheet
-    from fuzz.session import describe
+    from fuzz.telling import describe
     from worldgen.errors import WorldgenError
     from worldgen.files import check_output
     from worldgen.grid_file import read_world
@@ -231,7 +231,7 @@ def _read(paths: Sequence[Path], patterns: dict[str, tuple[str, ...]]) -> Corpus
 
 
 def _json(entry: Entry) -> dict[str, Any]:
-    from fuzz.session import replay_line
+    from fuzz.telling import replay_line
 
     row = entry.as_dict()
     return row | {"first_seen": row["first_seen"] or None, "replay": replay_line(entry.path)}

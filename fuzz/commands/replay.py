@@ -22,7 +22,7 @@ def replay(paths: tuple[Path, ...], controller: str | None, with_picture: bool, 
     Exit code 0 if every one is confirmed, 1 if one is not.
     """
     from fuzz.failure import replay as replay_failure
-    from fuzz.session import describe
+    from fuzz.telling import describe
     from worldgen.world_files import read_worlds
 
     results = []

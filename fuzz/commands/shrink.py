@@ -23,8 +23,8 @@ def shrink(path: Path, out: Path | None, seconds: float | None, as_json: bool, f
     Frees cells, drops rows, columns and events, simplifies the start, until nothing more can go, and checks
     that independently. Ctrl-C keeps the best so far.
     """
-    from fuzz.session import describe
     from fuzz.shrink import shrink as shrink_failure
+    from fuzz.telling import describe
     from worldgen.errors import OutputError
     from worldgen.grid_file import read_world, write_world
 
