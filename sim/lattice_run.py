@@ -18,7 +18,7 @@ from sim.kernels import layout
 from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
 from sim.kernels.lattice_batch import lattice_batch, lattice_entry
 from sim.kernels.lattice_episode import lattice_episode
-from sim.kernels.lattice_sense import heading_table
+from sim.kernels.lattice_sense import heading_table, sense
 from sim.kernels.lattice_state import Arena, Robot, Room, new_robot, new_room
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
@@ -257,6 +257,23 @@ class LatticeRun:
             np.zeros((0, 1), np.int64), counts, sums,
         )  # fmt: skip
         return counts, sums
+
+    def sensed_of_walls(self, states: Ints) -> Floats:
+        """What the controller senses, of all that walls decide beside contact, before the first event.
+
+        Args:
+            states: (n, 3) ``STATE_X``, ``STATE_Y``, ``STATE_HEADING``.
+
+        Returns:
+            (n, OBS_SIZE + beams) observations in which the signal and the beams count, if it looks at them.
+        """
+        settings = self.settings.copy()
+        settings[layout.SET_SENSES] &= layout.SENSE_SIGNAL | layout.SENSE_SIGNAL_HEADING | layout.SENSE_BEAMS
+        seen = np.zeros((len(states), layout.OBS_SIZE + self.options.robot.beams))
+        nowhere = np.zeros(3)
+        for state, observation in zip(states, seen, strict=True):
+            sense(self._cells, _headings(), settings, self.scales, state, nowhere, (0.0, 0.0), 0, observation)
+        return seen
 
     def arena(self) -> Arena:
         """The world before the first event."""

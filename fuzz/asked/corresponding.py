@@ -1,7 +1,8 @@
 """Metamorphic oracles: in a world that corresponds to another one, the outcome corresponds too.
 
 Each runs the controller once more where it ought to fare alike, and objects if the robot arrives in one of the two
-runs and not in the other; with a number, also if one run takes more than that many times the other's steps.
+runs and not in the other; with a number, also if one run takes more than that many times the other's steps. ``wall``
+asks for the very same run.
 
 Source: Tsong Yueh Chen, Shing-Chi Cheung and Siu-Ming Yiu, "Metamorphic testing: a new approach for generating next
 test cases", Hong Kong University of Science and Technology, 1998.
@@ -12,13 +13,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from fuzz.asked.added_walls import walled_where_unnoticed, with_a_block_beside_the_way
 from fuzz.asked.trial import Trial
 from fuzz.asked.worlds import mirrored, scaled, shifted, turned
 from sim.run_options import MAX_STEPS
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.world import Value, World
 
-__all__ = ["finer", "mirror", "scale", "shift", "turn"]
+__all__ = ["block", "finer", "mirror", "scale", "shift", "turn", "wall"]
 
 _SHORTEST_STEP = 0.001  # s: what the simulator takes
 
@@ -51,6 +53,34 @@ def finer(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
             f"oracle finer: half of time_step={trial.options.time_step:g} s is below 0.001 s; give a longer one"
         )
     return _objection(trial, factor, trial.world, each=0.5, time_step=step, steps=steps)
+
+
+def wall(trial: Trial) -> dict[str, Value] | None:
+    """Walls where neither the witness passes nor the robot, in its run, could touch or sense them: the same run.
+
+    What a controller does hangs on what it senses; who objects to this one has seen it look elsewhere.
+
+    Returns:
+        ``kind``; ``walls``: how many cells were added; ``verdicts`` and ``steps`` of both runs.
+    """
+    walled = walled_where_unnoticed(trial)
+    if walled is None:
+        return None
+    here, there = trial.episode, trial.again(walled)
+    if (here.verdict, here.steps, here.trace_digest) == (there.verdict, there.steps, there.trace_digest):
+        return None
+    return {
+        "kind": "otherwise" if here.verdict == there.verdict else f"then-{there.verdict}",
+        "walls": walled.solid_cells - trial.world.solid_cells,
+        "verdicts": [here.verdict, there.verdict],
+        "steps": [here.steps, there.steps],
+    }
+
+
+def block(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
+    """One cell of wall more, beside a wall and the robot's way, that the witness does not need: perhaps another way."""
+    blocked = with_a_block_beside_the_way(trial)
+    return None if blocked is None else _objection(trial, factor, blocked)
 
 
 def _objection(

@@ -41,7 +41,7 @@ EXAMPLES = (
     multiple=True,
     metavar="NAME[=NUMBER]",
     help="Ask this oracle about each run: "
-    "detour, repeat, turn, shift, scale, mirror, finer, or ./file.py:name; may be repeated.",
+    "detour, repeat, turn, shift, scale, mirror, finer, wall, block, or ./file.py:name; may be repeated.",
 )
 @click.option("--shrink/--no-shrink", default=None, help="Shrink failures [default: yes, but not with --world].")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the failures.")

@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fuzz.asked import Asked, Trial, asked_by, objection_in_words
+from fuzz.asked.added_walls import walled_where_unnoticed, with_a_block_beside_the_way
 from fuzz.asked.worlds import mirrored, scaled, shifted, turned
 from fuzz.failure import certified, failure_by, replay
 from fuzz.regression import CONFIRMED, check
@@ -14,10 +16,12 @@ from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
+from sim.thesis_options import ThesisOptions
 from tests.helpers.command_line import worldgen
-from worldgen import CellState, Event, Pose, Target, Timeline, World
+from worldgen import CellState, Event, Pose, Target, Timeline, World, generate
 from worldgen.errors import InvalidParameter
-from worldgen.grid_file import dumps, loads, write_world
+from worldgen.grid_file import dumps, loads, read_world, write_world
+from worldgen.reach import check_certificate
 
 BLOCK = certified(
     World(
@@ -193,6 +197,85 @@ def test_a_scale_doubles_every_length_and_the_speed():
     large = scaled(UP)
     assert (large.cell_size, large.robot_radius, large.robot_speed) == (0.2, 2 * UP.robot_radius, 4.0)
     assert (large.start.x, large.target.radius) == (0.9, 0.1)
+
+
+@pytest.fixture
+def spy(tmp_path):
+    """A controller that looks into the simulator: it stays where it is if there is any wall."""
+    (tmp_path / "spy.py").write_text(
+        "import sys\nfrom sim import Command\n"
+        "class Spy:\n"
+        "    def reset(self): return ()\n"
+        "    def act(self, o, memory):\n"
+        "        frame = sys._getframe()\n"
+        "        while not hasattr(frame.f_locals.get('self'), '_arena'): frame = frame.f_back\n"
+        "        walls = frame.f_locals['self']._arena.cells.sum()\n"
+        "        return Command(0.0 if walls else o.top_speed), memory\n"
+    )
+    return f"{tmp_path}/spy.py:Spy"
+
+
+WIDE = certified(World(np.zeros((9, 19), bool), Pose(0.95, 0.15, math.pi / 2), Target(0.95, 0.5, 0.05)))
+
+
+def test_a_controller_that_knows_of_walls_which_it_cannot_sense_is_seen(spy):
+    said = objection("wall", spy, WIDE)
+    assert said["kind"] == "then-loop" and said["walls"] > 10
+
+
+def test_an_objection_to_walls_that_nobody_senses_is_replayed_and_shrunk(spy):
+    small = shrink(failing("wall", spy, WIDE)).world
+    assert small.failure.details["class"] == "wall-then-loop" and small.failure.details["one_minimal"]
+    assert small.walls.size < WIDE.walls.size and replay(small).confirmed
+
+
+HALL = certified(replace(BLOCK, walls=np.pad(BLOCK.walls, ((0, 12), (0, 3)))))
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint", "stepped"])
+def test_walls_far_from_a_robot_that_feels_its_way_change_nothing(motion):
+    trial = Trial(HALL, "turn-right", RunOptions(motion, 4000))
+    assert walled_where_unnoticed(trial).solid_cells > HALL.solid_cells + 10
+    assert Asked.parse("wall").objection(trial) is None
+
+
+@pytest.mark.parametrize("controller", ["vfh", "three-layer", "turn-right+signal=blocked", "vfh+beam_dropout=0.5"])
+def test_walls_that_beams_or_a_signal_would_notice_are_not_added(controller):
+    scenario, hall = Scenario.parse(controller), generate("maze", seed=4)
+    trial = Trial(hall, scenario.controller, scenario.options(hall))
+    there = trial.again(walled_where_unnoticed(trial))
+    assert (there.steps, there.trace_digest) == (trial.episode.steps, trial.episode.trace_digest)
+
+
+def test_a_witness_holds_between_the_walls_that_are_added():
+    for add in (walled_where_unnoticed, with_a_block_beside_the_way):
+        world = add(Trial(HALL, "bug1", RunOptions(steps=4000)))
+        assert check_certificate(world).valid and (world.walls >= HALL.walls).all()
+
+
+def test_where_every_cell_is_sensed_there_is_no_room_for_walls():
+    assert walled_where_unnoticed(Trial(UP, "vfh", RunOptions(steps=4000))) is None
+
+
+def test_a_world_that_changes_is_not_asked_about_walls():
+    assert objection("wall", "bug1", CHANGING) is None and objection("block", "bug1", CHANGING) is None
+
+
+def test_walls_that_hold_up_the_thesis_s_signal_count_everywhere():
+    with pytest.raises(InvalidParameter, match="no wall is far enough; ask it without"):
+        objection("wall", "turn-right", motion="stepped", thesis=ThesisOptions(signal="blocked"))
+
+
+def test_a_block_beside_the_way_shows_a_seeded_fault():
+    world = read_world(Path(__file__).parents[1] / "data" / "faults" / "bug1-lost-wall-wrong-side.grid")
+    assert objection("block", world.failure.controller, world)["kind"] == "only-there"
+    assert objection("block", "bug1", world) is None
+
+
+def test_a_factor_also_says_how_much_longer_the_way_past_a_block_may_be():
+    astray = replace(BLOCK, walls=np.pad(np.ones((2, 3), bool), ((3, 4), (3, 6))))
+    assert objection("block", "bug1", astray) is None
+    assert objection("block=1", "bug1", astray)["kind"] == "slower"
 
 
 @pytest.mark.parametrize(
