@@ -2,6 +2,7 @@
 
 Contents, each imported when it is first used:
     worlds, feature_worlds, family_worlds: Hypothesis strategies for worlds with a witness.
+    scenarios: a strategy for worlds together with what runs in them.
     Campaign, CampaignConfig: a budgeted search.
     failure_of, replay, Replay: failures and their confirmation.
     Shrunk: what ``fuzz.shrink.shrink`` returns, the smallest world that still fails.
@@ -19,20 +20,20 @@ if TYPE_CHECKING:
     from fuzz.config import CampaignConfig
     from fuzz.failure import Replay, failure_of, replay
     from fuzz.shrink.run import Shrunk
-    from fuzz.strategies import family_worlds, feature_worlds, worlds
+    from fuzz.strategies import family_worlds, feature_worlds, scenarios, worlds
 
 _HOME = {
     "campaign": ("Campaign",),
     "config": ("CampaignConfig",),
     "failure": ("Replay", "failure_of", "replay"),
-    "strategies": ("family_worlds", "feature_worlds", "worlds"),
+    "strategies": ("family_worlds", "feature_worlds", "scenarios", "worlds"),
 }
 _MODULE = {name: f"fuzz.{module}" for module, names in _HOME.items() for name in names}
 _MODULE |= {"Shrunk": "fuzz.shrink.run"}
 
 __all__ = [
     "Campaign", "CampaignConfig", "Replay", "Shrunk", "failure_of", "family_worlds", "feature_worlds", "replay",
-    "worlds",
+    "scenarios", "worlds",
 ]  # fmt: skip
 
 

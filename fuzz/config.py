@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fuzz.variation import Variation
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
@@ -21,6 +22,7 @@ class CampaignConfig:
         seed: Of the whole campaign.
         families: Where worlds come from; empty for feature layouts and the built-in families in turn.
         time_steps: Durations of a step to draw from, s.
+        vary: Quantities of the robot and options of the motion model to draw from.
         fixed_map: A foreign map on which only start, heading, target and radius vary.
         examples: Hypothesis examples in one unit.
         shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
@@ -32,6 +34,7 @@ class CampaignConfig:
     seed: int = 0
     families: tuple[str, ...] = ()
     time_steps: tuple[float, ...] = (RunOptions.time_step,)
+    vary: tuple[Variation, ...] = ()
     fixed_map: World | None = None
     examples: int = 400
     shrink: bool = True

@@ -18,6 +18,7 @@ from fuzz.config import CampaignConfig
 from fuzz.failure import certified
 from fuzz.lanes.drawn import LAYOUT_LANES, SEALED, TIME_STEPS, can_breach
 from fuzz.telling import describe, replay_line
+from fuzz.variation import Variation
 from sim.episode import prepare
 from sim.motion import MOTIONS
 from sim.run_options import RunOptions
@@ -42,6 +43,7 @@ def configure(
     time_step: float | None,
     examples: int,
     seed: int,
+    vary: tuple[str, ...] = (),
     shrink: bool | None = None,
     oracles: tuple[str, ...] = (),
 ) -> CampaignConfig:
@@ -64,9 +66,15 @@ def configure(
     time_steps: tuple[float, ...] = (scenario.time_step,)
     if time_step is None and scenario.time_step == usual and MOTIONS.get(scenario.motion).name == "endpoint":
         time_steps = TIME_STEPS
+    varied = tuple(Variation.parse(text, scenario) for text in vary)
+    names = [one.name for one in varied]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise InvalidParameter(f"--vary {min(twice)} is given twice; put all its values into one, after commas")
     _try_out(scenario, [Asked.parse(text) for text in oracles])
     wanted = fixed_map is None if shrink is None else shrink
-    return CampaignConfig(scenario, seed, families, time_steps, fixed_map, examples, wanted, oracles)
+    return CampaignConfig(
+        scenario, seed, families, time_steps, varied, fixed_map, examples=examples, shrink=wanted, oracles=oracles
+    )
 
 
 def _try_out(scenario: Scenario, asked: list[Asked]) -> None:

@@ -1,4 +1,4 @@
-"""Hypothesis strategies for worlds, per family and combined.
+"""Hypothesis strategies for worlds, per family and combined, and for scenarios: a world and what runs in it.
 
 They draw structure, never raw cells: a family's parameters and seed, or the bytes of a feature layout
 (:mod:`fuzz.features`). Everything shrinks towards small, empty, straight.
@@ -6,6 +6,7 @@ They draw structure, never raw cells: a family's parameters and seed, or the byt
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,13 +14,15 @@ from hypothesis import reject
 from hypothesis import strategies as st
 
 from fuzz.features import LAYOUT_BYTES, decode_world
-from worldgen.errors import GenerationFailed, InvalidParameter
+from fuzz.variation import Variation, applied
+from sim.scenario import Scenario
+from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, Parameter
 from worldgen.generation import generate
 from worldgen.reach import REACHABLE, decide
-from worldgen.world import Value, World
+from worldgen.world import Value, Witness, World
 
-__all__ = ["family_worlds", "feature_worlds", "layouts", "worlds"]
+__all__ = ["family_worlds", "feature_worlds", "layouts", "scenarios", "scenarios_in", "worlds"]
 
 
 def layouts() -> st.SearchStrategy[bytes]:
@@ -76,6 +79,71 @@ def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World
     if fixed:
         raise InvalidParameter(f"{', '.join(fixed)}: name the family that has these parameters")
     return st.one_of(feature_worlds(), *(family_worlds(name) for name in FAMILIES.names()))
+
+
+def scenarios(
+    controller: str,
+    *,
+    motion: str = "swept",
+    family: str | None = None,
+    vary: Mapping[str, Sequence[Value]] | None = None,
+) -> st.SearchStrategy[tuple[World, Scenario]]:
+    """Whole scenarios: a reachable world with its witness, and what runs in it, down to the seed.
+
+    Args:
+        controller: Name, with variations if wanted: ``bug1``, ``thesis-1+noise``.
+        motion: Motion model.
+        family: Of the worlds; feature layouts and all registered families where left out.
+        vary: Values of ``robot_radius`` (m), ``robot_speed`` (m/s), ``time_step`` (s) and of the motion model's
+            options, the simplest first: ``{"sensor_noise": [0.0, 0.1]}``.
+
+    Raises:
+        InvalidParameter: If a name is unknown or a value out of range.
+
+    Example:
+        >>> scenarios("turn-right", vary={"robot_radius": [0.07, 0.05]})
+    """
+    base = Scenario.parse(controller, motion=motion)
+    varied = tuple(
+        Variation.parse(f"{name}={','.join(map(_written, values))}", base) for name, values in (vary or {}).items()
+    )
+    return scenarios_in(worlds(family), base, (base.time_step,), varied).map(_provably_reachable).filter(_is_reachable)
+
+
+def scenarios_in(
+    where: st.SearchStrategy[World], base: Scenario, time_steps: Sequence[float], vary: Sequence[Variation]
+) -> st.SearchStrategy[tuple[World, Scenario]]:
+    """Scenarios in given worlds, whose certificate is gone where the robot's size or speed is drawn.
+
+    Args:
+        where: The worlds.
+        base: What runs, but for seed, time step and what is varied.
+        time_steps: s.
+        vary: What else is drawn.
+    """
+
+    def scenario(world: World, seed: int, time_step: float, *values: Value) -> tuple[World, Scenario]:
+        drawn = {one.name: value for one, value in zip(vary, values, strict=True)}
+        try:
+            return applied(drawn, world, replace(base, seed=seed, time_step=time_step))
+        except InvalidWorld:  # the drawn robot does not fit
+            reject()
+
+    values = (st.sampled_from(one.values) for one in vary)
+    return st.builds(scenario, where, st.integers(0, 2**32 - 1), st.sampled_from(tuple(time_steps)), *values)
+
+
+def _provably_reachable(drawn: tuple[World, Scenario]) -> tuple[World, Scenario]:
+    world, scenario = drawn
+    return (world if world.certificate else replace(world, certificate=decide(world).certificate)), scenario
+
+
+def _is_reachable(drawn: tuple[World, Scenario]) -> bool:
+    return isinstance(drawn[0].certificate, Witness)
+
+
+def _written(value: Value) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _choices(family: str, parameter: Parameter) -> st.SearchStrategy[Any] | None:

@@ -15,6 +15,7 @@ EXAMPLES = (
     "\b\n  worldgen fuzz --controller turn-right --motion stepped --budget 30s --seed 1 --out failures/\n"
     "  worldgen fuzz --controller ./mine.py:Robot --family trap --units 20 --out failures/\n"
     "  worldgen fuzz --controller turn-left --world map.grid --budget 1m --out failures/\n"
+    "  worldgen fuzz --controller bug1 --vary sensor_noise=0,0.1 --vary robot_speed=1,2 --out failures/\n"
     "  worldgen fuzz --controller bug1 --detour 5 --oracle turn --budget 30s --out failures/"
 )
 
@@ -28,6 +29,13 @@ EXAMPLES = (
 @click.option("--units", type=click.IntRange(1), help="Do this much work; the result depends on the seed alone.")
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: the motion model's].")
+@click.option(
+    "--vary",
+    multiple=True,
+    metavar="NAME=VALUE,...",
+    help="Draw robot_radius, robot_speed, time_step or an option of the motion model from these values, "
+    "the simplest first; may be repeated.",
+)
 @click.option("--examples", type=click.IntRange(1, 100_000), default=400, show_default=True, help="Draws a unit.")
 @click.option(
     "--detour",
@@ -57,6 +65,7 @@ def fuzz(
     units: int | None,
     workers: int | None,
     time_step: float | None,
+    vary: tuple[str, ...],
     examples: int,
     detour: float | None,
     oracles: tuple[str, ...],
@@ -86,6 +95,7 @@ def fuzz(
         families=families,
         fixed_map=None if world is None else read_world(world),
         time_step=time_step,
+        vary=vary,
         examples=examples,
         shrink=shrink,
         oracles=oracles if detour is None else (f"detour={detour!r}".removesuffix(".0"), *oracles),

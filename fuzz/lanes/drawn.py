@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -16,7 +16,7 @@ from fuzz.failure import regardless_of_walls
 from fuzz.features import decode_world
 from fuzz.lanes.task import Task
 from fuzz.sealed import SEALED_BYTES, decode_sealed
-from fuzz.strategies import family_worlds, layouts
+from fuzz.strategies import family_worlds, layouts, scenarios_in
 from sim.episode import prepare
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
@@ -31,11 +31,10 @@ __all__ = [
     "COMBINED",
     "LAYOUT_LANES",
     "SEALED",
-    "Draw",
     "can_breach",
     "combined",
     "explore",
-    "lane_strategy",
+    "lane_worlds",
     "poses_on",
     "search",
     "search_sealed",
@@ -57,22 +56,10 @@ _SEARCH_STEPS = 6_000  # budget of a first look, before the witness is known
 _DEARER = 4  # how many feature layouts are drawn in the time of one world of a family
 _EXAMPLE_WORDS = 128  # of 8 bytes; more than any lane's strategy reads
 
+Visit = Callable[[World, Scenario], None]
+"""Runs one scenario; an error would end the round."""
+
 TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)  # s: the range of the thesis's spinner
-
-
-@dataclass(frozen=True)
-class Draw:
-    """One scenario as Hypothesis drew it.
-
-    Args:
-        world: Without certificate, or with the one that its family proved.
-        seed: For the controller's random numbers.
-        time_step: s.
-    """
-
-    world: World
-    seed: int
-    time_step: float
 
 
 def can_breach(scenario: Scenario) -> bool:
@@ -88,15 +75,14 @@ def combined(scenario: Scenario) -> tuple[str, ...]:
 def search(task: Task) -> None:
     """Runs worlds as Hypothesis draws them, and hands on what does not arrive."""
 
-    def visit(draw: Draw) -> None:
-        scenario = task.scenario(draw.seed, draw.time_step)
-        budget = step_budget(draw.world, draw.time_step) if draw.world.certificate else _SEARCH_STEPS
+    def visit(world: World, scenario: Scenario) -> None:
+        budget = step_budget(world, scenario.time_step) if world.certificate else _SEARCH_STEPS
         try:
-            run = prepare(draw.world, task.controller, scenario.options(draw.world, budget))
+            run = prepare(world, task.controller, scenario.options(world, budget))
             outcome = run.run(budget, find_loop=True, record=False, digest=False)
         except InvalidWorld:  # the drawn start is in a wall
             return
-        task.door.look(draw.world, scenario, outcome)
+        task.door.look(world, scenario, outcome)
 
     _draw(task, visit)
 
@@ -104,30 +90,29 @@ def search(task: Task) -> None:
 def search_sealed(task: Task) -> None:
     """Runs worlds whose target is walled off; all that counts is a robot that gets there."""
 
-    def visit(draw: Draw) -> None:
-        scenario, verdict = task.scenario(draw.seed, draw.time_step), "sealed"
-        options = scenario.options(draw.world)
-        run = prepare(draw.world, task.controller, options)
+    def visit(world: World, scenario: Scenario) -> None:
+        verdict, options = "sealed", scenario.options(world)
+        run = prepare(world, task.controller, options)
         outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
         if outcome.ending == "tunnel":
-            run = prepare(draw.world, task.controller, regardless_of_walls(options))
+            run = prepare(world, task.controller, regardless_of_walls(options))
             whole = run.run(options.steps, find_loop=True, record=False, digest=False)
             verdict = "breach" if whole.ending == "reached" else "sealed"
         task.door.count(verdict, outcome.steps)
         if verdict == "breach":
-            task.door.enter(draw.world, scenario, verdict, outcome.cause)
+            task.door.enter(world, scenario, verdict, outcome.cause)
 
     _draw(task, visit)
 
 
-def _draw(task: Task, visit: Callable[[Draw], None]) -> None:
+def _draw(task: Task, visit: Visit) -> None:
     config, lane = task.config, task.lane
-    strategy = lane_strategy(lane, time_steps=config.time_steps, fixed_map=config.fixed_map)
+    strategy = scenarios_in(lane_worlds(lane, config.fixed_map), config.scenario, config.time_steps, config.vary)
     share = (1 if lane in (*LAYOUT_LANES, "map") else _DEARER) * (1 if config.is_compiled else SLOWER)
     explore(strategy, task.stream.next64(), max(config.examples // share, 1), visit)
 
 
-def explore(strategy: st.SearchStrategy[Draw], unit_seed: int, examples: int, visit: Callable[[Draw], None]) -> None:
+def explore(strategy: st.SearchStrategy[tuple[World, Scenario]], unit_seed: int, examples: int, visit: Visit) -> None:
     """Lets Hypothesis turn our own random bytes into examples, so that a unit depends on its seed alone.
 
     Left to itself, Hypothesis mixes constants of every loaded module into its draws, and with ``CI`` set it
@@ -136,8 +121,8 @@ def explore(strategy: st.SearchStrategy[Draw], unit_seed: int, examples: int, vi
 
     @settings(database=None, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck))
     @given(strategy)
-    def example(draw: Draw) -> None:
-        visit(draw)
+    def example(draw: tuple[World, Scenario]) -> None:
+        visit(*draw)
 
     feed: Callable[[bytes], Any] = cast(Any, example).hypothesis.fuzz_one_input
     stream = RandomStream(unit_seed)
@@ -145,19 +130,15 @@ def explore(strategy: st.SearchStrategy[Draw], unit_seed: int, examples: int, vi
         feed(stream.bits(_EXAMPLE_WORDS).astype("<u8").tobytes())
 
 
-def lane_strategy(
-    lane: str, *, time_steps: tuple[float, ...], fixed_map: World | None = None
-) -> st.SearchStrategy[Draw]:
-    """The strategy of a lane: ``features``, ``sealed``, ``map`` (poses on a fixed foreign map), or a family's name."""
+def lane_worlds(lane: str, fixed_map: World | None = None) -> st.SearchStrategy[World]:
+    """The worlds of a lane: ``features``, ``sealed``, ``map`` (poses on a fixed foreign map), or a family's name."""
     if lane == "map" and fixed_map is not None:
-        worlds: st.SearchStrategy[World] = poses_on(fixed_map)
-    elif lane == "features":
-        worlds = layouts().map(decode_world)
-    elif lane == SEALED:
-        worlds = st.binary(min_size=SEALED_BYTES, max_size=SEALED_BYTES).map(decode_sealed)
-    else:
-        worlds = family_worlds(lane)
-    return st.builds(Draw, worlds, st.integers(0, 2**32 - 1), st.sampled_from(time_steps))
+        return poses_on(fixed_map)
+    if lane == "features":
+        return layouts().map(decode_world)
+    if lane == SEALED:
+        return st.binary(min_size=SEALED_BYTES, max_size=SEALED_BYTES).map(decode_sealed)
+    return family_worlds(lane)
 
 
 def poses_on(world: World) -> st.SearchStrategy[World]:
