@@ -14,6 +14,7 @@ from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from fuzz.asked import Asked, Trial
 from fuzz.campaign import Campaign, Found
+from fuzz.ci import NO_OUTPUTS, Finding, Outputs, Report
 from fuzz.config import CampaignConfig
 from fuzz.failure import certified
 from fuzz.lanes.drawn import LAYOUT_LANES, SEALED, TIME_STEPS, can_breach
@@ -23,7 +24,7 @@ from sim.episode import prepare
 from sim.motion import MOTIONS
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
-from worldgen.cli.output import emit_json, note
+from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.family import FAMILIES
 from worldgen.grid_file import write_world
@@ -103,6 +104,7 @@ class CampaignSession:
         workers: Processes.
         force: Whether files of the same name may be replaced.
         quiet: Print one JSON object at the end instead of text.
+        outputs: Reports to write at the end.
     """
 
     def __init__(
@@ -115,8 +117,9 @@ class CampaignSession:
         workers: int,
         force: bool,
         quiet: bool,
+        outputs: Outputs = NO_OUTPUTS,
     ) -> None:
-        self._config, self._out, self._quiet = config, out, quiet
+        self._config, self._out, self._quiet, self._outputs = config, out, quiet, outputs
         self._campaign = Campaign(config, units=units, seconds=seconds, workers=workers)
         self._limit = f"{units} units" if units else f"{seconds:g} s"
         _prepare_folder(out, force)
@@ -137,6 +140,8 @@ class CampaignSession:
             ) from error
         best = self._campaign.state.best
         self._report(time.monotonic() - started)
+        if self._outputs:
+            self._outputs.write(self._as_report(time.monotonic() - started))
         if stopped:
             note(f"interrupted; {len(best)} failures are kept in {self._out}")
             return 130
@@ -185,6 +190,15 @@ class CampaignSession:
         )
         if not state.best:
             click.echo(f"no failure of {self._config.scenario.label()} under {self._config.scenario.motion} found")
+
+    def _as_report(self, seconds: float) -> Report:
+        """The campaign for the programs that run tests for a team."""
+        state, scenario = self._campaign.state, self._config.scenario
+        best = sorted(state.best.items())
+        facts = {"controller": shown(scenario.label(scenario.motion, scenario.time_step)), "motion": scenario.motion}
+        numbers = {"seed": self._config.seed, "units": state.units, "worlds": state.worlds, "steps": state.steps}
+        facts |= {name: str(number) for name, number in numbers.items()} | {"seconds": f"{seconds:.1f}"}
+        return Report("fuzz", tuple(Finding.of(world, self._path(kind), "new") for kind, world in best), facts)
 
     def _summary(self, seconds: float) -> dict[str, object]:
         state = self._campaign.state

@@ -3,10 +3,26 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
 
 import click
 
-__all__ = ["Duration"]
+__all__ = ["Duration", "output_options"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def output_options(command: F) -> F:
+    """``--junit``, ``--sarif`` and ``--summary``: reports for the programs that run tests for a team."""
+    for name, what in (
+        ("--summary", "Add a summary in Markdown to the end of this file, such as $GITHUB_STEP_SUMMARY."),
+        ("--sarif", "Write SARIF 2.1.0, for code scanning."),
+        ("--junit", "Write JUnit's XML."),
+    ):
+        command = click.option(name, type=click.Path(path_type=Path), metavar="OUT", help=what)(command)
+    return command
 
 
 class Duration(click.ParamType[float]):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from fuzz.commands._options import Duration
+from fuzz.commands._options import Duration, output_options
 from worldgen.cli.output import CONTROLLER_HELP, draw_seed, force_option, json_option, seed_option
 
 __all__ = ["fuzz"]
@@ -53,6 +53,7 @@ EXAMPLES = (
 )
 @click.option("--shrink/--no-shrink", default=None, help="Shrink failures [default: yes, but not with --world].")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the failures.")
+@output_options
 @seed_option
 @json_option
 @force_option
@@ -74,6 +75,7 @@ def fuzz(
     seed: int | None,
     as_json: bool,
     force: bool,
+    **outputs: Path | None,
 ) -> None:
     """Search for worlds in which a controller fails; prove, shrink and save what is found.
 
@@ -82,6 +84,7 @@ def fuzz(
     """
     import os
 
+    from fuzz.ci import Outputs
     from fuzz.session import CampaignSession, configure
     from worldgen.grid_file import read_world
 
@@ -89,6 +92,8 @@ def fuzz(
         raise click.UsageError("give --budget or --units, not both")
     if world is not None and families:
         raise click.UsageError("give --world or --family, not both: on a map only the poses vary")
+    reports = Outputs(**outputs, force=force)
+    reports.check()
     config = configure(
         controller=controller,
         motion=motion,
@@ -109,5 +114,6 @@ def fuzz(
         workers=workers or os.cpu_count() or 1,
         force=force,
         quiet=as_json,
+        outputs=reports,
     )
     raise SystemExit(session.run())

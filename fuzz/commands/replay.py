@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import emit_json, json_option, shown
+from fuzz.commands._options import output_options
+from worldgen.cli.output import emit_json, force_option, json_option, shown
 
 __all__ = ["replay"]
 
@@ -15,17 +16,29 @@ __all__ = ["replay"]
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH|DIR...")
 @click.option("--controller", help="Use this controller instead of the one that the file names.")
 @click.option("--show", "with_picture", is_flag=True, help="Draw each failure in the terminal.")
+@output_options
 @json_option
-def replay(paths: tuple[Path, ...], controller: str | None, with_picture: bool, as_json: bool) -> None:
+@force_option
+def replay(
+    paths: tuple[Path, ...],
+    controller: str | None,
+    with_picture: bool,
+    as_json: bool,
+    force: bool,
+    **outputs: Path | None,
+) -> None:
     """Run saved failures again and compare verdict, evidence, trace digest and certificate.
 
     Exit code 0 if every one is confirmed, 1 if one is not.
     """
+    from fuzz.ci import Finding, Outputs, Report, State
     from fuzz.failure import replay as replay_failure
     from fuzz.telling import describe
     from worldgen.world_files import read_worlds
 
-    results = []
+    reports = Outputs(**outputs, force=force)
+    reports.check()
+    results, findings = [], []
     for path, world in read_worlds(paths):
         outcome = replay_failure(world, controller)
         results.append({"file": str(path), "verdict": outcome.verdict, "confirmed": outcome.confirmed})
@@ -36,6 +49,10 @@ def replay(paths: tuple[Path, ...], controller: str | None, with_picture: bool, 
             )
             if with_picture and outcome.confirmed:
                 click.echo(describe(world, path))
+        if reports:
+            state: State = "confirmed" if outcome.confirmed else "not confirmed"
+            findings.append(Finding.of(world, path, state, outcome.reason, controller))
+    reports.write(Report("replay", tuple(findings)))
     confirmed = sum(bool(result["confirmed"]) for result in results)
     if as_json:
         emit_json({"replayed": len(results), "confirmed": confirmed, "failures": results})

@@ -1,0 +1,151 @@
+"""What a command found, in plain text that no terminal, browser or parser would obey."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+from fuzz.failure import scenario_of
+from fuzz.telling import replay_line, run_to_draw
+from sim.picture import trail_of
+from sim.scenario import Scenario
+from worldgen.errors import WorldgenError
+from worldgen.grid_file.writer import world_digest
+from worldgen.plain_text import counted, shown, shown_lines
+from worldgen.render import draw_terminal
+from worldgen.world import World
+
+__all__ = ["Finding", "Report", "State"]
+
+State = Literal["new", "known", "confirmed", "not confirmed"]
+_MOST_PICTURE = 20_000  # characters; a larger world is looked at in its file
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A failure and what is to be said of it.
+
+    Args:
+        state: ``new`` or ``known`` to a campaign; ``confirmed`` or ``not confirmed`` by a replay.
+        file: Where it lies.
+        controller: Its name in the file, without options.
+        who: Controller with options, and motion model.
+        verdict: One of the vocabulary's.
+        kind: The class.
+        what: What happened, in a sentence without its end.
+        size: Of the world, in words.
+        picture: The world as lines of text, with the robot's way if it could be run here.
+        world_id: SHA-256, in hex, of the world without its record.
+        seed: Of the run.
+        replay: The command that shows it again.
+    """
+
+    state: State
+    file: Path
+    controller: str
+    who: str
+    verdict: str
+    kind: str
+    what: str
+    size: str
+    picture: str
+    world_id: str
+    seed: int
+    replay: str
+
+    @classmethod
+    def of(cls, world: World, file: Path, state: State, reason: str = "", controller: str | None = None) -> Finding:
+        """Describes a failure; its controller is run for the picture.
+
+        Args:
+            world: The failure.
+            file: Where it lies.
+            state: See above.
+            reason: Why it is not confirmed.
+            controller: Instead of the one that the file names.
+
+        Raises:
+            InvalidParameter: If the world holds no failure.
+        """
+        record, options = scenario_of(world)
+        replay = replay_line(file)
+        if controller is not None:
+            record = replace(record, controller=controller)
+            replay += f" --controller {shlex.quote(controller)}"
+        who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
+        try:
+            episode, words = run_to_draw(replace(world, failure=record))
+            trail = trail_of(episode)
+        except WorldgenError as error:
+            words, trail = f", but it cannot be run here: {error}", None
+        said = reason if state == "not confirmed" else f"{record.verdict}{words}"
+        picture = draw_terminal(replace(world, failure=None), trail=trail, color=False).rstrip("\n")
+        if len(picture) > _MOST_PICTURE:
+            picture = f"(a map of {world.width} x {world.height} cells is too large for a picture here)"
+        return cls(
+            state,
+            file,
+            controller=record.controller,
+            who=shown(f"{who} under {record.motion}"),
+            verdict=shown(record.verdict),
+            kind=shown(record.details.get("class", record.verdict)),
+            what=shown(said),
+            size=f"{world.width} x {world.height} cells, {world.solid_cells} solid",
+            picture=shown_lines(picture),
+            world_id=world_digest(world),
+            seed=record.seed,
+            replay=shown(replay),
+        )
+
+    @property
+    def fails(self) -> bool:
+        """Whether it makes the command end with 1."""
+        return self.state in ("new", "not confirmed")
+
+    @property
+    def place(self) -> str:
+        """The file, to be read."""
+        return shown(self.file)
+
+    @property
+    def headline(self) -> str:
+        """Who, and what happened."""
+        return f"{self.who}: {self.what}"
+
+    @property
+    def text(self) -> str:
+        """All of it, as lines."""
+        about = f"{self.headline}\nclass {self.kind}; {self.size}"
+        return f"{about}\n{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a command did.
+
+    Args:
+        command: ``fuzz`` or ``replay``.
+        findings: In the order in which they are to be shown.
+        facts: Numbers and names by their names, such as the seed.
+    """
+
+    command: str
+    findings: tuple[Finding, ...]
+    facts: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def failing(self) -> int:
+        """How many findings make the command end with 1."""
+        return sum(finding.fails for finding in self.findings)
+
+    @property
+    def conclusion(self) -> str:
+        """The outcome in a few words."""
+        others = len(self.findings) - self.failing
+        if self.command == "replay":
+            return f"{others} of {len(self.findings)} confirmed"
+        found = counted(self.failing, "new class", "new classes") if self.failing else "no new class"
+        return f"{found} of failures, {others} known" if others else f"{found} of failures"

@@ -1,0 +1,56 @@
+"""JUnit's XML: a test case for each class of failures, or for each file that was replayed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from fuzz.ci.finding import Finding, Report
+
+__all__ = ["junit"]
+
+
+def junit(report: Report) -> bytes:
+    """A report as JUnit's XML; equal reports are equal bytes.
+
+    What makes the command end with 1 is a failure, a known class is skipped, a confirmed file passes. A campaign that
+    finds nothing new has one test case more, which passes: a report without any would read as if nothing had been done.
+    """
+    suites = Element("testsuites", name="worldgen")
+    suite = SubElement(suites, "testsuite", name=f"worldgen {report.command}")
+    _properties(suite, report.facts)
+    for finding in report.findings:
+        _case(suite, report.command, finding)
+    if report.command == "fuzz" and not report.failing:
+        SubElement(suite, "testcase", classname="worldgen.fuzz", name=report.conclusion)
+    counts = {
+        "tests": len(suite.findall("testcase")),
+        "failures": report.failing,
+        "errors": 0,
+        "skipped": len(suite.findall("testcase/skipped")),
+    }
+    for element in (suites, suite):
+        element.attrib |= {name: str(count) for name, count in counts.items()}
+    indent(suites, " ")
+    text: bytes = tostring(suites, "utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _case(suite: Element, command: str, finding: Finding) -> None:
+    name = finding.place if command == "replay" else f"{finding.who}: {finding.kind}"
+    case = SubElement(suite, "testcase", classname=f"worldgen.{command}", name=name, file=finding.place)
+    about = {"class": finding.kind, "seed": finding.seed, "world": finding.world_id, "replay": finding.replay}
+    _properties(case, {name: str(value) for name, value in about.items()})
+    if finding.fails:
+        SubElement(case, "failure", type=finding.verdict, message=finding.headline).text = finding.text
+    else:
+        if finding.state == "known":
+            SubElement(case, "skipped", message="known: the baseline has this class")
+        SubElement(case, "system-out").text = finding.text
+
+
+def _properties(parent: Element, values: Mapping[str, str]) -> None:
+    if values:
+        properties = SubElement(parent, "properties")
+        for name, value in values.items():
+            SubElement(properties, "property", name=name, value=value)

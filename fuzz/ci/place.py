@@ -1,0 +1,97 @@
+"""Where in a repository a failure belongs: at the controller's source, if that is there."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import os
+import shlex
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import quote
+
+from sim.controllers import CONTROLLERS
+from sim.controllers.process import is_process_name
+from worldgen.files import read_text
+
+__all__ = ["Place", "place_of", "repository", "uri_of"]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A line in a file.
+
+    Args:
+        uri: Relative to the repository's root.
+        line: Counted from 1.
+    """
+
+    uri: str
+    line: int = 1
+
+
+def repository(folder: Path | None = None) -> Path:
+    """The root of the repository: GitHub's workspace, else the nearest folder with ``.git``, else the folder itself."""
+    here = (folder or Path.cwd()).resolve()
+    workspace = os.environ.get("GITHUB_WORKSPACE")
+    if workspace and here.is_relative_to(Path(workspace).resolve()):
+        return Path(workspace).resolve()
+    return next((one for one in (here, *here.parents) if (one / ".git").exists()), here)
+
+
+def place_of(controller: str, root: Path) -> Place | None:
+    """Where a controller's source stands; ``None`` if it is not a file of the repository.
+
+    Args:
+        controller: Name, ``package.module:name``, ``./file.py:name`` or ``cmd:program``.
+        root: Of the repository.
+    """
+    if is_process_name(controller):
+        uris = (uri_of(file, root) for file in _files(controller.partition(":")[2]))
+        return next((Place(uri) for uri in uris if uri), None)
+    point = CONTROLLERS.entry_points().get(controller)
+    module, _, name = (point.value if point else controller).rpartition(":")
+    file = Path(module) if module.endswith(".py") else _source(module)
+    uri = uri_of(file, root) if file is not None and file.is_file() else None
+    return None if file is None or uri is None else Place(uri, _line(file, name))
+
+
+def uri_of(path: Path, root: Path) -> str | None:
+    """A path relative to the repository's root, as a URI; ``None`` if it lies elsewhere."""
+    with suppress(ValueError):
+        return quote(path.resolve().relative_to(root).as_posix(), errors="replace")
+    return None
+
+
+def _files(command: str) -> list[Path]:
+    """The words of a command that are files."""
+    with suppress(ValueError):  # quotes that are not closed
+        return [Path(word) for word in shlex.split(command) if Path(word).is_file()]
+    return []
+
+
+def _source(module: str) -> Path | None:
+    """The file of a module, which is not executed; the packages around it are, if they were not."""
+    with suppress(ImportError, ValueError, AttributeError):
+        spec = importlib.util.find_spec(module)
+        return Path(spec.origin) if spec is not None and spec.origin else None
+    return None
+
+
+def _line(file: Path, name: str) -> int:
+    """The line in which a module gives something this name; 1 if it cannot be said."""
+    try:
+        statements = ast.parse(read_text(file)).body
+    except Exception:  # noqa: BLE001 - any file may be named; without its line a place is still good
+        return 1
+    return next((one.lineno for one in statements if name in _names(one)), 1)
+
+
+def _names(statement: ast.stmt) -> list[str]:
+    """What a statement gives a name."""
+    if isinstance(statement, ast.ClassDef | ast.FunctionDef):
+        return [statement.name]
+    targets = statement.targets if isinstance(statement, ast.Assign) else []
+    targets = [statement.target] if isinstance(statement, ast.AnnAssign) else targets
+    return [one.id for one in targets if isinstance(one, ast.Name)]

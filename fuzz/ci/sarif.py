@@ -1,0 +1,121 @@
+"""SARIF 2.1.0, as GitHub's code scanning reads it: a rule for each class of failures, a result for each failure.
+
+Source: OASIS, "Static Analysis Results Interchange Format (SARIF) Version 2.1.0", 2020.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from fuzz.ci.finding import Finding, Report
+from fuzz.ci.markdown import escaped
+from fuzz.ci.place import Place, place_of, uri_of
+from worldgen.plain_text import shown
+
+__all__ = ["sarif"]
+
+_SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+_ROOT = "%SRCROOT%"
+_LONGEST_ID = 200  # characters; GitHub takes 255
+_MEANINGS = {
+    "loop": "The robot comes back to a complete state that it was in before, so it repeats itself for ever and never "
+    "arrives, although its target can be reached.",
+    "stalled": "The robot enters no new cell in the second half of a budget that is many times what the way to its "
+    "target takes.",
+    "timeout": "The robot has not arrived within a budget that is many times what the way to its target takes.",
+    "tunnel": "The robot's centre passes through a wall.",
+    "overlap": "The robot's disc cuts into a wall by more than the motion model's tolerance.",
+    "burned": "Fire or falling debris catches the robot.",
+    "crash": "The controller raises an exception, or its program ends.",
+    "hang": "The controller gives no answer in time.",
+    "invalid-command": "The controller commands what no robot can do.",
+    "reached": "The robot arrives, but an oracle that was asked for objects to how it does.",
+    "not confirmed": "A stored failure does not replay as it is stored: the controller has changed, or the file.",
+}
+_OTHERWISE = "The robot fails, although its target can be reached."
+
+
+def sarif(report: Report, root: Path) -> bytes:
+    """A report as SARIF; equal reports in equal repositories are equal bytes.
+
+    What makes the command end with 1 is an ``error``, what was known before a ``note``. A result stands at the source
+    of the controller, or at the failure's file if that is not in the repository. Its fingerprint is made of controller,
+    motion model and class, so it stays the same when another world of the class is found.
+
+    Args:
+        report: What was found.
+        root: Of the repository.
+    """
+    rules = {_rule_id(finding): _rule(finding) for finding in report.findings}
+    ids = list(rules)
+    driver = {"name": "worldgen", "semanticVersion": version("worldgen"), "rules": list(rules.values())}
+    run: dict[str, Any] = {
+        "tool": {"driver": driver},
+        "automationDetails": {"id": _category(report)},
+        "originalUriBaseIds": {_ROOT: {"description": {"text": "The root of the repository."}}},
+        "columnKind": "unicodeCodePoints",
+        "results": [_result(finding, ids.index(_rule_id(finding)), root) for finding in report.findings],
+        "properties": dict(report.facts),
+    }
+    log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
+    return (json.dumps(log, indent=1) + "\n").encode()
+
+
+def _category(report: Report) -> str:
+    """Apart for each controller and motion model, so that one upload does not close the alerts of another."""
+    words = (report.command, report.facts.get("controller"), report.facts.get("motion"))
+    return "worldgen/" + "/".join(word.replace("/", "-") for word in words if word) + "/"
+
+
+def _rule_id(finding: Finding) -> str:
+    return "not-confirmed" if finding.state == "not confirmed" else finding.kind[:_LONGEST_ID]
+
+
+def _rule(finding: Finding) -> dict[str, Any]:
+    name = _rule_id(finding)
+    verdict = finding.state if finding.state == "not confirmed" else finding.verdict
+    meaning = _MEANINGS.get(verdict, _OTHERWISE)
+    how = "A proof lies in the world's file. The line that replays it stands in the result."
+    return {
+        "id": name,
+        "name": "".join(word.capitalize() for word in name.split("-")),
+        "shortDescription": {"text": _message(f"{verdict}: {name}.")},
+        "fullDescription": {"text": _message(meaning)},
+        "help": {
+            "text": _message(f"{meaning} {how}"),
+            "markdown": f"**{escaped(name)}**\n\n{meaning}\n\n{how}",
+        },
+        "defaultConfiguration": {"level": "error"},
+        "properties": {"tags": ["correctness", "robotics"], "problem.severity": "error", "precision": "very-high"},
+    }
+
+
+def _result(finding: Finding, rule: int, root: Path) -> dict[str, Any]:
+    class_digest = hashlib.sha256("\0".join((finding.who, finding.kind)).encode()).hexdigest()
+    world = Place(uri_of(finding.file, root) or quote(shown(finding.file.name)))
+    place = world if finding.state == "not confirmed" else place_of(finding.controller, root) or world
+    return {
+        "ruleId": _rule_id(finding),
+        "ruleIndex": rule,
+        "level": "error" if finding.fails else "note",
+        "message": {"text": _message(f"{finding.headline}. World of {finding.size}: {finding.replay}")},
+        "locations": [_location(place)],
+        "relatedLocations": [{"id": 1, **_location(world), "message": {"text": "The world in which it happens."}}],
+        "partialFingerprints": {"primaryLocationLineHash": f"{class_digest[:16]}:1", "worldgenClass/v1": class_digest},
+        "properties": {"state": finding.state, "seed": str(finding.seed), "world": finding.world_id},
+    }
+
+
+def _location(place: Place) -> dict[str, Any]:
+    artifact = {"uri": place.uri, "uriBaseId": _ROOT}
+    return {"physicalLocation": {"artifactLocation": artifact, "region": {"startLine": place.line}}}
+
+
+def _message(text: str) -> str:
+    """A text in which nothing is a placeholder or a link."""
+    return text.replace("{", "{{").replace("}", "}}").replace("](", "] (")

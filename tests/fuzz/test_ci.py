@@ -1,0 +1,187 @@
+"""Reports for CI: what JUnit, SARIF and a step's summary say of failures, whatever strangers put into them."""
+
+import json
+import shutil
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+from fuzz.ci import Finding, Report, junit, markdown, place_of, repository, sarif
+from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
+from tests.helpers.command_line import worldgen
+from tests.helpers.turned_worlds import turned
+from worldgen import read_world, write_world
+
+FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
+LOOP, STALLED = FAULTS / "thesis-1-loop-104.grid", FAULTS / "thesis-1-confined.grid"
+GOLDEN = Path(__file__).parent / "golden"
+HOSTILE = "\x1b[2J\0\ufffe]]><b>|`@you` {0} [x](http://evil) ##\r\n\udcff"
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A repository with two failures of thesis-1."""
+    monkeypatch.delenv("GITHUB_WORKSPACE", raising=False)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / ".git").mkdir()
+    (tmp_path / "failures").mkdir()
+    for path in (LOOP, STALLED):
+        shutil.copy(path, tmp_path / "failures")
+    return tmp_path
+
+
+def finding(path, state="new", **changes):
+    file = Path("failures") / path.name
+    return replace(Finding.of(read_world(path), file, state), **changes)
+
+
+def report(*findings, command="fuzz"):
+    return Report(command, findings, {"controller": "thesis-1", "motion": "stepped", "seed": "1"})
+
+
+TWO = report(finding(LOOP), finding(STALLED, "known"))
+
+
+def test_junit_fails_what_is_new_and_skips_what_is_known():
+    new, known = read_junit(junit(TWO)).findall("testcase")
+    assert new.find("failure").attrib["message"].startswith("thesis-1 under stepped: loop for ever")
+    assert "\nS start  G target" in new.find("failure").text and "worldgen replay failures/" in new.find("failure").text
+    assert known.find("failure") is None and known.find("skipped") is not None
+
+
+def test_junit_says_which_world_and_seed():
+    properties = {one.attrib["name"]: one.attrib["value"] for one in read_junit(junit(TWO))[1].iter("property")}
+    assert properties["seed"] == str(read_world(LOOP).failure.seed) and len(properties["world"]) == 64
+
+
+def test_a_campaign_that_finds_nothing_is_one_test_that_passes():
+    [case] = read_junit(junit(report())).findall("testcase")
+    assert len(case) == 0 and read_sarif(sarif(report(), Path.cwd()))["results"] == []
+
+
+def test_sarif_is_as_it_was(project):
+    text = sarif(TWO, project).decode().replace(version("worldgen"), "VERSION")
+    assert text == (GOLDEN / "two.sarif").read_text()
+
+
+def test_sarif_has_a_rule_for_each_class_and_notes_what_is_known(project):
+    run = read_sarif(sarif(report(*TWO.findings, *TWO.findings), project))
+    assert len(run["tool"]["driver"]["rules"]) == 2 and len(run["results"]) == 4
+    assert [result["level"] for result in run["results"]] == ["error", "note"] * 2
+
+
+def test_a_fingerprint_is_the_class_and_not_the_world(project):
+    world = read_world(LOOP)
+    there = Finding.of(replace(turned(world), failure=world.failure), project / "elsewhere.grid", "new")
+    here, same, other = read_sarif(sarif(report(finding(LOOP), there, finding(STALLED)), project))["results"]
+    assert here["partialFingerprints"] == same["partialFingerprints"] != other["partialFingerprints"]
+
+
+def test_no_place_of_this_machine_is_in_a_report(project):
+    outside = report(finding(LOOP, file=FAULTS / "a b.grid"))
+    run = read_sarif(sarif(outside, project))
+    assert run["results"][0]["locations"][0]["physicalLocation"]["artifactLocation"]["uri"] == "a%20b.grid"
+
+
+SOURCE = '"""Mine."""\nimport os\n\n\n@print\nclass Robot:\n    pass\n\n\nother: object = Robot\n'
+
+
+@pytest.mark.parametrize(
+    ("controller", "uri", "line"),
+    [
+        ("./src/mine.py:Robot", "src/mine.py", 6),
+        ("./src/mine.py:other", "src/mine.py", 10),
+        ("./src/mine.py:absent", "src/mine.py", 1),
+        ("mine:Robot", "src/mine.py", 6),
+        ("cmd:python3 src/mine.py --fast", "src/mine.py", 1),
+        ("cmd+motion=endpoint:./src/mine.py", "src/mine.py", 1),
+    ],
+)
+def test_a_failure_stands_at_its_controllers_source(controller, uri, line, project, monkeypatch):
+    (project / "src").mkdir()
+    (project / "src/mine.py").write_text(SOURCE)
+    monkeypatch.syspath_prepend(project / "src")
+    result = read_sarif(sarif(report(finding(LOOP, controller=controller)), project))["results"][0]
+    place = result["locations"][0]["physicalLocation"]
+    assert (place["artifactLocation"]["uri"], place["region"]["startLine"]) == (uri, line)
+
+
+@pytest.mark.parametrize(
+    "controller", ["thesis-1", "./gone.py:Robot", "no.such:thing", "json:loads", "", "cmd:false", "cmd:'"]
+)
+def test_a_controller_from_elsewhere_has_no_place(controller, project):
+    assert place_of(controller, project) is None
+
+
+def test_a_repository_is_where_git_or_github_says(project, monkeypatch):
+    (project / "deep/er").mkdir(parents=True)
+    assert repository(project / "deep/er") == project.resolve()
+    monkeypatch.setenv("GITHUB_WORKSPACE", str(project / "deep"))
+    assert repository(project / "deep/er") == (project / "deep").resolve() and repository() == project.resolve()
+
+
+def test_words_of_strangers_break_no_report(project):
+    world = read_world(LOOP)
+    record = replace(world.failure, controller=HOSTILE, details={"class": HOSTILE})
+    file = Path(HOSTILE.replace("\0", "").replace("/", ":"))
+    bad = report(
+        *(Finding.of(replace(world, failure=record), file, state, HOSTILE) for state in ("new", "not confirmed"))
+    )
+    assert len(read_sarif(sarif(bad, project))["results"]) == 2
+    assert "\x1b" not in junit(bad).decode() and "\0" not in junit(bad).decode()
+    [suite] = [read_junit(junit(replace(bad, findings=bad.findings[:1])))]
+    assert r"\x1b[2J" in suite.find("testcase/failure").text
+    rows, folds = read_markdown(markdown(bad))
+    assert len(rows) == len(folds) == 2 and "@" not in "".join(map("".join, rows)) and "`" not in rows[0][1]
+
+
+def test_a_summary_has_a_row_and_a_picture_for_each_class():
+    rows, folds = read_markdown(markdown(TWO))
+    assert [row[0] for row in rows] == ["new", "known"] and rows[0][1] == read_world(LOOP).failure.details["class"]
+    assert "S start  G target" in folds[0] and "1 new class of failures, 1 known" in markdown(TWO)
+
+
+def test_a_summary_that_grows_too_long_says_what_it_leaves_out():
+    text = markdown(report(*[finding(LOOP, picture="#" * 19_000)] * 40))
+    assert len(text) < 500_000 and "More pictures would not fit" in text
+
+
+def test_replay_writes_all_three_and_adds_to_the_summary(project):
+    outputs = ("--junit", "j.xml", "--sarif", "s.sarif", "--summary", "sum.md")
+    assert [worldgen("replay", "failures", *outputs, *more).code for more in ((), ("--force",))] == [0, 0]
+    assert read_junit(Path("j.xml").read_bytes()).attrib["failures"] == "0"
+    assert [one["level"] for one in read_sarif(Path("s.sarif").read_bytes())["results"]] == ["note", "note"]
+    assert Path("sum.md").read_text().count("worldgen replay: 2 of 2 confirmed") == 2
+
+
+def test_a_file_that_does_not_replay_is_a_failure_of_its_own(project):
+    result = worldgen("replay", "failures", "--controller", "thesis-2", "--junit", "j.xml", "--sarif", "s.sarif")
+    [first, _] = read_sarif(Path("s.sarif").read_bytes())["results"]
+    assert result.code == 1 and first["ruleId"] == "not-confirmed" and first["level"] == "error"
+    assert "--controller thesis-2" in read_junit(Path("j.xml").read_bytes()).find("testcase/failure").text
+
+
+def test_a_controller_that_is_not_here_is_reported_without_its_way(project):
+    world = read_world(LOOP)
+    write_world(replace(world, failure=replace(world.failure, controller="./gone.py:Robot")), project / "gone.grid")
+    assert worldgen("replay", "gone.grid", "--junit", "j.xml").code == 1
+    assert "S start  G target\n" in read_junit(Path("j.xml").read_bytes()).find("testcase/failure").text
+
+
+def test_a_report_that_is_there_is_refused_before_the_work(project):
+    Path("j.xml").touch()
+    result = worldgen("fuzz", "--controller", "thesis-1", "--budget", "1h", "--out", "out", "--junit", "j.xml")
+    assert result.code == 2 and "j.xml is there already" in result.err and not Path("out").exists()
+
+
+def test_fuzz_writes_what_it_found(project):
+    options = ("--motion", "stepped", "--units", 1, "--examples", 40, "--seed", 1, "--workers", 1, "--out", "out")
+    result = worldgen(
+        "fuzz", "--controller", "thesis-1", *options, "--json", "--sarif", "s.sarif", "--summary", "sum.md"
+    )
+    found = json.loads(result.out)["failures"]
+    run = read_sarif(Path("s.sarif").read_bytes())
+    assert [one["ruleId"] for one in run["results"]] == [one["class"] for one in found] != []
+    assert run["properties"]["seed"] == "1" and len(read_markdown(Path("sum.md").read_text())[0]) == len(found)
