@@ -8,22 +8,46 @@ diagonals, combs. All-zero bytes are the simplest world, an empty arena, so Hypo
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
+from fuzz.kernels.layout_bytes import (
+    CLEAR,
+    FEATURE_BYTES,
+    FINER,
+    HEAD_BYTES,
+    HEADINGS,
+    LAYOUT_BYTES,
+    MAX_FEATURES,
+    SCENE_BYTES,
+    SCENE_HEADING,
+    SCENE_RADIUS,
+    SCENE_TARGET,
+    SMALLEST_SIDE,
+    SPREAD_OF_SIDES,
+)
+from worldgen.errors import InvalidParameter
 from worldgen.lattice import lattice_to_metres
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, Pose, Target, World
 
-__all__ = ["FEATURE_BYTES", "LAYOUT_BYTES", "MAX_FEATURES", "decode_world"]
+__all__ = [
+    "FEATURE_BYTES",
+    "LAYOUT_BYTES",
+    "MAX_FEATURES",
+    "RADII",
+    "SCENE_BYTES",
+    "TARGET_RADII",
+    "decode_scene",
+    "decode_world",
+]
 
-MAX_FEATURES = 8
-FEATURE_BYTES = 6  # kind, x, y, length, depth, turn and thickness
-_HEAD_BYTES = 8  # width, height, start x, y, heading, target x, y, how many features
-LAYOUT_BYTES = _HEAD_BYTES + MAX_FEATURES * FEATURE_BYTES
+RADII = (DEFAULT_ROBOT_RADIUS, 0.05, 0.06, 0.08, 0.09)
+"""Radii of a scene's robot, m; all fit where a layout leaves room for the default one."""
 
-_SMALLEST, _SPREAD = 8, 21  # arena sides, cells: 8 to 28
-_CLEAR = 1  # cells kept free round start and target; with them the default disc always fits
+TARGET_RADII = (DEFAULT_CELL_SIZE / 2, 0.02, 0.08)
+"""Radii of a scene's target, m."""
 
 Walls = npt.NDArray[np.bool_]
 
@@ -38,24 +62,48 @@ def decode_world(data: bytes, *, robot_radius: float = DEFAULT_ROBOT_RADIUS) -> 
     Returns:
         An arena of 8 to 28 cells a side inside a border of solid cells, without certificate.
     """
-    width, height = _SMALLEST + data[0] % _SPREAD, _SMALLEST + data[1] % _SPREAD
+    width, height = SMALLEST_SIDE + data[0] % SPREAD_OF_SIDES, SMALLEST_SIDE + data[1] % SPREAD_OF_SIDES
     walls = np.zeros((height, width), bool)
     for k in range(data[7] % (MAX_FEATURES + 1)):
-        feature = data[_HEAD_BYTES + k * FEATURE_BYTES : _HEAD_BYTES + (k + 1) * FEATURE_BYTES]
+        feature = data[HEAD_BYTES + k * FEATURE_BYTES : HEAD_BYTES + (k + 1) * FEATURE_BYTES]
         _draw(walls, feature)
     start = (2 + data[2] % (width - 4), 2 + data[3] % (height - 4))
     target = (width - 3 - data[5] % (width - 4), height - 3 - data[6] % (height - 4))
     for ix, iy in (start, target):
-        walls[iy - _CLEAR : iy + _CLEAR + 1, ix - _CLEAR : ix + _CLEAR + 1] = False
+        walls[iy - CLEAR : iy + CLEAR + 1, ix - CLEAR : ix + CLEAR + 1] = False
     walls[[0, -1], :] = True
     walls[:, [0, -1]] = True
     return World(
         walls,
-        start=Pose(_centre(start[0]), _centre(start[1]), data[4] % 16 * (math.pi / 8)),
+        start=Pose(_centre(start[0]), _centre(start[1]), data[4] % HEADINGS * (2 * math.pi / HEADINGS)),
         target=Target(_centre(target[0]), _centre(target[1]), DEFAULT_CELL_SIZE / 2),
         cell_size=DEFAULT_CELL_SIZE,
         robot_radius=robot_radius,
         robot_speed=DEFAULT_ROBOT_SPEED,
+    )
+
+
+def decode_scene(data: bytes) -> World:
+    """The world that a scene describes: a layout, and three bytes for the robot's radius, the target's and the heading.
+
+    Three zeros change nothing, and neither do three bytes that are not there.
+
+    Args:
+        data: ``SCENE_BYTES`` or ``LAYOUT_BYTES`` bytes.
+
+    Raises:
+        InvalidParameter: If there are more or fewer.
+    """
+    if len(data) == LAYOUT_BYTES:
+        return decode_world(data)
+    if len(data) != SCENE_BYTES:
+        raise InvalidParameter(f"{len(data)} bytes are no scene; give {SCENE_BYTES}, or {LAYOUT_BYTES} of a layout")
+    world = decode_world(data, robot_radius=RADII[data[SCENE_RADIUS] % len(RADII)])
+    heading = data[4] % HEADINGS * FINER + data[SCENE_HEADING] % FINER
+    return replace(
+        world,
+        start=replace(world.start, heading=heading * (2 * math.pi / (HEADINGS * FINER))),
+        target=replace(world.target, radius=TARGET_RADII[data[SCENE_TARGET] % len(TARGET_RADII)]),
     )
 
 

@@ -14,12 +14,13 @@ import numpy.typing as npt
 
 from sim.controllers.base import CompiledController, Controller, compiled_act, numba_config, robot_for, senses_of
 from sim.controllers.program import Misbehaviour
+from sim.kernel_types import episode_types, typed_kernel
 from sim.kernels import layout
 from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
 from sim.kernels.lattice_batch import lattice_batch, lattice_entry
 from sim.kernels.lattice_episode import lattice_episode
 from sim.kernels.lattice_sense import heading_table, sense
-from sim.kernels.lattice_state import Arena, Robot, Room, new_robot, new_room
+from sim.kernels.lattice_state import Arena, Robot, new_robot, new_room
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_time, start_overlaps
@@ -27,7 +28,6 @@ from sim.python_loop import PythonLoop
 from sim.robot_options import SIGNALS
 from sim.run_options import RunOptions, check_step_length
 from sim.trace import Trace, Words
-from worldgen.jit import kernel
 from worldgen.lattice import (
     TURN,
     UNIT,
@@ -63,18 +63,12 @@ def _headings() -> Ints:
 @functools.cache
 def _typed(function: Any) -> Any:
     """An episode kernel, typed for any compiled controller, so that it compiles once for all of them."""
-    python = getattr(function, "py_func", function)
     if numba_config.DISABLE_JIT:
-        return python
+        return function
     types: Any = numba.types
-    ints, floats, bytes_2d = numba.int64[::1], numba.float64[::1], numba.uint8[:, ::1]
-    rows, table = numba.int64[:, ::1], numba.int32[:, ::1]
-    arena = types.NamedTuple((bytes_2d, table, table, rows, ints, bytes_2d), Arena)
-    robot = types.NamedTuple((ints, floats, rows, ints, floats), Robot)
-    room = types.NamedTuple((floats, ints, floats, floats, ints, ints), Room)
-    act = types.FunctionType(numba.void(floats, floats, floats))
-    numbers, whole = (ints, floats, act, floats), numba.int64
-    two: Any = types.UniTuple
+    arena, robot, room, act = episode_types()
+    ints, floats, rows, whole = numba.int64[::1], numba.float64[::1], numba.int64[:, ::1], numba.int64
+    numbers, two = (ints, floats, act, floats), types.UniTuple
     pairs = (two(room, 2), two(robot, 2))
     signatures = {
         lattice_episode: numba.void(arena, *numbers, room, robot, rows, rows),
@@ -83,7 +77,7 @@ def _typed(function: Any) -> Any:
             arena, two(arena, 2), *numbers, *pairs, rows, ints, rows, rows, numba.float64[:, ::1]
         ),
     }
-    return kernel(python, signature=signatures[function], allocates=False)
+    return typed_kernel(function, signatures[function])
 
 
 class LatticeRun:

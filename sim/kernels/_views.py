@@ -13,7 +13,7 @@ from numba import extending
 from numba.core import cgutils, types
 from numba.np import arrayobj
 
-__all__ = ["part", "row"]
+__all__ = ["page", "part", "row"]
 
 _code: Any = cgutils
 _numba: Any = arrayobj
@@ -28,6 +28,11 @@ def row(array: Any, index: int) -> Any:
 def part(array: Any, first: int, last: int) -> Any:
     """``array[first:last]`` of an array in C order."""
     return array[first:last]
+
+
+def page(array: Any, height: int, width: int) -> Any:
+    """The first ``height * width`` numbers of an array of one dimension in C order, as rows."""
+    return array[: height * width].reshape(height, width)
 
 
 def _type_of_row(_context: Any) -> Callable[[Any, Any], Any]:
@@ -46,15 +51,30 @@ def _type_of_part(_context: Any) -> Callable[[Any, Any, Any], Any]:
     return result
 
 
+def _type_of_page(_context: Any) -> Callable[[Any, Any, Any], Any]:
+    def result(array: Any, height: Any, width: Any) -> Any:
+        fits = _is_in_c_order(array) and array.ndim == 1
+        return array.copy(ndim=2) if fits and all(isinstance(n, types.Integer) for n in (height, width)) else None
+
+    return result
+
+
 def _code_of_row(context: Any, builder: Any, signature: Any, arguments: Sequence[Any]) -> Any:
     shape, strides = _extent(context, builder, signature, arguments)
-    return _view(context, builder, signature, arguments, (shape[1:], strides[1:]))
+    return _view(context, builder, signature, arguments, arguments[1], (shape[1:], strides[1:]))
 
 
 def _code_of_part(context: Any, builder: Any, signature: Any, arguments: Sequence[Any]) -> Any:
     shape, strides = _extent(context, builder, signature, arguments)
     count = builder.sub(arguments[2], arguments[1])
-    return _view(context, builder, signature, arguments, ([count, *shape[1:]], strides))
+    return _view(context, builder, signature, arguments, arguments[1], ([count, *shape[1:]], strides))
+
+
+def _code_of_page(context: Any, builder: Any, signature: Any, arguments: Sequence[Any]) -> Any:
+    _, (size,) = _extent(context, builder, signature, arguments)
+    height, width = arguments[1:]
+    first = width.type(0)
+    return _view(context, builder, signature, arguments, first, ([height, width], [builder.mul(width, size), size]))
 
 
 def _is_in_c_order(array: Any) -> bool:
@@ -68,11 +88,16 @@ def _extent(context: Any, builder: Any, signature: Any, arguments: Sequence[Any]
 
 
 def _view(
-    context: Any, builder: Any, signature: Any, arguments: Sequence[Any], extent: tuple[Sequence[Any], Sequence[Any]]
+    context: Any,
+    builder: Any,
+    signature: Any,
+    arguments: Sequence[Any],
+    first: Any,
+    extent: tuple[Sequence[Any], Sequence[Any]],
 ) -> Any:
-    """What begins at the index in the second argument, with a shape and strides."""
+    """What begins at an index of the array in the first argument, with a shape and strides."""
     source = _numba.make_array(signature.args[0])(context, builder, arguments[0])
-    offset = builder.mul(arguments[1], _code.unpack_tuple(builder, source.strides)[0])
+    offset = builder.mul(first, _code.unpack_tuple(builder, source.strides)[0])
     view = _numba.make_array(signature.return_type)(context, builder)
     _numba.populate_array(
         view,
@@ -87,5 +112,7 @@ def _view(
 
 _extending.type_callable(row)(_type_of_row)
 _extending.type_callable(part)(_type_of_part)
+_extending.type_callable(page)(_type_of_page)
 _extending.lower_builtin(row, types.Array, types.Integer)(_code_of_row)
 _extending.lower_builtin(part, types.Array, types.Integer, types.Integer)(_code_of_part)
+_extending.lower_builtin(page, types.Array, types.Integer, types.Integer)(_code_of_page)

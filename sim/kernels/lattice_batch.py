@@ -14,14 +14,14 @@ from sim.kernels.lattice_state import Arena, Robot, Room, same, set_out
 from sim.kernels.lattice_step import one_step
 from sim.kernels.layout import UNIT
 
-__all__ = ["lattice_batch", "lattice_entry"]
+__all__ = ["lattice_batch", "lattice_entry", "lone_step"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
 
 @rare_kernel
-def _lone_step(
+def lone_step(
     arena: Arena, settings: Ints, scales: Floats, act: Any, room: Room, robot: Robot, step: int, event: int
 ) -> int:
     """:func:`one_step` as a call of its own; the index of the next event."""
@@ -75,13 +75,13 @@ def lattice_entry(
     (slow, fast), quiet = robots, last_event(arenas[0])
     step, event_slow, event_fast = 0, 0, 0
     for ahead in range(1, period + 1):
-        event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, ahead, event_fast)
+        event_fast = lone_step(arenas[1], settings, scales, act, rooms[1], fast, ahead, event_fast)
     while step < quiet or not same(slow.state, fast.state):
         if step >= most:
             return -1
         step += 1
-        event_slow = _lone_step(arenas[0], settings, scales, act, rooms[0], slow, step, event_slow)
-        event_fast = _lone_step(arenas[1], settings, scales, act, rooms[1], fast, step + period, event_fast)
+        event_slow = lone_step(arenas[0], settings, scales, act, rooms[0], slow, step, event_slow)
+        event_fast = lone_step(arenas[1], settings, scales, act, rooms[1], fast, step + period, event_fast)
     return step
 
 

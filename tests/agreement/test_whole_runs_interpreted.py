@@ -14,12 +14,19 @@ warnings.simplefilter("ignore")  # plain NumPy warns where the digest wraps roun
 from tests.sim.test_batch import burning
 from tests.sim.test_episode import cup
 from tests.sim.test_vector_controllers import AlwaysTheSame, TurnsAway
+import numpy as np
+from fuzz.features import SCENE_BYTES
+from fuzz.native import evaluate
 from sim import simulate, simulate_many
+from sim.scenario import Scenario
+from worldgen.random_streams import RandomStream
 runs = [(c, m) for c in ("turn-left", "turn-random") for m in ("swept", "endpoint", "stepped")]
+layouts = RandomStream(3).bits(4 * 8).astype("<u8").view(np.uint8).reshape(4, 64)[:, :SCENE_BYTES]
+looks = [evaluate(layouts, Scenario(c), np.arange(4, dtype=np.uint64), 0.1, 60) for c in ("turn-random", "vfh")]
 fleets = [simulate_many([cup(), burning()], c, seeds=2, steps=150, digest=True) for c in (TurnsAway(), AlwaysTheSame())]
 smoke = simulate(burning(), "turn-left", steps=150, smoke=0.3, signal="weakened").trace_digest
 print(json.dumps([simulate(cup(), c, motion=m, steps=150).trace_digest for c, m in runs] + [smoke]))
-print(json.dumps([fleet.to_numpy().tolist() for fleet in fleets]))
+print(json.dumps([fleet.to_numpy().tolist() for fleet in fleets] + [look.raw.tolist() for look in looks]))
 """
 
 

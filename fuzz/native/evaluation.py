@@ -1,0 +1,339 @@
+"""First looks at many layouts: packs them for the kernel, runs it, reads the results back."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.features import RADII, TARGET_RADII, decode_scene, decode_world
+from fuzz.kernels import layout_bytes, looks
+from fuzz.kernels.layouts import ROWS
+from fuzz.kernels.looks import Batch, Desk, look_at_layouts
+from sim.controllers import CONTROLLERS, CompiledController
+from sim.controllers.base import compiled_act, numba_config
+from sim.kernel_types import episode_types, typed_kernel
+from sim.kernels import layout
+from sim.kernels.lattice_sense import heading_table
+from sim.kernels.lattice_state import new_robot, new_room
+from sim.lattice_run import LatticeRun
+from sim.motion import MOTIONS
+from sim.motion.base import LATTICE
+from sim.packing import disc_numbers
+from sim.run_options import MAX_STEPS
+from sim.scenario import Scenario
+from worldgen.errors import InvalidParameter
+from worldgen.lattice import in_cells
+from worldgen.world import World
+
+__all__ = ["Looks", "can_look", "evaluate"]
+
+Bytes = npt.NDArray[np.uint8]
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+_CRASH = layout.INVALID_COMMAND + 1  # an ending that the kernel itself does not know
+_LARGEST = layout_bytes.SMALLEST_SIDE + layout_bytes.SPREAD_OF_SIDES - 1
+
+
+@dataclass(frozen=True, eq=False)
+class Looks:
+    """First looks at many worlds; every array is of shape (n,).
+
+    Where the flood found no way to the target nothing was simulated: ``ran`` is false there, and the rest but for
+    ``layout`` means nothing.
+
+    Args:
+        layouts: (n, LAYOUT_BYTES or SCENE_BYTES) uint8.
+        scenario: What ran; of each run :meth:`scenario_of` knows its seed and time step.
+        seeds: uint64.
+        time_steps: s.
+        raw: (n, LOOK_SIZE) int64, columns of :mod:`fuzz.kernels.looks`.
+        path: Driven length, lattice units.
+    """
+
+    layouts: Bytes
+    scenario: Scenario
+    seeds: npt.NDArray[np.uint64]
+    time_steps: Floats
+    raw: Ints
+    path: Floats
+
+    def __len__(self) -> int:
+        return len(self.raw)
+
+    @property
+    def ran(self) -> Flags:
+        """Whether the robot can surely reach the target, so that the controller was run."""
+        found: Flags = self.raw[:, looks.LOOK_DISTANCE] >= 0
+        return found
+
+    @property
+    def ending(self) -> Ints:
+        """``LIMIT`` and the like of :mod:`sim.kernels.layout`."""
+        return self.raw[:, layout.OUT_ENDING]
+
+    @property
+    def verdict(self) -> npt.NDArray[np.str_]:
+        """At first look: ``undecided`` where the budget was spent, empty where nothing ran."""
+        words = np.array(["", "undecided", "reached", "loop", "tunnel", "burned", "invalid-command", "crash"])
+        ending, overlaps = self.ending, self.raw[:, layout.OUT_OVERLAP_STEP] >= 0
+        covered = overlaps & np.isin(ending, (layout.LIMIT, layout.REACHED, layout.LOOP))
+        return np.where(covered, "overlap", words[ending + 1])
+
+    @property
+    def failed(self) -> Flags:
+        """Whether the controller was run and did not arrive as it should."""
+        found: Flags = self.ran & (self.verdict != "reached")
+        return found
+
+    @property
+    def steps(self) -> Ints:
+        """Steps until the run ended, for a loop until it was found."""
+        return self.raw[:, layout.OUT_STEPS]
+
+    @property
+    def budget(self) -> Ints:
+        """Steps that the run was given."""
+        return self.raw[:, looks.LOOK_BUDGET]
+
+    @property
+    def simulated(self) -> int:
+        """Steps simulated in all, with those that were only watched."""
+        return int(self.steps.sum() + self.raw[:, looks.LOOK_WATCHED].sum())
+
+    @property
+    def period(self) -> Ints:
+        """Steps of a loop's period."""
+        return self.raw[:, layout.OUT_PERIOD]
+
+    @property
+    def collisions(self) -> Ints:
+        """Times that the robot began to touch a wall."""
+        return self.raw[:, layout.OUT_COLLISIONS]
+
+    @property
+    def solid(self) -> Ints:
+        """Solid cells."""
+        return self.raw[:, looks.LOOK_SOLID]
+
+    @property
+    def density(self) -> Floats:
+        """Share of the cells inside the border that are solid."""
+        width, height = self.raw[:, looks.LOOK_WIDTH], self.raw[:, looks.LOOK_HEIGHT]
+        share: Floats = (self.solid - 2 * (width + height - 2)) / ((width - 2) * (height - 2))
+        return share
+
+    @property
+    def way(self) -> Ints:
+        """Cells of a way to the target along edges, an upper bound of the shortest."""
+        return self.raw[:, looks.LOOK_DISTANCE]
+
+    @property
+    def straight(self) -> Floats:
+        """Distance of start and target, cells."""
+        cells: Floats = np.sqrt(self.raw[:, looks.LOOK_STRAIGHT_SQ])
+        return cells
+
+    @property
+    def driven(self) -> Floats:
+        """Driven length, cells."""
+        cells: Floats = self.path / layout.UNIT
+        return cells
+
+    @property
+    def visited(self) -> Ints:
+        """Cells that the robot's centre was in."""
+        return self.raw[:, looks.LOOK_VISITED]
+
+    @property
+    def revisits(self) -> Floats:
+        """Driven cells for each cell that the centre was in: about 1 for a robot that is nowhere twice."""
+        return self.driven / np.maximum(self.visited, 1)
+
+    @property
+    def least_clearance(self) -> Ints:
+        """Distance of the cell nearest to a wall among those that the centre was in: 1, 2, or 3 for more."""
+        return self.raw[:, looks.LOOK_LEAST_CLEARANCE]
+
+    @property
+    def mean_clearance(self) -> Floats:
+        """The mean of these distances, 1 to 3."""
+        return self.raw[:, looks.LOOK_CLEARANCES] / np.maximum(self.visited, 1)
+
+    @property
+    def key(self) -> Ints:
+        """A coarse signature of what went wrong, the same in a mirrored, turned or shifted world.
+
+        It is made of the ending; of a loop's touches, turns and extent in one period; of the extent of a run
+        that spent its budget; of the kind of wall that a robot went through or into. 0 where it arrived or nothing ran.
+        """
+        raw = self.raw
+        bumps, whole = np.minimum(raw[:, looks.LOOK_BUMPS], 5), np.abs(raw[:, looks.LOOK_TURNED])
+        turns = np.minimum((whole + layout.TURN // 2) // layout.TURN, 3)
+        extent = np.searchsorted(np.array([0.5, 4.0, 16.0]) * layout.UNIT, raw[:, looks.LOOK_EXTENT])
+        loops = self.ending == layout.LOOP
+        shape = extent + np.where(loops, 4 * turns + 16 * bumps, 0)
+        wall = np.clip(raw[:, looks.LOOK_AROUND] + 1, 0, 5)
+        overlaps = raw[:, layout.OUT_OVERLAP_STEP] >= 0
+        made = 1 + shape + 128 * (wall + 8 * (overlaps + 2 * (self.ending + 1)))
+        return np.where(self.failed, made, 0)
+
+    def world(self, n: int) -> World:
+        """The world of a run, without certificate."""
+        return decode_scene(self.layouts[n].tobytes())
+
+    def scenario_of(self, n: int) -> Scenario:
+        """What ran there, with its seed and time step."""
+        return replace(self.scenario, seed=int(self.seeds[n]), time_step=float(self.time_steps[n]))
+
+
+def can_look(scenario: Scenario) -> bool:
+    """Whether native search can run a scenario: a compiled controller under a motion model on the pose lattice."""
+    compiled = isinstance(CONTROLLERS.get(scenario.controller), CompiledController)
+    return compiled and MOTIONS.get(scenario.motion).kernel == LATTICE
+
+
+def evaluate(
+    layouts: Bytes,
+    scenario: Scenario,
+    seeds: npt.NDArray[np.uint64],
+    time_steps: float | npt.ArrayLike,
+    budget: int | npt.ArrayLike | None = None,
+) -> Looks:
+    """Runs a compiled controller once in the world of each layout, and looks at what happens; proves nothing.
+
+    Each run is to the bit that of :func:`sim.simulate` in ``decode_scene(layout)`` with the scenario's options, the
+    run's seed and time step, and the same budget. Where no way is sure to be wide enough for the robot nothing is run.
+    The result depends on the arguments alone. Threads may call it at the same time.
+
+    Args:
+        layouts: (n, LAYOUT_BYTES) or (n, SCENE_BYTES) uint8, any bytes.
+        scenario: What runs; its seed and time step count for nothing.
+        seeds: (n,) uint64.
+        time_steps: s; (n,), or one for all.
+        budget: Steps, (n,) or one for all; without it what the way to the target suggests, 2,000 to 6,000.
+
+    Raises:
+        InvalidParameter: If the scenario cannot run natively, or the arrays do not fit each other.
+    """
+    count, width = layouts.shape if layouts.ndim == 2 else (0, 0)
+    if width not in (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES) or layouts.dtype != np.uint8:
+        raise InvalidParameter(
+            f"layouts of shape {layouts.shape} and type {layouts.dtype}; give uint8, "
+            f"{layout_bytes.LAYOUT_BYTES} or {layout_bytes.SCENE_BYTES} a row"
+        )
+    if not can_look(scenario):
+        raise InvalidParameter(
+            f"{scenario.label()} under {scenario.motion} does not run natively; take a compiled controller under "
+            "swept or endpoint"
+        )
+    steps = _spread(np.asarray(time_steps, np.float64), count, "time_steps")
+    numbers = _spread(np.asarray(seeds, np.uint64), count, "seeds")
+    limits = _spread(np.asarray(0 if budget is None else budget, np.int64), count, "budget")
+    if budget is not None and count and not 1 <= int(limits.min()) <= int(limits.max()) <= MAX_STEPS:
+        raise InvalidParameter(f"budget={budget!r} is outside 1 to {MAX_STEPS} steps; give one between")
+    values, kinds = np.unique(steps, return_inverse=True)
+    packed = _Packed.of(scenario, tuple(values.tolist()))
+    batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
+    packed.run(batch)
+    return Looks(layouts, scenario, numbers, steps, batch.looks, batch.sums[:, layout.SUM_PATH].copy())
+
+
+def _spread(values: Any, count: int, name: str) -> Any:
+    """One value for each run."""
+    if values.shape not in ((), (count,)):
+        raise InvalidParameter(f"{name} of shape {values.shape} for {count} layouts; give one for each, or one for all")
+    return np.array(np.broadcast_to(values, (count,)))
+
+
+@dataclass(frozen=True)
+class _Packed:
+    """A scenario as the kernel takes it."""
+
+    controller: CompiledController
+    runs: tuple[LatticeRun, ...]
+
+    @classmethod
+    def of(cls, scenario: Scenario, time_steps: Sequence[float]) -> _Packed:
+        """Packs the simplest layout for each time step; the kernel puts in what other layouts have instead."""
+        controller, world = CONTROLLERS.get(scenario.controller), decode_world(bytes(layout_bytes.LAYOUT_BYTES))
+        if not isinstance(controller, CompiledController):
+            raise TypeError("only compiled controllers run natively")
+        each = (replace(scenario, time_step=time_step).options(world) for time_step in time_steps)
+        return cls(controller, tuple(LatticeRun(world, controller, options) for options in each))
+
+    def batch(self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints) -> Batch:
+        """The runs of one call."""
+        settings = np.array([run.settings for run in self.runs]).reshape(-1, layout.SET_SIZE)
+        settings[:, layout.SET_FIND_LOOP] = [run.can_loop for run in self.runs]
+        settings[:, layout.SET_DIGEST] = 0
+        scales = np.array([run.scales for run in self.runs]).reshape(-1, layout.SCALE_SIZE)
+        count = len(layouts)
+        return Batch(
+            layouts, seeds.view(np.int64), kinds, budgets, settings, scales, *_discs(),
+            np.zeros((count, looks.LOOK_SIZE), np.int64), np.zeros((count, layout.SUM_SIZE)), np.zeros(1, np.int64),
+        )  # fmt: skip
+
+    def run(self, batch: Batch) -> None:
+        """Fills in the results; a run in which the controller raises ends there as a crash."""
+        memory, act = np.array(self.controller.memory, np.float64), compiled_act(self.controller.act)
+        beams = max((run.options.robot.beams for run in self.runs), default=0)
+        kernel, desk, nothing = _typed_kernel(), _desk(), np.zeros((0, layout.EVENT_SIZE), np.int64)
+        while batch.at[0] < len(batch.seeds):
+            robot, room = new_robot(memory.size, nothing), new_room(memory.size, beams)
+            try:
+                kernel(batch, desk, act, memory, room, robot)
+            except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
+                crashed = batch.looks[batch.at[0]]
+                crashed[: layout.OUT_SIZE], crashed[layout.OUT_ENDING] = robot.counts, _CRASH
+                crashed[layout.OUT_OVERLAP_STEP] = -1
+                batch.at[0] += 1
+
+
+@functools.cache
+def _typed_kernel() -> Any:
+    """The kernel, typed for any compiled controller."""
+    if numba_config.DISABLE_JIT:
+        return look_at_layouts
+    types_of = episode_types()
+    ints, floats, bytes_1d = numba.int64[::1], numba.float64[::1], numba.uint8[::1]
+    rows, bytes_2d, floats_2d = numba.int64[:, ::1], numba.uint8[:, ::1], numba.float64[:, ::1]
+    types: Any = numba.types
+    batch = types.NamedTuple(
+        (bytes_2d, ints, ints, ints, rows, floats_2d, rows, floats, ints, rows, floats_2d, ints), Batch
+    )
+    desk = types.NamedTuple(
+        (ints, rows, bytes_1d, numba.int32[::1], numba.int32[::1], bytes_1d, rows, ints, ints, floats, rows), Desk
+    )
+    return typed_kernel(look_at_layouts, numba.void(batch, desk, types_of.act, floats, types_of.room, types_of.robot))
+
+
+@functools.cache
+def _headings() -> Ints:
+    return heading_table()
+
+
+def _desk() -> Desk:
+    """A desk large enough for every layout."""
+    cells = _LARGEST * _LARGEST
+    return Desk(
+        np.zeros(ROWS, np.int64), np.zeros((3, ROWS), np.int64), np.zeros(cells, np.uint8), np.zeros(cells, np.int32),
+        np.zeros(cells, np.int32), np.zeros(cells, np.uint8), np.zeros((0, layout.EVENT_SIZE), np.int64), _headings(),
+        np.zeros(layout.SET_SIZE, np.int64), np.zeros(layout.SCALE_SIZE), np.zeros((0, 1), np.int64),
+    )  # fmt: skip
+
+
+def _discs() -> tuple[Ints, Floats, Ints]:
+    """Squared clear distances and reaches of a scene's robots, their radii in m, and squared radii of its targets."""
+    discs = [disc_numbers(decode_world(bytes(layout_bytes.LAYOUT_BYTES), robot_radius=radius)) for radius in RADII]
+    side = decode_world(bytes(layout_bytes.LAYOUT_BYTES)).cell_size
+    within = [in_cells(radius, side) * layout.UNIT for radius in TARGET_RADII]
+    return np.array(discs, np.int64), np.array(RADII), np.array([math.floor(w * w) for w in within], np.int64)
