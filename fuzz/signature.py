@@ -7,7 +7,9 @@ import re
 from collections.abc import Mapping
 
 import numpy as np
+import numpy.typing as npt
 
+from fuzz.contacts import KINDS, Contact, contacts, enclosure, part_of, times_round
 from fuzz.oracles._plain import cell_of, integer
 from sim.episode import Episode
 from sim.trace import Trace
@@ -15,15 +17,11 @@ from worldgen.world import Value, World
 
 __all__ = ["failure_class"]
 
+_ROUNDING = 1e-6  # cells by which a limit may be passed, so that a mirrored run is on the same side of it
+
 
 def failure_class(world: World, episode: Episode) -> str:
-    """A short name for the kind of failure, fit for a file name.
-
-    ``loop``: how often the robot touches a wall and how often it turns round in one period, and how far it
-    gets. ``tunnel`` and ``overlap``: which move let the robot in, where the motion model knows, and what kind of
-    wall gives way; ``breach`` instead, if a walled-off target is then reached. ``stalled``: in what manner, where
-    that is known, and how far the robot still gets. ``crash``: the exception, exit code or signal.
-    ``invalid-command``: what is wrong with it.
+    """A short name for the kind of failure, fit for a file name; docs/failures.md says what its words mean.
 
     Args:
         world: Where it happened.
@@ -37,20 +35,46 @@ def failure_class(world: World, episode: Episode) -> str:
     if trace is None:
         return verdict
     if verdict == "loop":
-        entry, period = integer(evidence, "entry"), integer(evidence, "period")
-        bumps, turns = _touches(trace, entry, entry + period), _turns(trace, entry, entry + period)
-        extent = _extent(world, trace, entry, entry + period)
-        return f"loop-{_few(bumps, 4)}bump-{_few(turns, 2)}turn-{extent}"
+        return _joined(verdict, *_of_loop(world, trace, integer(evidence, "entry"), integer(evidence, "period")))
     if verdict in ("tunnel", "overlap"):
         cell = cell_of(evidence)
         what = "breach" if "reached" in evidence else verdict
-        return _joined(what, evidence.get("cause"), _wall_kind(world, *cell) if cell else None)
+        return _joined(what, evidence.get("cause"), part_of(world, *cell) if cell else None)
     if verdict in ("stalled", "timeout"):
-        extent = _extent(world, trace, trace.steps // 2, trace.steps)
-        return _joined(verdict, evidence.get("kind"), extent)
+        return _joined(verdict, evidence.get("kind"), *_of_second_half(world, trace))
     if verdict == "burned":
-        return f"burned-{evidence.get('state', 'burning')}"
+        return _joined(verdict, *_of_fire(world, trace, evidence))
     return verdict
+
+
+def _of_loop(world: World, trace: Trace, entry: int, period: int) -> tuple[str, ...]:
+    """Touches, their kind, what shape the path has, how far it gets, and whether that is nearer to the target."""
+    last = entry + period
+    touched = contacts(world, trace, entry + 1, last)
+    cells = {cell for contact in touched for cell in contact.cells}
+    side, path = world.cell_size, slice(entry, last + 1)
+    rounds = times_round(trace.x[path] / side, trace.y[path] / side, cells)
+    shape = ("turn" if _turns(trace, entry, last) else "swing", "round", "rounds")[min(rounds, 2)]
+    where = _where(world, trace, touched, entry, last)
+    touches = (f"{_few(len(touched), 2)}bump", where) if touched else ("free", where)
+    return *touches, shape, _extent(world, trace, entry, last), _progress(world, trace, entry, last)
+
+
+def _of_second_half(world: World, trace: Trace) -> tuple[str, ...]:
+    """What is touched in the second half of a run, or shuts it in, and how far it gets there."""
+    half, last = trace.steps // 2, trace.steps
+    touched = contacts(world, trace, half + 1, last)
+    free = () if touched else ("free",)
+    return *free, _where(world, trace, touched, half, last), _extent(world, trace, half, last)
+
+
+def _of_fire(world: World, trace: Trace, evidence: Mapping[str, Value]) -> tuple[str, ...]:
+    """In which state the cell is, and whether the robot drove into it or was caught by the change."""
+    step, cell = integer(evidence, "step"), cell_of(evidence)
+    begun = (step - 1) * trace.time_step + 1e-9
+    changes = [event for event in world.timeline if (event.ix, event.iy) == cell and event.time <= begun]
+    state = str(evidence.get("state", "burning"))
+    return state, "entered" if changes and changes[-1].state.word == state else "caught"
 
 
 def _crash(evidence: Mapping[str, Value]) -> str:
@@ -73,31 +97,41 @@ def _few(count: int, most: int) -> str:
     return str(count) if count <= most else "many"
 
 
-def _touches(trace: Trace, first: int, last: int) -> int:
-    bump = trace.bump[first : last + 1]
-    return int(np.count_nonzero(bump[1:] & ~bump[:-1]))
+def _where(world: World, trace: Trace, touched: list[Contact], first: int, last: int) -> str:
+    """Of the kinds of wall touched the one that says most; else what shuts in the place nearest to the target."""
+    if touched:
+        return min((contact.kind for contact in touched), key=KINDS.index)
+    apart = _apart(world, trace)[first : last + 1]
+    nearest = first + np.flatnonzero(apart <= apart.min() + _ROUNDING)
+    x, y = trace.x[nearest] / world.cell_size, trace.y[nearest] / world.cell_size
+    return enclosure(world, zip(x.tolist(), y.tolist(), strict=True))
 
 
 def _turns(trace: Trace, first: int, last: int) -> int:
-    """Whole turns of the heading, without sign, from one state to the same state again."""
+    """Whole turns of the heading, without sign, from one state to the same state again; half a turn has no side."""
     change = np.diff(trace.heading[first : last + 1])
     wrapped = (change + math.pi) % (2 * math.pi) - math.pi
-    return abs(round(float(np.sum(wrapped)) / (2 * math.pi)))
+    wrapped[np.abs(wrapped) > math.pi - _ROUNDING] = 0.0
+    return int(abs(float(np.sum(wrapped))) / (2 * math.pi) + _ROUNDING)
 
 
 def _extent(world: World, trace: Trace, first: int, last: int) -> str:
     x, y = trace.x[first : last + 1], trace.y[first : last + 1]
     cells = max(float(np.ptp(x)), float(np.ptp(y))) / world.cell_size
     for name, limit in (("spot", 0.5), ("near", 4.0), ("wide", 16.0)):
-        if cells <= limit:
+        if cells <= limit + _ROUNDING:
             return name
     return "far"
 
 
-def _wall_kind(world: World, ix: int, iy: int) -> str:
-    """What a solid cell is part of, by its solid neighbours across edges."""
-    if not (0 <= ix < world.width and 0 <= iy < world.height):
-        return "border"
-    solid = np.pad(world.walls, 1, constant_values=True)
-    around = int(solid[iy, ix + 1]) + int(solid[iy + 2, ix + 1]) + int(solid[iy + 1, ix]) + int(solid[iy + 1, ix + 2])
-    return ("post", "wall-end", "wall", "block", "block")[around]
+def _progress(world: World, trace: Trace, first: int, last: int) -> str:
+    """Whether these steps come nearer to the target than the start is."""
+    apart = _apart(world, trace)
+    return "closer" if float(apart[first : last + 1].min()) < float(apart[0]) - _ROUNDING else "away"
+
+
+def _apart(world: World, trace: Trace) -> npt.NDArray[np.float64]:
+    """Distance of each state from the target, cells."""
+    dx, dy = (trace.x - world.target.x) / world.cell_size, (trace.y - world.target.y) / world.cell_size
+    apart: npt.NDArray[np.float64] = np.sqrt(dx * dx + dy * dy)
+    return apart
