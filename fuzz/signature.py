@@ -56,16 +56,21 @@ def _of_loop(world: World, trace: Trace, entry: int, period: int) -> tuple[str, 
     rounds = times_round(trace.x[path] / side, trace.y[path] / side, cells)
     shape = ("turn" if _turns(trace, entry, last) else "swing", "round", "rounds")[min(rounds, 2)]
     where = _where(world, trace, touched, entry, last)
-    touches = (f"{_few(len(touched), 2)}bump", where) if touched else ("free", where)
-    return *touches, shape, _extent(world, trace, entry, last), _progress(world, trace, entry, last)
+    return (
+        _touches(len(touched)),
+        where,
+        shape,
+        _extent(world, trace, entry, last),
+        _progress(world, trace, entry, last),
+    )
 
 
 def _of_second_half(world: World, trace: Trace) -> tuple[str, ...]:
     """What is touched in the second half of a run, or shuts it in, and how far it gets there."""
     half, last = trace.steps // 2, trace.steps
     touched = contacts(world, trace, half + 1, last)
-    free = () if touched else ("free",)
-    return *free, _where(world, trace, touched, half, last), _extent(world, trace, half, last)
+    free = "" if touched else "free"
+    return free, _where(world, trace, touched, half, last), _extent(world, trace, half, last)
 
 
 def _of_fire(world: World, trace: Trace, evidence: Mapping[str, Value]) -> tuple[str, ...]:
@@ -93,8 +98,8 @@ def _joined(*words: object) -> str:
     return "-".join(str(word) for word in words if word)
 
 
-def _few(count: int, most: int) -> str:
-    return str(count) if count <= most else "many"
+def _touches(count: int) -> str:
+    return ("free", "1bump", "2bump", "bumps")[min(count, 3)]
 
 
 def _where(world: World, trace: Trace, touched: list[Contact], first: int, last: int) -> str:

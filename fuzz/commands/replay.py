@@ -12,7 +12,7 @@ from worldgen.cli.output import emit_json, force_option, json_option, shown
 __all__ = ["replay"]
 
 
-@click.command(epilog="\b\n  worldgen replay failures/\n  worldgen replay failures/loop-4bump-1turn-near.grid --show")
+@click.command(epilog="\b\n  worldgen replay failures/\n  worldgen replay failures/tunnel-post.grid --show")
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH|DIR...")
 @click.option("--controller", help="Use this controller instead of the one that the file names.")
 @click.option("--show", "with_picture", is_flag=True, help="Draw each failure in the terminal.")

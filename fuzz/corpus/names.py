@@ -14,7 +14,10 @@ _DIGITS = 8  # hex, of the digest behind a name that says less than the text
 
 
 def name_of(facts: Facts, number: int = 1) -> str:
-    """``turn-right/swept/loop-1bump-1turn-near``, a path without ending; others of the class have ``~2`` behind it."""
+    """``turn-right/swept/loop-1bump-end-turn-near-away``, a path without ending.
+
+    Others of the class have ``~2`` behind it.
+    """
     controller, motion, kind = (_plain(word) for word in facts.key)
     return f"{controller}/{motion}/{kind}" + (f"~{number}" if number > 1 else "")
 

@@ -144,7 +144,13 @@ def test_a_path_round_a_cell_is_told_from_one_beside_it():
 
 @pytest.mark.parametrize(
     ("place", "word"),
-    [((7.5, 12.5), "open"), ((1.5, 7.5), "side"), ((1.5, 1.5), "bend"), ((7.5, 2.5), "pocket"), ((11.5, 7.5), "passage")],
+    [
+        ((7.5, 12.5), "open"),
+        ((1.5, 7.5), "side"),
+        ((1.5, 1.5), "bend"),
+        ((7.5, 2.5), "pocket"),
+        ((11.5, 7.5), "passage"),
+    ],
 )
 def test_a_place_is_shut_in_by_the_walls_near_it(place, word):
     walls = np.zeros((19, 19), bool)
