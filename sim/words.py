@@ -21,13 +21,19 @@ def evidence_in_words(episode: Episode) -> str:
         cause = "fire" if evidence.get("state") == "burning" else "debris"
         return f" ({cause} in step {evidence['step']}, cell {tuple(_list(evidence['cell']))})"
     if verdict == "stalled":
-        spent = f", {evidence['witness_multiple']} times the witness's time" if "witness_multiple" in evidence else ""
-        return f" ({_manner(episode)}no new cell after step {evidence['last_new_cell']}{spent})"
+        seen = f"no new cell after step {evidence['last_new_cell']} of {episode.steps}"
+        return f" ({_manner(episode)}{seen}{_multiple(episode)})"
     if verdict == "timeout":
-        return " (budget spent, still in new cells)"
+        return f" (still in new cells after {episode.steps} steps{_multiple(episode)})"
     if verdict in BY_THE_CONTROLLER and "error" in evidence:
         return f" ({_fault(episode)})"
     return ""
+
+
+def _multiple(episode: Episode) -> str:
+    """The budget in times of the witness, with a comma before it; empty where there is none."""
+    multiple = episode.evidence.get("witness_multiple")
+    return "" if multiple is None else f", {multiple} times the witness's time"
 
 
 def _fault(episode: Episode) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +11,7 @@ import shapely
 
 from sim.trace import Trace
 from worldgen.timeline import CellState
-from worldgen.world import Value, World
+from worldgen.world import Value, Witness, World
 
 __all__ = [
     "cell_box",
@@ -19,6 +20,7 @@ __all__ = [
     "integer",
     "is_solid_at",
     "lattice_cell",
+    "object_to_budget",
     "step_path",
     "target_gap",
 ]
@@ -75,6 +77,17 @@ def first_new_cell_of_second_half(world: World, trace: Trace) -> tuple[int, int]
     half = trace.steps // 2
     fresh = np.setdiff1d(cells[half + 1 :], cells[: half + 1])
     return (int(fresh[0]) % (world.width + 2), int(fresh[0]) // (world.width + 2)) if len(fresh) else None
+
+
+def object_to_budget(world: World, trace: Trace, evidence: Mapping[str, Value]) -> str:
+    """Objects unless ``witness_multiple`` is the run's time in times of the witness, rounded to thousandths."""
+    if not isinstance(world.certificate, Witness) or world.certificate.duration <= 0:
+        return ""
+    spent = trace.steps * Fraction(repr(trace.time_step)) / Fraction(repr(world.certificate.duration))
+    claimed = evidence.get("witness_multiple")
+    if isinstance(claimed, int | float) and abs(Fraction(claimed) - spent) <= Fraction(1, 1999):
+        return ""
+    return f"the budget is {float(spent):.3f} times the witness's time, not {claimed}"
 
 
 def lattice_cell(places: npt.ArrayLike) -> npt.NDArray[np.float64]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.oracles._plain import first_new_cell_of_second_half, integer
+from fuzz.oracles._plain import first_new_cell_of_second_half, integer, object_to_budget
 from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import Value, World
@@ -23,16 +23,16 @@ _PERIODS = 4  # periods that a drifting run must show
 def object_to_stalled(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
     """Objects if a state of the second half lies in a cell that no state of the first half has seen.
 
-    Where the evidence says in what manner the run stalls, that is judged too. ``drifting``: poses come back after
-    ``period`` steps, from ``entry`` to the end, four times at least, and not in every bit. ``confined``: they do
-    not. ``box``: columns and rows of cells of the second half.
+    That the budget is the stated multiple of the witness's time is judged too; and, where the evidence says it, in what
+    manner the run stalls. ``drifting``: poses come back after ``period`` steps, from ``entry`` to the end, four times at
+    least, and not in every bit. ``confined``: they do not. ``box``: columns and rows of cells of the second half.
     """
     fresh = first_new_cell_of_second_half(world, trace)
     if fresh:
         return f"cell {fresh} is entered for the first time in the second half"
     kind = evidence.get("kind")
     if kind is None:
-        return ""
+        return object_to_budget(world, trace, evidence)
     half = trace.steps // 2
     if kind == "drifting":
         wrong = _object_to_drift(world, trace, integer(evidence, "entry"), integer(evidence, "period"))
@@ -41,7 +41,8 @@ def object_to_stalled(world: World, trace: Trace, evidence: Mapping[str, Value],
         wrong = f"poses come back every {period} steps, so the run drifts" if period else ""
     else:
         return f"a run does not stall {kind!r}"
-    return wrong or _object_to_box(world, trace, half, evidence.get("box"))
+    wrong = wrong or _object_to_box(world, trace, half, evidence.get("box"))
+    return wrong or object_to_budget(world, trace, evidence)
 
 
 def _object_to_drift(world: World, trace: Trace, entry: int, period: int) -> str:

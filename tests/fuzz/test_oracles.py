@@ -10,7 +10,8 @@ from fuzz.oracles import objection
 from sim import MOTIONS, Command, simulate
 from sim.episode import prepare
 from sim.run_options import RunOptions
-from worldgen import CellState, Event, Pose, Target, Timeline, World
+from sim.words import evidence_in_words
+from worldgen import CellState, Event, Pose, Target, Timeline, Witness, World
 
 SWEPT, ENDPOINT = MOTIONS.get("swept"), MOTIONS.get("endpoint")
 
@@ -168,3 +169,34 @@ def test_flames_far_away_burn_nobody():
     assert "m away from cell" in objection(
         "burned", moved, episode.trace, {"step": step, "cell": [20, 5], "state": "burning"}, SWEPT
     )
+
+
+class Stands(Ahead):
+    """Never moves, and counts, so that no state comes back."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        return Command(), (memory[0] + 1.0,)
+
+
+def spent(controller):
+    """A run that spends its budget of 4,000 steps, where the witness takes 2 s."""
+    witness = Witness(np.array([0.0, 2.0]), np.array([0.5, 2.05]), np.array([0.55, 0.55]), 0.1)
+    world = replace(
+        World(np.zeros((12, 24), bool), Pose(0.5, 0.55, 0.0), Target(2.05, 0.55, 0.05)), certificate=witness
+    )
+    return world, simulate(world, controller, record=True, steps=4000)
+
+
+@pytest.mark.parametrize("claimed", [30.0, 29.998, 30.002, None])
+def test_a_stalled_runs_budget_is_the_stated_multiple_of_the_witness(claimed):
+    world, episode = spent(Stands())
+    assert episode.verdict == "stalled" and episode.evidence["witness_multiple"] == 30.0
+    said = objection("stalled", world, episode.trace, {**episode.evidence, "witness_multiple": claimed}, SWEPT)
+    assert bool(said) == (claimed != 30.0) and (not said or "30.000 times the witness's time" in said)
+
+
+def test_the_budget_is_said_in_steps_and_in_times_of_the_witness():
+    assert evidence_in_words(spent(Stands())[1]) == " (no new cell after step 0 of 4000, 30.0 times the witness's time)"
