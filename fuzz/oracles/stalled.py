@@ -24,8 +24,8 @@ def object_to_stalled(world: World, trace: Trace, evidence: Mapping[str, Value],
     """Objects if a state of the second half lies in a cell that no state of the first half has seen.
 
     That the budget is the stated multiple of the witness's time is judged too; and, where the evidence says it, in what
-    manner the run stalls. ``drifting``: poses come back after ``period`` steps, from ``entry`` to the end, four times at
-    least, and not in every bit. ``confined``: they do not. ``box``: columns and rows of cells of the second half.
+    manner the run stalls. ``drifting``: poses come back after ``period`` steps, from ``entry`` to the end, four times
+    at least, and not in every bit. ``confined``: they do not. ``box``: columns and rows of cells of the second half.
     """
     fresh = first_new_cell_of_second_half(world, trace)
     if fresh:
