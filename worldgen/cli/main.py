@@ -86,6 +86,7 @@ _SUMMARY = {
     "measure": "Say how hard worlds are: by their ways, their narrow places, what draws a robot astray.",
     "new-controller": "Write a working, commented controller to begin from.",
     "regenerate": "Make a set of worlds again from its manifest, byte for byte, or check it.",
+    "report": "Show failures in one HTML page: pictures, replays, numbers, and how their campaign went.",
     "replay": "Run saved failures again and compare verdict, evidence, trace digest and certificate.",
     "run": "Run a controller in a world and say how it ends.",
     "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",

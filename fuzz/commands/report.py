@@ -1,0 +1,37 @@
+"""``worldgen report``: failures as one HTML page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import force_option, note
+
+__all__ = ["report"]
+
+FILE = click.Path(path_type=Path)
+
+
+@click.command(epilog="\b\n  worldgen report failures/ --out report.html")
+@click.argument("paths", nargs=-1, required=True, type=FILE, metavar="PATH|DIR|ARCHIVE...")
+@click.option("--out", type=FILE, required=True, help="The page, a .html file.")
+@click.option("--title", default="", help="Heading of the page [default: controller and motion model].")
+@force_option
+def report(paths: tuple[Path, ...], out: Path, title: str, force: bool) -> None:
+    """Show failures in one HTML page: pictures, replays, numbers, and how their campaign went.
+
+    The page needs no network and no other file. Each failure is run again for it, so the controllers that the files
+    name are run. docs/report.md has the whole of it.
+    """
+    import sys
+
+    from fuzz.report import write_report
+    from worldgen.plain_text import counted
+
+    def tell(done: int, of: int) -> None:
+        click.echo(f"\rrunning failure {done + 1} of {of}", err=True, nl=False)
+
+    at_terminal = sys.stderr.isatty()
+    count = write_report(paths, out, title=title, force=force, **({"progress": tell} if at_terminal else {}))
+    note(("\r" if at_terminal else "") + f"wrote {out}: {counted(count, 'failure')}")

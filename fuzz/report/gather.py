@@ -1,0 +1,158 @@
+"""What a report is about: failures from folders, archives and files, run again, and their campaigns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fuzz.corpus import Entry, read_corpus
+from fuzz.failure import Replay, regardless_of_walls, replay, scenario_of
+from fuzz.report.summary import MEMORY, Summary, read_summary
+from sim.episode import Episode, simulate
+from worldgen.archives import Member, archive_in, members
+from worldgen.errors import FormatError, InvalidParameter, WorldgenError
+from worldgen.grid_file.disk import expansion_limit, unpack_world
+from worldgen.grid_file.schema import MAX_FILE_BYTES
+from worldgen.world import Cut, World
+
+__all__ = ["MOST_FAILURES", "Failure", "Seen", "Subject", "gather", "look_at"]
+
+MOST_FAILURES = 1_000  # of a report: 10 to 50 MB, about what a browser opens without complaint
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A failure's file and what running it again showed.
+
+    Args:
+        name: The file's own name.
+        data: Its bytes, as they are.
+        world: What it holds.
+        replay: Whether verdict, evidence and certificate are as recorded.
+        shown: The run to draw: of a breach the one that walls do not end. ``None`` where it cannot be run.
+    """
+
+    name: str
+    data: bytes
+    world: World
+    replay: Replay
+    shown: Episode | None
+
+
+@dataclass(frozen=True, eq=False)
+class Failure:
+    """A failure of a corpus.
+
+    Args:
+        entry: Its place and its facts.
+        seen: The file and its run.
+        original: The failure as it was found, before shrinking, where the campaign kept it.
+        campaign: Which campaign found it, as an index; -1 where that is not known.
+    """
+
+    entry: Entry
+    seen: Seen
+    original: Seen | None
+    campaign: int
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What a report is about; ``others`` counts worlds without a failure, which were passed over."""
+
+    entries: list[Entry]
+    campaigns: list[Summary]
+    others: int
+
+
+def gather(paths: Sequence[Path]) -> Subject:
+    """Reads what failures and campaigns there are.
+
+    Args:
+        paths: Folders, archives and files. What campaigns remember in hidden folders is read for what it is.
+
+    Raises:
+        InvalidParameter: If there is nothing to report on, or more than ``MOST_FAILURES``.
+        FormatError: If a path or a file cannot be read.
+    """
+    corpus = read_corpus(paths)
+    folders = [folder for path in paths if path.is_dir() for folder in _campaign_folders(path)]
+    campaigns = [summary for folder in dict.fromkeys(folders) if (summary := read_summary(folder)) is not None]
+    entries = _distinct(corpus.entries)
+    if not entries and not campaigns:
+        raise InvalidParameter(
+            f"{paths[0]} holds no failure; name a folder, archive or file that worldgen fuzz or worldgen shrink wrote"
+        )
+    if len(entries) > MOST_FAILURES:
+        raise InvalidParameter(
+            f"{len(entries)} failures are more than the {MOST_FAILURES} of a report; keep the smallest of each class: "
+            "worldgen corpus merge"
+        )
+    return Subject(entries, campaigns, corpus.others)
+
+
+def _campaign_folders(folder: Path) -> Iterable[Path]:
+    return sorted(memory.parent for memory in folder.rglob(MEMORY) if memory.is_dir())
+
+
+def _distinct(entries: Iterable[Entry]) -> list[Entry]:
+    """Of equal failures the one whose path comes first; without those that a campaign's memory holds."""
+    chosen: dict[str, Entry] = {}
+    for entry in sorted(entries, key=lambda entry: str(entry.path)):
+        if MEMORY not in entry.path.parts:
+            chosen.setdefault(entry.facts.digest, entry)
+    return sorted(chosen.values(), key=lambda entry: (entry.facts.key, entry.facts.order))
+
+
+def look_at(entry: Entry, campaigns: Sequence[Summary]) -> Failure:
+    """Reads a failure, and what it was before shrinking, and runs both again.
+
+    Raises:
+        FormatError: If a file cannot be read any more.
+    """
+    around = [k for k, summary in enumerate(campaigns) if summary.folder in entry.path.parents]
+    campaign = max(around, key=lambda k: len(campaigns[k].folder.parts), default=-1)
+    seen = _seen(entry.path)
+    original = _original(seen.world, campaigns[campaign].folder) if around else None
+    return Failure(entry, seen, original, campaign)
+
+
+def _original(world: World, folder: Path) -> Seen | None:
+    """The failure as found, where the record names it and the campaign still has it."""
+    name = world.failure.details.get("original") if world.failure else None
+    if not isinstance(name, str) or not name.isalnum():
+        return None
+    path = folder / MEMORY / "failures" / f"{name}.grid"
+    return _seen(path) if path.is_file() else None
+
+
+def _seen(path: Path) -> Seen:
+    data = _bytes_of(path)
+    world = unpack_world(Member(path.name, len(data), lambda limit: data if len(data) <= limit else None), str(path))
+    found = replay(world)
+    return Seen(path.name, data, world, found, _run_to_draw(world, found))
+
+
+def _run_to_draw(world: World, found: Replay) -> Episode | None:
+    """The run of the replay; of a robot that reaches a walled-off target the whole way there."""
+    if found.episode is None or not isinstance(world.certificate, Cut):
+        return found.episode
+    record, options = scenario_of(world)
+    try:
+        return simulate(world, record.controller, regardless_of_walls(options), record=True)
+    except WorldgenError:
+        return found.episode
+
+
+def _bytes_of(path: Path) -> bytes:
+    """A file's bytes, also of one in an archive."""
+    place = None if path.is_file() else archive_in(path)
+    if place is None:
+        with path.open("rb") as stream:
+            return stream.read(MAX_FILE_BYTES + 1)
+    for member in members(place[0]):
+        data = member.read(expansion_limit(member.packed)) if member.name == place[1] else None
+        if data is not None:
+            return data
+    raise FormatError("is not there any more; do not change the archive meanwhile", source=str(path))

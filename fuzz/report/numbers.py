@@ -1,0 +1,143 @@
+"""A failure in words and numbers: the table beside its picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeAlias
+
+from fuzz.asked import objection_in_words
+from fuzz.report.gather import Failure, Seen
+from fuzz.report.summary import Summary
+from sim.words import evidence_in_words
+from worldgen.world import Cut, FailureRecord, Value, Witness, World
+
+__all__ = ["Group", "groups", "verdict_in_words"]
+
+Row: TypeAlias = tuple[str, str]
+Group: TypeAlias = tuple[str, list[Row]]
+
+_SAID = ("class", "one_minimal", "failing_seeds", "failing_share_at_least", "found_by", "kept", "shrunk_from")
+_KEPT = {"verdict": "kept verdict and cause", "class": "kept the class"}
+
+
+def verdict_in_words(seen: Seen, record: FailureRecord) -> str:
+    """The verdict and its evidence, as the terminal says them."""
+    episode = seen.replay.episode
+    evidence = evidence_in_words(episode) if episode is not None and episode.verdict == record.verdict else ""
+    return f"{record.verdict}{evidence}{objection_in_words(record.evidence)}"
+
+
+def groups(failure: Failure, record: FailureRecord, campaigns: list[Summary]) -> list[Group]:
+    """Everything that is known of a failure, as rows of name and value under headings."""
+    campaign = campaigns[failure.campaign] if failure.campaign >= 0 else None
+    found = [
+        ("Failure", _of_the_failure(failure, record)),
+        ("Run", _of_the_run(failure.seen, record)),
+        ("World", _of_the_world(failure.seen.world)),
+        ("Search", _of_the_search(failure, record, campaign)),
+        ("Options", [(name, _words(value)) for name, value in record.parameters.items()]),
+        ("Evidence", [(name, _words(value)) for name, value in record.evidence.items()]),
+    ]
+    return [group for group in found if group[1]]
+
+
+def _of_the_failure(failure: Failure, record: FailureRecord) -> list[Row]:
+    facts, seen = failure.entry.facts, failure.seen
+    rows = [
+        ("verdict", record.verdict),
+        ("class", facts.kind),
+        ("controller", facts.controller),
+        ("motion model", f"{facts.motion}, version {record.details.get('motion_version', 'unknown')}"),
+        ("seed of the run", str(record.seed)),
+        ("replayed for this report", _replayed(seen)),
+    ]
+    seeds = record.details.get("failing_seeds")
+    if isinstance(seeds, list) and len(seeds) == 2:
+        least = record.details.get("failing_share_at_least")
+        bound = f"; with 95 % confidence at least {least:.1%} of all" if isinstance(least, float) else ""
+        does = "get there" if isinstance(seen.world.certificate, Cut) else "fail"
+        rows.append(("chance", f"{seeds[0]} of {seeds[1]} seeds {does}{bound}"))
+    minimal = record.details.get("one_minimal")
+    if isinstance(minimal, bool):
+        rows.append(("1-minimal", "yes: no cell, row or column can go" if minimal else "no"))
+    return rows
+
+
+def _replayed(seen: Seen) -> str:
+    if seen.replay.confirmed:
+        return "confirmed: same verdict, evidence and digest"
+    return f"not confirmed: {seen.replay.reason}"
+
+
+def _of_the_run(seen: Seen, record: FailureRecord) -> list[Row]:
+    episode, rows = seen.replay.episode, []
+    if episode is not None:
+        rows += [
+            ("steps", f"{episode.steps:,} ({episode.time:.6g} s)"),
+            ("way driven", f"{episode.path_length:.4g} m"),
+            ("contacts", str(episode.collisions)),
+        ]
+        witness = seen.world.certificate
+        if isinstance(witness, Witness) and witness.length > 0:
+            rows.append(("way over witness", f"{episode.path_length / witness.length:.3g}"))
+        entry, period = episode.evidence.get("entry"), episode.evidence.get("period")
+        if isinstance(entry, int) and isinstance(period, int) and episode.steps:
+            step = episode.time / episode.steps
+            rows.append(("loop entered", f"step {entry:,} ({entry * step:.6g} s)"))
+            rows.append(("period", f"{period:,} steps ({period * step:.6g} s)"))
+    return [*rows, ("trace digest", record.trace_digest)]
+
+
+def _of_the_world(world: World) -> list[Row]:
+    side, line = world.cell_size, world.timeline
+    rows = [
+        ("cells", f"{world.width} x {world.height}, {world.solid_cells} solid"),
+        ("size", f"{world.width * side:.4g} x {world.height * side:.4g} m, cells of {side:.4g} m"),
+        ("robot", f"radius {world.robot_radius:.4g} m, at most {world.robot_speed:.4g} m/s"),
+    ]
+    if world.is_dynamic:
+        rows.append(("changes", f"{len(line)}, the last at {float(line.times[-1]):.6g} s"))
+    proof = world.certificate
+    if isinstance(proof, Witness):
+        rows.append(("witness", f"{proof.length:.4g} m in {proof.duration:.4g} s"))
+        rows.append(("clearance", f"{proof.clearance:.4g} m, the largest disc that it lets through"))
+    elif isinstance(proof, Cut):
+        rows.append(("cut", f"{len(proof.cells)} cells stop every disc above {proof.clearance:.4g} m"))
+    made = world.provenance
+    if made is not None:
+        rows.append(("made by", f"{made.family}, version {made.version}, seed {made.seed}"))
+    return rows
+
+
+def _of_the_search(failure: Failure, record: FailureRecord, campaign: Summary | None) -> list[Row]:
+    details = record.details
+    rows = []
+    if "found_by" in details:
+        rows.append(("found by lane", _words(details["found_by"])))
+    if campaign is not None:
+        kind = failure.entry.facts.kind
+        if kind in campaign.met:
+            rows.append(("class met", f"{campaign.met[kind]} times"))
+        first = next((find for find in campaign.found if find.kind == kind), None)
+        if first is not None:
+            rows.append(("class first met", f"after {first.worlds:,} worlds, {first.steps:,} steps, {first.seconds:.3g} s"))
+    if "shrunk_from" in details:
+        kept = _KEPT.get(str(details.get("kept")), "")
+        rows.append(("shrunk from", f"{_words(details['shrunk_from'])} solid cells" + (f", {kept}" if kept else "")))
+    return rows + _others(details)
+
+
+def _others(details: Mapping[str, Value]) -> list[Row]:
+    return [
+        (name.replace("_", " "), _words(value))
+        for name, value in details.items()
+        if name not in (*_SAID, "motion_version", "original")
+    ]
+
+
+def _words(value: Value) -> str:
+    if isinstance(value, list):
+        return ", ".join(map(_words, value))
+    if isinstance(value, dict):
+        return "; ".join(f"{name} {_words(item)}" for name, item in value.items())
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

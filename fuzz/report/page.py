@@ -1,0 +1,179 @@
+"""Puts the page together: its text, style and script from ``page/``, and the data as JSON."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from fuzz.corpus import Entry
+from fuzz.report.gather import Seen, Subject, gather, look_at
+from fuzz.report.numbers import groups, verdict_in_words
+from fuzz.report.runs import drawn_run
+from fuzz.report.summary import Summary
+from fuzz.report.worlds import drawn_world
+from fuzz.telling import replay_line
+from sim.controllers import CONTROLLERS
+from sim.controllers.base import robot_for
+from sim.motion import MOTIONS
+from sim.motion.base import THESIS
+from sim.run_options import RunOptions
+from worldgen.errors import WorldgenError
+from worldgen.files import check_output, write_bytes
+from worldgen.plain_text import counted
+from worldgen.world import FailureRecord
+
+__all__ = ["write_report"]
+
+_SCRIPTS = ("dom", "decode", "rays", "map", "player", "charts", "overview", "detail", "start")
+_ID_DIGITS = 12  # hex, of a failure's digest: its address in the page
+
+
+def write_report(
+    paths: Sequence[Path],
+    out: Path,
+    *,
+    title: str = "",
+    force: bool = False,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> int:
+    """Writes failures and their campaigns as one HTML page; equal files by equal names give equal bytes.
+
+    Runs the controllers that the files name.
+
+    Args:
+        paths: Folders, archives and files of failures; of a campaign's folder its summary is shown, too.
+        out: The page.
+        title: Its heading; without one, who fails under which motion model.
+        force: Whether a file that is there is overwritten.
+        progress: Called with the number of failures that are done, and of all.
+
+    Returns:
+        How many failures the page shows.
+
+    Raises:
+        InvalidParameter: If there is nothing to report on, or too much.
+        FormatError: If a path or a file cannot be read.
+        OutputError: If the page is there already or cannot be written.
+    """
+    check_output(out, force)
+    subject = gather(paths)
+    failures = []
+    for done, entry in enumerate(subject.entries):
+        progress(done, len(subject.entries))
+        failures.append(_failure(entry, subject.campaigns))
+    heading = title or _heading(subject)
+    data = {
+        "title": heading,
+        "failures": failures,
+        "campaigns": [_campaign(summary) for summary in subject.campaigns],
+        "others": subject.others,
+    }
+    write_bytes(out, _page(heading, data), force=force)
+    return len(failures)
+
+
+def _heading(subject: Subject) -> str:
+    """``turn-right under stepped``, or how many controllers there are."""
+    names = {(entry.facts.controller, entry.facts.motion) for entry in subject.entries}
+    names |= {(summary.controller, summary.motion) for summary in subject.campaigns if not subject.entries}
+    if len(names) == 1:
+        ((controller, motion),) = names
+        return f"{controller} under {motion}"
+    return f"Failures of {counted(len({controller for controller, _ in names}), 'controller')}"
+
+
+def _failure(entry: Entry, campaigns: list[Summary]) -> dict[str, Any]:
+    """A failure as the page's script wants it."""
+    failure = look_at(entry, campaigns)
+    seen, facts, record = failure.seen, entry.facts, failure.seen.world.failure
+    if record is None:
+        raise WorldgenError(f"{entry.path}: held a failure a moment ago; do not change the files meanwhile")
+    met = campaigns[failure.campaign].met.get(facts.kind) if failure.campaign >= 0 else None
+    return {
+        "id": facts.digest[:_ID_DIGITS],
+        "kind": facts.kind,
+        "verdict": facts.verdict,
+        "controller": facts.controller,
+        "motion": facts.motion,
+        "solid": facts.solid,
+        "size": f"{facts.width} x {facts.height}",
+        "cells": facts.width * facts.height,
+        "met": met,
+        "lane": str(record.details.get("found_by", "")),
+        "campaign": failure.campaign,
+        "confirmed": seen.replay.confirmed,
+        "words": verdict_in_words(seen, record),
+        "reason": seen.replay.reason,
+        "path": str(entry.path),
+        "replay": replay_line(entry.path),
+        "groups": groups(failure, record, campaigns),
+        "now": _drawn(seen, record),
+        "before": None if failure.original is None else _drawn(failure.original, failure.original.world.failure),
+    }
+
+
+def _drawn(seen: Seen, record: FailureRecord | None) -> dict[str, Any]:
+    """A world with its run and its file."""
+    world = seen.world
+    return {
+        "name": seen.name,
+        "file": base64.b64encode(seen.data).decode("ascii"),
+        "size": f"{world.width} x {world.height}",
+        "solid": world.solid_cells,
+        "events": len(world.timeline),
+        "verdict": record.verdict if record else "",
+        "kind": str(record.details.get("class", record.verdict)) if record else "",
+        "world": drawn_world(world),
+        "run": None if seen.shown is None else drawn_run(seen.shown, world.cell_size),
+        "sensors": _sensors(record, world.cell_size) if record and seen.shown is not None else None,
+    }
+
+
+def _sensors(record: FailureRecord, side: float) -> dict[str, Any]:
+    """The range beams, in cells and rad, and whether the floor may be tinted by a signal that walls do not stop."""
+    options = RunOptions.of(record.motion, record.seed, record.parameters)
+    if MOTIONS.get(record.motion).kernel == THESIS:
+        return {"beams": 0, "signal": options.thesis.signal == "open"}
+    robot = robot_for(CONTROLLERS.get(record.controller), options.robot)
+    return {
+        "beams": robot.beams,
+        "range": min(robot.beam_range / side, 1e6),
+        "field": robot.beam_field,
+        "signal": robot.signal == "open",
+    }
+
+
+def _campaign(summary: Summary) -> dict[str, Any]:
+    """As the page's script wants it: a seed of 64 bits as text, which JavaScript's numbers cannot hold."""
+    return asdict(summary) | {"folder": str(summary.folder), "seed": str(summary.seed)}
+
+
+def _page(title: str, data: dict[str, Any]) -> bytes:
+    """The page, which lets a browser run this very script and use this style, and load nothing at all."""
+    folder = files("fuzz.report") / "page"
+    style = (folder / "style.css").read_text("utf-8")
+    parts = [(folder / f"{name}.js").read_text("utf-8") for name in _SCRIPTS]
+    script = "(() => {\n'use strict';\n" + "\n".join(parts) + "\n})();\n"
+    filled = {
+        "POLICY": "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data: blob:; "
+        f"script-src {_source(script)}; style-src {_source(style)}",
+        "TITLE": html.escape(title.encode("utf-8", "replace").decode("utf-8")),
+        "STYLE": style,
+        "SCRIPT": script,
+        "DATA": json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
+    }
+    text = (folder / "page.html").read_text("utf-8")
+    pieces = text.split("@@")
+    return "".join(filled.get(piece, piece) for piece in pieces).encode("utf-8")
+
+
+def _source(text: str) -> str:
+    """How the policy names a script or style of the page: by its SHA-256."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode('utf-8')).digest()).decode('ascii')}'"

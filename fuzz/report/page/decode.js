@@ -1,0 +1,140 @@
+// Numbers and bits as fuzz/report/streams.py writes them; worlds and runs made ready to draw, once each.
+
+function bytesOf(text) {
+  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+}
+
+function numbersOf(text) {
+  const values = [];
+  let value = 0, rate = 0, zigzag = 0, scale = 1;
+  for (const byte of bytesOf(text)) {
+    zigzag += (byte & 127) * scale;
+    scale *= 128;
+    if (byte > 127) continue;
+    rate += zigzag % 2 ? -(zigzag + 1) / 2 : zigzag / 2;
+    value += rate;
+    values.push(value);
+    zigzag = 0;
+    scale = 1;
+  }
+  return Float64Array.from(values);
+}
+
+function bitsOf(text, count) {
+  const bytes = bytesOf(text);
+  return Uint8Array.from({ length: count }, (_, k) => (bytes[k >> 3] >> (k & 7)) & 1);
+}
+
+const UNIT = 1024; // lattice units a cell
+const TURN = 65536; // heading units a turn
+const SHARE = 256; // parts of a step
+const FREE = 0, SOLID = 1, BURNING = 2;
+
+function opened(thing, open) {
+  if (!thing.open) Object.defineProperty(thing, "open", { value: open(thing) });
+  return thing.open;
+}
+
+function openWorld(world) {
+  return opened(world, () => {
+    const witness = world.witness;
+    return {
+      cells: bitsOf(world.cells, world.width * world.height),
+      events: world.events && {
+        ms: numbersOf(world.events.ms), ix: numbersOf(world.events.ix),
+        iy: numbersOf(world.events.iy), state: numbersOf(world.events.state),
+      },
+      witness: witness && {
+        ms: numbersOf(witness.ms),
+        x: numbersOf(witness.x).map((value) => value / UNIT), y: numbersOf(witness.y).map((value) => value / UNIT),
+      },
+      now: null, // cells at some time, and how many events are in them
+      done: 0,
+    };
+  });
+}
+
+function openRun(run) {
+  return opened(run, () => {
+    const at = numbersOf(run.at).map((value) => value / SHARE);
+    return {
+      at, // time of each row, in steps
+      x: numbersOf(run.x).map((value) => value / UNIT),
+      y: numbersOf(run.y).map((value) => value / UNIT),
+      heading: numbersOf(run.heading).map((value) => (value / TURN) * 2 * Math.PI),
+      bump: bitsOf(run.bump, at.length),
+    };
+  });
+}
+
+// The cells at a time: free, solid or burning. The array is the same one at every call.
+function cellsAt(world, ms) {
+  const open = openWorld(world);
+  if (!open.events) return open.cells;
+  const { ms: times, ix, iy, state } = open.events;
+  if (!open.now || (open.done > 0 && times[open.done - 1] > ms)) {
+    open.now = open.cells.slice();
+    open.done = 0;
+  }
+  while (open.done < times.length && times[open.done] <= ms + 1e-6) {
+    open.now[iy[open.done] * world.width + ix[open.done]] = state[open.done];
+    open.done += 1;
+  }
+  return open.now;
+}
+
+function stateAt(cells, world, ix, iy) {
+  return ix < 0 || iy < 0 || ix >= world.width || iy >= world.height ? SOLID : cells[iy * world.width + ix];
+}
+
+// The last row that is not later than a step.
+function rowAt(run, step) {
+  const at = openRun(run).at;
+  let low = 0, high = at.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (at[middle] <= step) low = middle;
+    else high = middle - 1;
+  }
+  return low;
+}
+
+function poseAt(run, step) {
+  const open = openRun(run);
+  const row = rowAt(run, step), next = Math.min(row + 1, open.at.length - 1);
+  const gap = open.at[next] - open.at[row];
+  const share = gap > 0 ? Math.min(1, Math.max(0, (step - open.at[row]) / gap)) : 0;
+  const between = (column) => column[row] + (column[next] - column[row]) * share;
+  return { x: between(open.x), y: between(open.y), heading: between(open.heading), bump: open.bump[row] === 1, row };
+}
+
+// The wall cells that the robot touches, each with the step in which it first did: those nearest to its disc at a bump.
+function touchedCells(world, run) {
+  const open = openRun(run);
+  if (open.touched) return open.touched;
+  open.touched = new Map();
+  for (let row = 0; row < open.at.length; row += 1) {
+    if (!open.bump[row]) continue;
+    const cells = cellsAt(world, open.at[row] * run.dt * 1000);
+    for (const [ix, iy] of nearestWalls(cells, world, open.x[row], open.y[row])) {
+      const key = `${ix},${iy}`;
+      if (!open.touched.has(key)) open.touched.set(key, { ix, iy, step: open.at[row] });
+    }
+  }
+  return open.touched;
+}
+
+function nearestWalls(cells, world, x, y) {
+  const reach = Math.min(8, Math.ceil(world.radius) + 1), found = [];
+  let least = world.radius + 0.5;
+  for (let iy = Math.floor(y) - reach; iy <= Math.floor(y) + reach; iy += 1) {
+    for (let ix = Math.floor(x) - reach; ix <= Math.floor(x) + reach; ix += 1) {
+      if (stateAt(cells, world, ix, iy) !== SOLID) continue;
+      const dx = Math.max(ix - x, 0, x - ix - 1), dy = Math.max(iy - y, 0, y - iy - 1);
+      const gap = Math.sqrt(dx * dx + dy * dy);
+      found.push([ix, iy, gap]);
+      least = Math.min(least, gap);
+    }
+  }
+  return found.filter(([, , gap]) => gap <= least + 0.03 && gap <= world.radius + 0.5);
+}

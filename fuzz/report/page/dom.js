@@ -1,0 +1,54 @@
+// Elements, made without any markup text: whatever a name holds, it is only ever text.
+
+// The name of SVG's namespace, from the browser itself, so that this file holds no address at all.
+const SVG = new DOMParser().parseFromString("<svg/>", "text/html").querySelector("svg").namespaceURI;
+
+function make(space, tag, attributes, children) {
+  const element = space ? document.createElementNS(space, tag) : document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === null || value === undefined || value === false) continue;
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else element.setAttribute(name, value === true ? "" : value);
+  }
+  element.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+function el(tag, attributes = {}, ...children) {
+  return make(null, tag, attributes, children);
+}
+
+function svg(tag, attributes = {}, ...children) {
+  return make(SVG, tag, attributes, children);
+}
+
+const ICONS = {
+  play: "M4 2v12l10-6z", pause: "M3 2h4v12H3zM9 2h4v12H9z",
+  back: "M10 2v12L3 8zM11 2h2v12h-2z", on: "M6 2v12l7-6zM3 2h2v12H3z",
+  first: "M13 2v12L6 8zM3 2h2v12H3z", last: "M3 2v12l7-6zM11 2h2v12h-2z",
+};
+
+function icon(name) {
+  return svg("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: ICONS[name] }));
+}
+
+function byId(id) {
+  return document.getElementById(id);
+}
+
+function grouped(number) {
+  return Math.round(number).toLocaleString("en-US");
+}
+
+function plural(count, one, many = `${one}s`) {
+  return `${grouped(count)} ${count === 1 ? one : many}`;
+}
+
+// For screen readers: what a sighted reader sees change.
+function say(text) {
+  byId("said").textContent = text;
+}
+
+function verdictDot(verdict) {
+  return el("span", { class: "dot", "data-verdict": verdict, "aria-hidden": "true" });
+}

@@ -1,0 +1,147 @@
+// The page: its views by address, keys, colours.
+
+const data = JSON.parse(byId("data").textContent);
+const views = { overview: byId("overview"), campaign: byId("campaign"), detail: byId("detail") };
+const page = { overview: null, detail: null, id: "", scroll: 0 };
+
+const KEYS = [
+  ["?", "Show these keys"], ["/", "Find"], ["d", "Dark or light"], ["Arrow keys, Enter", "Choose a failure; open it"], ["Esc", "Back to all failures"],
+  ["n, p", "Next, previous failure"], ["Space", "Play, pause"], ["← →", "One step; with Shift ten"], ["Home, End", "To the start, to the end"],
+  ["l", "Play one period of a loop"], ["e", "To the entry, the breach, the last new cell"], ["b", "Before or after shrinking"], ["+ − 0", "Zoom; the whole world"],
+  ["r", "Follow the robot"], ["t u s i w", "Trail, touched walls, sensors, signal, witness"],
+];
+
+function setTheme(theme) {
+  document.documentElement.dataset.theme = theme;
+  byId("theme").textContent = theme === "dark" ? "Light" : "Dark";
+  byId("theme").setAttribute("aria-label", theme === "dark" ? "Use light colours" : "Use dark colours");
+  if (page.overview) page.overview.refresh();
+  if (page.detail) page.detail.redraw();
+}
+
+function toggleTheme() {
+  setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
+}
+
+function followSystem() {
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  setTheme(dark.matches ? "dark" : "light");
+  dark.addEventListener("change", () => setTheme(dark.matches ? "dark" : "light"));
+}
+
+function showTotals() {
+  const { failures, campaigns, others } = data;
+  const classes = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}\n${failure.kind}`)).size;
+  const confirmed = failures.filter((failure) => failure.confirmed).length;
+  const items = [[grouped(failures.length), failures.length === 1 ? "failure" : "failures"], [grouped(classes), classes === 1 ? "class" : "classes"]];
+  if (failures.length > 0) items.push([`${grouped(confirmed)} of ${grouped(failures.length)}`, "confirmed by running them again"]);
+  for (const campaign of campaigns.length === 1 ? campaigns : []) {
+    items.push([campaign.seed, "seed"], [grouped(campaign.units), "units"], [grouped(campaign.worlds), "worlds"], [short(campaign.steps), "steps"], [`${campaign.seconds.toFixed(1)} s`, ""]);
+  }
+  if (campaigns.length > 1) items.push([grouped(campaigns.length), "campaigns"]);
+  if (others > 0) items.push([grouped(others), "worlds without a failure passed over"]);
+  byId("totals").append(...items.map(([value, name]) => el("span", {}, name === "seed" ? ["seed ", el("b", {}, value)] : [el("b", {}, value), ` ${name}`])));
+}
+
+function showTabs(current) {
+  const tab = (href, words, here) => el("a", { href, "aria-current": here ? "page" : null }, words);
+  byId("tabs").replaceChildren(
+    tab("#", `Failures ${grouped(data.failures.length)}`, current !== "campaign"),
+    ...(data.campaigns.length > 0 ? [tab("#campaign", data.campaigns.length === 1 ? "Campaign" : "Campaigns", current === "campaign")] : []),
+  );
+}
+
+function neighboursOf(id) {
+  const shown = page.overview.shown(), all = shown.includes(id) ? shown : data.failures.map((failure) => failure.id);
+  const here = all.indexOf(id);
+  return [all[here - 1], all[here + 1]];
+}
+
+// The address says what is seen: nothing, "campaign", or a failure's digest.
+function route() {
+  const name = decodeURIComponent(location.hash.slice(1)), failure = failureOf(data.failures, name);
+  const view = failure ? "detail" : name === "campaign" && data.campaigns.length > 0 ? "campaign" : "overview";
+  const before = page.id;
+  if (!views.overview.hidden) page.scroll = scrollY;
+  if (page.detail && page.detail.player()) page.detail.player().play(false);
+  page.detail = null;
+  page.id = failure ? name : "";
+  for (const [key, section] of Object.entries(views)) section.hidden = key !== view;
+  showTabs(view);
+  document.title = failure ? `${failure.kind} - ${data.title}` : data.title;
+  if (failure) {
+    page.detail = makeDetail(views.detail, failure, neighboursOf(name));
+    scrollTo(0, 0);
+    views.detail.querySelector("h2").focus({ preventScroll: true });
+  } else if (view === "overview" && before) {
+    scrollTo(0, page.scroll);
+    const card = byId(`card-${before}`);
+    if (card) card.focus({ preventScroll: true });
+  }
+}
+
+function showKeys() {
+  const dialog = byId("keys");
+  dialog.replaceChildren(
+    el("div", { class: "line" }, el("h2", { id: "keys-title" }, "Keys"), el("button", { type: "button", onclick: () => dialog.close() }, "Close")),
+    el("table", {}, el("tbody", {}, KEYS.map(([keys, words]) => el("tr", {}, el("th", { scope: "row" }, keys.split(/(?<=[^,]) |, /).map((key) => [el("kbd", {}, key), " "])), el("td", {}, words))))),
+  );
+  dialog.showModal();
+}
+
+function onKey(event) {
+  if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
+  const { target, key } = event;
+  if (target.matches("input[type=search], select")) {
+    if (key === "Escape") target.blur();
+    return;
+  }
+  const act = pageKeys()[key] || (page.detail && detailKeys(event)[key]);
+  if (!act || (target.matches("input[type=range]") && /^Arrow|Home|End/.test(key)) || (key === " " && target.matches("button, a, input[type=checkbox], summary"))) return;
+  event.preventDefault();
+  act();
+}
+
+function pageKeys() {
+  return { "?": showKeys, d: toggleTheme, "/": () => { location.hash = ""; setTimeout(() => byId("find").focus()); } };
+}
+
+function detailKeys(event) {
+  const player = page.detail.player(), [before, after] = neighboursOf(page.id);
+  const keys = {
+    Escape: () => { location.hash = ""; },
+    n: () => { if (after) location.hash = after; },
+    p: () => { if (before) location.hash = before; },
+    b: () => page.detail.swap(),
+  };
+  if (!player) return keys;
+  Object.assign(keys, { "+": () => player.zoom(1.4), "=": () => player.zoom(1.4), "-": () => player.zoom(1 / 1.4), 0: () => player.fit() });
+  const { run } = player.drawn;
+  if (!run) return keys;
+  const layer = Object.fromEntries(Object.entries(LAYERS).map(([name, [, key]]) => [key, () => { player.show[name] = !player.show[name]; player.update(); }]));
+  const far = event.shiftKey ? 10 : 1;
+  return Object.assign(keys, layer, {
+    " ": () => player.play(!player.playing),
+    ArrowLeft: () => stepBy(player, -far), ArrowRight: () => stepBy(player, far),
+    Home: () => player.go(0), End: () => player.go(run.steps),
+    r: () => (player.follow ? player.fit() : player.robot()),
+    e: () => { if (run.marks.length) { player.play(false); player.go(run.marks[run.marks.length - 1].step); } },
+    l: () => { if (run.loop) playPeriod(player); },
+  });
+}
+
+function start() {
+  showTotals();
+  if (data.failures.length > 0) page.overview = makeOverview(views.overview, data.failures);
+  else views.overview.append(el("p", { class: "quiet" }, "No failure was found."));
+  if (data.campaigns.length > 0) makeCampaign(views.campaign, data.campaigns, data.failures);
+  followSystem();
+  byId("theme").addEventListener("click", toggleTheme);
+  byId("show-keys").addEventListener("click", showKeys);
+  addEventListener("hashchange", route);
+  addEventListener("keydown", onKey);
+  addEventListener("resize", () => page.detail && page.detail.redraw());
+  route();
+}
+
+start();

@@ -1,0 +1,120 @@
+"""A run as the page plays it: its states, the corners between them, and the steps that matter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.report.streams import bits, numbers
+from sim.episode import Episode
+from sim.trace import Trace
+from worldgen.lattice import TURN, UNIT
+from worldgen.world import Value
+
+__all__ = ["MOST_STEPS", "SHARE", "drawn_run"]
+
+MOST_STEPS = 4_000  # of a run that the page holds; 10 to 25 kB. Of a longer one it has every second, third, ... step
+SHARE = 256  # parts of a step: when in it a corner is reached
+
+_LEAD_UP = 300  # steps before a breach, and after it, that are kept rather than others
+
+
+def drawn_run(episode: Episode, cell_size: float) -> dict[str, Any] | None:
+    """A recorded run, or ``None`` without a recording.
+
+    Args:
+        episode: The run.
+        cell_size: m.
+
+    Returns:
+        ``steps`` and ``dt`` (s); the columns ``at`` (step times ``SHARE``), ``x``, ``y`` (lattice units of the world),
+        ``heading`` (units of a turn, without jumps) and ``bump`` (bits), one row a state or corner; ``thinned`` (one in
+        how many steps is there, at the coarsest); ``loop`` (entry and period) and ``marks``.
+    """
+    trace = episode.trace
+    if trace is None:
+        return None
+    marks = _marks(episode)
+    loop = _loop(episode)
+    kept, coarsest = _kept_steps(trace.steps, _span_of_interest(trace.steps, loop, marks))
+    return {
+        "steps": trace.steps,
+        "dt": trace.time_step,
+        **_columns(trace, kept, cell_size),
+        "thinned": coarsest,
+        "loop": loop,
+        "marks": marks,
+    }
+
+
+def _columns(trace: Trace, kept: npt.NDArray[np.int64], cell_size: float) -> dict[str, str]:
+    """The states of the steps that are kept, and in between the corners of their paths."""
+    step, share = trace.path_step, np.rint(trace.path_share * SHARE).astype(np.int64)
+    corner = np.isin(step, kept) & (step > 0) & (share < SHARE)
+    at = np.concatenate([kept * SHARE, (step[corner] - 1) * SHARE + share[corner]])
+    order = np.argsort(at, kind="stable")
+    x = np.concatenate([trace.x[kept], trace.path_x[corner]])[order]
+    y = np.concatenate([trace.y[kept], trace.path_y[corner]])[order]
+    whose = np.concatenate([kept, step[corner]])[order]
+    turns = np.unwrap(trace.heading[whose]) / (2.0 * math.pi)
+    return {
+        "at": numbers(at[order]),
+        "x": numbers(np.rint(x / cell_size * UNIT)),
+        "y": numbers(np.rint(y / cell_size * UNIT)),
+        "heading": numbers(np.rint(turns * TURN)),
+        "bump": bits(trace.bump[whose]),
+    }
+
+
+def _kept_steps(steps: int, span: tuple[int, int]) -> tuple[npt.NDArray[np.int64], int]:
+    """Which states are kept, at most about ``MOST_STEPS``: densely in the span of interest, the others evenly."""
+    inside = span[1] - span[0]
+    near = _stride(inside, MOST_STEPS // 2)
+    far = _stride(steps - inside, MOST_STEPS - inside // near)
+    parts = [np.arange(0, steps + 1, far), np.arange(span[0], span[1] + 1, near), np.array([*span, steps])]
+    return np.unique(np.concatenate(parts)).astype(np.int64), max(near, far)
+
+
+def _stride(count: int, room: int) -> int:
+    return max(1, -(-count // room))
+
+
+def _span_of_interest(steps: int, loop: list[int] | None, marks: list[dict[str, Any]]) -> tuple[int, int]:
+    """From which step to which a reader looks most closely."""
+    if loop is not None:
+        return min(loop[0], steps), min(loop[0] + loop[1], steps)
+    centre = next((mark["step"] for mark in marks if "cell" in mark), steps)
+    return max(0, centre - _LEAD_UP), min(steps, centre + _LEAD_UP)
+
+
+def _loop(episode: Episode) -> list[int] | None:
+    entry, period = episode.evidence.get("entry"), episode.evidence.get("period")
+    if episode.verdict != "loop" or not isinstance(entry, int) or not isinstance(period, int):
+        return None
+    return [entry, period]
+
+
+def _marks(episode: Episode) -> list[dict[str, Any]]:
+    """The steps that the evidence names: what is said of them and, where it names one, the cell."""
+    evidence, verdict = episode.evidence, episode.verdict
+    found: list[dict[str, Any]] = []
+    if verdict == "loop":
+        found.append(_mark(evidence, "entry", "entry", "the loop is entered"))
+    if verdict in ("tunnel", "overlap", "burned"):
+        said = {"tunnel": "goes through this wall", "overlap": "cuts into this wall", "burned": "is caught"}[verdict]
+        found.append(_mark(evidence, "since", "cause", f"a {evidence.get('cause')} lets it into the wall"))
+        found.append(_mark(evidence, "step", "breach", said, cell=evidence.get("cell")))
+    if verdict in ("stalled", "timeout"):
+        found.append(_mark(evidence, "last_new_cell", "last", "enters a new cell for the last time"))
+    return [mark for mark in found if mark]
+
+
+def _mark(evidence: Mapping[str, Value], key: str, kind: str, said: str, cell: Value | None = None) -> dict[str, Any]:
+    step = evidence.get(key)
+    if not isinstance(step, int):
+        return {}
+    return {"step": step, "kind": kind, "text": said} | ({"cell": cell} if isinstance(cell, list) else {})

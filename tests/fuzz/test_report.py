@@ -1,0 +1,234 @@
+"""What goes into a report's page; tests/fuzz/test_report_page.py opens it in a browser."""
+
+import base64
+import json
+import re
+import shutil
+import tomllib
+from dataclasses import replace
+from fnmatch import fnmatch
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzz.report import write_report
+from fuzz.report.runs import MOST_STEPS, SHARE, drawn_run
+from fuzz.report.streams import bits, numbers
+from fuzz.report.summary import read_summary
+from sim.episode import Episode, simulate
+from sim.trace import Trace
+from tests.helpers.campaign_folder import CORPUS, LOOP, STALLED, SUMMARY, TUNNEL, campaign_folder, renamed
+from tests.helpers.command_line import worldgen
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.grid_file import read_world, write_world
+
+
+def data_of(page):
+    """The JSON in a page."""
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page.read_text())[1])
+
+
+def decoded(text):
+    """``numbers`` backwards, as decode.js does it."""
+    values, value, rate, zigzag, scale = [], 0, 0, 0, 1
+    for byte in base64.b64decode(text):
+        zigzag, scale = zigzag + (byte & 127) * scale, scale * 128
+        if byte < 128:
+            rate += -(zigzag + 1) // 2 if zigzag % 2 else zigzag // 2
+            value += rate
+            values.append(value)
+            zigzag, scale = 0, 1
+    return values
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    folder = campaign_folder(tmp_path_factory.mktemp("campaign") / "failures")
+    out = folder.parent / "report.html"
+    write_report([folder], out)
+    return out
+
+
+@given(st.lists(st.integers(-(2**50), 2**50)))
+def test_numbers_come_back_as_they_were(values):
+    assert decoded(numbers(np.array(values, np.int64))) == values
+
+
+@given(st.lists(st.booleans()))
+def test_bits_come_back_as_they_were(flags):
+    data = base64.b64decode(bits(flags))
+    assert [bool(data[k // 8] >> k % 8 & 1) for k in range(len(flags))] == flags
+
+
+def test_a_page_has_the_failures_but_not_what_the_campaign_remembers(page):
+    assert sorted(failure["now"]["name"] for failure in data_of(page)["failures"]) == sorted([LOOP, STALLED, TUNNEL])
+
+
+def test_a_file_in_the_page_is_the_file_byte_for_byte(page):
+    embedded = {failure["now"]["name"]: failure["now"]["file"] for failure in data_of(page)["failures"]}
+    for name in (LOOP, TUNNEL, STALLED):
+        assert base64.b64decode(embedded[name]) == (page.parent / "failures" / name).read_bytes()
+
+
+def test_the_failure_as_found_stands_beside_the_shrunk_one(page):
+    loop = next(failure for failure in data_of(page)["failures"] if failure["verdict"] == "loop")
+    assert loop["before"]["world"]["width"] == 9
+    assert all(failure["before"] is None for failure in data_of(page)["failures"] if failure["verdict"] != "loop")
+
+
+def test_every_failure_says_whether_it_replays(page):
+    assert [failure["confirmed"] for failure in data_of(page)["failures"]] == [True, True, True]
+
+
+def test_numbers_say_lane_chance_and_how_often_the_class_was_met(page):
+    loop = next(failure for failure in data_of(page)["failures"] if failure["verdict"] == "loop")
+    groups = {title: dict(rows) for title, rows in loop["groups"]}
+    assert groups["Search"]["found by lane"] == "native"
+    assert groups["Search"]["class met"] == "17 times"
+    assert groups["Failure"]["chance"].startswith("39 of 40 seeds fail")
+    assert groups["Run"]["period"] == "104 steps (1.56 s)"
+
+
+def test_equal_input_gives_equal_bytes(page):
+    again = page.parent / "again.html"
+    write_report([page.parent / "failures"], again)
+    assert again.read_bytes() == page.read_bytes()
+
+
+def test_a_page_names_no_address_and_lets_nothing_load(page):
+    text = page.read_text()
+    assert not re.search("https?:", text)
+    assert "default-src 'none'" in text
+    assert "unsafe" not in text
+
+
+def test_a_title_is_text_whatever_it_holds(page, tmp_path):
+    out = tmp_path / "r.html"
+    write_report([page.parent / "failures"], out, title="</title><script>alert(1)</script>")
+    assert "<script>alert(1)" not in out.read_text()
+
+
+def test_a_hostile_class_stays_inside_the_data(tmp_path):
+    write_world(renamed(read_world(CORPUS / LOOP), "</script><script>alert(1)</script>\u2028"), tmp_path / "a.grid")
+    write_report([tmp_path / "a.grid"], tmp_path / "r.html")
+    assert data_of(tmp_path / "r.html")["failures"][0]["kind"] == "</script><script>alert(1)</script>\u2028"
+
+
+def test_a_failure_whose_controller_is_not_here_is_shown_without_its_way(tmp_path):
+    loop = read_world(CORPUS / LOOP)
+    write_world(replace(loop, failure=replace(loop.failure, controller="./gone.py:Robot")), tmp_path / "a.grid")
+    write_report([tmp_path], tmp_path / "r.html")
+    (failure,) = data_of(tmp_path / "r.html")["failures"]
+    assert failure["now"]["run"] is None
+    assert not failure["confirmed"]
+    assert "gone.py" in failure["reason"]
+
+
+def test_an_archive_is_read_like_a_folder(tmp_path):
+    archive = tmp_path / "corpus.zip"
+    assert worldgen("corpus", "export", CORPUS / LOOP, CORPUS / TUNNEL, "--out", archive).code == 0
+    assert write_report([archive], tmp_path / "r.html") == 2
+
+
+def test_equal_failures_are_shown_once(tmp_path):
+    for name in ("a.grid", "b.grid"):
+        shutil.copy(CORPUS / LOOP, tmp_path / name)
+    assert write_report([tmp_path], tmp_path / "r.html") == 1
+
+
+def long_loop(steps, entry, period):
+    """A run of many steps on a line, with the evidence of a loop."""
+    line, none = np.arange(steps + 1) / 1000.0, np.zeros(0)
+    words = np.zeros(0, np.uint64)
+    trace = Trace(0.015, line, line, line, line > 1.0, none, none, none.astype(np.int64), none, words, words, True)
+    return Episode("loop", steps, steps * 0.015, 1.0, 0, "0" * 16, {"entry": entry, "period": period}, trace)
+
+
+def test_a_long_run_is_thinned_but_for_the_period_of_its_loop():
+    run = drawn_run(long_loop(40_000, 20_000, 104), 0.1)
+    kept = {at // SHARE for at in decoded(run["at"])}
+    assert set(range(20_000, 20_105)) <= kept
+    assert {0, 40_000} <= kept
+    assert len(kept) <= MOST_STEPS + 4
+    assert run["thinned"] > 1
+
+
+def test_no_step_of_a_short_run_is_left_out():
+    run = drawn_run(long_loop(500, 396, 104), 0.1)
+    assert [at // SHARE for at in decoded(run["at"])] == list(range(501))
+    assert run["thinned"] == 1
+
+
+def test_corners_inside_steps_are_kept():
+    world = read_world(CORPUS / LOOP)
+    episode = simulate(world, "turn-right", motion="swept", time_step=0.1, steps=40, record=True)
+    run = drawn_run(episode, world.cell_size)
+    inside = np.count_nonzero(episode.trace.path_share < 1.0)
+    assert inside > 0
+    assert len(decoded(run["at"])) > episode.steps + 1
+
+
+def test_a_campaign_without_failures_has_a_page(tmp_path):
+    folder = campaign_folder(tmp_path / "c", met={}, found=[], archive=None)
+    for name in (LOOP, TUNNEL, STALLED):
+        (folder / name).unlink()
+    write_report([folder], tmp_path / "r.html")
+    assert data_of(tmp_path / "r.html")["campaigns"][0]["worlds"] == 900
+
+
+def test_nothing_to_report_on_is_refused(tmp_path):
+    with pytest.raises(InvalidParameter, match="holds no failure; name a folder"):
+        write_report([tmp_path], tmp_path / "r.html")
+
+
+def test_a_page_that_is_there_is_not_overwritten(page):
+    result = worldgen("report", page.parent / "failures", "--out", page)
+    assert (result.code, "--force" in result.err) == (2, True)
+
+
+def test_the_command_says_what_it_wrote(tmp_path):
+    result = worldgen("report", CORPUS / LOOP, "--out", tmp_path / "r.html")
+    assert (result.code, result.out) == (0, "")
+    assert result.err.endswith("r.html: 1 failure\n")
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        ({"version": 2}, "its version is 2"),
+        ({"worlds": -1}, "'worlds' is no whole number"),
+        ({"seconds": "fast"}, "'seconds' is no finite number"),
+        ({"seconds": 10**400}, "too large|no summary"),
+        ({"controller": None}, "'controller' is no text"),
+        ({"met": {"loop": 1.5}}, "'loop' is no whole number"),
+        ({"lanes": {}}, "'lanes' is no list"),
+        ({"found": [3]}, "an object is wanted"),
+        ({"archive": {"axes": []}}, "'axes' has 0 axes"),
+        ({"archive": {**SUMMARY["archive"], "cells": [[3, 0, 1.0, "loop"]]}}, "lies outside"),
+        ({"archive": {**SUMMARY["archive"], "cells": [[0]]}}, "is not"),
+    ],
+)
+def test_a_summary_that_is_none_is_refused_in_one_sentence(tmp_path, change, fault):
+    folder = campaign_folder(tmp_path / "c", **change)
+    with pytest.raises(FormatError, match=fault):
+        read_summary(folder)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "nonsense", "[" * 100_000])
+def test_a_file_that_is_no_summary_is_refused(tmp_path, text):
+    (tmp_path / ".campaign").mkdir()
+    (tmp_path / ".campaign" / "summary.json").write_text(text)
+    with pytest.raises(FormatError, match="no summary of a campaign"):
+        read_summary(tmp_path)
+
+
+def test_the_page_s_parts_are_shipped():
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
+    patterns = project["tool"]["setuptools"]["package-data"]["fuzz.report"]
+    parts = [part.name for part in (files("fuzz.report") / "page").iterdir()]
+    assert "page.html" in parts
+    assert all(any(fnmatch(f"page/{name}", pattern) for pattern in patterns) for name in parts)

@@ -1,0 +1,52 @@
+"""A campaign's folder in small: three failures of the thesis's robots, one as it was found, and a summary."""
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+from worldgen.grid_file import read_world, world_digest, write_world
+
+CORPUS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
+LOOP, TUNNEL, STALLED = "thesis-1-loop-104.grid", "thesis-2-slide.grid", "thesis-1-confined.grid"
+SUMMARY = {
+    "version": 1, "controller": "turn-right", "motion": "stepped", "seed": 2**64 - 1, "units": 4, "worlds": 900,
+    "steps": 120_000, "seconds": 3.5, "verdicts": {"reached": 700, "loop": 12}, "met": {"loop-4bump-1turn-near": 17},
+    "lanes": [
+        {"lane": "native", "units": 3, "worlds": 800, "steps": 100_000, "failures": 9, "classes": 1},
+        {"lane": "archive", "units": 1, "worlds": 100, "steps": 20_000, "failures": 2, "classes": 1},
+    ],
+    "found": [
+        {"unit": 0, "lane": "native", "class": "loop-4bump-1turn-near", "solid_cells": 40, "worlds": 12, "steps": 900,
+         "seconds": 0.2, "file": "a"},
+        {"unit": 1, "lane": "archive", "class": "tunnel-slide-wall", "solid_cells": 9, "worlds": 300, "steps": 40_000,
+         "seconds": 1.2, "file": "b"},
+        {"unit": 2, "lane": "native", "class": "loop-4bump-1turn-near", "solid_cells": 4, "worlds": 500,
+         "steps": 70_000, "seconds": 2.5, "file": "c"},
+    ],
+    "archive": {
+        "axes": [{"name": "detour", "edges": [1.0, 1.5, 2.0, 4.0]}, {"name": "density", "edges": [0.0, 0.1, 0.2]}],
+        "cells": [[0, 0, 1.5, "reached"], [2, 1, 4.0, "loop"]],
+    },
+}  # fmt: skip
+
+
+def campaign_folder(folder, **summary):
+    """Makes the folder; ``summary`` replaces parts of its summary."""
+    memory = folder / ".campaign"
+    (memory / "failures").mkdir(parents=True)
+    for name in (TUNNEL, STALLED):
+        shutil.copy(CORPUS / name, folder)
+    loop = read_world(CORPUS / LOOP)
+    original = replace(loop, provenance=None)
+    name = world_digest(original)[:16]
+    write_world(original, memory / "failures" / f"{name}.grid")
+    details = {**loop.failure.details, "original": name, "found_by": "native", "failing_seeds": [39, 40]}
+    write_world(replace(loop, failure=replace(loop.failure, details=details)), folder / LOOP)
+    (memory / "summary.json").write_text(json.dumps(SUMMARY | summary))
+    return folder
+
+
+def renamed(world, kind):
+    """The failure as one of another class."""
+    return replace(world, failure=replace(world.failure, details={**world.failure.details, "class": kind}))
