@@ -120,7 +120,8 @@ def _of_the_search(failure: Failure, record: FailureRecord, campaign: Summary | 
             rows.append(("class met", f"{campaign.met[kind]} times"))
         first = next((find for find in campaign.found if find.kind == kind), None)
         if first is not None:
-            rows.append(("class first met", f"after {first.worlds:,} worlds, {first.steps:,} steps, {first.seconds:.3g} s"))
+            until = f"after {first.worlds:,} worlds, {first.steps:,} steps, {first.seconds:.3g} s"
+            rows.append(("class first met", until))
     if "shrunk_from" in details:
         kept = _KEPT.get(str(details.get("kept")), "")
         rows.append(("shrunk from", f"{_words(details['shrunk_from'])} solid cells" + (f", {kept}" if kept else "")))

@@ -112,7 +112,7 @@ def test_nothing_is_asked_of_any_other_file_or_host(page, address):
     requested(page)
     page.get("about:blank")
     page.get(address)
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     page.get(f"{address}#campaign")
     assert {name.partition("#")[0] for name in requested(page)} <= {address, "about:blank"}
 
@@ -131,7 +131,7 @@ def test_every_small_picture_is_drawn(page):
 
 
 def test_play_moves_the_robot(page):
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     press(page, Keys.HOME)
     before = picture(page)
     page.find_element(By.ID, "play").click()
@@ -141,7 +141,7 @@ def test_play_moves_the_robot(page):
 
 
 def test_a_loop_goes_on_at_its_entry(page):
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     assert step(page) == 133
     press(page, "e")
     assert (step(page), "the loop is entered" in readout(page)) == (29, True)
@@ -151,28 +151,28 @@ def test_a_loop_goes_on_at_its_entry(page):
 
 
 def test_scrubbing_to_the_entry_says_so(page):
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     page.execute_script("scrub.value = 29; scrub.dispatchEvent(new Event('input'))")
     assert "step 29 of 133" in page.find_element(By.ID, "scrub").get_attribute("aria-valuetext")
     assert "the loop is entered" in readout(page)
 
 
 def test_entry_and_period_are_marked_on_the_bar(page):
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     period = page.find_element(By.CSS_SELECTOR, ".scrub .period")
     assert float(period.get_attribute("x")) == pytest.approx(1000 * 29 / 133)
     assert float(period.get_attribute("width")) == pytest.approx(1000 * 104 / 133)
 
 
 def test_a_tunnel_is_marked_where_it_happens(page):
-    open_failure(page, "tunnel-slide-post")
+    open_failure(page, "tunnel-a")
     assert page.find_elements(By.CSS_SELECTOR, ".scrub .breach")
     press(page, "e")
     assert "goes through this wall" in readout(page)
 
 
 def test_arrows_step_and_shift_steps_ten(page):
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     press(page, Keys.HOME)
     press(page, Keys.ARROW_RIGHT)
     press(page, Keys.SHIFT, Keys.ARROW_RIGHT)
@@ -181,7 +181,7 @@ def test_arrows_step_and_shift_steps_ten(page):
 
 @pytest.mark.parametrize("key", ["t", "u", "i", "w"])
 def test_a_layer_can_be_switched_off_and_on(page, key):
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     before = picture(page)
     press(page, key)
     assert picture(page) != before
@@ -226,12 +226,12 @@ def test_the_keyboard_alone_opens_plays_and_goes_back(page):
 
 
 def test_a_failure_has_an_address_and_back_works(page, address):
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     link = page.current_url
     page.back()
     until(lambda: page.find_element(By.ID, "overview").is_displayed())
     page.get(link)
-    assert page.find_element(By.CSS_SELECTOR, "#detail h2").text.strip() == "loop-4bump-1turn-near"
+    assert page.find_element(By.CSS_SELECTOR, "#detail h2").text.strip() == "loop-a"
 
 
 def test_the_keys_are_shown_and_closed(page):
@@ -251,21 +251,21 @@ def test_colours_follow_the_system_and_the_button(page):
 
 
 def test_a_picture_changes_its_colours_too(page):
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     before = picture(page)
     press(page, "d")
     assert picture(page) != before
 
 
 def test_the_download_is_the_file_byte_for_byte(page, folder, downloads):
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     page.find_element(By.CSS_SELECTOR, "a[download]").click()
     got = until(lambda: [path for path in downloads.iterdir() if path.suffix == ".grid"])
     assert got[0].read_bytes() == (folder / LOOP).read_bytes()
 
 
 def test_the_world_as_found_can_be_replayed(page):
-    open_failure(page, "loop-4bump")
+    open_failure(page, "loop-a")
     before, _ = page.find_elements(By.CSS_SELECTOR, ".pair canvas")
     assert before.get_attribute("aria-label").startswith("As found: World of 9 x 3 cells")
     page.find_element(By.CSS_SELECTOR, ".pair button").click()
@@ -300,7 +300,7 @@ def test_the_campaign_has_its_charts_and_their_tables(page, address):
 @pytest.mark.parametrize("place", ["", "loop", "#campaign"])
 def test_every_control_has_a_name(page, address, place):
     if place == "loop":
-        open_failure(page, "loop-4bump")
+        open_failure(page, "loop-a")
     else:
         page.get(f"{address}{place}")
     controls = page.find_elements(By.CSS_SELECTOR, "a, button, input, select, summary, canvas, [tabindex='0']")
@@ -316,7 +316,7 @@ def test_a_narrow_window_needs_no_scrolling_sideways(page, address, place):
     )
     try:
         if place == "loop":
-            open_failure(page, "loop-4bump")
+            open_failure(page, "loop-a")
         else:
             page.get(f"{address}{place}")
         assert page.execute_script("return document.documentElement.scrollWidth") <= 400

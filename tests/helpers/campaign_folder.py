@@ -1,7 +1,6 @@
 """A campaign's folder in small: three failures of the thesis's robots, one as it was found, and a summary."""
 
 import json
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,17 +10,17 @@ CORPUS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
 LOOP, TUNNEL, STALLED = "thesis-1-loop-104.grid", "thesis-2-slide.grid", "thesis-1-confined.grid"
 SUMMARY = {
     "version": 1, "controller": "turn-right", "motion": "stepped", "seed": 2**64 - 1, "units": 4, "worlds": 900,
-    "steps": 120_000, "seconds": 3.5, "verdicts": {"reached": 700, "loop": 12}, "met": {"loop-4bump-1turn-near": 17},
+    "steps": 120_000, "seconds": 3.5, "verdicts": {"reached": 700, "loop": 12}, "met": {"loop-a": 17},
     "lanes": [
         {"lane": "native", "units": 3, "worlds": 800, "steps": 100_000, "failures": 9, "classes": 1},
         {"lane": "archive", "units": 1, "worlds": 100, "steps": 20_000, "failures": 2, "classes": 1},
     ],
     "found": [
-        {"unit": 0, "lane": "native", "class": "loop-4bump-1turn-near", "solid_cells": 40, "worlds": 12, "steps": 900,
+        {"unit": 0, "lane": "native", "class": "loop-a", "solid_cells": 40, "worlds": 12, "steps": 900,
          "seconds": 0.2, "file": "a"},
-        {"unit": 1, "lane": "archive", "class": "tunnel-slide-wall", "solid_cells": 9, "worlds": 300, "steps": 40_000,
+        {"unit": 1, "lane": "archive", "class": "tunnel-a", "solid_cells": 9, "worlds": 300, "steps": 40_000,
          "seconds": 1.2, "file": "b"},
-        {"unit": 2, "lane": "native", "class": "loop-4bump-1turn-near", "solid_cells": 4, "worlds": 500,
+        {"unit": 2, "lane": "native", "class": "loop-a", "solid_cells": 4, "worlds": 500,
          "steps": 70_000, "seconds": 2.5, "file": "c"},
     ],
     "archive": {
@@ -35,9 +34,9 @@ def campaign_folder(folder, **summary):
     """Makes the folder; ``summary`` replaces parts of its summary."""
     memory = folder / ".campaign"
     (memory / "failures").mkdir(parents=True)
-    for name in (TUNNEL, STALLED):
-        shutil.copy(CORPUS / name, folder)
-    loop = read_world(CORPUS / LOOP)
+    for name, kind in ((TUNNEL, "tunnel-a"), (STALLED, "stalled-a")):
+        write_world(renamed(read_world(CORPUS / name), kind), folder / name)
+    loop = renamed(read_world(CORPUS / LOOP), "loop-a")
     original = replace(loop, provenance=None)
     name = world_digest(original)[:16]
     write_world(original, memory / "failures" / f"{name}.grid")
