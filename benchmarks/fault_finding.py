@@ -86,7 +86,7 @@ def look_for(fault: Fault, *, units: int = UNITS, seed: int = 1, examples: int =
     failures = (event.world for event in campaign.run() if isinstance(event, Found))
     raw = next((world for world in failures if _is_it(fault, world)), None)
     worlds, seconds = campaign.state.worlds, time.monotonic() - started
-    small = None if raw is None else shrunk_or_same(raw, True)
+    small = None if raw is None else shrunk_or_same(raw)
     shrunk_tells = small is not None and _is_it(fault, small)
     record = small.failure if small else None
     row = Row(

@@ -1,36 +1,46 @@
-"""Campaigns: units on one or several processes, shrinking what they find. Yields events; prints nothing."""
+"""Campaigns: units done by a crew, their failures shrunk, all of it remembered. Yields events; prints nothing."""
 
 from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from dataclasses import dataclass, field
-from multiprocessing import get_context
-from typing import Any
+from collections.abc import Generator, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass, field, replace
+from typing import Any, Generic, TypeVar
 
 from fuzz.config import CampaignConfig
+from fuzz.crews import Crew, crew_of
+from fuzz.ledger import Ledger, NoLedger, failure_id
+from fuzz.ledger.entry import Done
 from fuzz.result import Memory, UnitResult
 from fuzz.shrink import shrink
 from fuzz.unit import run_unit
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import dumps
-from worldgen.workers import LISTEN, begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
-from worldgen.world import World
+from worldgen.workers import LISTEN
+from worldgen.world import Value, World
 
-__all__ = ["Campaign", "CampaignState", "Find", "Found", "Progress", "UnitDone"]
+__all__ = ["Campaign", "CampaignState", "Find", "Found", "Progress", "UnitDone", "shrunk_or_same"]
+
+T = TypeVar("T")
 
 _RESTARTS = 3  # failures of one class that are shrunk; the smallest result stays
-_WAITING = 1  # units that wait for a worker, so that none is idle
 
 
 @dataclass(frozen=True)
 class UnitDone:
-    """A unit has been merged, in order of unit numbers."""
+    """A unit has been merged, in order of unit numbers.
+
+    Args:
+        unit: Its number.
+        state: The campaign's, with it.
+        again: Whether it was done in an earlier sitting.
+    """
 
     unit: int
     state: CampaignState
+    again: bool = False
 
 
 @dataclass(frozen=True)
@@ -59,17 +69,19 @@ class Find:
         unit: That met it.
         lane: Of that unit.
         kind: The class.
-        solid_cells: Of its world, before shrinking.
+        failure: As it was found, before shrinking.
         worlds: Of the campaign up to that unit, and with it.
         steps: Likewise.
+        seconds: Likewise, over all sittings.
     """
 
     unit: int
     lane: str
     kind: str
-    solid_cells: int
+    failure: World
     worlds: int
     steps: int
+    seconds: float
 
 
 @dataclass
@@ -80,6 +92,7 @@ class CampaignState:
         units: Done and merged.
         worlds: Scenarios simulated.
         steps: Steps simulated.
+        seconds: Of all sittings together.
         verdicts: At first look.
         met: How often each class was met.
         best: By class, the smallest failure, shrunk.
@@ -90,11 +103,38 @@ class CampaignState:
     units: int = 0
     worlds: int = 0
     steps: int = 0
+    seconds: float = 0.0
     verdicts: Counter[str] = field(default_factory=Counter)
     met: Counter[str] = field(default_factory=Counter)
     best: dict[str, World] = field(default_factory=dict)
     memory: Memory = field(default_factory=Memory)
     finds: list[Find] = field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
+class _Under(Generic[T]):
+    """Work under way, or remembered.
+
+    Args:
+        future: Its result.
+        seconds: Of the campaign when it was done in an earlier sitting; ``None`` of work that is new.
+    """
+
+    future: Future[T]
+    seconds: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Job:
+    """A failure that is to be shrunk.
+
+    Args:
+        failure: As it was found.
+        kept: What shrinking keeps.
+    """
+
+    failure: World
+    kept: str
 
 
 class Campaign:
@@ -105,9 +145,11 @@ class Campaign:
         units: Amount of work; the corpus then depends on the seed alone.
         seconds: Stop handing out work after this time; ignored if ``units`` is given.
         workers: Processes; 1 works in this one.
+        crew: Who does the work, instead of processes.
+        ledger: Remembers what was done, so that another campaign of the same configuration goes on with it.
 
     Iterating over :meth:`run` does the work. Whatever stops it, ``state.best`` and :meth:`pending` keep all
-    that was found.
+    that was found. Whatever was stopped and when, once it has gone on to as many units the state is the same.
     """
 
     def __init__(
@@ -117,123 +159,147 @@ class Campaign:
         units: int | None = None,
         seconds: float | None = None,
         workers: int = 1,
+        crew: Crew | None = None,
+        ledger: Ledger | None = None,
     ) -> None:
-        self.config, self.units, self.seconds, self.workers = config, units, seconds, workers
+        self.config, self.units, self.seconds = config, units, seconds
         self.state = CampaignState()
-        self._shrunk_per_class: Counter[str] = Counter()
-        self._unshrunk: dict[str, list[World]] = {}
+        self._crew: Crew = crew or crew_of(workers)
+        self._ledger: Ledger = ledger or NoLedger()
+        self._candidates: dict[str, list[World]] = {}  # by class, those that are shrunk
         self._known = [Memory(), Memory()]  # by epoch
+        self._began: float | None = None  # this sitting, when it had gone through the ledger
+        self._before = 0.0  # s, of earlier sittings
 
     def pending(self) -> dict[str, World]:
         """Failures by class that are proved but not shrunk yet; of use after an interruption."""
-        return {kind: min(worlds, key=_size) for kind, worlds in self._unshrunk.items() if worlds}
+        best = self.state.best
+        return {kind: min(worlds, key=_size) for kind, worlds in self._candidates.items() if kind not in best}
 
-    def run(self) -> Iterator[Progress]:
-        """Does the campaign."""
-        if self.workers == 1:
-            yield from self._serially()
-        else:
-            yield from self._in_parallel()
+    def run(self) -> Generator[Progress, None, None]:
+        """Does the campaign, or what is left of it."""
+        submitted, merged = 0, 0
+        units: dict[int, _Under[UnitResult]] = {}
+        shrinks: list[tuple[_Job, _Under[World]]] = []
+        with self._crew as crew:
+            while True:
+                while self._takes_more(crew, len(units), submitted) and (unit := self._unit(crew, submitted)):
+                    units[submitted], submitted = unit, submitted + 1
+                if not units and not shrinks:
+                    return
+                self._wait(crew, [*(one.future for one in units.values()), *(one.future for _, one in shrinks)])
+                while merged in units and units[merged].future.done():
+                    jobs = self._merge(merged, units[merged])
+                    yield UnitDone(merged, self.state, units.pop(merged).seconds is not None)
+                    merged += 1
+                    for job in jobs:
+                        shrinks.append((job, self._shrink(crew, job)))
+                        yield from self._kept(shrinks)
+                yield from self._kept(shrinks)
 
-    def _serially(self) -> Iterator[Progress]:
-        started, unit = time.monotonic(), 0
-        while not self._enough(unit, started):
-            todo = self._merge(unit, run_unit(self.config, unit, self._memory_for(unit)))
-            yield UnitDone(unit, self.state)
-            for kind, failure in todo:
-                yield from self._keep(kind, failure, shrunk_or_same(failure, self.config.shrink))
-            unit += 1
-
-    def _enough(self, unit: int, started: float) -> bool:
-        if self.units is not None:
-            return unit >= self.units
-        return self.seconds is not None and time.monotonic() - started >= self.seconds
-
-    def _in_parallel(self) -> Iterator[Progress]:
-        pool = ProcessPoolExecutor(self.workers, mp_context=get_context("spawn"), initializer=_worker_start)
-        with ctrl_c_held_back() as listen:
-            try:
-                yield from self._with_pool(pool, listen)
-            except BaseException:
-                end_workers(pool)
-                raise
-            pool.shutdown()
-
-    def _with_pool(self, pool: Executor, listen: Callable[[], None]) -> Iterator[Progress]:
-        started, submitted, merged = time.monotonic(), 0, 0
-        units: dict[int, Future[UnitResult]] = {}
-        shrinks: dict[Future[World], tuple[str, World]] = {}
-        while True:
-            while self._takes_more(len(units), submitted) and not self._enough(submitted, started):
-                with workers_begin_deaf():
-                    units[submitted] = pool.submit(run_unit, self.config, submitted, self._memory_for(submitted))
-                submitted += 1
-            if not units and not shrinks:
-                return
-            under_way: list[Future[Any]] = [*units.values(), *shrinks]
-            while not wait(under_way, LISTEN, return_when=FIRST_COMPLETED).done:
-                listen()
-            listen()
-            while merged in units and units[merged].done():
-                for kind, failure in self._merge(merged, units.pop(merged).result()):
-                    with workers_begin_deaf():
-                        shrinks[pool.submit(shrunk_or_same, failure, self.config.shrink)] = (kind, failure)
-                yield UnitDone(merged, self.state)
-                merged += 1
-            for future in [future for future in shrinks if future.done()]:
-                kind, failure = shrinks.pop(future)
-                yield from self._keep(kind, failure, future.result())
-
-    def _takes_more(self, under_way: int, unit: int) -> bool:
+    def _takes_more(self, crew: Crew, under_way: int, unit: int) -> bool:
         """Whether a worker is free for a unit, and what the unit is to know is known."""
-        return under_way < self.workers + _WAITING and unit // self.config.epoch < len(self._known)
+        return under_way < crew.room and unit // self.config.epoch < len(self._known)
 
-    def _memory_for(self, unit: int) -> Memory:
-        return self._known[unit // self.config.epoch]
+    def _unit(self, crew: Crew, unit: int) -> _Under[UnitResult] | None:
+        """Begins a unit, or takes it from the ledger; ``None`` if the campaign has done enough."""
+        if self.units is not None and unit >= self.units:
+            return None
+        done = self._ledger.unit(unit)
+        if done is not None:
+            return _Under(_finished(done.result), done.seconds)
+        if self._began is None:
+            self._began = time.monotonic()
+        if self.units is None and self.seconds is not None and time.monotonic() - self._began >= self.seconds:
+            return None
+        return _Under(crew.submit(run_unit, self.config, unit, self._known[unit // self.config.epoch]))
 
-    def _merge(self, unit: int, result: UnitResult) -> list[tuple[str, World]]:
-        """Adds a unit's result; returns the failures that are to be shrunk, the same for any timing."""
-        state = self.state
+    def _wait(self, crew: Crew, under_way: list[Future[Any]]) -> None:
+        while not wait(under_way, LISTEN, return_when=FIRST_COMPLETED).done:
+            crew.listen()
+        crew.listen()
+
+    def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_Job]:
+        """Adds a unit's result and remembers it; returns what is to be shrunk, the same for any timing."""
+        state, result = self.state, under.future.result()
+        state.seconds = self._clock() if under.seconds is None else under.seconds
         state.units = unit + 1
         state.worlds += result.worlds
         state.steps += result.steps
         state.verdicts += result.verdicts
         state.met += result.met
-        todo = []
+        jobs = []
+        kept: dict[str, World] = {}
         for kind, failure in sorted(result.failures.items()):
-            if state.memory.is_news(kind, failure):
-                state.finds.append(Find(unit, result.lane, kind, failure.solid_cells, state.worlds, state.steps))
-            if self._shrunk_per_class[kind] < _RESTARTS:
-                self._shrunk_per_class[kind] += 1
-                self._unshrunk.setdefault(kind, []).append(failure)
-                todo.append((kind, failure))
+            is_news, few = state.memory.is_news(kind, failure), len(self._candidates.get(kind, ())) < _RESTARTS
+            if is_news:
+                totals = (state.worlds, state.steps, state.seconds)
+                state.finds.append(Find(unit, result.lane, kind, failure, *totals))
+            if is_news or (few and self.config.shrink):
+                kept[kind] = failure
+            if few if self.config.shrink else is_news:
+                self._candidates.setdefault(kind, []).append(failure)
+                jobs.append(_Job(failure, "verdict"))
+        if under.seconds is None:
+            elites = {cell: elite for cell, elite in result.elites.items() if state.memory.is_better(cell, elite)}
+            self._ledger.save_unit(unit, Done(replace(result, failures=kept, elites=elites), state.seconds))
         state.memory = state.memory.after(result)
         if (unit + 1) % self.config.epoch == 0:
             self._known.append(state.memory)
-        return todo
+        return jobs
 
-    def _keep(self, kind: str, failure: World, shrunk: World) -> Iterator[Found]:
-        self._unshrunk[kind].remove(failure)
-        final = str(shrunk.failure.details["class"]) if shrunk.failure else kind
-        before = self.state.best.get(final)
-        if before is None or _size(shrunk) < _size(before):
-            self.state.best[final] = shrunk
-            yield Found(final, shrunk, before is not None)
+    def _clock(self) -> float:
+        """Seconds of all sittings."""
+        return self._before + (0.0 if self._began is None else time.monotonic() - self._began)
+
+    def _shrink(self, crew: Crew, job: _Job) -> _Under[World]:
+        if not self.config.shrink:
+            return _Under(_finished(job.failure), 0.0)
+        before = self._ledger.shrunk(job.failure, job.kept)
+        if before is not None:
+            return _Under(_finished(before), 0.0)
+        return _Under(crew.submit(shrunk_or_same, job.failure))
+
+    def _kept(self, shrinks: list[tuple[_Job, _Under[World]]]) -> Iterator[Found]:
+        """Takes what has been shrunk out of the list, remembers it and keeps the smallest of each class."""
+        for job, under in [one for one in shrinks if one[1].future.done()]:
+            shrinks.remove((job, under))
+            shrunk = under.future.result()
+            if under.seconds is None:
+                self._ledger.save_shrunk(job.failure, job.kept, shrunk)
+            kind = class_of(shrunk)
+            before = self.state.best.get(kind)
+            if before is None or _size(shrunk) < _size(before):
+                self.state.best[kind] = shrunk
+                yield Found(kind, shrunk, before is not None)
 
 
-def shrunk_or_same(failure: World, wanted: bool) -> World:
-    """The failure shrunk; as it was if that is not wanted, or it does not hold by shrinking's own terms."""
-    if not wanted:
-        return failure
+def shrunk_or_same(failure: World) -> World:
+    """The failure shrunk; as it was if it does not hold by shrinking's own terms."""
     try:
-        return shrink(failure).world
+        shrunk = shrink(failure).world
     except WorldgenError:
         return failure
+    return _with_detail(shrunk, original=failure_id(failure))
+
+
+def class_of(failure: World) -> str:
+    """A failure's class."""
+    return str(failure.failure.details["class"]) if failure.failure else ""
+
+
+def _with_detail(failure: World, **details: Value) -> World:
+    record = failure.failure
+    if record is None:
+        return failure
+    return replace(failure, failure=replace(record, details={**record.details, **details}))
+
+
+def _finished(result: T) -> Future[T]:
+    future: Future[T] = Future()
+    future.set_result(result)
+    return future
 
 
 def _size(world: World) -> tuple[int, int, bytes]:
     return world.solid_cells, world.width * world.height, dumps(world)
-
-
-def _worker_start() -> None:
-    begin_deaf()  # the driver decides when a campaign ends

@@ -71,11 +71,13 @@ class Door:
         if verdict == "breach":
             sealed = walled_off(world)
             steps = scenario.options(world).steps
-            self._keep(None if sealed is None else failure_of(sealed, scenario, steps=steps))
+            self._keep(None if sealed is None else failure_of(sealed, scenario, steps=steps, found_by=self.result.lane))
             return
         proved = world if world.certificate else certified(world)
         with contextlib.suppress(InvalidParameter):  # too long to be recorded, so nothing that could be shown
-            self._keep(None if proved is None else failure_of(proved, scenario, fewest_steps=self._proof_steps))
+            if proved is not None:
+                lane = self.result.lane
+                self._keep(failure_of(proved, scenario, fewest_steps=self._proof_steps, found_by=lane))
 
     def _is_one_of_few(self, verdict: str, cause: str) -> bool:
         self._failed[verdict, cause] += 1
@@ -92,7 +94,7 @@ class Door:
             if said is None or not self._is_one_of_few("oracle", asked.kind(said)):
                 continue
             with contextlib.suppress(InvalidParameter):  # too long to be recorded
-                self._keep(failure_by(proved, scenario, asked))
+                self._keep(failure_by(proved, scenario, asked, found_by=self.result.lane))
 
     def _keep(self, failure: World | None) -> None:
         if failure is None or failure.failure is None:

@@ -95,7 +95,7 @@ class Memory:
             classes=had.classes + len(result.failures.keys() - self.failures.keys()),
         )
         smaller = {kind: world for kind, world in result.failures.items() if self.is_news(kind, world)}
-        better = {cell: elite for cell, elite in result.elites.items() if self._is_better(cell, elite)}
+        better = {cell: elite for cell, elite in result.elites.items() if self.is_better(cell, elite)}
         return Memory({**self.lanes, result.lane: lane}, {**self.failures, **smaller}, {**self.elites, **better})
 
     def is_news(self, kind: str, failure: World) -> bool:
@@ -103,6 +103,7 @@ class Memory:
         before = self.failures.get(kind)
         return before is None or failure.solid_cells < before.solid_cells
 
-    def _is_better(self, cell: tuple[int, ...], elite: Elite) -> bool:
+    def is_better(self, cell: tuple[int, ...], elite: Elite) -> bool:
+        """Whether a cell of the archive is empty, or holds less."""
         before = self.elites.get(cell)
         return before is None or elite.quality > before.quality

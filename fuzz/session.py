@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import shlex
 import time
-from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import click
@@ -13,11 +14,14 @@ from rich.progress import Progress as Bar
 from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from fuzz.asked import Asked, Trial
-from fuzz.campaign import Campaign, Found
+from fuzz.campaign import Campaign, Found, Progress
 from fuzz.ci import NO_OUTPUTS, Finding, Outputs, Report
 from fuzz.config import CampaignConfig
+from fuzz.crews import Crew, WorkersLost
 from fuzz.failure import certified
 from fuzz.lanes.drawn import LAYOUT_LANES, SEALED, TIME_STEPS, can_breach
+from fuzz.ledger import Sitting
+from fuzz.summary import lanes_in_words, summary_of
 from fuzz.telling import describe, replay_line
 from fuzz.variation import Variation
 from sim.episode import prepare
@@ -27,11 +31,14 @@ from sim.scenario import Scenario
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.family import FAMILIES
-from worldgen.grid_file import write_world
+from worldgen.files import write_bytes
+from worldgen.grid_file import dumps
+from worldgen.plain_text import counted
 from worldgen.world import Pose, Target, World
 
 __all__ = ["CampaignSession", "configure"]
 
+_SUMMARY_EVERY = 5.0  # s, at least, between two summaries while the search goes on
 _NO_FAILURE = ("reached", "sealed")  # verdicts at first look
 
 
@@ -47,6 +54,7 @@ def configure(
     vary: tuple[str, ...] = (),
     shrink: bool | None = None,
     oracles: tuple[str, ...] = (),
+    epoch: int = CampaignConfig.epoch,
 ) -> CampaignConfig:
     """Checks a campaign's parts before any work begins.
 
@@ -74,7 +82,16 @@ def configure(
     _try_out(scenario, [Asked.parse(text) for text in oracles])
     wanted = fixed_map is None if shrink is None else shrink
     return CampaignConfig(
-        scenario, seed, families, time_steps, varied, fixed_map, examples=examples, shrink=wanted, oracles=oracles
+        scenario,
+        seed,
+        families,
+        time_steps,
+        varied,
+        fixed_map,
+        examples=examples,
+        shrink=wanted,
+        oracles=oracles,
+        epoch=epoch,
     )
 
 
@@ -97,143 +114,143 @@ class CampaignSession:
     """Runs a campaign and keeps its folder.
 
     Args:
-        config: What to look for.
-        out: Folder of the failures; made if it is missing.
-        units: Amount of work, or ``None``.
-        seconds: Time to search, or ``None``.
-        workers: Processes.
-        force: Whether files of the same name may be replaced.
+        sitting: The campaign, with its folder and how long it is to search; closed by :meth:`run`.
+        crew: Who does the work.
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
     """
 
-    def __init__(
-        self,
-        config: CampaignConfig,
-        out: Path,
-        *,
-        units: int | None,
-        seconds: float | None,
-        workers: int,
-        force: bool,
-        quiet: bool,
-        outputs: Outputs = NO_OUTPUTS,
-    ) -> None:
-        self._config, self._out, self._quiet, self._outputs = config, out, quiet, outputs
-        self._campaign = Campaign(config, units=units, seconds=seconds, workers=workers)
-        self._limit = f"{units} units" if units else f"{seconds:g} s"
-        _prepare_folder(out, force)
+    def __init__(self, sitting: Sitting, crew: Crew, *, quiet: bool = False, outputs: Outputs = NO_OUTPUTS) -> None:
+        self._config, self._folder, self._quiet, self._outputs = sitting.config, sitting.folder, quiet, outputs
+        self._out = sitting.folder.out
+        goal = sitting.goal
+        self._campaign = Campaign(
+            sitting.config, units=goal.units, seconds=goal.seconds, crew=crew, ledger=sitting.folder
+        )
+        self._limit = f"{goal.seconds:g} s" if goal.units is None else counted(goal.units, "unit")
+        self._unsaved: set[str] = set()
+        self._goes_on = sitting.done > 0  # until all that was done before has been gone through
+        self._summarised = time.monotonic()
 
     def run(self) -> int:
         """Does the campaign; returns the exit code."""
-        started, stopped = time.monotonic(), False
+        way_on = f"worldgen fuzz --resume {shlex.quote(str(self._out))} goes on"
+        try:
+            with contextlib.closing(self._folder):
+                stopped = self._search()
+        except WorkersLost as error:
+            raise OutputError(f"{error}; what was found until then is in {self._out}, and {way_on}") from error
+        except OutputError as error:
+            raise OutputError(f"{error}; what is there is whole: make room, and {way_on}") from error
+        self._report()
+        if self._outputs:
+            self._outputs.write(self._as_report())
+        if stopped:
+            kept = counted(len(self._campaign.state.best), "failure")
+            note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {way_on}")
+            return 130
+        return 1 if self._campaign.state.best else 0
+
+    def _search(self) -> bool:
+        """Does the work; returns whether Ctrl-C stopped it."""
         try:
             self._watch()
         except KeyboardInterrupt:
-            stopped = True
             self._save_pending()
-        except BrokenProcessPool as error:
+            return True
+        except WorkersLost:
             self._save_pending()
-            raise OutputError(
-                f"a worker process died, perhaps killed by the controller or for want of memory ({error}); "
-                f"what was found until then is in {self._out}"
-            ) from error
-        best = self._campaign.state.best
-        self._report(time.monotonic() - started)
-        if self._outputs:
-            self._outputs.write(self._as_report(time.monotonic() - started))
-        if stopped:
-            note(f"interrupted; {len(best)} failures are kept in {self._out}")
-            return 130
-        return 1 if best else 0
+            raise
+        for kind in self._campaign.pending():  # an earlier sitting kept it, before it was shrunk to another class
+            self._path(kind).unlink(missing_ok=True)
+        return False
 
     def _watch(self) -> None:
         console = Console(stderr=True)
         columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-        with Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        events = self._campaign.run()
+        with (
+            Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as bar,
+            contextlib.closing(events),
+        ):
             task = bar.add_task(f"searching ({self._limit})", total=None)
-            for event in self._campaign.run():
+            for event in events:
+                self._see(event)
                 state = self._campaign.state
-                if isinstance(event, Found):
-                    self._save(event.kind, event.world)
                 bar.update(
                     task,
                     description=f"searching ({self._limit}): {state.worlds} worlds, "
                     f"{sum(n for verdict, n in state.verdicts.items() if verdict not in _NO_FAILURE)} failed, "
-                    f"{len(state.best)} classes",
+                    f"{counted(len(state.best), 'class', 'classes')}",
                 )
+        self._goes_on = False
+        self._save()
 
-    def _save(self, kind: str, world: World) -> None:
-        write_world(world, self._path(kind), force=True)
+    def _see(self, event: Progress) -> None:
+        if isinstance(event, Found):
+            self._unsaved.add(event.kind)
+        else:
+            self._goes_on = event.again
+        if not self._goes_on:
+            self._save(at_least_after=_SUMMARY_EVERY)
+
+    def _save(self, at_least_after: float = 0.0) -> None:
+        """Writes the failures that are new, and from time to time what reports read."""
+        for kind in sorted(self._unsaved):
+            data = dumps(self._campaign.state.best[kind])
+            path = self._path(kind)
+            if not path.is_file() or path.read_bytes() != data:  # when it was first seen stays
+                write_bytes(path, data, force=True)
+        self._unsaved.clear()
+        if time.monotonic() - self._summarised >= at_least_after:
+            self._folder.save_summary(summary_of(self._config, self._campaign.state))
+            self._summarised = time.monotonic()
 
     def _save_pending(self) -> None:
-        """After Ctrl-C: what was proved but not shrunk yet is kept as it is."""
-        for kind, world in self._campaign.pending().items():
-            if kind not in self._campaign.state.best:
-                self._campaign.state.best[kind] = world
-                self._save(kind, world)
+        """What was proved but not shrunk yet is kept as it is; nothing where not even the earlier is gone through."""
+        if self._goes_on:
+            return
+        pending = self._campaign.pending()
+        self._campaign.state.best |= pending
+        self._unsaved |= pending.keys()
+        self._save()
 
     def _path(self, kind: str) -> Path:
         return self._out / f"{kind}.grid"
 
-    def _report(self, seconds: float) -> None:
+    def _report(self) -> None:
         state = self._campaign.state
         if self._quiet:
-            emit_json(self._summary(seconds))
+            emit_json(summary_of(self._config, state) | {"failures": self._failures()})
             return
         for kind, world in sorted(state.best.items()):
             click.echo(describe(world, self._path(kind), met=state.met))
+        click.echo(lanes_in_words(state))
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
         click.echo(
-            f"seed {self._config.seed}: {state.units} units, {state.worlds} worlds, {state.steps} steps "
-            f"in {seconds:.1f} s; at first look {verdicts or 'nothing'}"
+            f"seed {self._config.seed}: {counted(state.units, 'unit')}, {state.worlds} worlds, {state.steps} steps "
+            f"in {state.seconds:.1f} s; at first look {verdicts or 'nothing'}"
         )
         if not state.best:
             click.echo(f"no failure of {self._config.scenario.label()} under {self._config.scenario.motion} found")
 
-    def _as_report(self, seconds: float) -> Report:
+    def _as_report(self) -> Report:
         """The campaign for the programs that run tests for a team."""
         state, scenario = self._campaign.state, self._config.scenario
         best = sorted(state.best.items())
         facts = {"controller": shown(scenario.label(scenario.motion, scenario.time_step)), "motion": scenario.motion}
         numbers = {"seed": self._config.seed, "units": state.units, "worlds": state.worlds, "steps": state.steps}
-        facts |= {name: str(number) for name, number in numbers.items()} | {"seconds": f"{seconds:.1f}"}
+        facts |= {name: str(number) for name, number in numbers.items()} | {"seconds": f"{state.seconds:.1f}"}
         return Report("fuzz", tuple(Finding.of(world, self._path(kind), "new") for kind, world in best), facts)
 
-    def _summary(self, seconds: float) -> dict[str, object]:
-        state = self._campaign.state
-        return {
-            "seed": self._config.seed,
-            "units": state.units,
-            "worlds": state.worlds,
-            "steps": state.steps,
-            "seconds": round(seconds, 3),
-            "verdicts": dict(state.verdicts),
-            "failures": [
-                {
-                    "file": str(self._path(kind)),
-                    "verdict": world.failure.verdict if world.failure else "",
-                    "class": kind,
-                    "solid_cells": world.solid_cells,
-                    "replay": replay_line(self._path(kind)),
-                }
-                for kind, world in sorted(state.best.items())
-            ],
-        }
-
-
-def _prepare_folder(out: Path, force: bool) -> None:
-    if out.exists() and not out.is_dir():
-        raise OutputError(f"{out} is a file; name a folder")
-    if out.is_dir() and not force and any(out.glob("*.grid")):
-        raise OutputError(
-            f"{out} holds .grid files already; give --force to add to them and replace those of the same name, "
-            "or name another folder"
-        )
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        probe = out / ".worldgen-probe"
-        probe.write_bytes(b"")
-        probe.unlink()
-    except OSError as error:
-        raise OutputError(f"{out}: cannot be written: {error.strerror or error}") from error
+    def _failures(self) -> list[dict[str, object]]:
+        return [
+            {
+                "file": str(self._path(kind)),
+                "verdict": world.failure.verdict if world.failure else "",
+                "class": kind,
+                "solid_cells": world.solid_cells,
+                "replay": replay_line(self._path(kind)),
+            }
+            for kind, world in sorted(self._campaign.state.best.items())
+        ]

@@ -94,6 +94,16 @@ class Registry(Generic[T]):
             self._loaded[name] = self._accept(name, thing)
         return self._loaded[name]
 
+    def source(self, name: str) -> Path | None:
+        """The file that defines what is called so; ``None`` where none does, or a whole package."""
+        point = self.entry_points().get(name)
+        place = name.rpartition(":")[0] if point is None else point.module
+        if place.endswith(".py"):
+            return Path(place)
+        with user_code(f"{self.noun} {name!r}: looking for {place}"):
+            found = importlib.util.find_spec(place) if place else None
+        return Path(found.origin) if found is not None and found.has_location and found.origin else None
+
     def _unknown(self, name: str) -> str:
         names = self.names()
         close = difflib.get_close_matches(name, names, n=1)

@@ -86,6 +86,11 @@ class Asked:
             raise InvalidParameter(f"oracle {name!r} takes no number; write --oracle {name}")
         return cls(text.strip(), oracle, (_number(text, number),))
 
+    @property
+    def name(self) -> str:
+        """What it was written with, without its number."""
+        return self.text.rpartition("=")[0] if self.numbers else self.text
+
     def kind(self, objection: Mapping[str, Value]) -> str:
         """The class of a failure that it found: its name, and the objection's ``kind``, fit for a file name."""
         words = [self.text.partition("=")[0] if ":" not in self.text else self.text, str(objection.get("kind", ""))]

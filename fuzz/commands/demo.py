@@ -26,6 +26,8 @@ def demo(out: Path, controller: str, motion: str, force: bool) -> None:
     """
     import os
 
+    from fuzz.crews import crew_of
+    from fuzz.ledger import Goal, begin
     from fuzz.session import CampaignSession, configure
     from worldgen.errors import OutputError
 
@@ -44,9 +46,8 @@ def demo(out: Path, controller: str, motion: str, force: bool) -> None:
         examples=200,
         seed=1,
     )
-    workers = os.cpu_count() or 1
-    session = CampaignSession(config, failures, units=None, seconds=_SECONDS, workers=workers, force=True, quiet=False)
-    code = session.run()
+    sitting = begin(config, failures, Goal(seconds=_SECONDS), force=True)
+    code = CampaignSession(sitting, crew_of(os.cpu_count() or 1)).run()
     if code not in (0, 1):
         raise SystemExit(code)
     _draw_failures(failures)

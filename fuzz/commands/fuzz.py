@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from fuzz.commands._options import Duration, output_options
-from worldgen.cli.output import CONTROLLER_HELP, draw_seed, force_option, json_option, seed_option
+from worldgen.cli.output import CONTROLLER_HELP, draw_seed, force_option, json_option, note, seed_option
+
+if TYPE_CHECKING:
+    from fuzz.ledger import Goal, Sitting
 
 __all__ = ["fuzz"]
 
@@ -16,12 +21,19 @@ EXAMPLES = (
     "  worldgen fuzz --controller ./mine.py:Robot --family trap --units 20 --out failures/\n"
     "  worldgen fuzz --controller turn-left --world map.grid --budget 1m --out failures/\n"
     "  worldgen fuzz --controller bug1 --vary sensor_noise=0,0.1 --vary robot_speed=1,2 --out failures/\n"
-    "  worldgen fuzz --controller bug1 --detour 5 --oracle turn --budget 30s --out failures/"
+    "  worldgen fuzz --controller bug1 --detour 5 --oracle turn --budget 30s --out failures/\n"
+    "  worldgen fuzz --resume failures/"
 )
+
+_BEGUN = (
+    "controller", "motion", "families", "world", "time_step", "examples", "detour", "oracles", "shrink", "epoch",
+    "vary", "out", "seed",
+)  # fmt: skip
+"""Parameters that say what a campaign is, not how far it goes."""
 
 
 @click.command(epilog=EXAMPLES)
-@click.option("--controller", required=True, help=CONTROLLER_HELP)
+@click.option("--controller", help=CONTROLLER_HELP)
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option("--family", "families", multiple=True, help="Draw worlds from this family; may be repeated.")
 @click.option("--world", type=click.Path(path_type=Path), help="Keep this map; vary start, target and radius.")
@@ -52,48 +64,94 @@ EXAMPLES = (
     "detour, repeat, turn, shift, scale, mirror, finer, wall, block, or ./file.py:name; may be repeated.",
 )
 @click.option("--shrink/--no-shrink", default=None, help="Shrink failures [default: yes, but not with --world].")
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the failures.")
+@click.option(
+    "--epoch",
+    type=click.IntRange(1, 100_000),
+    default=16,
+    show_default=True,
+    help="Units that learn from the same earlier ones; at most twice as many are under way at a time.",
+)
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for the failures.")
+@click.option(
+    "--resume",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Go on with the campaign in FOLDER, as far as it was to go, or as --units or --budget say.",
+)
 @output_options
 @seed_option
 @json_option
 @force_option
 def fuzz(
-    controller: str,
-    motion: str,
-    families: tuple[str, ...],
-    world: Path | None,
     budget: float | None,
     units: int | None,
     workers: int | None,
+    resume: Path | None,
+    as_json: bool,
+    junit: Path | None,
+    sarif: Path | None,
+    summary: Path | None,
+    force: bool,
+    **begun: Any,
+) -> None:
+    """Search for worlds in which a controller fails; prove, shrink and save what is found.
+
+    Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there is any,
+    0 if not. Ctrl-C keeps what was found. The same command again, or --resume FOLDER, goes on where a campaign
+    was interrupted, by whatever.
+    """
+    import os
+
+    from fuzz import ledger
+    from fuzz.ci import Outputs
+    from fuzz.crews import crew_of
+    from fuzz.session import CampaignSession
+
+    if budget is not None and units is not None:
+        raise click.UsageError("give --budget or --units, not both")
+    outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
+    outputs.check()
+    goal = ledger.Goal(units, None if units else budget or 30.0)
+    if resume is None:
+        sitting = _begin(goal, force=force, **begun)
+    else:
+        _refuse_beside_resume()
+        sitting = ledger.resume(resume, None if units is None and budget is None else goal)
+    if sitting.done:
+        note(
+            f"goes on with the campaign in {sitting.folder.out}: seed {sitting.config.seed}, {sitting.done} units done"
+        )
+    crew = crew_of(workers or os.cpu_count() or 1)
+    raise SystemExit(CampaignSession(sitting, crew, quiet=as_json, outputs=outputs).run())
+
+
+def _begin(
+    goal: Goal,
+    *,
+    controller: str | None,
+    motion: str,
+    families: tuple[str, ...],
+    world: Path | None,
     time_step: float | None,
     vary: tuple[str, ...],
     examples: int,
     detour: float | None,
     oracles: tuple[str, ...],
     shrink: bool | None,
-    out: Path,
+    epoch: int,
+    out: Path | None,
     seed: int | None,
-    as_json: bool,
     force: bool,
-    **outputs: Path | None,
-) -> None:
-    """Search for worlds in which a controller fails; prove, shrink and save what is found.
-
-    Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there is any,
-    0 if not. Ctrl-C keeps what was found.
-    """
-    import os
-
-    from fuzz.ci import Outputs
-    from fuzz.session import CampaignSession, configure
+) -> Sitting:
+    """A new campaign, or the same one again in its folder."""
+    from fuzz.ledger import begin, stored_seed
+    from fuzz.session import configure
     from worldgen.grid_file import read_world
 
-    if budget is not None and units is not None:
-        raise click.UsageError("give --budget or --units, not both")
+    if controller is None or out is None:
+        raise click.UsageError("give --controller NAME and --out FOLDER, or --resume FOLDER")
     if world is not None and families:
         raise click.UsageError("give --world or --family, not both: on a map only the poses vary")
-    reports = Outputs(**outputs, force=force)
-    reports.check()
     config = configure(
         controller=controller,
         motion=motion,
@@ -104,16 +162,17 @@ def fuzz(
         examples=examples,
         shrink=shrink,
         oracles=oracles if detour is None else (f"detour={detour!r}".removesuffix(".0"), *oracles),
-        seed=draw_seed(seed),
+        seed=draw_seed(stored_seed(out) if seed is None and not force else seed),
+        epoch=epoch,
     )
-    session = CampaignSession(
-        config,
-        out,
-        units=units,
-        seconds=None if units else budget or 30.0,
-        workers=workers or os.cpu_count() or 1,
-        force=force,
-        quiet=as_json,
-        outputs=reports,
-    )
-    raise SystemExit(session.run())
+    return begin(config, out, goal, force=force)
+
+
+def _refuse_beside_resume() -> None:
+    context = click.get_current_context()
+    for option in context.command.params:
+        name = option.name or ""
+        if name in _BEGUN and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+            raise click.UsageError(
+                f"{option.opts[0]} stays as the campaign was begun; give it without --resume, or not"
+            )

@@ -121,7 +121,7 @@ def test_fuzz_of_a_controller_that_always_arrives_finds_nothing_and_ends_with_0(
         "fuzz", "--controller", controller, "--world", world, "--units", 1, "--examples", 40, "--seed", 1,
         "--workers", 1, "--out", tmp_path / "none",
     )  # fmt: skip
-    assert result.code == 0 and "no failure of" in result.out and not list((tmp_path / "none").iterdir())
+    assert result.code == 0 and "no failure of" in result.out and not list((tmp_path / "none").glob("*.grid"))
 
 
 @pytest.mark.parametrize(
@@ -188,8 +188,10 @@ def test_a_missing_file_is_one_line_and_code_2(command, tmp_path):
     assert result.code == 2 and "absent.grid" in result.err and "Traceback" not in result.err
 
 
-def test_a_folder_with_failures_is_not_written_into_without_force(failures):
-    result = worldgen(*FUZZ, "--out", failures[0])
+def test_a_folder_with_failures_of_no_campaign_is_not_written_into_without_force(failures, tmp_path):
+    for file in failures[0].glob("*.grid"):
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    result = worldgen(*FUZZ, "--out", tmp_path)
     assert result.code == 2 and "--force" in result.err
 
 

@@ -12,7 +12,7 @@ import zipfile
 
 import pytest
 
-import worldgen.sets.journal
+import worldgen.locks
 import worldgen.sets.stores
 from tests.helpers.command_line import worldgen as run
 from tests.helpers.set_contents import contents
@@ -261,7 +261,7 @@ def test_no_other_command_begins_in_a_folder_that_is_being_removed(tmp_path, mon
 @pytest.mark.skipif(os.name == "nt", reason="no file locks")
 def test_a_manifest_that_is_removed_before_it_is_locked_is_not_written(traps, monkeypatch):
     manifest = traps / "manifest.jsonl"
-    monkeypatch.setattr(worldgen.sets.journal.fcntl, "flock", lambda *_: manifest.unlink())
+    monkeypatch.setattr(worldgen.locks.fcntl, "flock", lambda *_: manifest.unlink())
     with pytest.raises(OutputError, match="was finished by another command meanwhile"):
         Journal(manifest).read()
 

@@ -8,12 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from worldgen.errors import FormatError, OutputError
+from worldgen.locks import lock
 from worldgen.sets.manifest import Manifest, parse_manifest
-
-try:
-    import fcntl
-except ImportError:  # Windows, where nothing keeps a second command out
-    fcntl = None  # type: ignore[assignment]
 
 __all__ = ["Journal"]
 
@@ -107,15 +103,12 @@ class Journal:
     def _open(self, flags: int) -> None:
         with self._told():
             self._file = os.open(self.path, flags | getattr(os, "O_BINARY", 0), 0o666)
-        if fcntl is not None:
-            try:
-                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError as error:
-                self.close()
-                raise OutputError(f"{self.path} is being written by another command; let that one end first") from error
-            if os.fstat(self._file).st_nlink == 0:  # removed between opening and locking
-                self.close()
-                raise OutputError(f"{self.path} was finished by another command meanwhile; look at what it made")
+        if not lock(self._file):
+            self.close()
+            raise OutputError(f"{self.path} is being written by another command; let that one end first")
+        if os.fstat(self._file).st_nlink == 0:  # removed between opening and locking
+            self.close()
+            raise OutputError(f"{self.path} was finished by another command meanwhile; look at what it made")
 
     def _opened(self) -> int:
         if self._file is None:

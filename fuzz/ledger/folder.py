@@ -1,0 +1,243 @@
+"""The folder ``OUT/.campaign``: written by one process at a time, whole at every moment.
+
+Every file is written under another name and then renamed, so it is there whole or not at all; those with
+failures before the entry that names them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import re
+import shutil
+from pathlib import Path
+from typing import Any, Protocol
+
+from fuzz.ledger.entry import Done, read_entry, write_entry
+from fuzz.ledger.setup import DIGITS, Setup
+from worldgen.errors import FormatError, OutputError, WorldgenError
+from worldgen.files import read_text, write_bytes
+from worldgen.grid_file import dumps, loads
+from worldgen.locks import lock
+from worldgen.world import World
+
+__all__ = ["CampaignFolder", "Ledger", "NoLedger", "failure_id"]
+
+_NAME = ".campaign"
+_VERSION = 1
+_SHRUNK = re.compile(rf"(?P<key>[0-9a-f]{{{DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{DIGITS}}})\.grid")
+_PARTS = ("units", "failures", "shrunk")
+
+
+def failure_id(failure: World) -> str:
+    """The name of a failure's file: the first hex digits of the SHA-256 of its text, the record included.
+
+    The world's id alone would not do: one world may hold several failures, of other seeds for example.
+    """
+    return _content_name(dumps(failure))
+
+
+def _content_name(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:DIGITS]
+
+
+class Ledger(Protocol):
+    """What a campaign asks of its memory."""
+
+    def unit(self, unit: int) -> Done | None:
+        """A unit that was done before; ``None`` if it is to be done."""
+
+    def save_unit(self, unit: int, done: Done) -> None:
+        """Keeps a unit."""
+
+    def shrunk(self, failure: World, kept: str) -> World | None:
+        """What a failure was shrunk to before; ``None`` if it is to be shrunk."""
+
+    def save_shrunk(self, failure: World, kept: str, shrunk: World) -> None:
+        """Keeps what a failure was shrunk to."""
+
+
+class NoLedger:
+    """Remembers nothing."""
+
+    def unit(self, unit: int) -> Done | None:
+        """Nothing."""
+        return None
+
+    def save_unit(self, unit: int, done: Done) -> None:
+        """Does nothing."""
+
+    def shrunk(self, failure: World, kept: str) -> World | None:
+        """Nothing."""
+        return None
+
+    def save_shrunk(self, failure: World, kept: str, shrunk: World) -> None:
+        """Does nothing."""
+
+
+class CampaignFolder:
+    """A campaign's memory in ``OUT/.campaign``, kept from other processes until :meth:`close`.
+
+    Args:
+        out: The folder of the campaign's failures; made if it is missing.
+
+    Raises:
+        OutputError: If it cannot be written, or another process is writing it.
+    """
+
+    def __init__(self, out: Path) -> None:
+        self.out, self._path = out, out / _NAME
+        self._setup = ""
+        self._shrunk: dict[str, Path] = {}
+        if out.exists() and not out.is_dir():
+            raise OutputError(f"{out} is a file; name a folder")
+        with _told(self._path):
+            self._path.mkdir(parents=True, exist_ok=True)
+            self._lock = os.open(self._path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
+        if not lock(self._lock):
+            self.close()
+            raise OutputError(f"another worldgen fuzz is writing {out}; let that one end first, or name another folder")
+
+    @staticmethod
+    def stored_in(out: Path) -> tuple[Setup, dict[str, Any]] | None:
+        """The setup of the campaign in a folder, and how long it was to search; ``None`` if there is none.
+
+        Raises:
+            FormatError: If it cannot be read.
+        """
+        file = out / _NAME / "campaign.json"
+        if not file.is_file():
+            return None
+        try:
+            said = json.loads(read_text(file))
+            if said["version"] != _VERSION:
+                raise ValueError(f"it is of version {said['version']}, and this reads version {_VERSION}")
+            return Setup(dict(said["configuration"]), dict(said["code"])), dict(said["goal"])
+        except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as error:
+            if isinstance(error, FormatError):
+                raise
+            message = f"is no campaign's configuration: {error!r}; --force begins a new campaign"
+            raise FormatError(message, source=str(file)) from error
+
+    def units_done(self) -> int:
+        """How many units it holds, from the first on: one more than the last number."""
+        numbers = [int(file.stem) for file in (self._path / "units").glob("*.json") if file.stem.isdecimal()]
+        return max(numbers, default=-1) + 1
+
+    def close(self) -> None:
+        """Lets other processes at it."""
+        os.close(self._lock)
+
+    def begin(self, setup: Setup, goal: dict[str, Any]) -> None:
+        """Stores the setup of a new campaign, or the new goal of the one that is there.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        self._setup = setup.digest
+        with _told(self._path):
+            for part in _PARTS:
+                (self._path / part).mkdir(exist_ok=True)
+            for file in (self._path / "shrunk").iterdir():
+                if name := _SHRUNK.fullmatch(file.name):
+                    self._shrunk[name["key"]] = file
+        said = {"version": _VERSION, "configuration": setup.configuration, "code": setup.code, "goal": goal}
+        self._save("campaign.json", (json.dumps(said, indent=1) + "\n").encode())
+
+    def forget(self) -> None:
+        """Removes what is there of an earlier campaign; its failures in the folder outside stay.
+
+        Raises:
+            OutputError: If it cannot be removed.
+        """
+        with _told(self._path):
+            (self._path / "campaign.json").unlink(missing_ok=True)  # first: what is left is then no campaign
+            (self._path / "summary.json").unlink(missing_ok=True)
+            for part in _PARTS:
+                if (self._path / part).exists():
+                    shutil.rmtree(self._path / part)
+
+    def unit(self, unit: int) -> Done | None:
+        """A unit that was done before; ``None`` if it is to be done, or its entry is not whole."""
+        file = self._unit_file(unit)
+        if not file.is_file():
+            return None
+        try:
+            return read_entry(read_text(file), unit, self._setup, self._failure)
+        except (ValueError, WorldgenError):
+            return None
+
+    def save_unit(self, unit: int, done: Done) -> None:
+        """Keeps a unit: its failures first, then its entry.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        names: dict[str, str] = {}
+        for kind, failure in done.result.failures.items():
+            names[kind] = failure_id(failure)
+            self._save(f"failures/{names[kind]}.grid", dumps(failure))
+        write_bytes(self._unit_file(unit), write_entry(unit, done, self._setup, names), force=True)
+
+    def shrunk(self, failure: World, kept: str) -> World | None:
+        """What a failure was shrunk to before; ``None`` if it is to be shrunk, or the file is not whole."""
+        file = self._shrunk.get(f"{failure_id(failure)}-{kept}")
+        if file is None:
+            return None
+        try:
+            return _whole_world(file, file.stem.rpartition("-")[2])
+        except (ValueError, WorldgenError):
+            return None
+
+    def save_shrunk(self, failure: World, kept: str, shrunk: World) -> None:
+        """Keeps what a failure was shrunk to.
+
+        Args:
+            failure: Before.
+            kept: What shrinking kept.
+            shrunk: After.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        data = dumps(shrunk)
+        self._save(f"shrunk/{failure_id(failure)}-{kept}-{_content_name(data)}.grid", data)
+
+    def save_summary(self, summary: dict[str, Any]) -> None:
+        """Writes what reports read.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        self._save("summary.json", (json.dumps(summary, indent=1) + "\n").encode())
+
+    def _unit_file(self, unit: int) -> Path:
+        return self._path / "units" / f"{unit:06}.json"
+
+    def _failure(self, name: str) -> World:
+        return _whole_world(self._path / "failures" / f"{name}.grid", name)
+
+    def _save(self, name: str, data: bytes) -> None:
+        write_bytes(self._path / name, data, force=True)
+
+
+def _whole_world(file: Path, content: str) -> World:
+    """The world in a file that is named by its content.
+
+    Raises:
+        ValueError: If the content is another; as FormatError if it cannot be read.
+    """
+    data = read_text(file).encode()
+    if _content_name(data) != content:
+        raise ValueError("the file was changed")
+    return loads(data, str(file))
+
+
+@contextlib.contextmanager
+def _told(path: Path) -> Any:
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}; choose another place") from error

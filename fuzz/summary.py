@@ -1,0 +1,63 @@
+"""A campaign in numbers: what reports and ``--json`` say of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fuzz.campaign import CampaignState
+from fuzz.config import CampaignConfig
+from fuzz.ledger import failure_id
+from worldgen.plain_text import aligned
+
+__all__ = ["lanes_in_words", "summary_of"]
+
+_VERSION = 1
+
+
+def summary_of(config: CampaignConfig, state: CampaignState) -> dict[str, Any]:
+    """What ``.campaign/summary.json`` holds; ``docs/campaigns.md`` says what each part means."""
+    return {
+        "version": _VERSION,
+        "controller": config.scenario.label(),
+        "motion": config.scenario.motion,
+        "seed": config.seed,
+        "units": state.units,
+        "worlds": state.worlds,
+        "steps": state.steps,
+        "seconds": round(state.seconds, 3),
+        "verdicts": dict(state.verdicts),
+        "met": dict(state.met),
+        "lanes": [
+            {
+                "lane": name,
+                "units": lane.units,
+                "worlds": lane.worlds,
+                "steps": lane.steps,
+                "failures": lane.failures,
+                "classes": lane.classes,
+            }
+            for name, lane in state.memory.lanes.items()
+        ],
+        "found": [
+            {
+                "unit": find.unit,
+                "lane": find.lane,
+                "class": find.kind,
+                "solid_cells": find.failure.solid_cells,
+                "worlds": find.worlds,
+                "steps": find.steps,
+                "seconds": round(find.seconds, 3),
+                "file": f".campaign/failures/{failure_id(find.failure)}.grid",
+            }
+            for find in state.finds
+        ],
+        "archive": None,
+    }
+
+
+def lanes_in_words(state: CampaignState) -> str:
+    """A table of the lanes: what each had and what it brought."""
+    rows = [["lane", "units", "worlds", "steps", "failures", "new classes"]]
+    for name, lane in sorted(state.memory.lanes.items()):
+        rows.append([name, *map(str, (lane.units, lane.worlds, lane.steps, lane.failures, lane.classes))])
+    return aligned(rows, right=range(1, 6))

@@ -1,0 +1,287 @@
+"""A campaign's folder: whatever ends a campaign and when, it goes on to the same corpus, byte for byte."""
+
+import json
+import random
+import re
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import fuzz.ledger.folder
+from fuzz.config import CampaignConfig
+from fuzz.crews import Alone
+from fuzz.ledger import CampaignFolder, Goal, begin, resume, setup_of
+from fuzz.ledger.setup import config_of
+from fuzz.session import CampaignSession
+from fuzz.variation import Variation
+from sim.scenario import Scenario
+from tests.helpers.command_line import worldgen
+from worldgen import generate
+from worldgen.errors import FormatError, OutputError
+
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, examples=12, epoch=1)
+UNITS = 3
+FUZZ = ("fuzz", "--controller", "turn-right", "--seed", 5, "--examples", 12, "--epoch", 1, "--workers", 1)
+
+
+class Killed(BaseException):
+    """Ends a campaign between two files, as kill -9 would."""
+
+
+def run(sitting):
+    return CampaignSession(sitting, Alone(), quiet=True).run()
+
+
+def left_in(out):
+    """All that a campaign left, except times."""
+    summary = re.sub(r'"seconds": [0-9.]+', "", (out / ".campaign" / "summary.json").read_text())
+    return {file.name: file.read_bytes() for file in out.glob("*.grid")}, summary
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    out = tmp_path_factory.mktemp("whole") / "failures"
+    assert run(begin(CONFIG, out, Goal(units=UNITS))) == 1
+    return out
+
+
+@pytest.fixture
+def copied(whole, tmp_path):
+    """A folder with the finished campaign."""
+    for file in whole.rglob("*"):
+        if file.is_file():
+            target = tmp_path / "copy" / file.relative_to(whole)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(file.read_bytes())
+    return tmp_path / "copy"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_campaign_killed_between_any_two_files_goes_on_to_the_same_corpus(seed, whole, tmp_path, monkeypatch):
+    chance, write = random.Random(seed), fuzz.ledger.folder.write_bytes
+    left, killed, done = 0, 0, False
+
+    def write_or_die(path, data, *, force):
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise Killed
+        write(path, data, force=force)
+
+    monkeypatch.setattr(fuzz.ledger.folder, "write_bytes", write_or_die)
+    while not done:
+        left = chance.randrange(1, 14)
+        try:
+            done = run(begin(CONFIG, tmp_path / "out", Goal(units=UNITS))) == 1
+        except Killed:
+            killed += 1
+    assert killed and left_in(tmp_path / "out") == left_in(whole)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_campaign_killed_with_signal_9_goes_on_to_the_same_corpus(workers, whole, tmp_path):
+    out = tmp_path / "out"
+    process = start(*FUZZ[:-1], workers, "--units", UNITS, "--out", out)
+    units = out / ".campaign" / "units"
+    wait_for(lambda: units.is_dir() and any(units.iterdir()))
+    time.sleep(random.Random(workers).uniform(0.0, 0.5))
+    process.kill()
+    process.communicate()
+    assert run(resume(out)) == 1
+    assert left_in(out) == left_in(whole)
+
+
+def start(*args):
+    command = [sys.executable, "-c", "from worldgen.cli.main import main; main()", *map(str, args)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def wait_for(condition):
+    deadline = time.monotonic() + 120
+    while not condition() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert condition()
+
+
+def test_ctrl_c_leaves_a_campaign_that_goes_on_to_the_same_corpus(whole, tmp_path):
+    out = tmp_path / "out"
+    process = start(*FUZZ, "--units", UNITS, "--out", out)
+    wait_for(lambda: any(out.glob("*.grid")))
+    process.send_signal(signal.SIGINT)
+    err = process.communicate(timeout=60)[1]
+    assert process.returncode == 130 and f"worldgen fuzz --resume {out} goes on" in err
+    assert worldgen("fuzz", "--resume", out, "--workers", 1, "--json").code == 1
+    assert left_in(out) == left_in(whole)
+
+
+def test_a_finished_campaign_goes_on_to_more_units_as_if_it_had_never_stopped(copied, tmp_path):
+    run(begin(CONFIG, tmp_path / "all", Goal(units=UNITS + 1)))
+    result = worldgen("fuzz", "--resume", copied, "--units", UNITS + 1, "--workers", 1, "--json")
+    assert result.code == 1 and json.loads(result.out)["units"] == UNITS + 1
+    assert left_in(copied) == left_in(tmp_path / "all")
+
+
+def test_the_same_command_again_does_nothing_again_and_says_the_same(copied):
+    before = {file: file.stat().st_mtime_ns for file in copied.glob("*.grid")}
+    result = worldgen(*FUZZ, "--units", UNITS, "--out", copied, "--json")
+    assert result.code == 1 and f"goes on with the campaign in {copied}: seed 5, 3 units done" in result.err
+    assert {file: file.stat().st_mtime_ns for file in copied.glob("*.grid")} == before
+
+
+def test_a_campaign_whose_seed_was_drawn_is_found_again_by_the_same_command(copied):
+    without_seed = [word for word in FUZZ if word not in ("--seed", 5)]
+    assert worldgen(*without_seed, "--units", UNITS, "--out", copied, "--json").code == 1
+
+
+def test_a_time_counts_anew(copied):
+    result = worldgen("fuzz", "--resume", copied, "--budget", "0.01s", "--workers", 1, "--json")
+    assert result.code == 1 and json.loads(result.out)["units"] > UNITS
+
+
+def spoil_text(file):
+    file.write_text(file.read_text()[: file.stat().st_size // 2])
+
+
+def spoil_number(file):
+    file.write_text(file.read_text().replace('"worlds": ', '"worlds": 1'))
+
+
+def spoil_type(file):
+    file.write_text("[" * 100_000)
+
+
+def spoil_path(file):
+    file.write_text(json.dumps({**json.loads(file.read_text()), "failures": {"loop": "../../../etc/passwd"}}))
+
+
+@pytest.mark.parametrize("spoil", [Path.unlink, spoil_text, spoil_number, spoil_type, spoil_path])
+def test_a_unit_whose_entry_is_not_whole_is_done_again(spoil, copied, whole):
+    entry = copied / ".campaign" / "units" / "000001.json"
+    before = entry.read_text()
+    spoil(entry)
+    assert run(resume(copied)) == 1 and left_in(copied) == left_in(whole)
+    assert without_seconds(entry.read_text()) == without_seconds(before)
+
+
+def without_seconds(text):
+    entry = json.loads(text)
+    return {name: entry[name] for name in entry if name not in ("seconds", "digest")}
+
+
+@pytest.mark.parametrize("part", ["failures", "shrunk"])
+@pytest.mark.parametrize("spoil", [Path.unlink, spoil_text])
+def test_a_failure_that_is_not_whole_is_found_and_shrunk_again(part, spoil, copied, whole):
+    for file in (copied / ".campaign" / part).iterdir():
+        spoil(file)
+    assert run(resume(copied)) == 1 and left_in(copied) == left_in(whole)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"seed": 6}, "seed is 5, not 6; worldgen fuzz --resume .* goes on with that one, --force begins anew"),
+        ({"scenario": Scenario("turn-left")}, "scenario is .*turn-right.*, not .*turn-left"),
+        ({"examples": 13, "epoch": 2}, "epoch is 1, not 2, examples is 12, not 13"),
+    ],
+)
+def test_another_campaign_is_refused_with_what_differs(change, message, copied):
+    with pytest.raises(OutputError, match=f"holds another campaign: {message}"):
+        begin(replace(CONFIG, **change), copied, Goal(units=UNITS))
+
+
+def test_a_controller_that_was_changed_is_noticed(tmp_path):
+    file = tmp_path / "mine.py"
+    file.write_text("class Sits:\n def reset(self): return ()\n def act(self, o, m): return None\n")
+    config = replace(CONFIG, scenario=Scenario(f"{file}:Sits"), examples=2)
+    run(begin(config, tmp_path / "out", Goal(units=1)))
+    file.write_text(file.read_text() + "# changed\n")
+    with pytest.raises(OutputError, match=r"controller .*mine.py:Sits was [0-9a-f]{16} and is [0-9a-f]{16}; resume it"):
+        resume(tmp_path / "out")
+
+
+def test_force_begins_anew(copied, tmp_path):
+    run(begin(replace(CONFIG, seed=6), copied, Goal(units=1), force=True))
+    run(begin(replace(CONFIG, seed=6), tmp_path / "fresh", Goal(units=1)))
+    assert left_in(copied)[1] == left_in(tmp_path / "fresh")[1]
+
+
+def test_fewer_units_than_are_done_are_refused(copied):
+    result = worldgen("fuzz", "--resume", copied, "--units", 2)
+    assert result.code == 2 and "has done 3 units already; give --units 3 or more" in result.err
+
+
+def test_a_folder_without_a_campaign_is_not_resumed(tmp_path):
+    result = worldgen("fuzz", "--resume", tmp_path)
+    assert result.code == 2 and "holds no campaign to resume" in result.err and not list(tmp_path.iterdir())
+
+
+def test_what_a_campaign_is_cannot_be_changed_when_it_is_resumed(copied):
+    result = worldgen("fuzz", "--resume", copied, "--seed", 7)
+    assert result.code == 2 and "--seed stays as the campaign was begun" in result.err
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"version": 2}', '{"version": 1, "configuration": 5}', "[" * 100_000])
+def test_a_configuration_that_cannot_be_read_is_refused_in_one_sentence(text, copied):
+    (copied / ".campaign" / "campaign.json").write_text(text)
+    with pytest.raises(FormatError, match="is no campaign's configuration"):
+        resume(copied)
+
+
+def test_a_configuration_with_a_strange_value_is_refused_in_one_sentence(copied):
+    file = copied / ".campaign" / "campaign.json"
+    file.write_text(file.read_text().replace('"examples": 12', '"examples": "many"'))
+    with pytest.raises(FormatError, match="configuration cannot be read: examples is 'many'"):
+        resume(copied)
+
+
+def test_a_second_writer_is_refused(copied):
+    folder = CampaignFolder(copied)
+    result = worldgen("fuzz", "--resume", copied)
+    folder.close()
+    assert result.code == 2 and "another worldgen fuzz is writing" in result.err
+
+
+def test_a_folder_is_free_again_when_its_writer_is_killed(copied):
+    script = (
+        f"import time; from pathlib import Path; from fuzz.ledger import CampaignFolder as F\nF(Path({str(copied)!r}))"
+    )
+    process = subprocess.Popen([sys.executable, "-c", f"{script}; print(flush=True); time.sleep(600)"], stdout=-1)
+    process.stdout.readline()
+    with pytest.raises(OutputError, match="another worldgen fuzz is writing"):
+        CampaignFolder(copied)
+    process.kill()
+    process.communicate()
+    CampaignFolder(copied).close()
+
+
+def test_a_full_disk_stops_a_campaign_in_one_sentence_and_with_room_it_goes_on(whole, tmp_path, monkeypatch):
+    write, left = fuzz.ledger.folder.write_bytes, 9
+
+    def full(path, data, *, force):
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise OutputError(f"{path}: cannot be written: No space left on device")
+        write(path, data, force=force)
+
+    monkeypatch.setattr(fuzz.ledger.folder, "write_bytes", full)
+    result = worldgen(*FUZZ, "--units", UNITS, "--out", tmp_path)
+    assert result.code == 2 and "No space left on device; what is there is whole: make room, and" in result.err
+    monkeypatch.undo()
+    assert worldgen("fuzz", "--resume", tmp_path, "--workers", 1, "--json").code == 1
+    assert left_in(tmp_path) == left_in(whole)
+
+
+def test_a_configuration_comes_back_from_its_folder_as_it_was():
+    vary = (Variation("robot_speed", (0.5, 1.0)),)
+    scenario = Scenario.parse("turn-right+sensor_noise=0.1", motion="endpoint", time_step=0.03)
+    config = replace(
+        CONFIG, scenario=scenario, families=("trap",), vary=vary, fixed_map=generate("trap", 3), oracles=("detour=5",)
+    )
+    stored = json.loads(json.dumps(setup_of(config).configuration))
+    assert config_of(stored) == config
