@@ -3,9 +3,12 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from benchmarks.fault_finding import controller_name, look_for, tells
+from benchmarks.finding import Limits, controller_name, look_for, removable_cells, tells
+from benchmarks.searchers import SEARCHERS
+from fuzz.failure import certified, failure_of
 from fuzz.faults import FAULTS
 from sim import simulate
 from sim.controllers import CONTROLLERS
@@ -39,6 +42,20 @@ def test_it_says_in_one_sentence_what_is_wrong(name):
     assert fault.sentence.endswith(".") and "\n" not in fault.sentence and fault.expected and fault.base is not None
 
 
-def test_a_campaign_finds_a_comparison_of_floats_for_equality():
-    row, world = look_for(FAULTS["bug2-leaves-by-equality"], units=2, examples=60)
-    assert row.found and row.solid_cells <= 4 and world.failure.verdict == "loop"
+@pytest.mark.parametrize("searcher", SEARCHERS)
+def test_every_way_of_searching_finds_a_comparison_of_floats_for_equality(searcher):
+    row, world = look_for(FAULTS["bug2-leaves-by-equality"], searcher, 1, Limits(200_000, 60.0))
+    assert row.found and row.solid_cells[1] <= 4 and world.failure.verdict == "loop"
+    assert row.one_minimal and row.removable == 0 and row.shrunk_tells
+
+
+def test_brute_force_sees_what_shrinking_left():
+    world = read_world(WORLDS / "bug2-leaves-by-equality.grid")
+    block = np.zeros((3, world.width), bool)
+    block[1, 1] = True
+    larger = failure_of(
+        certified(replace(world, walls=np.vstack([world.walls, block]), certificate=None, failure=None)),
+        Scenario(world.failure.controller),
+        steps=world.failure.parameters["steps"],
+    )
+    assert removable_cells(world) == 0 and removable_cells(larger) == 1

@@ -1,0 +1,404 @@
+"""How well failures are found: over the seeded faults, by each lane, the whole plan, and what one would do without.
+
+``python -m benchmarks.finding`` gives every searcher (:mod:`benchmarks.searchers`) as many simulated steps against each
+fault of :mod:`fuzz.faults`, shrinks what it finds, and prints the tables of ``docs/finding.md``; with ``--json`` one
+object. With ``--out DIR`` each cell of the table is a file: what is there already is not done again, and several
+processes may work at the same table. ``--quick`` takes minutes, ``--full`` a day.
+
+A fault counts as found by a failure with the verdict expected of it, that replay confirms, in a world in which the
+controller without the fault arrives. Worlds and seconds are those up to the end of the unit with that failure, and
+a unit is short.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import product
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import click
+import numpy as np
+
+from benchmarks.searchers import SEARCHERS, lanes
+from fuzz.config import CampaignConfig
+from fuzz.failure import certified, failure_of, replay
+from fuzz.faults import FAULTS, Fault
+from fuzz.shrink import shrink
+from sim.episode import simulate
+from sim.run_options import RunOptions, step_budget
+from sim.scenario import Scenario
+from worldgen.errors import WorldgenError
+from worldgen.grid_file import write_world
+from worldgen.world import World
+
+__all__ = ["Limits", "Row", "controller_name", "look_for", "removable_cells", "tables", "tells"]
+
+EXAMPLES = 10  # draws of a unit, so that worlds and seconds are known to within that
+_MEASURED = 5.0  # CPU seconds over which the native lane's speed is measured
+_FLOOR_SECONDS = 60.0
+_IDLE = 100  # units without a world, after which a searcher has no more to try
+_OTHER_SEED = 1 << 40  # of what is done before the clock runs, so that kernels are compiled
+COMPLETE = ("bug1", "bug2", "mapper")  # docs/library.md: those that arrive wherever the world stands still
+ORACLES = ("repeat", "turn", "shift", "wall", "block")  # that hold for them
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where a search ends without a find.
+
+    Args:
+        steps: Simulated at first look.
+        seconds: CPU seconds of one core.
+    """
+
+    steps: int
+    seconds: float
+
+
+SIZES = {
+    "quick": (Limits(200_000, 10.0), (1,)),
+    "": (Limits(1_000_000, 60.0), (1, 2, 3)),
+    "full": (Limits(10_000_000, 600.0), (1, 2, 3, 4, 5)),
+}
+"""Limits and seeds of a table."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One search for one fault.
+
+    Args:
+        fault: Its name.
+        searcher: Its name.
+        seed: Of the search.
+        limits: Of the search.
+        found: Whether a failure tells the fault from the controller without it.
+        worlds: Simulated until the end of the unit with that failure, or in all.
+        steps: Likewise.
+        seconds: CPU seconds, likewise.
+        wall_seconds: By the clock.
+        kind: Class of that failure, shrunk.
+        solid_cells: Of its world as found, and shrunk.
+        cells: Likewise.
+        shrink_seconds: CPU seconds.
+        one_minimal: Whether the shrinker says so.
+        removable: Solid cells of the shrunk world that a check of our own could take away, one at a time.
+        shrunk_tells: Whether the controller without the fault arrives in the shrunk world, too.
+    """
+
+    fault: str
+    searcher: str
+    seed: int
+    limits: Limits
+    found: bool
+    worlds: int
+    steps: int
+    seconds: float
+    wall_seconds: float
+    kind: str = ""
+    solid_cells: tuple[int, int] = (0, 0)
+    cells: tuple[int, int] = (0, 0)
+    shrink_seconds: float = 0.0
+    one_minimal: bool = False
+    removable: int = 0
+    shrunk_tells: bool = False
+
+
+def controller_name(fault: Fault) -> str:
+    """The name under which a command takes the fault, with the variations of its run."""
+    return f"fuzz.faults:{fault.name.replace('-', '_')}{fault.variations}"
+
+
+def tells(fault: Fault, world: World) -> bool:
+    """Whether the controller without the fault arrives in the world of a failure."""
+    record = world.failure
+    if record is None or fault.base is None:
+        return False
+    options = RunOptions.of(record.motion, record.seed, record.parameters)
+    return simulate(replace(world, failure=None), fault.base, options).verdict == "reached"
+
+
+def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Row, World | None]:
+    """One search for one fault, and the failure that tells, shrunk."""
+    scenario = Scenario.parse(controller_name(fault))
+    config = CampaignConfig(scenario, seed=seed, time_steps=(scenario.time_step,), examples=EXAMPLES)
+    warm = replace(config, seed=seed + _OTHER_SEED, examples=4)
+    next(SEARCHERS[searcher](warm))
+    cpu, wall, worlds, steps, idle, found = time.process_time(), time.monotonic(), 0, 0, 0, None
+    for result in SEARCHERS[searcher](config):
+        worlds, steps, idle = worlds + result.worlds, steps + result.steps, 0 if result.worlds else idle + 1
+        found = next((world for world in result.failures.values() if _is_it(fault, world)), None)
+        spent = time.process_time() - cpu
+        if found or steps >= limits.steps or spent >= limits.seconds or idle == _IDLE:
+            break
+    spent, waited = time.process_time() - cpu, time.monotonic() - wall
+    row = Row(fault.name, searcher, seed, limits, found is not None, worlds, steps, round(spent, 3), round(waited, 3))
+    return (row, None) if found is None else _shrunk(row, fault, found)
+
+
+def _is_it(fault: Fault, world: World) -> bool:
+    """Whether a failure shows the fault, and comes again."""
+    record = world.failure
+    return record is not None and record.verdict == fault.expected and tells(fault, world) and replay(world).confirmed
+
+
+def _shrunk(row: Row, fault: Fault, found: World) -> tuple[Row, World]:
+    """The row and the world of a find after shrinking; as it was found where that fails."""
+    begun = time.process_time()
+    try:
+        small = shrink(found).world
+    except WorldgenError:
+        return replace(row, solid_cells=(found.solid_cells,) * 2, cells=(found.walls.size,) * 2), found
+    spent = time.process_time() - begun
+    details = small.failure.details if small.failure else {}
+    row = replace(
+        row,
+        kind=str(details.get("class", "")),
+        solid_cells=(found.solid_cells, small.solid_cells),
+        cells=(found.walls.size, small.walls.size),
+        shrink_seconds=round(spent, 4),
+        one_minimal=bool(details.get("one_minimal")),
+        removable=removable_cells(small),
+        shrunk_tells=_is_it(fault, small),
+    )
+    return row, small
+
+
+def removable_cells(failure: World) -> int:
+    """How many of a failure's solid cells can go, each by itself, by brute force; shares no code with the shrinker."""
+    found = 0
+    for iy, ix in np.argwhere(failure.walls):
+        walls = failure.walls.copy()
+        walls[iy, ix] = False
+        found += _fails_likewise(
+            failure, replace(failure, walls=walls, certificate=None, provenance=None, failure=None)
+        )
+    return found
+
+
+def _fails_likewise(failure: World, candidate: World) -> bool:
+    """Whether a reachable world fails in the manner that shrinking kept."""
+    record, proved = failure.failure, certified(candidate)
+    if record is None or proved is None:
+        return False
+    options = RunOptions.of(record.motion, record.seed, record.parameters)
+    if record.verdict in ("stalled", "timeout"):
+        options = replace(options, steps=step_budget(proved, options.time_step))
+    if record.details.get("kept") == "class":
+        other = failure_of(proved, Scenario.of(record.controller, options), steps=options.steps)
+        return other is not None and _kind(other) == _kind(failure)
+    episode = simulate(proved, record.controller, options)
+    manner = "kind" if record.verdict == "stalled" else "cause"
+    return episode.verdict == record.verdict and episode.evidence.get(manner) == record.evidence.get(manner)
+
+
+def _kind(failure: World) -> str:
+    return str(failure.failure.details.get("class", "")) if failure.failure else ""
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """What one searcher found against a controller that is known to arrive; anything is a false alarm.
+
+    Args:
+        controller: Its name.
+        searcher: Its name.
+        worlds: Simulated; of a tenth of them the oracles were asked, too.
+        asked: That tenth.
+        failures: Met, by class.
+    """
+
+    controller: str
+    searcher: str
+    worlds: int
+    asked: int
+    failures: dict[str, int]
+
+
+def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = None) -> Alarm:
+    """Looks for failures of a controller that has none; keeps what it finds in a folder."""
+    met, looked = Counter[str](), []
+    for oracles, most in (((), worlds), (ORACLES, worlds // 10)):
+        config = CampaignConfig(Scenario(controller), seed=1 + len(oracles), examples=EXAMPLES, oracles=oracles)
+        looked.append(0)
+        for result in SEARCHERS[searcher](config):
+            met += result.met
+            looked[-1] += result.worlds
+            for kind, world in result.failures.items() if folder else ():
+                write_world(world, folder / f"{controller}-{searcher}-{kind}.grid", force=True)
+            if looked[-1] >= most or not result.worlds:
+                break
+    return Alarm(controller, searcher, sum(looked), looked[1], dict(met))
+
+
+def floors() -> dict[str, float]:
+    """Median CPU seconds to the first proved loop of ``turn-right``; robot steps a second of the native lane."""
+    seconds = []
+    for seed in range(10):
+        config = CampaignConfig(Scenario("turn-right"), seed=seed, examples=EXAMPLES)
+        begun = time.process_time()
+        next(result for result in lanes()(config) if any(kind.startswith("loop") for kind in result.failures))
+        seconds.append(time.process_time() - begun)
+    found = {"first_loop_seconds": round(median(seconds[1:]), 4)}  # the first also compiles
+    if "native" in SEARCHERS:
+        steps, begun = 0, time.process_time()
+        for result in SEARCHERS["native"](CampaignConfig(Scenario("turn-right"), seed=1)):
+            steps += result.steps
+            if (spent := time.process_time() - begun) > _MEASURED:
+                break
+        found["native_steps_per_second"] = round(steps / spent)
+    return found
+
+
+# --- a table in files ---------------------------------------------------------------------------------------------
+
+
+def _once(file: Path | None, key: dict[str, Any], work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """The work's result: from its file if it was done there with the same key, else done now, and kept."""
+    if file is not None and file.exists():
+        known: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        if known["key"] == key:
+            return dict(known["result"])
+    result = work()
+    if file is not None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        draft = file.with_suffix(f".{os.getpid()}")
+        draft.write_text(json.dumps({"key": key, "result": result}), encoding="utf-8")
+        draft.replace(file)
+    return result
+
+
+def _rows(given: argparse.Namespace, limits: Limits, seeds: Sequence[int]) -> Iterator[dict[str, Any]]:
+    """Every cell of the table; of a fault all that belongs to it, for its kernels are compiled once a process."""
+    for name, seed, searcher in product(given.fault or FAULTS, seeds, given.searcher or SEARCHERS):
+        file = given.out / "rows" / f"{searcher}.{name}.{seed}.json" if given.out else None
+
+        def work(name: str = name, seed: int = seed, searcher: str = searcher) -> dict[str, Any]:
+            row, world = look_for(FAULTS[name], searcher, seed, limits)
+            if given.out and world:
+                write_world(world, given.out / "rows" / f"{searcher}.{name}.{seed}.grid", force=True)
+            click.echo(_in_words(row), err=True)
+            return asdict(row)
+
+        yield _once(file, asdict(limits), work)
+
+
+def _in_words(row: Row) -> str:
+    what = f"{row.kind}, {row.solid_cells[0]} -> {row.solid_cells[1]} solid cells" if row.found else "not found"
+    return f"{row.fault:<40} {row.searcher:<9} {row.seed} {row.worlds:>7} worlds {row.seconds:>7.2f} s  {what}"
+
+
+# --- what it says -------------------------------------------------------------------------------------------------
+
+
+def summary(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Per searcher: share found, and quartiles over all searches, where one without a find counts as endless."""
+    found = []
+    for name in dict.fromkeys(row["searcher"] for row in rows):
+        own = [row for row in rows if row["searcher"] == name]
+        hits = [row for row in own if row["found"]]
+        entry: dict[str, Any] = {"searcher": name, "searches": len(own), "found": len(hits)}
+        entry["faults"] = len({row["fault"] for row in hits})
+        entry["in_60_s"] = sum(row["seconds"] <= _FLOOR_SECONDS for row in hits)
+        for what in ("worlds", "steps", "seconds"):
+            entry[what] = _quartiles([row[what] if row["found"] else math.inf for row in own])
+        entry["solid_cells"] = _quartiles([row["solid_cells"][1] for row in hits])
+        entry["shrink_ms"] = _quartiles([1000 * row["shrink_seconds"] for row in hits])
+        entry["one_minimal"] = sum(row["one_minimal"] for row in hits)
+        entry["checked"] = sum(not row["removable"] for row in hits)
+        found.append(entry)
+    return found
+
+
+def _quartiles(values: Sequence[float]) -> list[float | None]:
+    """Lower quartile, median, upper quartile, each one of the values; ``None`` for what is endless or not there."""
+    ranked = sorted(values)
+    picked = [ranked[math.ceil(len(ranked) * share) - 1] for share in (0.25, 0.5, 0.75)] if ranked else [math.inf] * 3
+    return [round(value, 3) if value < math.inf else None for value in picked]
+
+
+def tables(rows: Sequence[dict[str, Any]]) -> str:
+    """The two tables of ``docs/finding.md``: by searcher, and by fault."""
+    columns = ("found", "worlds", "thousand steps", "CPU s", "solid cells, shrunk", "1-minimal", "shrink, ms")
+    lines = [f"| searcher | {' | '.join(columns)} |", "| --- |" + " ---: |" * len(columns)]
+    for entry in summary(rows):
+        thousands = [value / 1000 if value is not None else None for value in entry["steps"]]
+        cells = (
+            f"{entry['found']} of {entry['searches']}",
+            _span(entry["worlds"]), _span(thousands), _span(entry["seconds"]), _span(entry["solid_cells"]),
+            f"{entry['one_minimal']} ({entry['checked']})", _span(entry["shrink_ms"]),
+        )  # fmt: skip
+        lines.append(f"| `{entry['searcher']}` | {' | '.join(cells)} |")
+    searchers = list(dict.fromkeys(row["searcher"] for row in rows))
+    lines += ["", "| fault | " + " | ".join(searchers) + " |", "| --- |" + " ---: |" * len(searchers)]
+    for fault in dict.fromkeys(row["fault"] for row in rows):
+        cells = tuple(_cell([row for row in rows if (row["fault"], row["searcher"]) == (fault, s)]) for s in searchers)
+        lines.append(f"| `{fault}` | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def _cell(rows: Sequence[dict[str, Any]]) -> str:
+    """Median worlds to the find; how many searches found it where not all did."""
+    hits = [row["worlds"] for row in rows if row["found"]]
+    if not hits:
+        return ""
+    return f"{median(hits):.0f}" + (f" ({len(hits)} of {len(rows)})" if len(hits) < len(rows) else "")
+
+
+def _span(three: Sequence[float | None]) -> str:
+    low, middle, high = ("-" if value is None else f"{value:.3g}" for value in three)
+    return f"{middle} ({low} to {high})"
+
+
+def main() -> None:
+    """Prints the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    size = parser.add_mutually_exclusive_group()
+    size.add_argument("--quick", action="store_const", const="quick", dest="size", default="", help="one seed, minutes")
+    size.add_argument("--full", action="store_const", const="full", dest="size", help="five seeds, a day")
+    parser.add_argument("--fault", action="append", choices=sorted(FAULTS), help="only this one; may be repeated")
+    parser.add_argument("--searcher", action="append", choices=sorted(SEARCHERS), help="only this one; may be repeated")
+    parser.add_argument("--part", action="append", choices=("faults", "alarms", "floors"), help="only this; likewise")
+    parser.add_argument("--alarm-worlds", type=int, default=2000, help="for each complete controller and searcher")
+    parser.add_argument("--out", type=Path, help="folder that keeps every cell of the table, and the worlds")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    given = parser.parse_args()
+    parts = given.part or ("faults", "alarms", "floors")
+    limits, seeds = SIZES[given.size]
+    if given.out:
+        (given.out / "rows").mkdir(parents=True, exist_ok=True)
+    rows = list(_rows(given, limits, seeds)) if "faults" in parts else []
+    alarmed = [
+        _once(
+            given.out / "alarms" / f"{controller}.{searcher}.json" if given.out else None,
+            {"worlds": given.alarm_worlds},
+            lambda c=controller, s=searcher: asdict(alarms(c, s, given.alarm_worlds, given.out)),
+        )
+        for controller, searcher in product(COMPLETE, given.searcher or SEARCHERS)
+        if "alarms" in parts and searcher != "plan"
+    ]
+    measured = floors() if "floors" in parts else {}
+    if given.json:
+        told = {"limits": asdict(limits), "searchers": summary(rows), "alarms": alarmed, "floors": measured}
+        click.echo(json.dumps({**told, "rows": rows}))
+        return
+    click.echo(tables(rows) if rows else "", nl=bool(rows))
+    for entry in alarmed:
+        click.echo(
+            f"{entry['controller']} {entry['searcher']}: {entry['worlds']} worlds, {entry['failures'] or 'none'}"
+        )
+    for name, value in measured.items():
+        click.echo(f"{name}: {value}")
+
+
+if __name__ == "__main__":
+    main()

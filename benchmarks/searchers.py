@@ -1,0 +1,160 @@
+"""Ways to look for a controller's failures, for ``benchmarks.finding`` to compare; all hand them in at the one door.
+
+A searcher makes of a campaign's configuration one unit's result after another, without end, each of as many worlds as
+the configuration says. The lanes are those of the product; the two others are what one would do without it:
+
+- ``random``: uniformly random cells. Arena, density, start, heading and target are drawn, too, until a witness shows
+  that the target can be reached.
+- ``genetic``: a genetic algorithm over the bytes of a feature layout. The more time a robot takes beyond the straight
+  way, the fitter the layout; who fails has been found, and has no children.
+
+Source: Dmytro Humeniuk, Foutse Khomh and Giuliano Antoniol, "A search-based framework for automatic generation of
+testing environments for cyber-physical systems", Information and Software Technology 149 (2022), for the robot's
+way as fitness, one-point crossover and mutation of an environment's elements; Darrell Whitley, "The GENITOR algorithm
+and selection pressure", ICGA 1989, for one child at a time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import count
+
+from fuzz.config import CampaignConfig
+from fuzz.door import Door
+from fuzz.failure import certified
+from fuzz.features import LAYOUT_BYTES, decode_world
+from fuzz.result import Memory, UnitResult
+from fuzz.unit import run_unit
+from sim.controllers import CONTROLLERS
+from sim.episode import prepare
+from sim.run_options import step_budget
+from worldgen.errors import InvalidWorld
+from worldgen.lattice import lattice_to_metres
+from worldgen.random_streams import RandomStream
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, Pose, Target, World
+
+__all__ = ["SEARCHERS", "STILL_FAMILIES", "Searcher", "genetic", "lanes", "random_cells"]
+
+Searcher = Callable[[CampaignConfig], Iterator[UnitResult]]
+
+STILL_FAMILIES = ("trap", "maze", "corridor", "rooms", "forest", "cave", "rubble")
+"""Families whose worlds do not change: in those that do, no controller arrives everywhere."""
+
+_DENSITIES = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3)  # beyond, hardly any way is left for a robot wider than a cell
+_SIDES = (8, 28)  # cells, as feature layouts have them
+_POPULATION = 50
+_CROSSOVER = 0.9
+_MUTATION = 2.0 / LAYOUT_BYTES  # of each byte
+_WORDS = LAYOUT_BYTES // 8
+
+
+def lanes(*names: str) -> Searcher:
+    """The lanes of these names in turn; without any, the campaign's own plan."""
+
+    def units(config: CampaignConfig) -> Iterator[UnitResult]:
+        config = replace(config, families=names)
+        memory, known = Memory(), [Memory(), Memory()]  # by epoch, as in a campaign
+        for unit in count():
+            result = run_unit(config, unit, known[unit // config.epoch])
+            memory = memory.after(result)
+            if (unit + 1) % config.epoch == 0:
+                known.append(memory)
+            yield result
+
+    return units
+
+
+def random_cells(config: CampaignConfig) -> Iterator[UnitResult]:
+    """Uniformly random cells at several densities, reachable."""
+    stream = RandomStream(config.seed).child("random cells")
+    while True:
+        door = Door(config, UnitResult(lane="random"))
+        for _ in range(config.examples):
+            world = None
+            while world is None:
+                world = certified(_random_world(stream))
+            _look(door, config, world, stream)
+        yield door.result
+
+
+def genetic(config: CampaignConfig) -> Iterator[UnitResult]:
+    """A genetic algorithm over feature layouts, one child at a time: it takes the place of one that is less fit."""
+    stream = RandomStream(config.seed).child("genetic")
+    population: list[tuple[float, bytes]] = []
+    while True:
+        door = Door(config, UnitResult(lane="genetic"))
+        while door.result.worlds < config.examples:
+            full = len(population) == _POPULATION
+            layout = _child(population, stream) if full else stream.bits(_WORDS).tobytes()
+            world = certified(decode_world(layout))
+            fitness = 0.0 if world is None else _look(door, config, world, stream)
+            if not full and fitness > 0.0:
+                population.append((fitness, layout))
+            elif full:
+                loser = min(_two(stream), key=lambda k: population[k][0])
+                population[loser] = max(population[loser], (fitness, layout))
+        yield door.result
+
+
+def _child(population: list[tuple[float, bytes]], stream: RandomStream) -> bytes:
+    """Two parents by tournaments of two, one point of crossover, mutation."""
+    mother, father = (population[max(_two(stream), key=lambda k: population[k][0])][1] for _ in range(2))
+    cut = stream.below(len(mother)) if stream.random() < _CROSSOVER else 0
+    child = bytearray(father[:cut] + mother[cut:])
+    for k in range(len(child)):
+        if stream.random() < _MUTATION:
+            child[k] = stream.below(256)
+    return bytes(child)
+
+
+def _two(stream: RandomStream) -> tuple[int, int]:
+    return stream.below(_POPULATION), stream.below(_POPULATION)
+
+
+def _look(door: Door, config: CampaignConfig, world: World, stream: RandomStream) -> float:
+    """Runs a reachable world; the time that the robot takes over that of the straight way, 0 if it does not arrive."""
+    scenario = replace(config.scenario, seed=stream.below(1 << 32))
+    budget = step_budget(world, scenario.time_step)
+    try:
+        run = prepare(world, CONTROLLERS.get(scenario.controller), scenario.options(world, budget))
+    except InvalidWorld:
+        return 0.0
+    outcome = run.run(budget, find_loop=True, record=False, digest=False)
+    door.look(world, scenario, outcome)
+    way = math.dist((world.start.x, world.start.y), (world.target.x, world.target.y))
+    took = outcome.steps * scenario.time_step * world.robot_speed
+    return took / max(way, world.cell_size) if outcome.ending == "reached" else 0.0
+
+
+def _random_world(stream: RandomStream) -> World:
+    """Cells that are solid or not, each by itself; those round start and target are free, the border is solid."""
+    height, width = (stream.between(*_SIDES) for _ in range(2))
+    walls = stream.floats(height * width).reshape(height, width) < stream.choice(_DENSITIES)
+    (ix, iy), (jx, jy) = ((stream.between(2, width - 3), stream.between(2, height - 3)) for _ in range(2))
+    for x, y in ((ix, iy), (jx, jy)):
+        walls[y - 1 : y + 2, x - 1 : x + 2] = False
+    walls[[0, -1], :] = walls[:, [0, -1]] = True
+    return World(
+        walls,
+        Pose(_centre(ix), _centre(iy), stream.below(16) * (math.pi / 8)),
+        Target(_centre(jx), _centre(jy), DEFAULT_CELL_SIZE / 2),
+        cell_size=DEFAULT_CELL_SIZE,
+        robot_radius=DEFAULT_ROBOT_RADIUS,
+        robot_speed=DEFAULT_ROBOT_SPEED,
+    )
+
+
+def _centre(index: int) -> float:
+    return lattice_to_metres(1024 * index + 512, DEFAULT_CELL_SIZE)
+
+
+SEARCHERS: dict[str, Searcher] = {
+    "plan": lanes(),
+    "features": lanes("features"),
+    "families": lanes(*STILL_FAMILIES),
+    "random": random_cells,
+    "genetic": genetic,
+}
+"""By name, in the order of the table; ``plan`` is the campaign as it is, with lanes that share by its own plan."""
