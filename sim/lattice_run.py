@@ -23,7 +23,7 @@ from sim.kernels.lattice_sense import heading_table, sense
 from sim.kernels.lattice_state import Arena, Robot, new_robot, new_room
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
-from sim.packing import disc_numbers, event_time, start_overlaps
+from sim.packing import disc_numbers, event_time, start_overlaps, target_sq
 from sim.python_loop import PythonLoop
 from sim.robot_options import SIGNALS
 from sim.run_options import RunOptions, check_step_length
@@ -33,12 +33,11 @@ from worldgen.lattice import (
     UNIT,
     exact,
     heading_to_lattice,
-    in_cells,
     lattice_to_metres,
     metres_to_lattice,
 )
 from worldgen.timeline import CellState
-from worldgen.world import MAX_SIDE, Pose, World
+from worldgen.world import Pose, World
 
 __all__ = ["LatticeRun"]
 
@@ -109,9 +108,7 @@ class LatticeRun:
         settings[layout.SET_X : layout.SET_HEADING + 1] = self.start_of(world.start)
         settings[layout.SET_TARGET_X] = metres_to_lattice(world.target.x, world.cell_size)
         settings[layout.SET_TARGET_Y] = metres_to_lattice(world.target.y, world.cell_size)
-        within = in_cells(world.target.radius, world.cell_size) * UNIT
-        within = min(within, Fraction(4 * MAX_SIDE * UNIT))  # already more than any world
-        settings[layout.SET_TARGET_SQ] = math.floor(within * within)
+        settings[layout.SET_TARGET_SQ] = target_sq(world)
         settings[layout.SET_MOTION] = motion_code
         robot = self.options.robot
         settings[layout.SET_SENSES] = senses_of(self.controller) & ~(0 if robot.beams else layout.SENSE_BEAMS)

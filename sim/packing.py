@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from fractions import Fraction
 
 from worldgen.errors import InvalidWorld
-from worldgen.lattice import clear_distance_sq, exact, radius_in_cells
+from worldgen.lattice import UNIT, clear_distance_sq, exact, in_cells, radius_in_cells
 from worldgen.timeline import Event
 from worldgen.world import MAX_SIDE, World
 
-__all__ = ["disc_numbers", "event_step", "event_time", "start_overlaps"]
+__all__ = ["disc_numbers", "event_step", "event_time", "start_overlaps", "target_sq"]
 
 _NEVER = 2**62  # a step that no run gets to
 
@@ -26,6 +27,13 @@ def disc_numbers(world: World) -> tuple[int, int]:
         raise start_overlaps(world)
     clear_sq = clear_distance_sq(radius)
     return clear_sq, math.isqrt(clear_sq - 1) + 1
+
+
+def target_sq(world: World) -> int:
+    """Squared radius of the target, lattice units squared, rounded down."""
+    within = in_cells(world.target.radius, world.cell_size) * UNIT
+    within = min(within, Fraction(4 * MAX_SIDE * UNIT))  # already more than any world
+    return math.floor(within * within)
 
 
 def start_overlaps(world: World) -> InvalidWorld:
@@ -46,6 +54,11 @@ def event_time(event: Event, time_step: float, unit: int) -> tuple[int, int]:
 
     One that falls between two steps belongs to the later one.
     """
-    steps = exact(event.time) / exact(time_step)
+    return _step_and_rest(event.time, time_step, unit)
+
+
+@functools.lru_cache(maxsize=4096)  # a world whose cells are edited keeps its times: 10 us each
+def _step_and_rest(time: float, time_step: float, unit: int) -> tuple[int, int]:
+    steps = exact(time) / exact(time_step)
     whole, rest = divmod(math.floor(steps * unit + Fraction(1, 2)), unit)
     return min(whole + 1, _NEVER), rest

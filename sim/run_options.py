@@ -24,6 +24,7 @@ from worldgen.world import Pose, Value, Witness, World
 __all__ = [
     "BUDGET_FACTOR",
     "DEFAULT_TIME_STEP",
+    "FEWEST_STEPS",
     "MAX_RECORDED",
     "MAX_STEPS",
     "RunOptions",
@@ -45,7 +46,7 @@ MAX_RECORDED = 4_000_000  # steps; a recorded one takes about 300 bytes
 BUDGET_FACTOR = 50  # a run may take this many times the witness's time before it counts as stalled or timed out
 _ROUNDING = 1e-6  # cells: the tolerated overlap where the model should have none
 _LONGEST_STEP = 1_000  # cells: beyond that, lattice arithmetic nears the end of 64 bits
-_FEWEST_STEPS = 4_000
+FEWEST_STEPS = 4_000  # of a budget, however short the witness
 _STEPS_WITHOUT_WITNESS = 20_000
 _MOST_SEEDS = 100_000_000
 _MAX_SEED = 2**64 - 1
@@ -163,7 +164,7 @@ def step_budget(world: World, time_step: float = DEFAULT_TIME_STEP) -> int:
     if not isinstance(world.certificate, Witness):
         return _STEPS_WITHOUT_WITNESS
     wanted = math.ceil(BUDGET_FACTOR * exact(world.certificate.duration) / exact(time_step))
-    return min(max(wanted, _FEWEST_STEPS), MAX_STEPS)
+    return min(max(wanted, FEWEST_STEPS), MAX_STEPS)
 
 
 def options_of(world: World, settings: Mapping[str, Value]) -> RunOptions:

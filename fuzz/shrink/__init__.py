@@ -1,13 +1,18 @@
 """Shrinking: makes a failure's world as small as it can be, and checks that it is.
 
 Contents:
-    shrink: runs every pass until none makes the world simpler.
+    shrink: runs every pass until none makes the failure simpler.
+    shrink_class: the simplest result over several failures.
+    Shrunk: what they return.
+    KEEP: what a shrunk failure can keep of the one that it came from.
+    PASSES: the ways to get simpler, as a list.
+    ORDER: what "simpler" means, as a list.
     removable: what could still be taken away; empty for a 1-minimal world.
-    PASSES: what "simpler" means, as a list.
 """
 
 from fuzz.shrink.minimal import removable
-from fuzz.shrink.order import PASSES
-from fuzz.shrink.run import Shrunk, shrink
+from fuzz.shrink.order import ORDER
+from fuzz.shrink.passes import PASSES
+from fuzz.shrink.run import KEEP, Shrunk, shrink, shrink_class
 
-__all__ = ["PASSES", "Shrunk", "removable", "shrink"]
+__all__ = ["KEEP", "ORDER", "PASSES", "Shrunk", "removable", "shrink", "shrink_class"]

@@ -1,19 +1,21 @@
-"""Single edits of a world: free cells, drop rows and columns, move the start. Pure geometry."""
+"""Single edits of a world: free cells, drop rows and columns, move the start, round a number. Pure geometry."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from sim.edited_runs import CellEdit
+from sim.kernels import lattice_edits as at
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import exact
 from worldgen.timeline import Timeline
-from worldgen.world import Pose, Target, World
+from worldgen.world import World
 
-__all__ = ["bare", "drop_columns", "drop_events", "drop_rows", "free_cells", "with_start"]
+__all__ = ["bare", "changed", "drop_columns", "drop_events", "drop_rows", "edited", "free_cells", "with_time"]
 
 _SMALLEST_SIDE = 1  # cells
 
@@ -42,9 +44,8 @@ def drop_rows(world: World, first: int, count: int) -> World | None:
     line = world.timeline
     keep = (line.iy < first) | (line.iy >= top)
     rows = np.where(line.iy >= top, line.iy - count, line.iy)
-    return _rebuilt(
-        world, walls, start, target, Timeline(line.times[keep], line.ix[keep], rows[keep], line.states[keep])
-    )
+    timeline = Timeline(line.times[keep], line.ix[keep], rows[keep], line.states[keep])
+    return changed(world, walls=walls, start=start, target=target, timeline=timeline)
 
 
 def drop_columns(world: World, first: int, count: int) -> World | None:
@@ -59,7 +60,7 @@ def drop_columns(world: World, first: int, count: int) -> World | None:
     keep = (line.ix < first) | (line.ix >= right)
     columns = np.where(line.ix >= right, line.ix - count, line.ix)
     timeline = Timeline(line.times[keep], columns[keep], line.iy[keep], line.states[keep])
-    return _rebuilt(world, walls, start, target, timeline)
+    return changed(world, walls=walls, start=start, target=target, timeline=timeline)
 
 
 def drop_events(world: World, first: int, count: int) -> World | None:
@@ -72,23 +73,40 @@ def drop_events(world: World, first: int, count: int) -> World | None:
     return replace(world, timeline=Timeline(line.times[keep], line.ix[keep], line.iy[keep], line.states[keep]))
 
 
-def with_start(world: World, start: Pose) -> World | None:
-    """The world with another start pose; ``None`` if it is the same or lies outside."""
-    if start == world.start:
+def with_time(world: World, event: int, time: float) -> World | None:
+    """The world in which an event happens at another time, s; ``None`` if it would then not keep its place in line."""
+    times = world.timeline.times.copy()
+    times[event] = time
+    line = world.timeline
+    return None if (np.diff(times) < 0).any() else replace(world, timeline=replace(line, times=times))
+
+
+def changed(world: World, **parts: Any) -> World | None:
+    """The world with other parts; ``None`` if such a world cannot be."""
+    try:
+        return replace(world, **parts)
+    except InvalidWorld:  # a point fell off the grid
         return None
-    return _rebuilt(world, world.walls, start, world.target, world.timeline)
+
+
+def edited(world: World, edit: CellEdit) -> World | None:
+    """The world after an edit of its cells; ``None`` if that leaves no grid, or changes nothing."""
+    if edit.kind == at.DROP_ROWS:
+        return drop_rows(world, edit.a, edit.b)
+    if edit.kind == at.DROP_COLUMNS:
+        return drop_columns(world, edit.a, edit.b)
+    solid = np.argwhere(world.walls)
+    iy, ix = solid.T
+    if edit.kind == at.FREE_BOX:
+        solid = solid[(ix >= edit.a) & (ix < edit.a + edit.c) & (iy >= edit.b) & (iy < edit.b + edit.d)]
+    elif edit.kind == at.FREE_RUN:
+        solid = solid[edit.a : edit.a + edit.b]
+    else:
+        solid = solid[(ix == 0) | (iy == 0) | (ix == world.width - 1) | (iy == world.height - 1)]
+    return free_cells(world, ((ix, iy) for iy, ix in solid.tolist()))
 
 
 def _moved(world: World, metres: float, edge: int, count: int) -> float:
     """A coordinate after ``count`` cells below ``edge`` are gone; one among those stays where it is."""
     side = exact(world.cell_size)
     return float(exact(metres) - count * side) if exact(metres) >= edge * side else metres
-
-
-def _rebuilt(
-    world: World, walls: npt.NDArray[np.bool_], start: Pose, target: Target, timeline: Timeline
-) -> World | None:
-    try:
-        return replace(world, walls=walls, start=start, target=target, timeline=timeline)
-    except InvalidWorld:  # the point fell off the grid
-        return None

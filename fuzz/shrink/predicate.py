@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import functools
+from dataclasses import dataclass
 
 from fuzz.asked import Asked, Trial, asked_by
-from fuzz.failure import certified, regardless_of_walls, scenario_of, walled_off
+from fuzz.failure import certified, judge, regardless_of_walls, scenario_of, walled_off
+from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
 from sim.outcome import BY_THE_CONTROLLER, Outcome
-from sim.run_options import RunOptions
+from sim.run_options import FEWEST_STEPS, RunOptions
 from sim.scenario import Scenario
-from worldgen.errors import InvalidWorld
-from worldgen.world import Cut, World
+from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.world import Cut, FailureRecord, World
 
 __all__ = ["StillFails"]
 
-_PROVED_BY_THE_RUN = ("loop", "tunnel", "overlap", "burned", *BY_THE_CONTROLLER)
+_SHOWN_BY_ITS_END = ("tunnel", "overlap", "burned", *BY_THE_CONTROLLER)
+_PROVED_BY_THE_RUN = ("loop", *_SHOWN_BY_ITS_END)
+
+
+def _kept_class(record: FailureRecord) -> bool:
+    return record.details.get("kept") == "class" and "class" in record.details
 
 
 @dataclass
@@ -31,6 +38,7 @@ class StillFails:
             empty for whatever it is.
         breach: Whether the target is to stay walled off, and to be reached regardless of walls.
         asked: The oracle that is to object still, for a failure by one; then the manner is its class.
+        kind: The failure's class, where that is to stay as well; empty for any.
     """
 
     scenario: Scenario
@@ -39,16 +47,17 @@ class StillFails:
     manner: str = ""
     breach: bool = False
     asked: Asked | None = None
+    kind: str = ""
     simulations: int = 0
-    _controller: Controller | None = field(default=None, repr=False)
 
     @classmethod
-    def of(cls, failure: World, budget: int | None = None) -> StillFails:
+    def of(cls, failure: World, budget: int | None = None, *, kind: str | None = None) -> StillFails:
         """The predicate that keeps what a failure's record says.
 
         Args:
             failure: A world with a failure record.
             budget: See above; the record's own where left out.
+            kind: See above; where left out, the record's class if the record says that it was kept.
         """
         record, options = scenario_of(failure)
         manner = record.evidence.get("kind" if record.verdict == "stalled" else "cause", "")
@@ -62,46 +71,94 @@ class StillFails:
             manner=str(manner),
             breach=isinstance(failure.certificate, Cut),
             asked=asked,
+            kind=kind if kind is not None else str(record.details["class"]) if _kept_class(record) else "",
         )
+
+    @property
+    def is_proved_by_the_run(self) -> bool:
+        """Whether the run itself proves the verdict, within any budget."""
+        return self.verdict in _PROVED_BY_THE_RUN
 
     @property
     def proof_budget(self) -> int | None:
         """Budget that the final failure must have; ``None`` where its witness decides."""
-        return self.budget if self.verdict in _PROVED_BY_THE_RUN and self.asked is None else None
+        return self.budget if self.is_proved_by_the_run and self.asked is None else None
 
-    def __call__(self, candidate: World) -> World | None:
-        """The candidate with a fresh certificate if it still fails the same way, else ``None``."""
+    @property
+    def least_budget(self) -> int:
+        """Steps that every candidate gets at least."""
+        return self.budget if self.is_proved_by_the_run else FEWEST_STEPS
+
+    @functools.cached_property
+    def controller(self) -> Controller:
+        """What runs."""
+        return CONTROLLERS.get(self.scenario.controller)
+
+    def __call__(self, candidate: World, scenario: Scenario | None = None) -> World | None:
+        """The candidate with a fresh certificate if it still fails the same way, else ``None``.
+
+        Args:
+            candidate: A simpler world.
+            scenario: What runs in it, if that got simpler too.
+        """
+        scenario = scenario or self.scenario
         try:
-            if self.asked is not None:
-                return self._objected(self.asked, candidate)
-            if self.verdict in _PROVED_BY_THE_RUN:
-                if not self._fails(candidate, self.budget):
-                    return None
-                return walled_off(candidate) if self.breach else certified(candidate)
-            proved = certified(candidate)
-            if proved is None or not self._fails(proved, self.scenario.options(proved).steps):
-                return None
-        except InvalidWorld:
+            return self._failing(candidate, scenario)
+        except (InvalidWorld, InvalidParameter):
             return None
-        return proved
 
-    def _objected(self, asked: Asked, candidate: World) -> World | None:
+    def seems_to_fail(self, candidate: World, scenario: Scenario) -> bool:
+        """Whether one unrecorded run of the least budget ends as it should; without proof, and without certificate."""
+        try:
+            self.simulations += 1
+            return self._ends_so(self._run(candidate, scenario.options(candidate, self.least_budget)))
+        except (InvalidWorld, InvalidParameter):
+            return False
+
+    def _failing(self, candidate: World, scenario: Scenario) -> World | None:
+        if self.asked is not None:
+            return self._objected(self.asked, candidate, scenario)
+        if self.is_proved_by_the_run:
+            options = scenario.options(candidate, self.budget)
+            if not self._fails(candidate, options):
+                return None
+            proved = walled_off(candidate) if self.breach else certified(candidate)
+        else:
+            proved = certified(candidate)
+            if proved is None:
+                return None
+            options = scenario.options(proved)
+            if not self._fails(proved, options):
+                return None
+        if proved is None or not self.kind:
+            return proved
+        episode, _ = judge(proved, scenario.controller, options)
+        return proved if failure_class(proved, episode) == self.kind else None
+
+    def _objected(self, asked: Asked, candidate: World, scenario: Scenario) -> World | None:
         """The candidate with a fresh witness if the oracle objects in the same manner."""
         proved = certified(candidate)
         if proved is None:
             return None
         self.simulations += 1
-        said = asked.objection(Trial(proved, self.scenario.controller, self.scenario.options(proved)))
+        said = asked.objection(Trial(proved, scenario.controller, scenario.options(proved)))
         return proved if said is not None and asked.kind(said) == self.manner else None
 
-    def _fails(self, world: World, steps: int) -> bool:
-        if self._controller is None:
-            self._controller = CONTROLLERS.get(self.scenario.controller)
+    def _fails(self, world: World, options: RunOptions) -> bool:
         self.simulations += 1
-        options = self.scenario.options(world, steps)
-        outcome = self._run(world, options)
+        if not self._ends_so(self._run(world, options)):
+            return False
         if self.verdict == "tunnel":
-            return outcome.ending == "tunnel" and self._likewise(outcome.cause) and self._arrives(world, options)
+            return self._arrives(world, options)
+        if self.verdict in _SHOWN_BY_ITS_END:
+            return True
+        episode = simulate(world, self.controller, options)
+        return episode.verdict == self.verdict and self._likewise(episode.evidence.get("kind"))
+
+    def _ends_so(self, outcome: Outcome) -> bool:
+        """Whether a run ends as the verdict says, as far as its end shows it."""
+        if self.verdict == "tunnel":
+            return outcome.ending == "tunnel" and self._likewise(outcome.cause)
         if self.verdict in ("burned", *BY_THE_CONTROLLER):
             return outcome.ending == self.verdict
         if outcome.ending in ("tunnel", "burned", *BY_THE_CONTROLLER):
@@ -110,12 +167,10 @@ class StillFails:
             return outcome.overlap_step >= 0 and self._likewise(outcome.cause)
         if outcome.overlap_step >= 0 or outcome.ending == "reached":
             return False
-        episode = simulate(world, self._controller, options)
-        return episode.verdict == self.verdict and self._likewise(episode.evidence.get("kind"))
+        return outcome.ending == "loop" or self.verdict != "loop"
 
     def _run(self, world: World, options: RunOptions) -> Outcome:
-        controller = self.scenario.controller if self._controller is None else self._controller
-        return prepare(world, controller, options).run(options.steps, find_loop=True, record=False, digest=False)
+        return prepare(world, self.controller, options).run(options.steps, find_loop=True, record=False, digest=False)
 
     def _likewise(self, manner: object) -> bool:
         return self.manner in ("", manner)

@@ -3,25 +3,35 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 
-from fuzz.failure import failure_by, failure_of, scenario_of, seeds_that_fail
+from fuzz.failure import failure_by, failure_of, judge, scenario_of, seeds_that_fail
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removable
-from fuzz.shrink.order import PASSES, Pass
+from fuzz.shrink.order import Case, simplicity
+from fuzz.shrink.passes import PASSES, Pass
 from fuzz.shrink.predicate import StillFails
+from fuzz.shrink.trying import Trying
+from fuzz.signature import failure_class
 from sim.episode import simulate
 from sim.run_options import MAX_STEPS, RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.world import World
+from worldgen.grid_file import world_digest
+from worldgen.world import Value, World
 
-__all__ = ["Shrunk", "shrink"]
+__all__ = ["KEEP", "Shrunk", "shrink", "shrink_class"]
+
+KEEP = ("verdict", "class")
+"""What a shrunk failure has in common with the one that it came from."""
 
 # A simpler world may need longer until it fails than the one that it came from.
 _MORE_STEPS, _FEWEST_STEPS = 4, 2_000
+_DIGITS = 16  # of an id
+_NOT_CHECKED: tuple[str, ...] = ("not checked: stopped early",)
+
+Progress = Callable[[World], None]
 
 
 @dataclass(frozen=True)
@@ -35,6 +45,8 @@ class Shrunk:
         simulations: Runs that it took.
         left: What could still be removed; empty if the world is 1-minimal.
         complete: Whether every pass ended by itself, not by the clock.
+        kept: What it has in common with the failure that it came from, one of :data:`KEEP`.
+        interrupted: Whether Ctrl-C ended it.
     """
 
     world: World
@@ -43,65 +55,209 @@ class Shrunk:
     simulations: int
     left: tuple[str, ...]
     complete: bool
+    kept: str = "verdict"
+    interrupted: bool = False
+
+    @property
+    def simplicity(self) -> tuple[int, ...]:
+        """How simple it is, by :data:`fuzz.shrink.ORDER`."""
+        record, options = scenario_of(self.world)
+        return simplicity(Case(self.world, Scenario.of(record.controller, options)))
 
 
 def shrink(
     failure: World,
     *,
     seconds: float | None = None,
-    progress: Callable[[World], None] | None = None,
+    progress: Progress | None = None,
     keep_on_interrupt: bool = False,
+    keep: str = "verdict",
 ) -> Shrunk:
-    """Makes a failure's world as small as it can be, keeping verdict, its cause or kind, and certificate.
+    """Makes a failure's world as small as it can be, keeping its certificate.
 
     Args:
         failure: A world with a failure record.
         seconds: Stop after this time with the best so far; a fixed amount of work without it.
         progress: Called with each simpler world.
         keep_on_interrupt: Let Ctrl-C end shrinking with the best so far, instead of raising.
+        keep: ``verdict``: the verdict, and the cause of a tunnel or overlap, the kind of a stalled run or of an
+            oracle's objection. ``class``: the whole class of the failure as well.
 
     Returns:
         The shrunk failure.
 
     Raises:
-        InvalidParameter: If the world holds no failure, or it does not fail (any more).
+        InvalidParameter: If the world holds no failure, it does not fail (any more), or ``keep`` is no such word.
     """
-    record, options = scenario_of(failure)
-    scenario = Scenario.of(record.controller, options)
-    budget = _MORE_STEPS * _steps_to_fail(failure, scenario, options) + _FEWEST_STEPS
-    still_fails = StillFails.of(failure, min(budget, MAX_STEPS))
-    best = still_fails(bare(failure))
-    if best is None:
-        by = "" if still_fails.asked is None else f" with an objection of oracle {still_fails.asked.text}"
-        raise InvalidParameter(
-            f"{record.controller} under {record.motion} does not end as {record.verdict!r}{by} in this world, or its "
-            f"target is not {'walled off' if still_fails.breach else 'reachable'}; replay the file first: "
-            "worldgen replay"
-        )
-    reducer = _Reducer(best, still_fails, None if seconds is None else time.monotonic() + seconds, progress)
-    complete = False
-    left: tuple[str, ...] = ("not checked: stopped early",)
+    if keep not in KEEP:
+        raise InvalidParameter(f"keep={keep!r} is not one of {', '.join(KEEP)}; give one")
+    reducer = _Reducer(failure, keep, None if seconds is None else time.monotonic() + seconds, progress)
     try:
-        if reducer.run():
-            complete, left = True, tuple(removable(reducer.best, still_fails))
+        reducer.run()
     except KeyboardInterrupt:
         if not keep_on_interrupt:
             raise
-    details: dict[str, Any] = dict(record.details) | {
-        "shrunk_from": failure.solid_cells,
-        "one_minimal": not left,
-        "simulations": still_fails.simulations,
-    }
-    for fresh in ("class", "motion_version"):
-        details.pop(fresh, None)
-    if still_fails.asked is not None:
-        world = failure_by(reducer.best, scenario, still_fails.asked, **details)
-    else:
-        details |= seeds_that_fail(reducer.best, scenario)
-        world = failure_of(reducer.best, scenario, steps=still_fails.proof_budget, **details)
-    if world is None:
-        raise InvalidParameter(f"the shrunk world of {record.verdict!r} was not confirmed by its oracle")
-    return Shrunk(world, failure.solid_cells, world.solid_cells, still_fails.simulations, left, complete)
+        return replace(reducer.result(), interrupted=True)
+    return reducer.result()
+
+
+def shrink_class(
+    failures: Iterable[World],
+    *,
+    seconds: float | None = None,
+    progress: Progress | None = None,
+    keep_on_interrupt: bool = False,
+    keep: str = "verdict",
+) -> Shrunk:
+    """The simplest world that shrinking any of several failures leads to: minima differ, and starts find them.
+
+    Args:
+        failures: At least one; those of fewest solid cells are shrunk first.
+        seconds: For all of them together; each gets its share of what is left.
+        progress: Called with each simpler world.
+        keep_on_interrupt: Let Ctrl-C end it with the best so far, instead of raising.
+        keep: As for :func:`shrink`.
+
+    Raises:
+        InvalidParameter: If there is none, or as :func:`shrink` says.
+    """
+    waiting = sorted(failures, key=lambda world: (world.solid_cells, world.walls.size, world_digest(world)))
+    if not waiting:
+        raise InvalidParameter("no failure was given, so there is none to shrink; give at least one")
+    deadline = None if seconds is None else time.monotonic() + seconds
+    results: list[Shrunk] = []
+    for done, failure in enumerate(waiting):
+        left = None if deadline is None else (deadline - time.monotonic()) / (len(waiting) - done)
+        if results and left is not None and left <= 0.0:
+            break
+        results.append(shrink(failure, seconds=left, progress=progress, keep_on_interrupt=keep_on_interrupt, keep=keep))
+        if results[-1].interrupted:
+            break
+    return min(results, key=lambda one: one.simplicity)
+
+
+class _Reducer:
+    """Holds the simplest case so far, so that the clock or Ctrl-C can stop it at any time."""
+
+    def __init__(self, failure: World, keep: str, deadline: float | None, progress: Progress | None) -> None:
+        self._failure, self._keep, self._deadline, self._progress = failure, keep, deadline, progress
+        self._still_fails = _judge(failure, keep)
+        self._best = self._begin = Case(bare(failure), self._still_fails.scenario)
+        self._trying = Trying(self._still_fails, deadline)
+        self._made: tuple[Case, World] | None = None  # the last case that was found to hold, and its failure
+        self._left, self._complete = _NOT_CHECKED, False
+
+    def run(self) -> None:
+        """Passes, and the check of what they left; once more with care, should what was judged quickly not hold."""
+        try:
+            for careful in (False, True):
+                self._trying.careful = careful
+                self._exhaust_all()
+                if self._holds():
+                    self._complete = True
+                    self._left = tuple(removable(self._best.world, self._judged_in_time))
+                    if not self._left:
+                        return
+                else:
+                    self._best = self._begin
+        except TimeoutError:
+            return
+
+    def result(self) -> Shrunk:
+        """The simplest case that holds, with its record.
+
+        Raises:
+            InvalidParameter: If the oracle objects to all of them.
+        """
+        if not self._holds():
+            self._best, self._left, self._complete = self._begin, _NOT_CHECKED, False
+        if not self._holds() or self._made is None:
+            raise InvalidParameter(
+                f"the shrunk world of {self._still_fails.verdict!r} was not confirmed by its oracle; replay the file "
+                "that it came from: worldgen replay"
+            )
+        case, world = self._made
+        world = self._with_details(world, case.scenario)
+        before, simulations = self._failure.solid_cells, self._still_fails.simulations
+        return Shrunk(world, before, world.solid_cells, simulations, self._left, self._complete, self._keep)
+
+    def _with_details(self, made: World, scenario: Scenario) -> World:
+        """The failure with what is worth knowing of it, of the failure that it came from, and of shrinking it."""
+        fresh, came = made.failure, self._failure.failure
+        if fresh is None or came is None:
+            return made
+        details: dict[str, Value] = {"original": world_digest(self._failure)[:_DIGITS], **came.details}
+        details |= fresh.details
+        if self._still_fails.asked is None:
+            details |= seeds_that_fail(made, scenario)
+        details |= {
+            "shrunk_from": self._failure.solid_cells,
+            "kept": self._keep,
+            "one_minimal": not self._left,
+            "simulations": self._still_fails.simulations,
+        }
+        return replace(made, failure=replace(fresh, details=details))
+
+    def _judged_in_time(self, candidate: World) -> World | None:
+        if self._deadline is not None and time.monotonic() > self._deadline:
+            raise TimeoutError
+        return self._still_fails(candidate, self._best.scenario)
+
+    def _exhaust_all(self) -> None:
+        """Every pass, until a whole round changes nothing."""
+        before = None
+        while before is not self._best:
+            before = self._best
+            for simplify in PASSES:
+                self._exhaust(simplify)
+
+    def _exhaust(self, simplify: Pass) -> None:
+        """Takes every edit that still fails; after one is taken the pass goes on from there, not afresh."""
+        taken = self._trying.first(self._best, [*simplify.propose(self._best)], 0)
+        while taken is not None:
+            index, self._best = taken
+            if self._progress is not None:
+                self._progress(self._best.world)
+            taken = self._trying.first(self._best, [*simplify.propose(self._best)], index)
+
+    def _holds(self) -> bool:
+        """Whether the exact judge and the oracle agree to the simplest case so far; then its failure is kept."""
+        if self._made is not None and self._made[0] is self._best:
+            return True
+        proved = self._still_fails(*self._best)
+        world = None if proved is None else self._recorded(proved)
+        if world is not None:
+            self._made = self._best, world
+        return world is not None
+
+    def _recorded(self, proved: World) -> World | None:
+        """The failure with its record, or ``None`` if its oracle objects."""
+        scenario, asked = self._best.scenario, self._still_fails.asked
+        if asked is not None:
+            return failure_by(proved, scenario, asked)
+        return failure_of(proved, scenario, steps=self._still_fails.proof_budget)
+
+
+def _judge(failure: World, keep: str) -> StillFails:
+    """The judge of a failure, once it has judged the failure itself.
+
+    Raises:
+        InvalidParameter: If the world holds no failure, or it does not fail.
+    """
+    record, options = scenario_of(failure)
+    scenario = Scenario.of(record.controller, options)
+    kind = failure_class(failure, judge(failure, record.controller, options)[0]) if keep == "class" else ""
+    more = _MORE_STEPS * _steps_to_fail(failure, scenario, options) + _FEWEST_STEPS
+    for budget in (min(more, MAX_STEPS), options.steps):  # with more steps, what overlaps may tunnel in the end
+        still_fails = StillFails.of(failure, budget, kind=kind)
+        if still_fails(bare(failure)) is not None:
+            return still_fails
+    by = "" if still_fails.asked is None else f" with an objection of oracle {still_fails.asked.text}"
+    raise InvalidParameter(
+        f"{record.controller} under {record.motion} does not end as {record.verdict!r}{by} in this world, or its "
+        f"target is not {'walled off' if still_fails.breach else 'reachable'}; replay the file first: "
+        "worldgen replay"
+    )
 
 
 def _steps_to_fail(failure: World, scenario: Scenario, options: RunOptions) -> int:
@@ -110,46 +266,3 @@ def _steps_to_fail(failure: World, scenario: Scenario, options: RunOptions) -> i
     if isinstance(reached, int):
         return reached
     return simulate(failure, scenario.controller, options).steps
-
-
-class _Reducer:
-    """Holds the best world so far, so that the clock or Ctrl-C can stop it at any time."""
-
-    def __init__(
-        self,
-        best: World,
-        still_fails: StillFails,
-        deadline: float | None,
-        progress: Callable[[World], None] | None,
-    ) -> None:
-        self.best, self._still_fails, self._deadline, self._progress = best, still_fails, deadline, progress
-
-    def run(self) -> bool:
-        """Passes until a whole round changes nothing; False if the time is up before."""
-        try:
-            before = None
-            while before is not self.best:
-                before = self.best
-                for simplify in PASSES:
-                    self._exhaust(simplify)
-        except TimeoutError:
-            return False
-        return True
-
-    def _exhaust(self, simplify: Pass) -> None:
-        """Takes every edit that still fails; after one is taken the pass goes on from there, not afresh."""
-        first, taken = 0, True
-        while taken:
-            taken = False
-            for index, edit in enumerate(simplify(bare(self.best))):
-                if index < first:
-                    continue
-                if self._deadline is not None and time.monotonic() > self._deadline:
-                    raise TimeoutError
-                candidate = edit()
-                kept = None if candidate is None else self._still_fails(candidate)
-                if kept is not None:
-                    self.best, first, taken = kept, index, True
-                    if self._progress is not None:
-                        self._progress(kept)
-                    break

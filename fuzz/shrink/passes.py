@@ -1,0 +1,224 @@
+"""The ways in which a failure can get simpler, as a list; each proposes edits, most daring first."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any, NamedTuple
+
+from fuzz.shrink.edits import changed, drop_events, with_time
+from fuzz.shrink.order import Case, rounder
+from sim.edited_runs import CellEdit
+from sim.kernels import lattice_edits as at
+from sim.run_options import DEFAULT_TIME_STEP
+from worldgen.errors import InvalidParameter
+from worldgen.lattice import UNIT, in_cells, lattice_to_metres, metres_to_lattice
+from worldgen.world import DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED, World
+
+__all__ = ["PASSES", "Change", "Edit", "Pass"]
+
+Change = Callable[[], "Case | None"]
+"""Makes one simpler case, or ``None`` where there is nothing to do."""
+
+Edit = CellEdit | Change
+
+
+class Pass(NamedTuple):
+    """One way to get simpler.
+
+    Args:
+        name: As ``worldgen shrink --passes`` lists it.
+        says: What it does, in one line.
+        propose: Edits of a case; asked again whenever one is taken.
+    """
+
+    name: str
+    says: str
+    propose: Callable[[Case], Iterator[Edit]]
+
+
+def _drop_rows(case: Case) -> Iterator[Edit]:
+    world = case.world
+    places = (world.start.y, world.target.y)
+    yield from (CellEdit(at.DROP_ROWS, first, count) for first, count in _runs(world, places, world.height))
+
+
+def _drop_columns(case: Case) -> Iterator[Edit]:
+    world = case.world
+    places = (world.start.x, world.target.x)
+    yield from (CellEdit(at.DROP_COLUMNS, first, count) for first, count in _runs(world, places, world.width))
+
+
+def _runs(world: World, places: tuple[float, float], size: int) -> Iterator[tuple[int, int]]:
+    """All that lies beyond or between start and target, each at once; then halves of the grid, quarters, ... one."""
+    low, high = sorted(math.floor(in_cells(place, world.cell_size)) for place in places)
+    spans = ((high + 1, size), (low + 1, high), (0, low))
+    yield from ((first, end - first) for first, end in spans if end - first > 1)
+    for count in _halves(size):
+        yield from ((first, count) for first in range(size - count, -1, -max(count // 2, 1)))
+
+
+def _free_all(case: Case) -> Iterator[Edit]:
+    yield CellEdit(at.FREE_BOX, 0, 0, case.world.width, case.world.height)
+
+
+def _free_rim(case: Case) -> Iterator[Edit]:
+    yield CellEdit(at.FREE_RIM)
+
+
+def _free_blocks(case: Case) -> Iterator[Edit]:
+    walls, side = case.world.walls, 1
+    while side * 2 <= max(walls.shape):
+        side *= 2
+    while side > 1:
+        for iy in range(0, walls.shape[0], side):
+            for ix in range(0, walls.shape[1], side):
+                if walls[iy : iy + side, ix : ix + side].any():
+                    yield CellEdit(at.FREE_BOX, ix, iy, side, side)
+        side //= 2
+
+
+def _free_cells(case: Case) -> Iterator[Edit]:
+    yield from (CellEdit(at.FREE_RUN, first, 1) for first in range(case.world.solid_cells))
+
+
+def _drop_events(case: Case) -> Iterator[Edit]:
+    events = len(case.world.timeline)
+    for count in [events, *_halves(events)]:
+        for first in range(0, events, max(count, 1)):
+            yield partial(_without_events, case, first, count)
+
+
+def _straighten(case: Case) -> Iterator[Edit]:
+    start = case.world.start
+    for part in (math.pi / 2, math.pi / 4, math.pi / 8):
+        for turns in (math.floor(start.heading / part), math.ceil(start.heading / part)):
+            yield partial(_part, case, start=replace(start, heading=turns * part))
+
+
+def _centre(case: Case) -> Iterator[Edit]:
+    world = case.world
+    for name in ("start", "target"):
+        point = getattr(world, name)
+        x, y = _middle(point.x, world.cell_size), _middle(point.y, world.cell_size)
+        for where in ({"x": x, "y": y}, {"x": x}, {"y": y}):
+            yield partial(_part, case, **{name: replace(point, **where)})
+
+
+def _approach(case: Case) -> Iterator[Edit]:
+    world, start, target = case.world, case.world.start, case.world.target
+    side = world.cell_size
+    across, up = (
+        math.floor(in_cells(b, side)) - math.floor(in_cells(a, side))
+        for a, b in ((start.x, target.x), (start.y, target.y))
+    )
+    ways = [(across // 2, up // 2), (across, 0), (0, up), (_one(across), 0), (0, _one(up))]
+    for dx, dy in dict.fromkeys(way for way in ways if way != (0, 0)):
+        x, y = _shifted(start.x, dx, side), _shifted(start.y, dy, side)
+        yield partial(_part, case, start=replace(start, x=x, y=y))
+
+
+def _simplify_robot(case: Case) -> Iterator[Edit]:
+    world = case.world
+    for radius in rounder(world.robot_radius, DEFAULT_ROBOT_RADIUS):
+        yield partial(_part, case, robot_radius=radius)
+    for speed in rounder(world.robot_speed, DEFAULT_ROBOT_SPEED):
+        yield partial(_part, case, robot_speed=speed)
+
+
+def _simplify_target(case: Case) -> Iterator[Edit]:
+    target = case.world.target
+    for radius in rounder(target.radius, case.world.cell_size / 2):
+        yield partial(_part, case, target=replace(target, radius=radius))
+
+
+def _simplify_run(case: Case) -> Iterator[Edit]:
+    scenario = case.scenario
+    for step in rounder(scenario.time_step, DEFAULT_TIME_STEP):
+        yield partial(_run, case, time_step=step)
+    for name in ("thesis", "robot"):
+        options = getattr(scenario, name)
+        for option, value in options.changed().items():
+            if isinstance(value, float):
+                for number in rounder(value):
+                    if number != 0.0:  # 0 switches the option off, which makes another robot
+                        yield partial(_option, case, name, option, number)
+
+
+def _round_times(case: Case) -> Iterator[Edit]:
+    for event, time in enumerate(case.world.timeline.times.tolist()):
+        if time > 0.0:
+            for earlier in rounder(time, up=False):
+                yield partial(_earlier, case, event, earlier)
+
+
+PASSES: tuple[Pass, ...] = (
+    Pass("drop-rows", "drop rows: all beyond or between start and target, then half of the grid, a quarter, ... one",
+         _drop_rows),
+    Pass("drop-columns", "drop columns, likewise", _drop_columns),
+    Pass("free-all", "free every solid cell", _free_all),
+    Pass("free-rim", "free the outermost ring of cells: what lies outside the grid is solid anyway", _free_rim),
+    Pass("free-blocks", "free square blocks of cells, from the largest to 2 x 2", _free_blocks),
+    Pass("drop-events", "drop events: all, half, ... one", _drop_events),
+    Pass("free-cells", "free one solid cell at a time", _free_cells),
+    Pass("straighten", "turn the start's heading to a quarter turn, an eighth, a sixteenth", _straighten),
+    Pass("centre", "put start and target in the middle of their cells", _centre),
+    Pass("approach", "move the start nearer to the target", _approach),
+    Pass("simplify-robot", "give the robot the usual radius and speed, or ones of few digits", _simplify_robot),
+    Pass("simplify-target", "give the target half a cell as radius, or one of few digits", _simplify_target),
+    Pass("simplify-run", "give the time step and the options numbers of few digits", _simplify_run),
+    Pass("round-times", "move events to earlier times of few digits, 0 at best", _round_times),
+)  # fmt: skip
+"""In the order in which they run; once more from the first, until a whole round changes nothing."""
+
+
+def _halves(count: int) -> list[int]:
+    sizes = []
+    while count > 1:
+        count //= 2
+        sizes.append(count)
+    return sizes
+
+
+def _one(cells: int) -> int:
+    return (cells > 0) - (cells < 0)
+
+
+def _middle(place: float, side: float) -> float:
+    """The middle of the cell in which a coordinate lies, m."""
+    return lattice_to_metres(math.floor(in_cells(place, side)) * UNIT + UNIT // 2, side)
+
+
+def _shifted(place: float, cells: int, side: float) -> float:
+    return lattice_to_metres(metres_to_lattice(place, side) + cells * UNIT, side)
+
+
+def _with(case: Case, world: World | None) -> Case | None:
+    return None if world is None else case._replace(world=world)
+
+
+def _without_events(case: Case, first: int, count: int) -> Case | None:
+    return _with(case, drop_events(case.world, first, count))
+
+
+def _earlier(case: Case, event: int, time: float) -> Case | None:
+    return _with(case, with_time(case.world, event, time))
+
+
+def _part(case: Case, **parts: Any) -> Case | None:
+    return _with(case, changed(case.world, **parts))
+
+
+def _run(case: Case, **parts: Any) -> Case | None:
+    return case._replace(scenario=replace(case.scenario, **parts))
+
+
+def _option(case: Case, group: str, option: str, value: float) -> Case | None:
+    try:
+        options = dataclasses.replace(getattr(case.scenario, group), **{option: value})
+    except InvalidParameter:  # out of the option's range
+        return None
+    return _run(case, **{group: options})

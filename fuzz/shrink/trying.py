@@ -1,0 +1,125 @@
+"""Tries edits of a failure, the cheapest judgement first: which is the first that still fails?"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from fuzz.failure import certified
+from fuzz.shrink.edits import edited
+from fuzz.shrink.order import Case, simplicity
+from fuzz.shrink.passes import Edit
+from fuzz.shrink.predicate import StillFails
+from sim.controllers import CompiledController
+from sim.edited_runs import CellEdit, EditedRuns, Wanted, has_sure_way
+from sim.kernels import layout
+from sim.kernels.lattice_edits import ANY_ENDING
+from sim.motion import MOTIONS
+from sim.motion.base import THESIS
+
+__all__ = ["Trying"]
+
+_WANTED = {
+    "loop": Wanted(layout.LOOP, overlap=False),
+    "tunnel": Wanted(layout.TUNNEL),
+    "overlap": Wanted(ANY_ENDING, overlap=True),
+    "burned": Wanted(layout.BURNED),
+    "invalid-command": Wanted(layout.INVALID_COMMAND),
+    "crash": Wanted(layout.LIMIT, crash=True),
+    "stalled": Wanted(layout.LIMIT, overlap=False),
+    "timeout": Wanted(layout.LIMIT, overlap=False),
+}
+
+
+class Trying:
+    """Tries edits.
+
+    A compiled controller on the pose lattice is run in compiled code, with a flood that finds most ways to the
+    target; other controllers are run one by one, unrecorded. What may be wrong so is what the flood misses, and a
+    loop that the kernel claims: so what comes out in the end is to be judged by ``still_fails``, and to be shrunk
+    once more with ``careful``, where it does not hold or is not minimal.
+
+    Args:
+        still_fails: The exact judge.
+        deadline: By ``time.monotonic``, s; ``None`` for none.
+
+    Attributes:
+        careful: Whether every candidate is judged by ``still_fails`` alone.
+    """
+
+    def __init__(self, still_fails: StillFails, deadline: float | None) -> None:
+        self.careful = False
+        self._still_fails, self._deadline = still_fails, deadline
+        whole = still_fails.asked is None and not still_fails.breach and not still_fails.kind
+        self._quick_is_enough = whole and still_fails.is_proved_by_the_run
+        self._has_quick_look = still_fails.asked is None
+        self._on_lattice = MOTIONS.get(still_fails.scenario.motion).kernel != THESIS
+
+    def first(self, case: Case, edits: Sequence[Edit], begin: int) -> tuple[int, Case] | None:
+        """The first edit from ``begin`` on after which the case still fails, and that case without certificate.
+
+        Raises:
+            TimeoutError: If the deadline is over.
+        """
+        cells = [edit for edit in edits if isinstance(edit, CellEdit)]  # a pass proposes nothing else, or none
+        runs = self._edited_runs(case) if cells else None
+        at = begin
+        while at < len(edits):
+            if self._deadline is not None and time.monotonic() > self._deadline:
+                raise TimeoutError
+            if runs is None:
+                edit, at = edits[at], at + 1
+                kept = self._settled(case, edit, looked=False)
+            else:
+                before = runs.trials
+                found, done = runs.first(cells[at:], _WANTED[self._still_fails.verdict], way=not case.world.is_dynamic)
+                self._still_fails.simulations += runs.trials - before
+                at += done
+                kept = None if found is None else self._settled(case, cells[at - 1], looked=True)
+            if kept is not None:
+                return at - 1, kept
+        return None
+
+    def _edited_runs(self, case: Case) -> EditedRuns | None:
+        """What runs edits in compiled code, if they may be run so."""
+        controller, budget = self._still_fails.controller, self._still_fails.least_budget
+        if self.careful or not (self._has_quick_look and self._on_lattice):
+            return None
+        if not isinstance(controller, CompiledController):
+            return None
+        return EditedRuns(case.world, controller, case.scenario.options(case.world, budget))
+
+    def _settled(self, case: Case, edit: Edit, *, looked: bool) -> Case | None:
+        """The case after an edit if it is simpler and still fails.
+
+        Args:
+            case: The case before.
+            edit: The edit.
+            looked: Whether compiled code has seen it fail, and the target in reach where the world does not change.
+        """
+        candidate = _after(case, edit)
+        if candidate is None:
+            return None
+        if not self.careful and self._has_quick_look:
+            if not looked and not self._still_fails.seems_to_fail(*candidate):
+                return None
+            if self._quick_is_enough:
+                return candidate if self._has_way(candidate, edit, looked=looked) else None
+        return None if self._still_fails(*candidate) is None else candidate
+
+    def _has_way(self, candidate: Case, edit: Edit, *, looked: bool) -> bool:
+        """Whether the target can be reached; of a world that does not change, ``False`` may be wrong."""
+        if isinstance(edit, CellEdit) and edit.frees:
+            return True  # as before: a cell less in the way
+        if not candidate.world.is_dynamic:
+            return looked or has_sure_way(candidate.world)
+        return has_sure_way(candidate.world) or certified(candidate.world) is not None
+
+
+def _after(case: Case, edit: Edit) -> Case | None:
+    """The case after an edit; ``None`` if there is none, or it is not simpler."""
+    if isinstance(edit, CellEdit):
+        world = edited(case.world, edit)
+        return None if world is None else case._replace(world=world)
+    candidate = edit()
+    return candidate if candidate is not None and simplicity(candidate) < simplicity(case) else None
