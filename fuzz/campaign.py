@@ -9,6 +9,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, TypeVar
 
+from fuzz.boundary import with_boundaries
 from fuzz.config import CampaignConfig
 from fuzz.crews import Crew, crew_of
 from fuzz.ledger import Ledger, NoLedger, failure_id
@@ -275,9 +276,9 @@ class Campaign:
 
 
 def shrunk_or_same(failure: World) -> World:
-    """The failure shrunk; as it was if it does not hold by shrinking's own terms."""
+    """The failure shrunk, with where it begins; as it was if it does not hold by shrinking's own terms."""
     try:
-        shrunk = shrink(failure).world
+        shrunk = with_boundaries(shrink(failure).world, failure)
     except WorldgenError:
         return failure
     return _with_detail(shrunk, original=failure_id(failure))

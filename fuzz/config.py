@@ -27,6 +27,7 @@ class CampaignConfig:
         examples: Hypothesis examples in one unit.
         shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
         oracles: Oracles to ask about each run beside its verdict, as ``--oracle`` takes them.
+        lanes: Where failures are looked for; empty for all that fit.
         epoch: Units in an epoch: what they found, the units of the epoch after the next one know.
     """
 
@@ -39,6 +40,7 @@ class CampaignConfig:
     examples: int = 400
     shrink: bool = True
     oracles: tuple[str, ...] = ()
+    lanes: tuple[str, ...] = ()
     epoch: int = 16
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import Counter
+from typing import Any
 
 from fuzz.asked import Asked, Trial
 from fuzz.config import CampaignConfig
@@ -57,7 +58,7 @@ class Door:
         if self._asked:
             self._ask(world, scenario)
 
-    def enter(self, world: World, scenario: Scenario, verdict: str, cause: str = "") -> None:
+    def enter(self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any) -> None:
         """Proves, classifies and keeps a run that failed, if not too many of its kind came before.
 
         Args:
@@ -65,19 +66,20 @@ class Door:
             scenario: What ran.
             verdict: At first look; ``breach`` for a robot that got to a walled-off target.
             cause: Of the verdict, as far as the kernel knows it.
+            **details: What the failure's record is to say besides.
         """
         if not self._is_one_of_few(verdict, cause):
             return
+        details["found_by"] = self.result.lane
         if verdict == "breach":
             sealed = walled_off(world)
             steps = scenario.options(world).steps
-            self._keep(None if sealed is None else failure_of(sealed, scenario, steps=steps, found_by=self.result.lane))
+            self._keep(None if sealed is None else failure_of(sealed, scenario, steps=steps, **details))
             return
         proved = world if world.certificate else certified(world)
         with contextlib.suppress(InvalidParameter):  # too long to be recorded, so nothing that could be shown
             if proved is not None:
-                lane = self.result.lane
-                self._keep(failure_of(proved, scenario, fewest_steps=self._proof_steps, found_by=lane))
+                self._keep(failure_of(proved, scenario, fewest_steps=self._proof_steps, **details))
 
     def _is_one_of_few(self, verdict: str, cause: str) -> bool:
         self._failed[verdict, cause] += 1

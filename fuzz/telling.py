@@ -8,6 +8,7 @@ from collections import Counter
 from pathlib import Path
 
 from fuzz.asked import objection_in_words
+from fuzz.boundary import boundaries_in_words
 from fuzz.failure import regardless_of_walls, scenario_of
 from sim.episode import Episode, simulate
 from sim.picture import trail_of
@@ -39,12 +40,14 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     seeds = record.details.get("failing_seeds")
     does = "get there" if isinstance(world.certificate, Cut) else "fail"
     chance = f", {seeds[0]} of {seeds[1]} seeds {does}" if isinstance(seeds, list) else ""
+    begins = boundaries_in_words(world)
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     color = wants_color(sys.stdout)
     return (
         f"{shown(who)} under {record.motion}: {record.verdict}{shown(words)}\n"
         f"  class {shown(kind)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
+        f"{f'  {begins}{chr(10)}' if begins else ''}"
         f"{draw_terminal(world, trail=trail_of(episode), color=color)}"
         f"  {shown(replay_line(path))}\n"
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from fuzz.lanes import drawn
+from fuzz.lanes import boundary, drawn
 from fuzz.lanes.task import Task
 
 __all__ = ["Lane", "Task", "lane_of"]
@@ -17,7 +17,7 @@ __all__ = ["Lane", "Task", "lane_of"]
 Lane = Callable[[Task], None]
 """Does a unit's work: counts its runs and hands what fails to the task's door."""
 
-_OWN: dict[str, Lane] = {drawn.SEALED: drawn.search_sealed}
+_OWN: dict[str, Lane] = {drawn.SEALED: drawn.search_sealed, boundary.BOUNDARY: boundary.search}
 
 
 def lane_of(name: str) -> Lane:

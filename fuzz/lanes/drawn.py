@@ -28,23 +28,15 @@ from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World
 
 __all__ = [
-    "COMBINED",
     "LAYOUT_LANES",
     "SEALED",
     "can_breach",
-    "combined",
     "explore",
     "lane_worlds",
     "poses_on",
     "search",
     "search_sealed",
 ]
-
-COMBINED = (
-    "features", "features", "trap", "features", "maze", "features", "corridor", "fire",
-    "features", "rooms", "features", "forest", "features", "cave", "rubble", "shift",
-)  # fmt: skip
-"""What unit after unit draws from when no family is named: mostly features, which fail most often per second."""
 
 SEALED = "sealed"
 """Layouts with a walled-off target, for motion models in which a robot can go on past a wall."""
@@ -65,11 +57,6 @@ TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)  # s: the range of the thesis's spin
 def can_breach(scenario: Scenario) -> bool:
     """Whether a run can show what it does past a wall that it goes through, so that a target walled off is of use."""
     return MOTIONS.get(scenario.motion).kernel == THESIS and not scenario.thesis.keep_going
-
-
-def combined(scenario: Scenario) -> tuple[str, ...]:
-    """The lanes of a campaign for which no family is named."""
-    return (*COMBINED, SEALED) if can_breach(scenario) else COMBINED
 
 
 def search(task: Task) -> None:

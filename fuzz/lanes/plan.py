@@ -1,15 +1,75 @@
-"""Which lane a unit works for."""
+"""Which lane a unit works for: lanes share the budget by what they yield.
+
+A lane's yield is what it brought, divided by what it cost; cost is counted in worlds and steps, not by the clock, so
+that a plan is the same on every machine. A lane of which nothing is known is taken to be worth a try, and none falls
+below a floor, for what a lane brings changes as a campaign goes on.
+"""
 
 from __future__ import annotations
 
-from fuzz.config import CampaignConfig
-from fuzz.lanes.drawn import combined
-from fuzz.result import Memory
+from collections.abc import Sequence
 
-__all__ = ["planned_lane"]
+from fuzz.boundary import is_bounded, subject_of
+from fuzz.config import CampaignConfig
+from fuzz.lanes.boundary import BOUNDARY
+from fuzz.lanes.drawn import SEALED, can_breach
+from fuzz.result import LaneYield, Memory
+
+__all__ = ["lane_shares", "lanes_for", "planned_lane"]
+
+_DRAWN = ("features", "trap", "maze", "corridor", "fire", "rooms", "forest", "cave", "rubble", "shift")
+_PRIOR = {"features": 8.0, BOUNDARY: 3.0}
+"""New classes that a lane is taken to bring at first, for each unit of cost; 1 for the others."""
+
+_FLOOR = 0.3  # share of the budget that is dealt out evenly
+_FAILURE = 0.03  # what a failure counts beside a class that is new
+_WORLD_COST = {"features": 1.0, SEALED: 1.0, BOUNDARY: 1.0}  # ms, beside its steps
+_FAMILY_COST = 4.0  # ms, likewise, of a family's world
+_COMPILED_STEP, _STEP = 1e-4, 1e-2  # ms
+_AT_FIRST = 1000.0  # ms: what a lane's expected yield weighs against what it brought
+
+_GOLDEN = 0x9E3779B97F4A7C15  # of 2**64: multiples of it lie as evenly as can be, wherever one begins or ends
+
+
+def lanes_for(config: CampaignConfig, memory: Memory) -> tuple[str, ...]:
+    """The lanes that fit a campaign, those that are tried first first."""
+    if config.lanes:
+        return config.lanes
+    if config.families:
+        return config.families
+    if config.fixed_map is not None:
+        return ("map", BOUNDARY) if any(map(subject_of, memory.failures.values())) else ("map",)
+    bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()
+    return (*_DRAWN, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 
 
 def planned_lane(config: CampaignConfig, unit: int, memory: Memory) -> str:
-    """The lane of a unit: of those that fit the campaign, in turn."""
-    names = ("map",) if config.fixed_map is not None else (config.families or combined(config.scenario))
-    return names[unit % len(names)]
+    """The lane of a unit. Of any run of units that know the same, each lane has its share, to within a unit or two."""
+    names = lanes_for(config, memory)
+    point = unit * _GOLDEN % 2**64 / 2**64
+    for name, share in zip(names, lane_shares(names, memory, compiled=config.is_compiled), strict=True):
+        point -= share
+        if point < 0.0:
+            return name
+    return names[-1]
+
+
+def lane_shares(names: Sequence[str], memory: Memory, *, compiled: bool) -> list[float]:
+    """The share of the budget of each lane, by what it yields.
+
+    Args:
+        names: Of the lanes.
+        memory: What they brought.
+        compiled: Whether steps take nanoseconds, not microseconds.
+    """
+    yields = [_worth(name, memory.lanes.get(name, LaneYield()), compiled) for name in names]
+    total = sum(yields)
+    return [_FLOOR / len(names) + (1.0 - _FLOOR) * one / total for one in yields]
+
+
+def _worth(name: str, brought: LaneYield, compiled: bool) -> float:
+    """New classes and failures for each second of work, beginning with what is expected of the lane."""
+    found = brought.classes + _FAILURE * brought.failures
+    step = _COMPILED_STEP if compiled else _STEP
+    cost = brought.worlds * _WORLD_COST.get(name, _FAMILY_COST) + brought.steps * step
+    return (_PRIOR.get(name, 1.0) + found) / (_AT_FIRST + cost)

@@ -1,0 +1,29 @@
+"""Boundaries: where, along one number of a scenario, a controller begins to fail.
+
+Contents:
+    AXES, Axis, Subject: what can be varied.
+    Boundary, nearest_boundary: two neighbouring values, one at which the robot arrives and one at which it fails.
+    Stretch, scan: every change of outcome between the values of a scan.
+    is_bounded, subject_of: of which failures one can ask where they begin.
+    with_boundaries, boundaries_in_words: what a failure's record says of where it begins.
+"""
+
+from fuzz.boundary.axes import AXES, Axis, Subject
+from fuzz.boundary.measured import boundaries_in_words, is_bounded, subject_of, with_boundaries
+from fuzz.boundary.search import Boundary, Look, Looks, Stretch, nearest_boundary, scan
+
+__all__ = [
+    "AXES",
+    "Axis",
+    "Boundary",
+    "Look",
+    "Looks",
+    "Stretch",
+    "Subject",
+    "boundaries_in_words",
+    "is_bounded",
+    "nearest_boundary",
+    "scan",
+    "subject_of",
+    "with_boundaries",
+]

@@ -1,0 +1,128 @@
+"""What a boundary is looked for along: radius, speed, time step, start heading, depth of a trap.
+
+The values of an axis are numbered, so that doubling steps and bisection are arithmetic on whole numbers, and
+what they end with are neighbouring values that a person would write: three significant digits, or whole numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from decimal import Decimal
+
+from sim.scenario import Scenario
+from worldgen.generation import generate
+from worldgen.world import Witness, World
+
+__all__ = ["AXES", "Axis", "Subject"]
+
+_DECADE = 900  # three-digit numbers from 100 to 999
+_TRAP = "trap"
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A scenario of which one number is varied.
+
+    Args:
+        world: Where.
+        scenario: What runs.
+    """
+
+    world: World
+    scenario: Scenario
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One number of a scenario.
+
+    Args:
+        name: As the command line takes it.
+        unit: Of its values.
+        low: Index of the least value.
+        high: Index of the greatest.
+        value: The value of an index.
+        index: The index of a subject's own value, or the nearest; ``None`` where the subject has no such number.
+        at: The subject with another value; it raises what its making raises.
+    """
+
+    name: str
+    unit: str
+    low: int
+    high: int
+    value: Callable[[int], float]
+    index: Callable[[Subject], int | None]
+    at: Callable[[Subject, float], Subject]
+
+
+def three_digits(index: int) -> float:
+    """The number of three significant digits with this index; those of rising index rise."""
+    exponent, mantissa = divmod(index, _DECADE)
+    return float(f"{mantissa + 100}e{exponent - 2}")
+
+
+def index_of(value: float) -> int:
+    """The index of the number of three significant digits that is nearest to a positive number."""
+    exact = Decimal(repr(value))
+    exponent = exact.adjusted()
+    return exponent * _DECADE + round(exact.scaleb(2 - exponent)) - 100
+
+
+def _with_radius(subject: Subject, value: float) -> Subject:
+    """The robot with another radius. The witness stays, as far as its clearance goes."""
+    return replace(subject, world=replace(subject.world, robot_radius=value, provenance=None, failure=None))
+
+
+def _with_speed(subject: Subject, value: float) -> Subject:
+    """The robot with another speed; the witness takes as much longer, but where the world changes on its way."""
+    world, witness = subject.world, subject.world.certificate
+    if isinstance(witness, Witness):
+        times = witness.times * (world.robot_speed / value)
+        witness = None if world.is_dynamic else replace(witness, times=times)
+    changed = replace(world, robot_speed=value, certificate=witness, provenance=None, failure=None)
+    return replace(subject, world=changed)
+
+
+def _with_time_step(subject: Subject, value: float) -> Subject:
+    return replace(subject, scenario=replace(subject.scenario, time_step=value))
+
+
+def _with_heading(subject: Subject, value: float) -> Subject:
+    world = subject.world
+    start = replace(world.start, heading=math.radians(value))
+    return replace(subject, world=replace(world, start=start, provenance=None, failure=None))
+
+
+def _depth(subject: Subject) -> int | None:
+    made = subject.world.provenance
+    if made is None or made.family != _TRAP:
+        return None
+    depth = made.params["depth"]
+    return depth if isinstance(depth, int) and depth > 0 else 1
+
+
+def _with_depth(subject: Subject, value: float) -> Subject:
+    """The trap of the same seed with another depth: arms of another length, all else as it was."""
+    made = subject.world.provenance
+    params = {} if made is None else dict(made.params)
+    seed = 0 if made is None else made.seed
+    return replace(subject, world=generate(_TRAP, seed, **{**params, "depth": int(value)}))
+
+
+AXES = {
+    axis.name: axis
+    for axis in (
+        Axis("radius", "m", index_of(1e-4), index_of(1e3), three_digits,
+             lambda subject: index_of(subject.world.robot_radius), _with_radius),
+        Axis("speed", "m/s", index_of(1e-3), index_of(1e4), three_digits,
+             lambda subject: index_of(subject.world.robot_speed), _with_speed),
+        Axis("time-step", "s", index_of(1e-3), index_of(1e1), three_digits,
+             lambda subject: index_of(subject.scenario.time_step), _with_time_step),
+        Axis("heading", "degrees", -179, 180, float,
+             lambda subject: round(math.degrees(math.remainder(subject.world.start.heading, math.tau))), _with_heading),
+        Axis("depth", "cells", 1, 100, float, _depth, _with_depth),
+    )
+}  # fmt: skip
+"""By the name that the command line takes."""

@@ -1,0 +1,77 @@
+"""What a failure's record says of where it begins."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from fuzz.boundary.axes import AXES, Axis, Subject
+from fuzz.boundary.search import Boundary, Looks, nearest_boundary
+from fuzz.failure import scenario_of
+from sim.controllers import CONTROLLERS, CompiledController
+from sim.scenario import Scenario
+from worldgen.world import Cut, Value, World
+
+__all__ = ["boundaries_in_words", "is_bounded", "subject_of", "with_boundaries"]
+
+_MEASURED = ("radius", "speed", "time-step")  # of each failure; the others only where a lane came by them
+
+
+def is_bounded(scenario: Scenario) -> bool:
+    """Whether failures of a scenario begin somewhere; where runs hang on chance, they begin anywhere."""
+    controller = CONTROLLERS.get(scenario.controller)
+    return not (scenario.random or (isinstance(controller, CompiledController) and controller.randomised))
+
+
+def subject_of(failure: World) -> Subject | None:
+    """What can be varied of a failure; ``None`` if it is not one of not arriving, or hangs on chance."""
+    record, options = scenario_of(failure)
+    if "oracle" in record.evidence or isinstance(failure.certificate, Cut):
+        return None
+    scenario = Scenario.of(record.controller, options)
+    return Subject(failure, scenario) if is_bounded(scenario) else None
+
+
+def with_boundaries(failure: World, found: World) -> World:
+    """The failure with a record of where it begins, in this world.
+
+    Compiled controllers are run at other radii, speeds and time steps; others, whose runs take long, only along the
+    axes along which the failure was found.
+
+    Args:
+        failure: Whose record is completed.
+        found: The failure as it was found.
+    """
+    record, subject = failure.failure, subject_of(failure)
+    if record is None or subject is None:
+        return failure
+    axes = [axis for axis, _, _ in _recorded(found)]
+    if isinstance(CONTROLLERS.get(record.controller), CompiledController):
+        axes += [AXES[name] for name in _MEASURED if AXES[name] not in axes]
+    begins: list[Value] = [boundary.record() for axis in axes if (boundary := _boundary(subject, axis)) is not None]
+    details = {**record.details, "boundaries": begins} if begins else record.details
+    return replace(failure, failure=replace(record, details=details))
+
+
+def _boundary(subject: Subject, axis: Axis) -> Boundary | None:
+    start = axis.index(subject)
+    return None if start is None else nearest_boundary(Looks(subject, axis), start)
+
+
+def _recorded(failure: World) -> list[tuple[Axis, float, float]]:
+    """Axes with the values that fail and pass, as far as a record, which may be a stranger's, makes sense."""
+    said = failure.failure.details.get("boundaries") if failure.failure else None
+    found = []
+    for one in said if isinstance(said, list) else []:
+        if not isinstance(one, dict):
+            continue
+        axis, fails, passes = AXES.get(str(one.get("axis"))), one.get("fails_at"), one.get("passes_at")
+        if axis is not None and isinstance(fails, int | float) and isinstance(passes, int | float):
+            found.append((axis, fails, passes))
+    return found
+
+
+def boundaries_in_words(failure: World) -> str:
+    """Where a failure begins, in words; empty where its record says nothing of it."""
+    return ", ".join(
+        f"begins at {axis.name} {fails:g} {axis.unit} ({passes:g} passes)" for axis, fails, passes in _recorded(failure)
+    )

@@ -1,0 +1,230 @@
+"""Looks along an axis for two neighbouring values, one at which the robot arrives and one at which it fails."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from fuzz.boundary.axes import Axis, Subject
+from fuzz.failure import certified
+from sim.controllers import CONTROLLERS
+from sim.episode import prepare
+from sim.outcome import Outcome
+from worldgen.errors import WorldgenError
+from worldgen.world import Value, Witness, World
+
+__all__ = ["Boundary", "Look", "Looks", "Stretch", "nearest_boundary", "scan"]
+
+_REACH = 512  # values; of three digits, a factor of nearly 4
+
+
+@dataclass(frozen=True)
+class Look:
+    """What the robot does at one value.
+
+    Args:
+        index: Of the value.
+        value: In the axis's unit.
+        subject: The scenario with it; its world carries a witness.
+        outcome: Of the run, with its witness's budget.
+    """
+
+    index: int
+    value: float
+    subject: Subject
+    outcome: Outcome
+
+    @property
+    def arrives(self) -> bool:
+        """Whether the robot reaches the target and does nothing else that is wrong."""
+        return self.outcome.verdict == "reached"
+
+
+class Looks:
+    """Runs a subject at values of an axis, each once.
+
+    Args:
+        subject: The scenario.
+        axis: What to vary.
+        seen: Called with each run.
+        spare: Share by which a wider robot must get there, too. Where the robot just fits, all controllers fail.
+    """
+
+    def __init__(
+        self, subject: Subject, axis: Axis, seen: Callable[[Look], None] | None = None, spare: float = 0.0
+    ) -> None:
+        self._subject, self.axis, self._seen, self._spare = subject, axis, seen, spare
+        self._controller = CONTROLLERS.get(subject.scenario.controller)
+        self._known: dict[int, Look | None] = {}
+
+    def __call__(self, index: int) -> Look | None:
+        """The run at a value; ``None`` where there is none, or its target is not provably reachable."""
+        if index not in self._known:
+            look = self._known[index] = self._run(index)
+            if look is not None and self._seen is not None:
+                self._seen(look)
+        return self._known[index]
+
+    def _run(self, index: int) -> Look | None:
+        value = self.axis.value(index)
+        if not self.axis.low <= index <= self.axis.high:
+            return None
+        try:
+            subject = self.axis.at(self._subject, value)
+            world = self._proved(subject.world)
+            if world is None:
+                return None
+            options = subject.scenario.options(world)
+            run = prepare(world, self._controller, options)
+            outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
+        except WorldgenError:  # no such world, or the simulator takes no such number
+            return None
+        return Look(index, value, Subject(world, subject.scenario), outcome)
+
+    def _proved(self, world: World) -> World | None:
+        """The world with a witness for a robot that is wider by what is to spare; its own, if that will do."""
+        needed = world.robot_radius * (1.0 + self._spare)
+        witness = world.certificate
+        if isinstance(witness, Witness) and not world.is_dynamic and witness.clearance >= needed:
+            return world
+        proved = certified(replace(world, robot_radius=needed))
+        return None if proved is None else replace(proved, robot_radius=world.robot_radius)
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """Two neighbouring values of an axis with different outcomes.
+
+    Args:
+        axis: What was varied.
+        passes: The run that arrives.
+        fails: The one that does not.
+    """
+
+    axis: Axis
+    passes: Look
+    fails: Look
+
+    def record(self) -> dict[str, Value]:
+        """What a failure's record says of it."""
+        return {"axis": self.axis.name, "fails_at": self.fails.value, "passes_at": self.passes.value}
+
+
+def nearest_boundary(looks: Looks, start: int, *, reach: int = _REACH) -> Boundary | None:
+    """The boundary that doubling steps from a value meet first, narrowed down by bisection.
+
+    Outcomes need not be monotone: there may be other boundaries, nearer ones among them.
+
+    Args:
+        looks: The runs.
+        start: Index of the value to start from.
+        reach: How many values away it may lie; 900 are a factor of ten.
+    """
+    here = looks(start)
+    if here is None:
+        return None
+    last, open_ends = {-1: here, 1: here}, [-1, 1]
+    step = 1
+    while step <= reach and open_ends:
+        for way in tuple(open_ends):
+            look = looks(start + way * step)
+            if look is None:
+                open_ends.remove(way)
+                look = _last_that_differs(looks, last[way], start + way * step)
+            if look is not None and look.arrives != here.arrives:
+                return _narrowed(looks, last[way], look)
+            last[way] = look or last[way]
+        step *= 2
+    return None
+
+
+def _last_that_differs(looks: Looks, good: Look, without: int) -> Look | None:
+    """Bisects towards the last value that has a run; the first on the way whose outcome is another, if there is one."""
+    while abs(good.index - without) > 1:
+        middle = (good.index + without) // 2
+        look = looks(middle)
+        if look is None:
+            without = middle
+        elif look.arrives != good.arrives:
+            return look
+        else:
+            good = look
+    return None
+
+
+def _narrowed(looks: Looks, one: Look, other: Look) -> Boundary | None:
+    """Bisection between two values of different outcome; ``None`` where a value between them cannot be judged."""
+    while abs(one.index - other.index) > 1:
+        middle = looks((one.index + other.index) // 2)
+        if middle is None:
+            return None
+        if middle.arrives == one.arrives:
+            one = middle
+        else:
+            other = middle
+    passes, fails = (one, other) if one.arrives else (other, one)
+    return Boundary(looks.axis, passes, fails)
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Values of an axis, from ``first`` to ``last``, with one outcome as far as the scan saw.
+
+    Args:
+        outcome: ``arrives``, ``fails``, or ``no proof`` where the target is not provably reachable or there is no
+            such scenario.
+        first: Least value.
+        last: Greatest value.
+        verdicts: Of the runs in it, each once.
+        runs: How many there were.
+    """
+
+    outcome: str
+    first: float
+    last: float
+    verdicts: tuple[str, ...]
+    runs: int
+
+
+def scan(looks: Looks, indices: range) -> list[Stretch]:
+    """Runs the values of some indices and, between neighbours of different outcome, bisects to the change.
+
+    Between two values of equal outcome nothing is looked at, so what changes twice between them is not seen.
+
+    Args:
+        looks: The runs.
+        indices: Rising.
+    """
+    seen = {index: looks(index) for index in indices}
+    for low, high in itertools.pairwise(indices):
+        for index in _between(looks, low, high):
+            seen[index] = looks(index)
+    stretches: list[list[int]] = []
+    for index in sorted(seen):
+        if stretches and _said(seen[stretches[-1][-1]]) == _said(seen[index]):
+            stretches[-1].append(index)
+        else:
+            stretches.append([index])
+    return [_stretch(looks, [(index, seen[index]) for index in stretch]) for stretch in stretches]
+
+
+def _between(looks: Looks, low: int, high: int) -> Iterator[int]:
+    """The indices that bisection visits between two of different outcome."""
+    while high - low > 1 and _said(looks(low)) != _said(looks(high)):
+        middle = (low + high) // 2
+        yield middle
+        if _said(looks(middle)) == _said(looks(low)):
+            low = middle
+        else:
+            high = middle
+
+
+def _said(look: Look | None) -> str:
+    return "no proof" if look is None else "arrives" if look.arrives else "fails"
+
+
+def _stretch(looks: Looks, runs: list[tuple[int, Look | None]]) -> Stretch:
+    verdicts = dict.fromkeys(look.outcome.verdict for _, look in runs if look is not None)
+    first, last = (looks.axis.value(index) for index in (runs[0][0], runs[-1][0]))
+    return Stretch(_said(runs[0][1]), first, last, tuple(verdicts), len(runs))

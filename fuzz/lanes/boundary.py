@@ -1,0 +1,66 @@
+"""The boundary lane: from a scenario along one axis to where the controller begins, or ceases, to fail.
+
+Other lanes leave radius, speed and time step as they are. Here half of the scenarios are failures that the campaign
+knows, in which the nearest values are looked for at which the robot arrives; half are drawn, for the nearest at which
+it does not. Two neighbouring values with different outcomes bring one failure, and its record says where it begins.
+"""
+
+from __future__ import annotations
+
+from fuzz.boundary import AXES, Axis, Look, Looks, Subject, nearest_boundary, subject_of
+from fuzz.door import SLOWER
+from fuzz.failure import certified
+from fuzz.features import LAYOUT_BYTES, decode_world
+from fuzz.lanes.task import Task
+from worldgen.errors import GenerationFailed
+from worldgen.generation import generate
+from worldgen.random_streams import RandomStream
+
+__all__ = ["BOUNDARY", "search"]
+
+BOUNDARY = "boundary"
+
+_SPARE = 0.02  # complete controllers, too, fail in gaps as wide as the robot; bug1 and bug2 in no wider one
+_DEARER = (
+    16  # how many feature layouts are drawn in the time of one boundary: about 20 runs, most of them with one proof
+)
+
+
+def search(task: Task) -> None:
+    """Looks for boundaries, and hands in their failing ends."""
+    stream = task.stream
+    failures = [subject_of(failure) for _, failure in sorted(task.memory.failures.items())]
+    known = [subject for subject in failures if subject is not None]
+
+    def count(look: Look) -> None:
+        task.door.count(look.outcome.verdict, look.outcome.steps)
+
+    for _ in range(max(task.config.examples // (_DEARER * (1 if task.config.is_compiled else SLOWER)), 1)):
+        axis = AXES[stream.choice(tuple(AXES))]
+        subject = _subject(task, stream, known, axis)
+        start = None if subject is None else axis.index(subject)
+        if subject is None or start is None:
+            continue
+        found = nearest_boundary(Looks(subject, axis, count, _SPARE), start)
+        if found is not None:
+            fails = found.fails
+            world, scenario, outcome = fails.subject.world, fails.subject.scenario, fails.outcome
+            task.door.enter(world, scenario, outcome.verdict, outcome.cause, boundaries=[found.record()])
+
+
+def _subject(task: Task, stream: RandomStream, known: list[Subject], axis: Axis) -> Subject | None:
+    """A failure that is known, or a scenario that is drawn; on a fixed map only what is known."""
+    if known and (stream.below(2) or task.config.fixed_map is not None):
+        subject = stream.choice(known)
+        if axis.index(subject) is not None:
+            return subject
+    if task.config.fixed_map is not None:
+        return None
+    scenario = task.scenario(stream.below(2**32), stream.choice(task.config.time_steps))
+    if axis.name != "depth":
+        world = certified(decode_world(stream.bits(LAYOUT_BYTES // 8).astype("<u8").tobytes()))
+        return None if world is None else Subject(world, scenario)
+    try:
+        return Subject(generate("trap", stream.below(2**32)), scenario)
+    except GenerationFailed:
+        return None

@@ -1,0 +1,147 @@
+"""Boundaries: neighbouring values at which a robot arrives and fails, each proved; the lane that brings them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzz.boundary import AXES, Looks, Subject, boundaries_in_words, nearest_boundary, scan
+from fuzz.boundary.axes import index_of, three_digits
+from fuzz.campaign import shrunk_or_same
+from fuzz.config import CampaignConfig
+from fuzz.failure import failure_of, replay
+from fuzz.result import Memory
+from fuzz.unit import run_unit
+from sim import simulate
+from sim.scenario import Scenario
+from worldgen import Pose, Target, World, check_certificate
+from worldgen.generation import generate
+from worldgen.grid_file import dumps
+
+AHEAD = '''
+from sim import Command
+
+class Ahead:
+    """Drives on as it stands; what is in the way stops it."""
+    def reset(self): return ()
+    def act(self, observation, memory): return Command(observation.top_speed, 0.0), memory
+'''
+
+
+def gap_world():
+    """A gap 0.2 m wide straight ahead, another 0.4 m wide beside it: the wider robot must go round."""
+    walls = np.zeros((12, 12), bool)
+    walls[:, 6] = True
+    walls[2:4, 6] = walls[6:10, 6] = False
+    return World(walls, Pose(0.25, 0.3, 0.0), Target(0.95, 0.3, 0.05))
+
+
+@pytest.fixture
+def ahead(tmp_path):
+    (tmp_path / "ahead.py").write_text(AHEAD)
+    return Scenario(f"{tmp_path}/ahead.py:Ahead")
+
+
+@given(st.integers(-3000, 3000))
+def test_numbers_of_three_digits_have_an_index_each_and_rise_with_it(index):
+    assert index_of(three_digits(index)) == index and three_digits(index) < three_digits(index + 1)
+
+
+def test_a_number_of_more_digits_goes_to_the_nearest():
+    assert three_digits(index_of(0.123499)) == 0.123 and three_digits(index_of(9.9999)) == 10.0
+
+
+def test_a_robot_that_drives_ahead_begins_to_fail_where_it_is_wider_than_the_gap(ahead):
+    looks = Looks(Subject(gap_world(), ahead), AXES["radius"])
+    found = nearest_boundary(looks, index_of(0.07))
+    assert found.record() == {"axis": "radius", "fails_at": 0.101, "passes_at": 0.1}
+
+
+def test_with_room_to_spare_no_gap_counts_that_just_fits(ahead):
+    looks = Looks(Subject(gap_world(), ahead), AXES["radius"], spare=0.02)
+    assert looks(index_of(0.2)) is None and not looks(index_of(0.196)).arrives
+
+
+def test_from_the_failing_side_the_same_boundary_is_found(ahead):
+    found = nearest_boundary(Looks(Subject(gap_world(), ahead), AXES["radius"]), index_of(0.15))
+    assert (found.passes.value, found.fails.value) == (0.1, 0.101)
+
+
+def test_both_ends_of_a_boundary_carry_a_witness(ahead):
+    found = nearest_boundary(Looks(Subject(gap_world(), ahead), AXES["radius"]), index_of(0.07))
+    assert all(check_certificate(look.subject.world).valid for look in (found.passes, found.fails))
+
+
+def test_there_is_no_boundary_where_the_robot_always_arrives(ahead):
+    empty = replace(gap_world(), walls=np.zeros((12, 12), bool))
+    assert nearest_boundary(Looks(Subject(empty, ahead), AXES["speed"]), index_of(2.0)) is None
+
+
+def test_a_scan_tells_arriving_from_failing_from_having_no_way(ahead):
+    looks = Looks(Subject(gap_world(), ahead), AXES["radius"])
+    found = scan(looks, range(index_of(0.05), index_of(0.4) + 1, 90))
+    assert [(one.outcome, one.first, one.last) for one in found][:2] == [("arrives", 0.05, 0.1), ("fails", 0.101, 0.2)]
+    assert {one.outcome for one in found[2:]} == {"no proof"}
+
+
+def test_the_depth_of_a_trap_is_varied_and_nothing_else():
+    subject = Subject(generate("trap", 7), Scenario("turn-right"))
+    deep, shallow = (AXES["depth"].at(subject, depth).world for depth in (6.0, 2.0))
+    assert deep.target == shallow.target and deep.solid_cells == shallow.solid_cells + 8
+
+
+def test_only_a_trap_has_a_depth():
+    assert AXES["depth"].index(Subject(gap_world(), Scenario("turn-right"))) is None
+
+
+def test_a_shrunk_failure_says_where_it_begins_in_its_own_world():
+    world = generate("trap", 7)
+    proved = failure_of(world, Scenario("turn-right"))
+    small = shrunk_or_same(proved, True)
+    said = next(one for one in small.failure.details["boundaries"] if one["axis"] == "speed")
+    for at, arrives in ((said["passes_at"], True), (said["fails_at"], False)):
+        run = AXES["speed"].at(Subject(small, Scenario("turn-right")), at)
+        assert (simulate(run.world, "turn-right").verdict == "reached") is arrives
+
+
+def test_what_a_record_says_of_its_boundaries_is_put_in_words():
+    said = [{"axis": "radius", "fails_at": 0.083, "passes_at": 0.082}, {"axis": "luck"}, 7]
+    failure = failure_of(generate("trap", 7), Scenario("turn-right"), boundaries=said)
+    assert boundaries_in_words(failure) == "begins at radius 0.083 m (0.082 passes)"
+
+
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=4, examples=160, lanes=("boundary",))
+
+
+@pytest.fixture(scope="module")
+def found():
+    first = run_unit(CONFIG, 0)
+    return first, run_unit(CONFIG, 1, Memory().after(first))
+
+
+def test_every_failure_of_the_boundary_lane_says_where_it_begins_and_replays(found):
+    failures = [failure for result in found for failure in result.failures.values()]
+    assert failures and all(replay(failure).confirmed for failure in failures)
+    assert all(failure.failure.details["boundaries"][0]["axis"] in AXES for failure in failures)
+
+
+def test_at_the_value_that_passes_the_robot_arrives(found):
+    for failure in found[0].failures.values():
+        said, record = failure.failure.details["boundaries"][0], failure.failure
+        subject = Subject(failure, Scenario("turn-right", time_step=record.parameters["time_step"], seed=record.seed))
+        before = AXES[said["axis"]].at(subject, said["passes_at"])
+        world = before.world
+        assert simulate(world, "turn-right", before.scenario.options(world, 100_000)).verdict == "reached"
+
+
+def test_a_unit_is_the_same_again_with_the_same_memory(found):
+    again = run_unit(CONFIG, 1, Memory().after(found[0]))
+    assert {k: dumps(w) for k, w in again.failures.items()} == {k: dumps(w) for k, w in found[1].failures.items()}
+
+
+def test_what_is_known_to_fail_is_where_boundaries_are_looked_for(found):
+    memory = Memory().after(found[0]).after(found[1])
+    on_a_map = replace(CONFIG, fixed_map=gap_world())
+    assert run_unit(on_a_map, 2, memory).worlds > 0 and run_unit(on_a_map, 2, Memory()).worlds == 0

@@ -1,0 +1,55 @@
+"""Lanes share the budget by what they yield."""
+
+from collections import Counter
+
+import pytest
+
+from fuzz.config import CampaignConfig
+from fuzz.lanes.plan import lane_shares, lanes_for, planned_lane
+from fuzz.result import LaneYield, Memory
+from sim.scenario import Scenario
+
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=1)
+TWO = ("trap", "maze")
+
+
+def shares(first, second):
+    return lane_shares(TWO, Memory({"trap": first, "maze": second}), compiled=True)
+
+
+def test_lanes_of_which_nothing_is_known_share_alike():
+    assert lane_shares(TWO, Memory(), compiled=True) == [0.5, 0.5]
+
+
+def test_a_lane_that_finds_more_for_the_same_cost_gets_more():
+    poor, rich = LaneYield(units=5, worlds=2000), LaneYield(units=5, worlds=2000, failures=40, classes=6)
+    low, high = shares(poor, rich)
+    assert high > 2 * low
+
+
+def test_a_lane_that_finds_the_same_for_less_gets_more():
+    dear, cheap = LaneYield(worlds=4000, failures=40), LaneYield(worlds=400, failures=40)
+    low, high = shares(dear, cheap)
+    assert high > 2 * low
+
+
+def test_no_lane_starves():
+    nothing, much = LaneYield(worlds=10**9), LaneYield(worlds=1, failures=10**6, classes=100)
+    assert shares(nothing, much)[0] == pytest.approx(0.15)
+
+
+def test_shares_add_up_to_the_budget():
+    names = lanes_for(CONFIG, Memory())
+    assert sum(lane_shares(names, Memory(), compiled=False)) == pytest.approx(1.0)
+
+
+def test_units_are_dealt_out_as_the_shares_say():
+    memory = Memory({"trap": LaneYield(worlds=4000), "maze": LaneYield(worlds=400, failures=400, classes=9)})
+    config = CampaignConfig(Scenario("turn-right"), lanes=TWO)
+    units = Counter(planned_lane(config, unit, memory) for unit in range(1000, 1100))
+    assert units["trap"] == pytest.approx(100 * lane_shares(TWO, memory, compiled=True)[0], abs=2)
+
+
+def test_named_families_are_all_that_is_drawn_from():
+    config = CampaignConfig(Scenario("turn-right"), families=TWO)
+    assert {planned_lane(config, unit, Memory()) for unit in range(20)} == set(TWO)
