@@ -28,6 +28,8 @@ class CampaignConfig:
         shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
         oracles: Oracles to ask about each run beside its verdict, as ``--oracle`` takes them.
         lanes: Where failures are looked for; empty for all that fit.
+        database: Folder of a Hypothesis database: what failed before is tried again first, what fails is kept there.
+            What a campaign finds then hangs on the folder, too. Empty for none.
         epoch: Units in an epoch: what they found, the units of the epoch after the next one know.
     """
 
@@ -41,6 +43,7 @@ class CampaignConfig:
     shrink: bool = True
     oracles: tuple[str, ...] = ()
     lanes: tuple[str, ...] = ()
+    database: str = ""
     epoch: int = 16
 
     @property

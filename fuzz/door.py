@@ -49,16 +49,18 @@ class Door:
         self.result.steps += steps
         self.result.verdicts[verdict] += 1
 
-    def look(self, world: World, scenario: Scenario, outcome: Outcome) -> None:
-        """Counts a run at first look; if it does not arrive it is proved. Oracles that are asked for judge it."""
+    def look(self, world: World, scenario: Scenario, outcome: Outcome) -> str:
+        """Counts a run at first look; if it does not arrive it is proved. Oracles that are asked for judge it.
+
+        Returns:
+            The class of a failure; empty if there is none.
+        """
         verdict = first_look(outcome)
         self.count(verdict, outcome.steps)
-        if verdict != "reached":
-            self.enter(world, scenario, verdict, outcome.cause)
-        if self._asked:
-            self._ask(world, scenario)
+        kind = "" if verdict == "reached" else self.enter(world, scenario, verdict, outcome.cause)
+        return (self._ask(world, scenario) if self._asked else "") or kind
 
-    def enter(self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any) -> None:
+    def enter(self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any) -> str:
         """Proves, classifies and keeps a run that failed, if not too many of its kind came before.
 
         Args:
@@ -67,45 +69,51 @@ class Door:
             verdict: At first look; ``breach`` for a robot that got to a walled-off target.
             cause: Of the verdict, as far as the kernel knows it.
             **details: What the failure's record is to say besides.
+
+        Returns:
+            Its class; empty if it was not kept.
         """
         if not self._is_one_of_few(verdict, cause):
-            return
+            return ""
         details["found_by"] = self.result.lane
         if verdict == "breach":
             sealed = walled_off(world)
             steps = scenario.options(world).steps
-            self._keep(None if sealed is None else failure_of(sealed, scenario, steps=steps, **details))
-            return
+            return self._keep(None if sealed is None else failure_of(sealed, scenario, steps=steps, **details))
         proved = world if world.certificate else certified(world)
         with contextlib.suppress(InvalidParameter):  # too long to be recorded, so nothing that could be shown
             if proved is not None:
-                self._keep(failure_of(proved, scenario, fewest_steps=self._proof_steps, **details))
+                return self._keep(failure_of(proved, scenario, fewest_steps=self._proof_steps, **details))
+        return ""
 
     def _is_one_of_few(self, verdict: str, cause: str) -> bool:
         self._failed[verdict, cause] += 1
         return self._failed[verdict, cause] <= (_PROVE_HANGS_AT_MOST if verdict == "hang" else _PROVE_AT_MOST)
 
-    def _ask(self, world: World, scenario: Scenario) -> None:
-        """Lets every oracle that was asked for judge the run, with its witness's budget."""
+    def _ask(self, world: World, scenario: Scenario) -> str:
+        """Lets every oracle that was asked for judge the run, with its witness's budget; the last one's class."""
+        kept = ""
         proved = world if world.certificate else certified(world)
         if proved is None:
-            return
+            return kept
         trial = Trial(proved, scenario.controller, scenario.options(proved))
         for asked in self._asked:
             said = asked.objection(trial)
             if said is None or not self._is_one_of_few("oracle", asked.kind(said)):
                 continue
             with contextlib.suppress(InvalidParameter):  # too long to be recorded
-                self._keep(failure_by(proved, scenario, asked, found_by=self.result.lane))
+                kept = self._keep(failure_by(proved, scenario, asked, found_by=self.result.lane)) or kept
+        return kept
 
-    def _keep(self, failure: World | None) -> None:
+    def _keep(self, failure: World | None) -> str:
         if failure is None or failure.failure is None:
-            return
+            return ""
         kind = str(failure.failure.details["class"])
         self.result.met[kind] += 1
         before = self.result.failures.get(kind)
         if before is None or failure.solid_cells < before.solid_cells:
             self.result.failures[kind] = failure
+        return kind
 
 
 def first_look(outcome: Outcome) -> str:

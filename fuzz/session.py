@@ -52,6 +52,7 @@ def configure(
     examples: int,
     seed: int,
     vary: tuple[str, ...] = (),
+    database: str = "",
     shrink: bool | None = None,
     oracles: tuple[str, ...] = (),
     epoch: int = CampaignConfig.epoch,
@@ -91,6 +92,7 @@ def configure(
         examples=examples,
         shrink=wanted,
         oracles=oracles,
+        database=database,
         epoch=epoch,
     )
 

@@ -27,7 +27,7 @@ EXAMPLES = (
 
 _BEGUN = (
     "controller", "motion", "families", "world", "time_step", "examples", "detour", "oracles", "shrink", "epoch",
-    "vary", "out", "seed",
+    "vary", "database", "out", "seed",
 )  # fmt: skip
 """Parameters that say what a campaign is, not how far it goes."""
 
@@ -47,6 +47,12 @@ _BEGUN = (
     metavar="NAME=VALUE,...",
     help="Draw robot_radius, robot_speed, time_step or an option of the motion model from these values, "
     "the simplest first; may be repeated.",
+)
+@click.option(
+    "--database",
+    type=click.Path(file_okay=False),
+    metavar="DIR",
+    help="A Hypothesis database, such as .hypothesis/examples: what failed before is tried first, what fails is kept.",
 )
 @click.option("--examples", type=click.IntRange(1, 100_000), default=400, show_default=True, help="Draws a unit.")
 @click.option(
@@ -134,6 +140,7 @@ def _begin(
     world: Path | None,
     time_step: float | None,
     vary: tuple[str, ...],
+    database: str | None,
     examples: int,
     detour: float | None,
     oracles: tuple[str, ...],
@@ -159,6 +166,7 @@ def _begin(
         fixed_map=None if world is None else read_world(world),
         time_step=time_step,
         vary=vary,
+        database=database or "",
         examples=examples,
         shrink=shrink,
         oracles=oracles if detour is None else (f"detour={detour!r}".removesuffix(".0"), *oracles),

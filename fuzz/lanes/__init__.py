@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from fuzz.lanes import boundary, drawn
+from fuzz.lanes.database import DATABASE
+from fuzz.lanes.plan import lanes_for
 from fuzz.lanes.task import Task
 
 __all__ = ["Lane", "Task", "lane_of"]
@@ -17,9 +19,15 @@ __all__ = ["Lane", "Task", "lane_of"]
 Lane = Callable[[Task], None]
 """Does a unit's work: counts its runs and hands what fails to the task's door."""
 
-_OWN: dict[str, Lane] = {drawn.SEALED: drawn.search_sealed, boundary.BOUNDARY: boundary.search}
+
+def _search_again(task: Task) -> None:
+    lanes = [name for name in lanes_for(task.config, task.memory) if name not in _OWN]
+    drawn.search_again(task, lanes)
+
+
+_OWN: dict[str, Lane] = {boundary.BOUNDARY: boundary.search, DATABASE: _search_again}
 
 
 def lane_of(name: str) -> Lane:
-    """The lane of a name; that of a family, of ``features`` and of ``map`` lets Hypothesis draw."""
+    """The lane of a name; that of a family, of ``features``, ``sealed`` and ``map`` lets Hypothesis draw."""
     return _OWN.get(name, drawn.search)

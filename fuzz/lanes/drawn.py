@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 from typing import Any, cast
+from unittest import SkipTest
 
 import numpy as np
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from hypothesis.database import ExampleDatabase, ReadOnlyDatabase
 
+from fuzz.config import CampaignConfig
 from fuzz.door import SLOWER
 from fuzz.failure import regardless_of_walls
 from fuzz.features import decode_world
+from fuzz.lanes.database import Failed, exception_of, remembered
 from fuzz.lanes.task import Task
 from fuzz.sealed import SEALED_BYTES, decode_sealed
 from fuzz.strategies import family_worlds, layouts, scenarios_in
@@ -35,7 +41,7 @@ __all__ = [
     "lane_worlds",
     "poses_on",
     "search",
-    "search_sealed",
+    "search_again",
 ]
 
 SEALED = "sealed"
@@ -46,10 +52,13 @@ LAYOUT_LANES = ("features", SEALED)
 
 _SEARCH_STEPS = 6_000  # budget of a first look, before the witness is known
 _DEARER = 4  # how many feature layouts are drawn in the time of one world of a family
+_MOST_AGAIN = 10_000  # examples of a lane that are tried again
 _EXAMPLE_WORDS = 128  # of 8 bytes; more than any lane's strategy reads
 
-Visit = Callable[[World, Scenario], None]
-"""Runs one scenario; an error would end the round."""
+Visit = Callable[[World, Scenario], str]
+"""Runs one scenario; the class of the failure, empty if there is none."""
+
+_SETTINGS = settings(database=None, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck))
 
 TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)  # s: the range of the thesis's spinner
 
@@ -61,60 +70,93 @@ def can_breach(scenario: Scenario) -> bool:
 
 def search(task: Task) -> None:
     """Runs worlds as Hypothesis draws them, and hands on what does not arrive."""
-
-    def visit(world: World, scenario: Scenario) -> None:
-        budget = step_budget(world, scenario.time_step) if world.certificate else _SEARCH_STEPS
-        try:
-            run = prepare(world, task.controller, scenario.options(world, budget))
-            outcome = run.run(budget, find_loop=True, record=False, digest=False)
-        except InvalidWorld:  # the drawn start is in a wall
-            return
-        task.door.look(world, scenario, outcome)
-
-    _draw(task, visit)
-
-
-def search_sealed(task: Task) -> None:
-    """Runs worlds whose target is walled off; all that counts is a robot that gets there."""
-
-    def visit(world: World, scenario: Scenario) -> None:
-        verdict, options = "sealed", scenario.options(world)
-        run = prepare(world, task.controller, options)
-        outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
-        if outcome.ending == "tunnel":
-            run = prepare(world, task.controller, regardless_of_walls(options))
-            whole = run.run(options.steps, find_loop=True, record=False, digest=False)
-            verdict = "breach" if whole.ending == "reached" else "sealed"
-        task.door.count(verdict, outcome.steps)
-        if verdict == "breach":
-            task.door.enter(world, scenario, verdict, outcome.cause)
-
-    _draw(task, visit)
+    config = task.config
+    share = (1 if task.lane in (*LAYOUT_LANES, "map") else _DEARER) * (1 if config.is_compiled else SLOWER)
+    database = remembered(config, task.lane) if config.database else None
+    explore(
+        lane_scenarios(config, task.lane),
+        task.stream.next64(),
+        max(config.examples // share, 1),
+        visit_of(task, task.lane),
+        database,
+    )
 
 
-def _draw(task: Task, visit: Visit) -> None:
-    config, lane = task.config, task.lane
-    strategy = scenarios_in(lane_worlds(lane, config.fixed_map), config.scenario, config.time_steps, config.vary)
-    share = (1 if lane in (*LAYOUT_LANES, "map") else _DEARER) * (1 if config.is_compiled else SLOWER)
-    explore(strategy, task.stream.next64(), max(config.examples // share, 1), visit)
+def search_again(task: Task, lanes: Iterable[str]) -> None:
+    """Runs what failed before in these lanes, as the campaign's Hypothesis database has it."""
+    for lane in lanes:
+        _repeat(lane_scenarios(task.config, lane), visit_of(task, lane), remembered(task.config, lane))
 
 
-def explore(strategy: st.SearchStrategy[tuple[World, Scenario]], unit_seed: int, examples: int, visit: Visit) -> None:
-    """Lets Hypothesis turn our own random bytes into examples, so that a unit depends on its seed alone.
+def _repeat(strategy: st.SearchStrategy[tuple[World, Scenario]], visit: Visit, database: ExampleDatabase) -> None:
+    """Visits every example of a database; deletes none, as Hypothesis would if it did not fail any more."""
 
-    Left to itself, Hypothesis mixes constants of every loaded module into its draws, and with ``CI`` set it
-    would derandomise. Nothing is raised, so a round goes through all its examples.
-    """
-
-    @settings(database=None, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck))
+    @settings(_SETTINGS, database=ReadOnlyDatabase(database), phases=[Phase.reuse], max_examples=_MOST_AGAIN)
     @given(strategy)
     def example(draw: tuple[World, Scenario]) -> None:
         visit(*draw)
 
+    with contextlib.suppress(SkipTest):  # so Hypothesis says that there was no example
+        example()
+
+
+def visit_of(task: Task, lane: str) -> Visit:
+    """How a lane runs one scenario."""
+    return partial(_visit_sealed if lane == SEALED else _visit, task)
+
+
+def _visit(task: Task, world: World, scenario: Scenario) -> str:
+    budget = step_budget(world, scenario.time_step) if world.certificate else _SEARCH_STEPS
+    try:
+        run = prepare(world, task.controller, scenario.options(world, budget))
+        outcome = run.run(budget, find_loop=True, record=False, digest=False)
+    except InvalidWorld:  # the drawn start is in a wall
+        return ""
+    return task.door.look(world, scenario, outcome)
+
+
+def _visit_sealed(task: Task, world: World, scenario: Scenario) -> str:
+    """All that counts where the target is walled off is a robot that gets there."""
+    verdict, options = "sealed", scenario.options(world)
+    run = prepare(world, task.controller, options)
+    outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
+    if outcome.ending == "tunnel":
+        run = prepare(world, task.controller, regardless_of_walls(options))
+        whole = run.run(options.steps, find_loop=True, record=False, digest=False)
+        verdict = "breach" if whole.ending == "reached" else "sealed"
+    task.door.count(verdict, outcome.steps)
+    return task.door.enter(world, scenario, verdict, outcome.cause) if verdict == "breach" else ""
+
+
+def explore(
+    strategy: st.SearchStrategy[tuple[World, Scenario]],
+    unit_seed: int,
+    examples: int,
+    visit: Visit,
+    database: ExampleDatabase | None = None,
+) -> None:
+    """Lets Hypothesis turn our own random bytes into examples, so that a unit depends on its seed alone.
+
+    Left to itself, Hypothesis mixes constants of every loaded module into its draws, and with ``CI`` set it
+    would derandomise. A failure is raised only for Hypothesis to keep it, so a round goes through all its examples.
+    """
+
+    @settings(_SETTINGS, database=database)
+    @given(strategy)
+    def example(draw: tuple[World, Scenario]) -> None:
+        if kind := visit(*draw):
+            raise exception_of(kind)
+
     feed: Callable[[bytes], Any] = cast(Any, example).hypothesis.fuzz_one_input
     stream = RandomStream(unit_seed)
     for _ in range(examples):
-        feed(stream.bits(_EXAMPLE_WORDS).astype("<u8").tobytes())
+        with contextlib.suppress(Failed):
+            feed(stream.bits(_EXAMPLE_WORDS).astype("<u8").tobytes())
+
+
+def lane_scenarios(config: CampaignConfig, lane: str) -> st.SearchStrategy[tuple[World, Scenario]]:
+    """What a lane draws from."""
+    return scenarios_in(lane_worlds(lane, config.fixed_map), config.scenario, config.time_steps, config.vary)
 
 
 def lane_worlds(lane: str, fixed_map: World | None = None) -> st.SearchStrategy[World]:

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from fuzz.boundary import is_bounded, subject_of
 from fuzz.config import CampaignConfig
 from fuzz.lanes.boundary import BOUNDARY
+from fuzz.lanes.database import DATABASE
 from fuzz.lanes.drawn import SEALED, can_breach
 from fuzz.result import LaneYield, Memory
 
@@ -44,7 +45,12 @@ def lanes_for(config: CampaignConfig, memory: Memory) -> tuple[str, ...]:
 
 
 def planned_lane(config: CampaignConfig, unit: int, memory: Memory) -> str:
-    """The lane of a unit. Of any run of units that know the same, each lane has its share, to within a unit or two."""
+    """The lane of a unit. Of any run of units that know the same, each lane has its share, to within a unit or two.
+
+    What failed before comes first of all.
+    """
+    if config.database and unit == 0:
+        return DATABASE
     names = lanes_for(config, memory)
     point = unit * _GOLDEN % 2**64 / 2**64
     for name, share in zip(names, lane_shares(names, memory, compiled=config.is_compiled), strict=True):

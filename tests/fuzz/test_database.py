@@ -1,0 +1,59 @@
+"""A campaign's Hypothesis database: what failed is kept and tried first, under a key of ours."""
+
+from dataclasses import replace
+
+import pytest
+
+from fuzz.config import CampaignConfig
+from fuzz.lanes.database import remembered
+from fuzz.unit import run_unit
+from sim.scenario import Scenario
+from tests.helpers.command_line import worldgen
+from worldgen.grid_file import dumps
+
+
+@pytest.fixture
+def config(tmp_path):
+    return CampaignConfig(Scenario("turn-right"), seed=5, examples=30, database=str(tmp_path / "examples"))
+
+
+def test_what_a_unit_found_the_next_campaign_tries_first(config):
+    found = run_unit(config, 1)
+    again = run_unit(replace(config, seed=99), 0)
+    assert again.lane == "database" and found.failures
+    assert set(found.failures) <= set(again.failures)
+
+
+def test_trying_again_deletes_nothing(config):
+    run_unit(config, 1)
+    first, second = run_unit(config, 0), run_unit(config, 0)
+    assert first.worlds == second.worlds > 0
+    assert {k: dumps(w) for k, w in first.failures.items()} == {k: dumps(w) for k, w in second.failures.items()}
+
+
+def test_a_database_changes_nothing_in_what_a_unit_draws(config):
+    with_one, without = run_unit(config, 3), run_unit(replace(config, database=""), 3)
+    assert (with_one.lane, with_one.steps, with_one.verdicts) == (without.lane, without.steps, without.verdicts)
+
+
+def test_an_empty_database_has_nothing_to_try(config):
+    assert run_unit(config, 0).worlds == 0
+
+
+def test_another_controller_does_not_read_choices_that_are_not_its_own(config):
+    run_unit(config, 1)
+    assert run_unit(replace(config, scenario=Scenario("turn-left")), 0).worlds == 0
+
+
+def test_a_lane_has_its_own_failures(config):
+    run_unit(replace(config, families=("trap",), examples=120), 1)
+    assert list(remembered(config, "trap").fetch(b".secondary")) and not list(
+        remembered(config, "maze").fetch(b".secondary")
+    )
+
+
+def test_a_database_that_is_a_file_is_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    line = ("fuzz", "--controller", "turn-right", "--database", tmp_path / "file", "--out", tmp_path / "out")
+    ended = worldgen(*line)
+    assert ended.code == 2 and "is a file" in ended.err
