@@ -24,14 +24,16 @@ def report(paths: tuple[Path, ...], out: Path, title: str, force: bool) -> None:
     The page needs no network and no other file. Each failure is run again for it, so the controllers that the files
     name are run. docs/report.md has the whole of it.
     """
-    import sys
+    from rich.console import Console
+    from rich.progress import Progress
 
     from fuzz.report import write_report
     from worldgen.plain_text import counted
 
-    def tell(done: int, of: int) -> None:
-        click.echo(f"\rrunning failure {done + 1} of {of}", err=True, nl=False)
-
-    at_terminal = sys.stderr.isatty()
-    count = write_report(paths, out, title=title, force=force, **({"progress": tell} if at_terminal else {}))
-    note(("\r" if at_terminal else "") + f"wrote {out}: {counted(count, 'failure')}")
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("failures", total=None)
+        count = write_report(
+            paths, out, title=title, force=force, progress=lambda done, of: bar.update(task, completed=done, total=of)
+        )
+    note(f"wrote {out}: {counted(count, 'failure')}")

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzz.corpus import Entry, read_corpus
-from fuzz.failure import Replay, regardless_of_walls, replay, scenario_of
+from fuzz.failure import Replay, replay
 from fuzz.report.summary import MEMORY, Summary, read_summary
-from sim.episode import Episode, simulate
+from fuzz.telling import run_to_draw
+from sim.episode import Episode
 from worldgen.archives import Member, archive_in, members
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.grid_file.disk import expansion_limit, unpack_world
 from worldgen.grid_file.schema import MAX_FILE_BYTES
-from worldgen.world import Cut, World
+from worldgen.world import World
 
 __all__ = ["MOST_FAILURES", "Failure", "Seen", "Subject", "gather", "look_at"]
 
@@ -31,6 +32,7 @@ class Seen:
         world: What it holds.
         replay: Whether verdict, evidence and certificate are as recorded.
         shown: The run to draw: of a breach the one that walls do not end. ``None`` where it cannot be run.
+        words: What happened, to stand behind the verdict; empty where the replay is not confirmed.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Seen:
     world: World
     replay: Replay
     shown: Episode | None
+    words: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,18 +134,11 @@ def _seen(path: Path) -> Seen:
     data = _bytes_of(path)
     world = unpack_world(Member(path.name, len(data), lambda limit: data if len(data) <= limit else None), str(path))
     found = replay(world)
-    return Seen(path.name, data, world, found, _run_to_draw(world, found))
-
-
-def _run_to_draw(world: World, found: Replay) -> Episode | None:
-    """The run of the replay; of a robot that reaches a walled-off target the whole way there."""
-    if found.episode is None or not isinstance(world.certificate, Cut):
-        return found.episode
-    record, options = scenario_of(world)
     try:
-        return simulate(world, record.controller, regardless_of_walls(options), record=True)
+        shown, words = run_to_draw(world)
     except WorldgenError:
-        return found.episode
+        return Seen(path.name, data, world, found, None, "")
+    return Seen(path.name, data, world, found, shown, words if found.confirmed else "")
 
 
 def _bytes_of(path: Path) -> bytes:

@@ -5,26 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeAlias
 
-from fuzz.asked import objection_in_words
 from fuzz.report.gather import Failure, Seen
 from fuzz.report.summary import Summary
-from sim.words import evidence_in_words
 from worldgen.world import Cut, FailureRecord, Value, Witness, World
 
-__all__ = ["Group", "groups", "verdict_in_words"]
+__all__ = ["Group", "groups"]
 
 Row: TypeAlias = tuple[str, str]
 Group: TypeAlias = tuple[str, list[Row]]
 
 _SAID = ("class", "one_minimal", "failing_seeds", "failing_share_at_least", "found_by", "kept", "shrunk_from")
 _KEPT = {"verdict": "kept verdict and cause", "class": "kept the class"}
-
-
-def verdict_in_words(seen: Seen, record: FailureRecord) -> str:
-    """The verdict and its evidence, as the terminal says them."""
-    episode = seen.replay.episode
-    evidence = evidence_in_words(episode) if episode is not None and episode.verdict == record.verdict else ""
-    return f"{record.verdict}{evidence}{objection_in_words(record.evidence)}"
 
 
 def groups(failure: Failure, record: FailureRecord, campaigns: list[Summary]) -> list[Group]:

@@ -14,7 +14,7 @@ from typing import Any
 
 from fuzz.corpus import Entry
 from fuzz.report.gather import Seen, Subject, gather, look_at
-from fuzz.report.numbers import groups, verdict_in_words
+from fuzz.report.numbers import groups
 from fuzz.report.runs import drawn_run
 from fuzz.report.summary import Summary
 from fuzz.report.worlds import drawn_world
@@ -109,7 +109,7 @@ def _failure(entry: Entry, campaigns: list[Summary]) -> dict[str, Any]:
         "lane": str(record.details.get("found_by", "")),
         "campaign": failure.campaign,
         "confirmed": seen.replay.confirmed,
-        "words": verdict_in_words(seen, record),
+        "words": f"{record.verdict}{seen.words}",
         "reason": seen.replay.reason,
         "path": str(entry.path),
         "replay": replay_line(entry.path),

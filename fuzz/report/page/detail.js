@@ -5,7 +5,7 @@ const LAYERS = {
 };
 
 function makeDetail(section, failure, neighbours) {
-  const canvas = el("canvas", { id: "stage", role: "img", tabindex: "0" });
+  const canvas = el("canvas", { id: "stage", role: "img" });
   const under = el("div"), pair = el("div", { class: "pair" });
   const state = { player: null };
   const load = (drawn, words) => {

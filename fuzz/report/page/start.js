@@ -5,10 +5,11 @@ const views = { overview: byId("overview"), campaign: byId("campaign"), detail: 
 const page = { overview: null, detail: null, id: "", scroll: 0 };
 
 const KEYS = [
-  ["?", "Show these keys"], ["/", "Find"], ["d", "Dark or light"], ["Arrow keys, Enter", "Choose a failure; open it"], ["Esc", "Back to all failures"],
-  ["n, p", "Next, previous failure"], ["Space", "Play, pause"], ["← →", "One step; with Shift ten"], ["Home, End", "To the start, to the end"],
-  ["l", "Play one period of a loop"], ["e", "To the entry, the breach, the last new cell"], ["b", "Before or after shrinking"], ["+ − 0", "Zoom; the whole world"],
-  ["r", "Follow the robot"], ["t u s i w", "Trail, touched walls, sensors, signal, witness"],
+  [["?"], "Show these keys"], [["/"], "Find"], [["d"], "Dark or light"],
+  [["←", "→", "↑", "↓", "Enter"], "Choose a failure; open it"], [["Esc"], "Back to all failures"], [["n", "p"], "Next, previous failure"],
+  [["Space"], "Play, pause"], [["←", "→"], "One step; with Shift ten"], [["Home", "End"], "To the start, to the end"],
+  [["l"], "Play one period of a loop again and again"], [["e"], "To the entry, the breach, the last new cell"], [["b"], "Before or after shrinking"],
+  [["+", "−", "0"], "Zoom; show the whole world"], [["r"], "Follow the robot"], [["t", "u", "s", "i", "w"], "Trail, touched walls, sensors, signal, witness"],
 ];
 
 function setTheme(theme) {
@@ -84,7 +85,7 @@ function showKeys() {
   const dialog = byId("keys");
   dialog.replaceChildren(
     el("div", { class: "line" }, el("h2", { id: "keys-title" }, "Keys"), el("button", { type: "button", onclick: () => dialog.close() }, "Close")),
-    el("table", {}, el("tbody", {}, KEYS.map(([keys, words]) => el("tr", {}, el("th", { scope: "row" }, keys.split(/(?<=[^,]) |, /).map((key) => [el("kbd", {}, key), " "])), el("td", {}, words))))),
+    el("table", {}, el("tbody", {}, KEYS.map(([keys, words]) => el("tr", {}, el("th", { scope: "row" }, keys.map((key) => [el("kbd", {}, key), " "])), el("td", {}, words))))),
   );
   dialog.showModal();
 }
