@@ -84,6 +84,7 @@ _BEGUN = (
     metavar="FOLDER",
     help="Go on with the campaign in FOLDER, as far as it was to go, or as --units or --budget say.",
 )
+@click.option("--report", type=click.Path(path_type=Path), metavar="PAGE", help="Write an HTML page of what was found.")
 @output_options
 @seed_option
 @json_option
@@ -93,6 +94,7 @@ def fuzz(
     units: int | None,
     workers: int | None,
     resume: Path | None,
+    report: Path | None,
     as_json: bool,
     junit: Path | None,
     sarif: Path | None,
@@ -111,12 +113,16 @@ def fuzz(
     from fuzz import ledger
     from fuzz.ci import Outputs
     from fuzz.crews import crew_of
+    from fuzz.report import write_report
     from fuzz.session import CampaignSession
+    from worldgen.files import check_output
 
     if budget is not None and units is not None:
         raise click.UsageError("give --budget or --units, not both")
     outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
     outputs.check()
+    if report is not None:
+        check_output(report, force)
     goal = ledger.Goal(units, None if units else budget or 30.0)
     if resume is None:
         sitting = _begin(goal, force=force, **begun)
@@ -128,7 +134,11 @@ def fuzz(
             f"goes on with the campaign in {sitting.folder.out}: seed {sitting.config.seed}, {sitting.done} units done"
         )
     crew = crew_of(workers or os.cpu_count() or 1)
-    raise SystemExit(CampaignSession(sitting, crew, quiet=as_json, outputs=outputs).run())
+    code = CampaignSession(sitting, crew, quiet=as_json, outputs=outputs).run()
+    if report is not None:
+        write_report([sitting.folder.out], report, force=force)
+        note(f"wrote {report}")
+    raise SystemExit(code)
 
 
 def _begin(

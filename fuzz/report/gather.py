@@ -100,11 +100,10 @@ def _campaign_folders(folder: Path) -> Iterable[Path]:
 
 
 def _distinct(entries: Iterable[Entry]) -> list[Entry]:
-    """Of equal failures the one whose path comes first; without those that a campaign's memory holds."""
+    """Of equal failures the one whose path comes first."""
     chosen: dict[str, Entry] = {}
     for entry in sorted(entries, key=lambda entry: str(entry.path)):
-        if MEMORY not in entry.path.parts:
-            chosen.setdefault(entry.facts.digest, entry)
+        chosen.setdefault(entry.facts.digest, entry)
     return sorted(chosen.values(), key=lambda entry: (entry.facts.key, entry.facts.order))
 
 

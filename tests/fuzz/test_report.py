@@ -196,6 +196,16 @@ def test_the_command_says_what_it_wrote(tmp_path):
     assert result.err.endswith("r.html: 1 failure\n")
 
 
+def test_a_campaign_writes_its_own_page(tmp_path):
+    run = ("--controller", "turn-right", "--motion", "stepped", "--units", 1, "--examples", 60, "--seed", 1)
+    page = tmp_path / "r.html"
+    assert worldgen("fuzz", *run, "--workers", 1, "--out", tmp_path / "f", "--report", page).code == 1
+    data = data_of(page)
+    assert data["campaigns"][0]["units"] == 1
+    assert len(data["failures"]) == len(list((tmp_path / "f").glob("*.grid")))
+    assert all(failure["before"] and failure["lane"] for failure in data["failures"])
+
+
 @pytest.mark.parametrize(
     ("change", "fault"),
     [
