@@ -20,14 +20,13 @@ class CampaignConfig:
     Args:
         scenario: Controller, motion model and switches; each draw has its own seed and time step.
         seed: Of the whole campaign.
-        families: Where worlds come from; empty for feature layouts and the built-in families in turn.
+        families: Families and other lanes to look for failures with; empty for all that fit.
         time_steps: Durations of a step to draw from, s.
         vary: Quantities of the robot and options of the motion model to draw from.
         fixed_map: A foreign map on which only start, heading, target and radius vary.
         examples: Hypothesis examples in one unit.
         shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
         oracles: Oracles to ask about each run beside its verdict, as ``--oracle`` takes them.
-        lanes: Where failures are looked for; empty for all that fit.
         database: Folder of a Hypothesis database: what failed before is tried again first, what fails is kept there.
             What a campaign finds then hangs on the folder, too. Empty for none.
         epoch: Units in an epoch: what they found, the units of the epoch after the next one know.
@@ -42,7 +41,6 @@ class CampaignConfig:
     examples: int = 400
     shrink: bool = True
     oracles: tuple[str, ...] = ()
-    lanes: tuple[str, ...] = ()
     database: str = ""
     epoch: int = 16
 

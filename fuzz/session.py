@@ -19,7 +19,8 @@ from fuzz.ci import NO_OUTPUTS, Finding, Outputs, Report
 from fuzz.config import CampaignConfig
 from fuzz.crews import Crew, WorkersLost
 from fuzz.failure import certified
-from fuzz.lanes.drawn import LAYOUT_LANES, SEALED, TIME_STEPS, can_breach
+from fuzz.lanes import check_lane
+from fuzz.lanes.drawn import TIME_STEPS
 from fuzz.ledger import Sitting
 from fuzz.summary import lanes_in_words, summary_of
 from fuzz.telling import describe, replay_line
@@ -30,7 +31,6 @@ from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError
-from worldgen.family import FAMILIES
 from worldgen.files import write_bytes
 from worldgen.grid_file import dumps
 from worldgen.plain_text import counted
@@ -63,16 +63,10 @@ def configure(
         InvalidParameter: If a name is unknown, or controller and motion model do not fit.
         InvalidWorld: If the map leaves no room.
     """
-    for name in families:
-        if name not in LAYOUT_LANES:
-            FAMILIES.get(name)
     usual = RunOptions.time_step
     scenario = Scenario.parse(controller, motion=motion, time_step=usual if time_step is None else time_step)
-    if SEALED in families and not can_breach(scenario):
-        raise InvalidParameter(
-            f"family {SEALED!r} has walled-off targets, which only a robot reaches that goes on past a wall: take "
-            "--motion stepped without +keep_going, or another family"
-        )
+    for name in families:
+        check_lane(name, scenario)
     time_steps: tuple[float, ...] = (scenario.time_step,)
     if time_step is None and scenario.time_step == usual and MOTIONS.get(scenario.motion).name == "endpoint":
         time_steps = TIME_STEPS

@@ -72,6 +72,5 @@ def _recorded(failure: World) -> list[tuple[Axis, float, float]]:
 
 def boundaries_in_words(failure: World) -> str:
     """Where a failure begins, in words; empty where its record says nothing of it."""
-    return ", ".join(
-        f"begins at {axis.name} {fails:g} {axis.unit} ({passes:g} passes)" for axis, fails, passes in _recorded(failure)
-    )
+    said = [f"{axis.name} {fails:g} {axis.unit} ({passes:g} passes)" for axis, fails, passes in _recorded(failure)]
+    return f"begins at {', '.join(said)}" if said else ""

@@ -26,8 +26,8 @@ EXAMPLES = (
 )
 
 _BEGUN = (
-    "controller", "motion", "families", "world", "time_step", "examples", "detour", "oracles", "shrink", "epoch",
-    "vary", "database", "out", "seed",
+    "controller", "motion", "families", "lanes", "world", "time_step", "examples", "detour", "oracles", "shrink",
+    "epoch", "vary", "database", "out", "seed",
 )  # fmt: skip
 """Parameters that say what a campaign is, not how far it goes."""
 
@@ -36,6 +36,12 @@ _BEGUN = (
 @click.option("--controller", help=CONTROLLER_HELP)
 @click.option("--motion", default="swept", show_default=True, help="Motion model.")
 @click.option("--family", "families", multiple=True, help="Draw worlds from this family; may be repeated.")
+@click.option(
+    "--lane",
+    "lanes",
+    multiple=True,
+    help="Look for failures with this lane only: boundary, features, sealed, or a family; may be repeated.",
+)
 @click.option("--world", type=click.Path(path_type=Path), help="Keep this map; vary start, target and radius.")
 @click.option("--budget", type=Duration(), metavar="TIME", help="Search this long: 30s, 5m, 1h [default: 30s].")
 @click.option("--units", type=click.IntRange(1), help="Do this much work; the result depends on the seed alone.")
@@ -147,6 +153,7 @@ def _begin(
     controller: str | None,
     motion: str,
     families: tuple[str, ...],
+    lanes: tuple[str, ...],
     world: Path | None,
     time_step: float | None,
     vary: tuple[str, ...],
@@ -167,12 +174,12 @@ def _begin(
 
     if controller is None or out is None:
         raise click.UsageError("give --controller NAME and --out FOLDER, or --resume FOLDER")
-    if world is not None and families:
-        raise click.UsageError("give --world or --family, not both: on a map only the poses vary")
+    if world is not None and (families or lanes):
+        raise click.UsageError("give --world, or --family and --lane, not both: on a map only the poses vary")
     config = configure(
         controller=controller,
         motion=motion,
-        families=families,
+        families=(*families, *lanes),
         fixed_map=None if world is None else read_world(world),
         time_step=time_step,
         vary=vary,

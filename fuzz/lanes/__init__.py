@@ -2,6 +2,7 @@
 
 Contents:
     lane_of: the lane of a name.
+    check_lane: refuses a name, or a lane that does not fit a campaign.
     Task: what a lane gets.
 """
 
@@ -9,12 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from fuzz.boundary import is_bounded
 from fuzz.lanes import boundary, drawn
 from fuzz.lanes.database import DATABASE
 from fuzz.lanes.plan import lanes_for
 from fuzz.lanes.task import Task
+from sim.scenario import Scenario
+from worldgen.errors import InvalidParameter
+from worldgen.family import FAMILIES
 
-__all__ = ["Lane", "Task", "lane_of"]
+__all__ = ["Lane", "Task", "check_lane", "lane_of"]
 
 Lane = Callable[[Task], None]
 """Does a unit's work: counts its runs and hands what fails to the task's door."""
@@ -31,3 +36,23 @@ _OWN: dict[str, Lane] = {boundary.BOUNDARY: boundary.search, DATABASE: _search_a
 def lane_of(name: str) -> Lane:
     """The lane of a name; that of a family, of ``features``, ``sealed`` and ``map`` lets Hypothesis draw."""
     return _OWN.get(name, drawn.search)
+
+
+def check_lane(name: str, scenario: Scenario) -> None:
+    """Refuses what is neither a lane nor a family, and a lane that has nothing to do for a scenario.
+
+    Raises:
+        InvalidParameter: If it does not fit.
+    """
+    if name not in (boundary.BOUNDARY, *drawn.LAYOUT_LANES):
+        FAMILIES.get(name)
+    if name == drawn.SEALED and not drawn.can_breach(scenario):
+        raise InvalidParameter(
+            f"family {name!r} has walled-off targets, which only a robot reaches that goes on past a wall: take "
+            "--motion stepped without +keep_going, or another family"
+        )
+    if name == boundary.BOUNDARY and not is_bounded(scenario):
+        raise InvalidParameter(
+            f"lane {name!r} looks for where failures begin, and with chance they begin anywhere: take another lane "
+            f"for {scenario.label()}"
+        )

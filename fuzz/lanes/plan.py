@@ -34,8 +34,6 @@ _GOLDEN = 0x9E3779B97F4A7C15  # of 2**64: multiples of it lie as evenly as can b
 
 def lanes_for(config: CampaignConfig, memory: Memory) -> tuple[str, ...]:
     """The lanes that fit a campaign, those that are tried first first."""
-    if config.lanes:
-        return config.lanes
     if config.families:
         return config.families
     if config.fixed_map is not None:

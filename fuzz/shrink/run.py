@@ -187,6 +187,7 @@ class _Reducer:
         if fresh is None or came is None:
             return made
         details: dict[str, Value] = {"original": world_digest(self._failure)[:_DIGITS], **came.details}
+        details.pop("boundaries", None)  # the smaller world has others
         details |= fresh.details
         if self._still_fails.asked is None:
             details |= seeds_that_fail(made, scenario)

@@ -112,7 +112,7 @@ def test_what_a_record_says_of_its_boundaries_is_put_in_words():
     assert boundaries_in_words(failure) == "begins at radius 0.083 m (0.082 passes)"
 
 
-CONFIG = CampaignConfig(Scenario("turn-right"), seed=4, examples=160, lanes=("boundary",))
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=4, examples=160, families=("boundary",))
 
 
 @pytest.fixture(scope="module")

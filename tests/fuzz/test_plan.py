@@ -5,9 +5,11 @@ from collections import Counter
 import pytest
 
 from fuzz.config import CampaignConfig
+from fuzz.lanes import check_lane
 from fuzz.lanes.plan import lane_shares, lanes_for, planned_lane
 from fuzz.result import LaneYield, Memory
 from sim.scenario import Scenario
+from worldgen.errors import InvalidParameter
 
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=1)
 TWO = ("trap", "maze")
@@ -45,7 +47,7 @@ def test_shares_add_up_to_the_budget():
 
 def test_units_are_dealt_out_as_the_shares_say():
     memory = Memory({"trap": LaneYield(worlds=4000), "maze": LaneYield(worlds=400, failures=400, classes=9)})
-    config = CampaignConfig(Scenario("turn-right"), lanes=TWO)
+    config = CampaignConfig(Scenario("turn-right"), families=TWO)
     units = Counter(planned_lane(config, unit, memory) for unit in range(1000, 1100))
     assert units["trap"] == pytest.approx(100 * lane_shares(TWO, memory, compiled=True)[0], abs=2)
 
@@ -53,3 +55,16 @@ def test_units_are_dealt_out_as_the_shares_say():
 def test_named_families_are_all_that_is_drawn_from():
     config = CampaignConfig(Scenario("turn-right"), families=TWO)
     assert {planned_lane(config, unit, Memory()) for unit in range(20)} == set(TWO)
+
+
+@pytest.mark.parametrize(
+    ("lane", "controller", "message"),
+    [
+        ("boundary", "turn-random", "with chance they begin anywhere"),
+        ("sealed", "turn-right", "walled-off targets"),
+        ("bondary", "turn-right", "bondary"),
+    ],
+)
+def test_a_lane_that_does_not_fit_is_refused(lane, controller, message):
+    with pytest.raises(InvalidParameter, match=message):
+        check_lane(lane, Scenario(controller))
