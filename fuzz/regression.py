@@ -20,7 +20,7 @@ from worldgen.plain_text import shown_lines
 from worldgen.render import draw_terminal
 from worldgen.world import Cut, World
 
-__all__ = ["CONFIRMED", "FIXED", "Checked", "Seen", "Told", "check", "run", "tell"]
+__all__ = ["CONFIRMED", "FIXED", "Checked", "Seen", "Told", "check", "fixed", "run", "tell"]
 
 FIXED, CONFIRMED = "fixed", "confirmed"
 _STAYS_OUT = ("loop", "stalled", "timeout")  # verdicts that are right where the target is walled off
@@ -92,7 +92,7 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
         return _confirmed(path, world, controller)
     if expect != FIXED:
         raise InvalidParameter(f"expect={expect!r} is neither {FIXED} nor {CONFIRMED}; give one of them")
-    return _fixed(world, controller)
+    return fixed(world, controller)
 
 
 def _confirmed(path: Path, world: World, controller: str | None) -> Checked:
@@ -107,7 +107,8 @@ def _confirmed(path: Path, world: World, controller: str | None) -> Checked:
     return Checked(f"{name} under {record.motion}: not confirmed: {shown.reason}{hint}", seen)
 
 
-def _fixed(world: World, controller: str | None) -> Checked:
+def fixed(world: World, controller: str | None = None) -> Checked:
+    """What :func:`check` does with a file that is expected to be fixed, with a world that has been read already."""
     asked = asked_by(world.failure.evidence) if world.failure else None
     world, scenario, options = _what_runs(world, controller)
     fault = certificate_fault(world)

@@ -3,50 +3,119 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from worldgen.cli.output import emit_json, force_option, json_option, note
 
+if TYPE_CHECKING:
+    from fuzz.shrink import Shrunk
+    from worldgen.world import World
+
 __all__ = ["shrink"]
 
 
-@click.command(epilog="\b\n  worldgen shrink big.grid --out small.grid")
+def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) -> None:
+    """Prints what gets simpler, and how, and ends."""
+    from fuzz.shrink import ORDER, PASSES
+
+    if not wanted or context.resilient_parsing:
+        return
+    click.echo("Passes, in the order in which they run until none makes the failure simpler:")
+    for one in PASSES:
+        click.echo(f"  {one.name:15} {one.says}")
+    click.echo("A failure is simpler than another if it has less of these, the first that differs decides:")
+    for measure in ORDER:
+        click.echo(f"  {measure.name:15} {measure.says}")
+    context.exit()
+
+
+@click.command(
+    epilog="\b\n  worldgen shrink big.grid --out small.grid\n"
+    "  worldgen shrink big.grid --keep class --seconds 10\n"
+    "  worldgen shrink big.grid --snippet > test_small.py"
+)
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Where to write [default: NAME.shrunk.grid].")
 @click.option("--seconds", type=click.FloatRange(0, min_open=True), help="Stop after this time with the best so far.")
+@click.option(
+    "--keep",
+    type=click.Choice(["verdict", "class"]),
+    default="verdict",
+    show_default=True,
+    help="What is to stay: verdict and cause, or the whole class.",
+)
+@click.option("--snippet", "as_snippet", is_flag=True, help="Print a test module that carries the shrunk world.")
+@click.option(
+    "--passes", is_flag=True, is_eager=True, expose_value=False, callback=_list_passes,
+    help="List the passes and what simpler means.",
+)  # fmt: skip
 @json_option
 @force_option
-def shrink(path: Path, out: Path | None, seconds: float | None, as_json: bool, force: bool) -> None:
+def shrink(
+    path: Path, out: Path | None, seconds: float | None, keep: str, as_snippet: bool, as_json: bool, force: bool
+) -> None:
     """Make a failure's world as small as it can be, keeping verdict and certificate.
 
-    Frees cells, drops rows, columns and events, simplifies the start, until nothing more can go, and checks
-    that independently. Ctrl-C keeps the best so far.
+    Frees cells, drops rows, columns and events, simplifies start, robot and numbers, until nothing more can go, and
+    checks that independently. Ctrl-C keeps the best so far.
     """
-    from fuzz.shrink import shrink as shrink_failure
+    from fuzz.shrink import snippet
     from fuzz.telling import describe
     from worldgen.errors import OutputError
     from worldgen.grid_file import read_world, write_world
 
+    if as_snippet and as_json:
+        raise click.UsageError("--snippet and --json both say what is printed; give one of them")
     target = out or path.with_name(f"{path.name.removesuffix('.gz').removesuffix('.grid')}.shrunk.grid")
     if target.exists() and not force:
         raise OutputError(f"{target} is there already; give --force to overwrite it, or --out another name")
-    result = shrink_failure(read_world(path), seconds=seconds, keep_on_interrupt=True)
+    result = _watched(read_world(path), seconds, keep)
     write_world(result.world, target, force=force)
     if as_json:
-        emit_json(
-            {
-                "file": str(target),
-                "solid_cells_before": result.before,
-                "solid_cells": result.after,
-                "width": result.world.width,
-                "height": result.world.height,
-                "simulations": result.simulations,
-                "one_minimal": not result.left,
-                "complete": result.complete,
-            }
-        )
+        emit_json(_summary(result, target))
         return
-    click.echo(describe(result.world, target))
+    click.echo(snippet(result.world) if as_snippet else describe(result.world, target), nl=not as_snippet)
     state = "1-minimal" if not result.left else f"not 1-minimal: {result.left[0]}"
     note(f"wrote {target}: {result.before} -> {result.after} solid cells, {state}, {result.simulations} runs")
+    if result.interrupted:
+        note("interrupted; the best so far is kept")
+        raise SystemExit(130)
+
+
+def _watched(failure: World, seconds: float | None, keep: str) -> Shrunk:
+    """Shrinks, with progress where stderr is a terminal."""
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    from fuzz.shrink import shrink as shrink_failure
+
+    console = Console(stderr=True)
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(_size(failure), total=None)
+
+        def show(world: World) -> None:
+            bar.update(task, description=_size(world))
+
+        return shrink_failure(failure, seconds=seconds, progress=show, keep_on_interrupt=True, keep=keep)
+
+
+def _size(world: World) -> str:
+    return f"shrinking: {world.width} x {world.height} cells, {world.solid_cells} solid"
+
+
+def _summary(result: Shrunk, target: Path) -> dict[str, object]:
+    return {
+        "file": str(target),
+        "solid_cells_before": result.before,
+        "solid_cells": result.after,
+        "width": result.world.width,
+        "height": result.world.height,
+        "simulations": result.simulations,
+        "kept": result.kept,
+        "one_minimal": not result.left,
+        "complete": result.complete,
+        "interrupted": result.interrupted,
+    }

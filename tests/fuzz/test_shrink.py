@@ -1,18 +1,35 @@
 """Shrinking: what remains is small, still fails, still proved, and nothing more can go."""
 
+import functools
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fuzz.failure import certified, failure_of, replay
-from fuzz.shrink import removable, shrink
+from fuzz.config import CampaignConfig
+from fuzz.failure import certified, failure_of, replay, scenario_of
+from fuzz.shrink import removable, shrink, shrink_class
 from fuzz.shrink.edits import bare, drop_columns, drop_events, drop_rows, free_cells
+from fuzz.shrink.order import Case, number_cost, rounder, simplicity
 from fuzz.shrink.predicate import StillFails
+from fuzz.unit import run_unit
+from sim.edited_runs import has_sure_way
 from sim.scenario import Scenario
 from sim.thesis_options import ThesisOptions
-from worldgen import CellState, Event, InvalidParameter, Pose, Target, Timeline, Witness, World, check_certificate
+from worldgen import (
+    CellState,
+    Event,
+    InvalidParameter,
+    Pose,
+    Target,
+    Timeline,
+    Witness,
+    World,
+    WorldgenError,
+    check_certificate,
+    world_digest,
+)
 
 
 def cup_world():
@@ -108,3 +125,141 @@ def test_a_random_controllers_failure_says_for_how_many_seeds_it_fails():
     details = shrink(failure("turn-random", seed=3)).world.failure.details
     failing, count = details["failing_seeds"]
     assert count == 40 and 0 <= details["failing_share_at_least"] <= failing / count
+
+
+SCENARIOS = [("turn-right", "swept"), ("turn-left", "endpoint"), ("turn-right", "stepped"), ("vfh", "swept")]
+
+
+@functools.cache
+def found(controller, motion, family="features"):
+    scenario = Scenario.parse(controller, motion=motion)
+    config = CampaignConfig(scenario, seed=5, families=(family,), time_steps=(scenario.time_step,), examples=100)
+    return [world for _, world in sorted(run_unit(config, 0).failures.items())][:4]
+
+
+@functools.cache
+def shrunk_found(controller, motion, family="features"):
+    return [shrink(world) for world in found(controller, motion, family)]
+
+
+def plain_neighbours(world):
+    """Every world with one solid cell, row or column less, by plain NumPy."""
+    for iy, ix in np.argwhere(world.walls):
+        walls = world.walls.copy()
+        walls[iy, ix] = False
+        yield replace(world, walls=walls)
+    for row in range(world.height if world.height > 1 else 0):
+        yield drop_rows(world, row, 1)
+    for column in range(world.width if world.width > 1 else 0):
+        yield drop_columns(world, column, 1)
+
+
+def fails_alike(world, failure):
+    """By the steps that a user would take: prove, run, compare."""
+    record, options = scenario_of(failure)
+    proved = None if world is None else certified(bare(world))
+    if proved is None:
+        return False
+    try:
+        made = failure_of(proved, Scenario.of(record.controller, options), steps=options.steps)
+    except WorldgenError:
+        return False
+    mine, theirs = (made.failure if made else None), failure.failure
+    return mine is not None and (mine.verdict, mine.evidence.get("cause")) == (
+        theirs.verdict, theirs.evidence.get("cause"),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("controller", "motion", "family"), [*((*one, "features") for one in SCENARIOS),
+                                                               ("turn-right", "swept", "fire")])  # fmt: skip
+def test_results_are_one_minimal_by_brute_force(controller, motion, family):
+    results = shrunk_found(controller, motion, family)
+    assert results and all(result.world.failure.details["one_minimal"] for result in results)
+    for result in results:
+        assert not any(fails_alike(near, result.world) for near in plain_neighbours(result.world))
+
+
+@pytest.mark.parametrize(("controller", "motion"), SCENARIOS)
+def test_what_is_shrunk_keeps_verdict_and_cause_and_replays(controller, motion):
+    for before, after in zip(found(controller, motion), shrunk_found(controller, motion), strict=True):
+        old, new = before.failure, after.world.failure
+        assert (new.verdict, new.evidence.get("cause")) == (old.verdict, old.evidence.get("cause"))
+        assert replay(after.world).confirmed
+
+
+@pytest.mark.parametrize(("controller", "motion"), SCENARIOS[:3])
+def test_the_class_stays_where_it_is_to_be_kept(controller, motion):
+    for before in found(controller, motion)[:2]:
+        result = shrink(before, keep="class")
+        assert result.world.failure.details["class"] == before.failure.details["class"]
+        assert result.left == () and removable(result.world, StillFails.of(result.world)) == []
+
+
+def test_each_edit_that_is_taken_makes_the_failure_simpler():
+    for before in found("turn-right", "swept"):
+        seen = [before]
+        shrink(before, progress=seen.append)
+        scenario = Scenario.of(before.failure.controller, scenario_of(before)[1])
+        order = [simplicity(Case(world, scenario))[:6] for world in seen]
+        assert len(order) > 3 and order == sorted(order, reverse=True)
+
+
+def test_the_simplest_of_several_restarts_is_kept():
+    failures = found("turn-right", "swept")
+    best = shrink_class(failures)
+    assert best.simplicity == min(shrink(world).simplicity for world in failures)
+
+
+def test_restarts_share_one_budget_of_time_and_still_give_a_result():
+    best = shrink_class(found("turn-right", "swept"), seconds=1e-9)
+    assert not best.complete and replay(best.world).confirmed
+
+
+def test_there_is_nothing_to_restart_from_without_failures():
+    with pytest.raises(InvalidParameter, match="give at least one"):
+        shrink_class([])
+
+
+def test_what_cannot_be_kept_is_refused():
+    with pytest.raises(InvalidParameter, match="not one of verdict, class"):
+        shrink(failure(), keep="colour")
+
+
+def test_ctrl_c_ends_restarts_with_the_best_so_far():
+    def stop(world):
+        raise KeyboardInterrupt
+
+    best = shrink_class([failure(), failure("turn-left")], progress=stop, keep_on_interrupt=True)
+    assert best.interrupted and best.world.walls.size < cup_world().walls.size and replay(best.world).confirmed
+
+
+def test_a_shrunk_failure_names_the_one_that_it_came_from():
+    before = failure()
+    once = shrink(before).world
+    assert once.failure.details["original"] == world_digest(before)[:16]
+    assert shrink(once).world.failure.details["original"] == world_digest(before)[:16]
+
+
+def test_odd_numbers_of_the_world_and_the_run_become_simple():
+    world = replace(cup_world(), start=Pose(1.06, 0.44, 1.5), target=Target(1.05, 1.64, 0.0613), robot_radius=0.0687)
+    made = failure_of(certified(world), Scenario("turn-right", time_step=0.0173), fewest_steps=20_000)
+    small = shrink(made).world
+    assert (small.robot_radius, small.target.radius, small.failure.parameters["time_step"]) == (0.07, 0.05, 0.015)
+    assert small.start.heading % (math.pi / 2) == 0.0
+
+
+@pytest.mark.parametrize(("value", "usual", "simplest"), [(0.0687, 0.07, 0.07), (0.0687, 0.0, 0.0), (3.7, 2.0, 2.0)])
+def test_rounder_numbers_come_simplest_first(value, usual, simplest):
+    numbers = list(rounder(value, usual))
+    costs = [number_cost(number, usual) for number in numbers]
+    assert numbers[0] == simplest and costs == sorted(costs) and max(costs) < number_cost(value, usual)
+
+
+def test_the_quick_look_at_the_way_never_sees_one_that_is_not_there():
+    walls = np.zeros((6, 6), bool)
+    walls[:, 3] = True
+    shut = World(walls, Pose(0.05, 0.05, 0.0), Target(0.55, 0.55, 0.05), robot_radius=0.03)
+    gap = walls.copy()
+    gap[2, 3] = False
+    assert not has_sure_way(shut) and has_sure_way(replace(shut, walls=gap))
+    assert not has_sure_way(replace(shut, walls=gap, robot_radius=0.051))

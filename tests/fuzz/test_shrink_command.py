@@ -1,0 +1,99 @@
+"""worldgen shrink as typed: passes, what is kept, Ctrl-C, and test modules that run."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from fuzz.failure import certified, failure_of, replay
+from fuzz.shrink import ORDER, PASSES, snippet, trying
+from sim.scenario import Scenario
+from tests.fuzz.test_shrink import cup_world
+from tests.helpers.command_line import worldgen
+from worldgen import Pose, Target, World, read_world, world_digest, write_world
+
+
+@pytest.fixture(scope="module")
+def big(tmp_path_factory):
+    path = tmp_path_factory.mktemp("shrink") / "big.grid"
+    write_world(failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000), path)
+    return path
+
+
+def test_passes_lists_every_pass_and_every_measure():
+    result = worldgen("shrink", "--passes")
+    assert result.code == 0
+    assert all(f"  {one.name} " in result.out and one.says in result.out for one in (*PASSES, *ORDER))
+
+
+def test_keep_class_keeps_the_class_and_says_so(big, tmp_path):
+    result = worldgen("shrink", big, "--out", tmp_path / "small.grid", "--keep", "class", "--json")
+    small = read_world(tmp_path / "small.grid")
+    assert json.loads(result.out)["kept"] == "class" == small.failure.details["kept"]
+    assert small.failure.details["class"] == read_world(big).failure.details["class"]
+
+
+def test_ctrl_c_keeps_the_best_so_far(big, tmp_path, monkeypatch):
+    first, calls = trying.Trying.first, []
+
+    def stop_at_the_third(*args):
+        calls.append(args)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return first(*args)
+
+    monkeypatch.setattr(trying.Trying, "first", stop_at_the_third)
+    result = worldgen("shrink", big, "--out", tmp_path / "small.grid")
+    small = read_world(tmp_path / "small.grid")
+    assert result.code == 130 and "the best so far is kept" in result.err
+    assert small.walls.size < read_world(big).walls.size and replay(small).confirmed
+
+
+def test_snippet_and_json_do_not_go_together(big):
+    result = worldgen("shrink", big, "--snippet", "--json")
+    assert result.code == 2 and "give one of them" in result.err
+
+
+def run_pytest(folder):
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "ignore", "."]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False).stdout
+
+
+def test_the_printed_module_runs_and_fails_as_the_failure_does(big, tmp_path):
+    code = worldgen("shrink", big, "--out", tmp_path / "small.grid", "--snippet").out
+    (tmp_path / "test_small.py").write_text(code)
+    told = run_pytest(tmp_path)
+    assert "2 failed" in told and "loop for ever" in told and "Failing explicit example" in told
+
+
+ROBOT = """
+from sim import Command
+
+class Mine:
+    def reset(self):
+        return ()
+
+    def act(self, seen, memory):
+        {}
+"""
+
+
+def test_the_module_passes_once_the_controller_is_repaired(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    corridor = certified(World(np.zeros((3, 9), bool), Pose(0.15, 0.15, 0.0), Target(0.75, 0.15, 0.05)))
+    (tmp_path / "mine.py").write_text(ROBOT.format('raise OSError("no motor")'))
+    made = failure_of(corridor, Scenario("./mine.py:Mine"))
+    (tmp_path / "test_mine.py").write_text(snippet(made).partition("\n\n@given")[0] + "\n")
+    assert "1 failed" in run_pytest(tmp_path)
+    (tmp_path / "mine.py").write_text(ROBOT.format("return Command(speed=1.0), memory"))
+    assert "1 passed" in run_pytest(tmp_path)
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint", "stepped"])
+def test_a_module_is_valid_python_that_carries_the_same_world(motion):
+    made = failure_of(certified(cup_world()), Scenario("turn-right", motion, time_step=0.03), fewest_steps=20_000)
+    names = {}
+    exec(compile(snippet(made), "test_it.py", "exec"), names)
+    assert world_digest(names["FAILURE"]) == world_digest(made)
