@@ -6,8 +6,7 @@ object. With ``--out DIR`` each cell of the table is a file: what is there alrea
 processes may work at the same table. ``--quick`` takes minutes, ``--full`` a day.
 
 A fault counts as found by a failure with the verdict expected of it, that replay confirms, in a world in which the
-controller without the fault arrives. Worlds and seconds are those up to the end of the unit with that failure, and
-a unit is short.
+controller without the fault arrives.
 """
 
 from __future__ import annotations
@@ -42,13 +41,14 @@ from worldgen.world import World
 
 __all__ = ["Limits", "Row", "controller_name", "look_for", "removable_cells", "tables", "tells"]
 
-EXAMPLES = 10  # draws of a unit, so that worlds and seconds are known to within that
+EXAMPLES = 1  # of a unit, so that it is known which world it was
 _MEASURED = 5.0  # CPU seconds over which the native lane's speed is measured
 _FLOOR_SECONDS = 60.0
+_SHRINK_SECONDS = 60.0  # by the clock; slow controllers may not be done by then
 _IDLE = 100  # units without a world, after which a searcher has no more to try
 _OTHER_SEED = 1 << 40  # of what is done before the clock runs, so that kernels are compiled
 COMPLETE = ("bug1", "bug2", "mapper")  # docs/library.md: those that arrive wherever the world stands still
-ORACLES = ("repeat", "turn", "shift", "wall", "block")  # that hold for them
+ORACLES = ("repeat", "turn", "shift", "scale", "mirror", "finer", "wall", "block")  # that hold for who arrives
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Row:
         seed: Of the search.
         limits: Of the search.
         found: Whether a failure tells the fault from the controller without it.
-        worlds: Simulated until the end of the unit with that failure, or in all.
+        worlds: Simulated until that failure, or in all.
         steps: Likewise.
         seconds: CPU seconds, likewise.
         wall_seconds: By the clock.
@@ -155,7 +155,7 @@ def _shrunk(row: Row, fault: Fault, found: World) -> tuple[Row, World]:
     """The row and the world of a find after shrinking; as it was found where that fails."""
     begun = time.process_time()
     try:
-        small = shrink(found).world
+        small = shrink(found, seconds=_SHRINK_SECONDS).world
     except WorldgenError:
         return replace(row, solid_cells=(found.solid_cells,) * 2, cells=(found.walls.size,) * 2), found
     spent = time.process_time() - begun
@@ -367,6 +367,7 @@ def main() -> None:
     size.add_argument("--full", action="store_const", const="full", dest="size", help="five seeds, a day")
     parser.add_argument("--fault", action="append", choices=sorted(FAULTS), help="only this one; may be repeated")
     parser.add_argument("--searcher", action="append", choices=sorted(SEARCHERS), help="only this one; may be repeated")
+    parser.add_argument("--seed", action="append", type=int, help="only this one; may be repeated")
     parser.add_argument("--part", action="append", choices=("faults", "alarms", "floors"), help="only this; likewise")
     parser.add_argument("--alarm-worlds", type=int, default=2000, help="for each complete controller and searcher")
     parser.add_argument("--out", type=Path, help="folder that keeps every cell of the table, and the worlds")
@@ -376,7 +377,7 @@ def main() -> None:
     limits, seeds = SIZES[given.size]
     if given.out:
         (given.out / "rows").mkdir(parents=True, exist_ok=True)
-    rows = list(_rows(given, limits, seeds)) if "faults" in parts else []
+    rows = list(_rows(given, limits, given.seed or seeds)) if "faults" in parts else []
     alarmed = [
         _once(
             given.out / "alarms" / f"{controller}.{searcher}.json" if given.out else None,

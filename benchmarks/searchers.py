@@ -51,10 +51,10 @@ _WORDS = LAYOUT_BYTES // 8
 
 
 def lanes(*names: str) -> Searcher:
-    """The lanes of these names in turn; without any, the campaign's own plan."""
+    """The lanes of these names; without any, the campaign's own plan."""
 
     def units(config: CampaignConfig) -> Iterator[UnitResult]:
-        config = replace(config, families=names)
+        config = replace(config, lanes=names)
         memory, known = Memory(), [Memory(), Memory()]  # by epoch, as in a campaign
         for unit in count():
             result = run_unit(config, unit, known[unit // config.epoch])
@@ -154,6 +154,7 @@ SEARCHERS: dict[str, Searcher] = {
     "plan": lanes(),
     "features": lanes("features"),
     "families": lanes(*STILL_FAMILIES),
+    "boundary": lanes("boundary"),
     "random": random_cells,
     "genetic": genetic,
 }
