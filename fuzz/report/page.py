@@ -131,7 +131,7 @@ def _drawn(seen: Seen, record: FailureRecord | None) -> dict[str, Any]:
         "verdict": record.verdict if record else "",
         "kind": str(record.details.get("class", record.verdict)) if record else "",
         "world": drawn_world(world),
-        "run": None if seen.shown is None else drawn_run(seen.shown, world.cell_size),
+        "run": None if seen.shown is None else drawn_run(seen.shown, world.cell_size, seen.replay.episode),
         "sensors": _sensors(record, world.cell_size) if record and seen.shown is not None else None,
     }
 

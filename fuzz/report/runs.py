@@ -20,15 +20,21 @@ __all__ = ["MOST_STEPS", "SHARE", "drawn_run"]
 MOST_STEPS = 4_000  # of a run that the page holds; 10 to 25 kB. Of a longer one it has every second, third, ... step
 SHARE = 256  # parts of a step: when in it a corner is reached
 
+_BREACHES = {
+    "tunnel": ("Breach", "goes through this wall"),
+    "overlap": ("Overlap", "cuts into this wall"),
+    "burned": ("Caught", "is caught"),
+}
 _LEAD_UP = 300  # steps before a breach, and after it, that are kept rather than others
 
 
-def drawn_run(episode: Episode, cell_size: float) -> dict[str, Any] | None:
+def drawn_run(episode: Episode, cell_size: float, judged: Episode | None = None) -> dict[str, Any] | None:
     """A recorded run, or ``None`` without a recording.
 
     Args:
         episode: The run.
         cell_size: m.
+        judged: The run whose evidence counts, where that is another: a breach's ends at the wall.
 
     Returns:
         ``steps`` and ``dt`` (s); the columns ``at`` (step times ``SHARE``), ``x``, ``y`` (lattice units of the world),
@@ -38,8 +44,8 @@ def drawn_run(episode: Episode, cell_size: float) -> dict[str, Any] | None:
     trace = episode.trace
     if trace is None:
         return None
-    marks = _marks(episode)
-    loop = _loop(episode)
+    marks = _marks(judged or episode)
+    loop = _loop(judged or episode)
     kept, coarsest = _kept_steps(trace.steps, _span_of_interest(trace.steps, loop, marks))
     return {
         "steps": trace.steps,
@@ -99,22 +105,20 @@ def _loop(episode: Episode) -> list[int] | None:
 
 
 def _marks(episode: Episode) -> list[dict[str, Any]]:
-    """The steps that the evidence names: what is said of them and, where it names one, the cell."""
+    """The steps that the evidence names: their name, what is said of them and, where it names one, the cell."""
     evidence, verdict = episode.evidence, episode.verdict
     found: list[dict[str, Any]] = []
     if verdict == "loop":
-        found.append(_mark(evidence, "entry", "entry", "the loop is entered"))
-    if verdict in ("tunnel", "overlap", "burned"):
-        said = {"tunnel": "goes through this wall", "overlap": "cuts into this wall", "burned": "is caught"}[verdict]
-        found.append(_mark(evidence, "since", "cause", f"a {evidence.get('cause')} lets it into the wall"))
-        found.append(_mark(evidence, "step", "breach", said, cell=evidence.get("cell")))
+        found.append(_mark(evidence, "entry", "entry", "Entry", "the loop is entered"))
+    if verdict in _BREACHES:
+        found.append(_mark(evidence, "since", "cause", "Cause", f"a {evidence.get('cause')} lets it into the wall"))
+        found.append(_mark(evidence, "step", "breach", *_BREACHES[verdict]) | {"cell": evidence.get("cell")})
+        found.append(_mark(evidence, "reached", "last", "Arrives", "enters the target that walls shut off"))
     if verdict in ("stalled", "timeout"):
-        found.append(_mark(evidence, "last_new_cell", "last", "enters a new cell for the last time"))
-    return [mark for mark in found if mark]
+        found.append(_mark(evidence, "last_new_cell", "last", "Last new cell", "enters a new cell for the last time"))
+    return [mark for mark in found if "step" in mark]
 
 
-def _mark(evidence: Mapping[str, Value], key: str, kind: str, said: str, cell: Value | None = None) -> dict[str, Any]:
+def _mark(evidence: Mapping[str, Value], key: str, kind: str, name: str, text: str) -> dict[str, Any]:
     step = evidence.get(key)
-    if not isinstance(step, int):
-        return {}
-    return {"step": step, "kind": kind, "text": said} | ({"cell": cell} if isinstance(cell, list) else {})
+    return {"step": step, "kind": kind, "name": name, "text": text} if isinstance(step, int) else {}

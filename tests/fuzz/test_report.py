@@ -163,6 +163,13 @@ def test_no_step_of_a_short_run_is_left_out():
     assert run["thinned"] == 1
 
 
+def test_a_breach_is_marked_on_the_whole_way_to_the_target(tmp_path):
+    write_report([CORPUS / "thesis-2-breach.grid"], tmp_path / "r.html")
+    run = data_of(tmp_path / "r.html")["failures"][0]["now"]["run"]
+    steps = {mark["name"]: mark["step"] for mark in run["marks"]}
+    assert steps["Cause"] < steps["Breach"] < steps["Arrives"] == run["steps"]
+
+
 def test_corners_inside_steps_are_kept():
     world = read_world(CORPUS / LOOP)
     episode = simulate(world, "turn-right", motion="swept", time_step=0.1, steps=40, record=True)

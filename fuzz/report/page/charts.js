@@ -1,6 +1,7 @@
 // How a campaign went: what was found when, by which lane, and the archive of behaviours. Each picture has its table.
 
-const PLOT = { width: 640, height: 260, left: 44, right: 14, top: 12, bottom: 40 };
+// As wide as the window lets it, so that its words are as large as the others.
+const PLOT = { width: Math.max(300, Math.min(640, innerWidth - 60)), height: 260, left: 44, right: 14, top: 12, bottom: 40 };
 const AXES = { worlds: "worlds tried", steps: "steps simulated", seconds: "seconds" };
 
 function makeCampaign(section, campaigns, failures) {

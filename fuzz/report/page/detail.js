@@ -129,8 +129,9 @@ function controls(player, parts) {
   const { run } = player.drawn;
   const button = (name, label, key, act) => el("button", { type: "button", "aria-label": label, title: `${label} (${key})`, "aria-keyshortcuts": key, onclick: act }, icon(name));
   parts.play = el("button", { type: "button", class: "main", id: "play", "aria-keyshortcuts": "Space", onclick: () => player.play(!player.playing) });
+  parts.speed = choice(SPEEDS.map((speed) => [speed, `${speed}×`]), player.speed, (event) => { player.speed = Number(event.target.value); });
   parts.readout = el("span", { class: "readout", id: "readout" });
-  const jumps = [...run.marks.map((mark) => [mark.step, jumpName(mark), mark.text])];
+  const jumps = run.marks.map((mark) => [mark.step, mark.name, mark.text]);
   if (run.loop) jumps.push([run.loop[0] + run.loop[1], "End of period", "the state of the entry has come back"]);
   return el(
     "div", { class: "controls" },
@@ -139,13 +140,9 @@ function controls(player, parts) {
     button("on", "One step on", "→", () => stepBy(player, 1)), button("last", "To the end", "End", () => player.go(run.steps)),
     run.loop ? (parts.period = el("button", { type: "button", "aria-pressed": "false", "aria-keyshortcuts": "l", title: "Play one period again and again (l)", onclick: () => playPeriod(player) }, "One period")) : null,
     ...jumps.map(([step, words, text]) => el("button", { type: "button", class: "jump", title: `Step ${step}: ${text}`, onclick: () => { player.play(false); player.go(step); } }, `${words} ${grouped(step)}`)),
-    el("label", { class: "field" }, "Speed", choice(SPEEDS.map((speed) => [speed, `${speed}×`]), player.speed, (event) => { player.speed = Number(event.target.value); })),
+    el("label", { class: "field" }, "Speed", parts.speed),
     parts.readout,
   );
-}
-
-function jumpName(mark) {
-  return { entry: "Entry", breach: "Breach", cause: "Cause", last: "Last new cell" }[mark.kind] || mark.kind;
 }
 
 function stepBy(player, steps) {
@@ -153,11 +150,20 @@ function stepBy(player, steps) {
   player.go(steps > 0 ? Math.floor(player.step) + steps : Math.ceil(player.step) + steps);
 }
 
+// To the next step that matters; from the last to the first.
+function nextMark(player) {
+  const { marks } = player.drawn.run;
+  const next = marks.find((mark) => mark.step > player.step) || marks[0];
+  player.play(false);
+  if (next) player.go(next.step);
+}
+
 function playPeriod(player) {
   const { loop } = player.drawn.run;
   player.period = !player.period;
   if (player.period) {
     player.step = loop[0];
+    player.speed = usualSpeed(loop[1], player.drawn.run.dt);
     player.play(true);
   }
   player.update();
@@ -191,6 +197,7 @@ function showState(player, parts) {
   parts.scrub.value = step;
   parts.scrub.setAttribute("aria-valuetext", `step ${step} of ${run.steps}${momentOf(run, step)}`);
   parts.play.replaceChildren(icon(player.playing ? "pause" : "play"), player.playing ? "Pause" : "Play");
+  parts.speed.value = player.speed;
   if (parts.period) parts.period.setAttribute("aria-pressed", String(player.period));
   if (parts.follow) parts.follow.setAttribute("aria-pressed", String(player.follow));
   for (const [name, box] of Object.entries(parts.layers)) box.checked = player.show[name];

@@ -83,7 +83,9 @@ function drawGround(pen, world, cells, scene) {
   if (scene.show.signal && scene.sensors && scene.sensors.signal) drawSignal(pen, world, [left, top, right, bottom]);
   if (pen.scale > 9) drawGrid(pen, world);
   drawCells(pen, world, cells, SOLID, colours.wall);
+  context.globalAlpha = 0.6; // so that ways stand out from flames
   drawCells(pen, world, cells, BURNING, colours.fire);
+  context.globalAlpha = 1;
 }
 
 // Strength 1 / (1 + squared distance), which the robot senses.
@@ -107,6 +109,8 @@ function drawSignal(pen, world, [left, top, right, bottom]) {
 
 function drawGrid(pen, world) {
   const { context, px, py, colours } = pen;
+  context.save();
+  context.lineCap = "butt";
   context.beginPath();
   for (let ix = 1; ix < world.width; ix += 1) {
     context.moveTo(Math.round(px(ix)) + 0.5, py(0));
@@ -119,6 +123,7 @@ function drawGrid(pen, world) {
   context.strokeStyle = colours.grid;
   context.lineWidth = 1;
   context.stroke();
+  context.restore();
 }
 
 // Row by row, neighbours in one rectangle; only what lies in the window.

@@ -68,12 +68,12 @@ function toolbar(failures, wanted, refresh, count) {
   return el(
     "div", { class: "bar", role: "search" },
     el("input", { type: "search", id: "find", placeholder: "Find a class, a file …", "aria-label": "Find failures", oninput: set("text") }),
-    verdictChips(failures, wanted, refresh),
     controllers.length > 1
       ? el("label", { class: "field" }, "Controller", choice([["", "all"], ...controllers.map((name) => [name, name])], "", set("controller")))
       : null,
     el("label", { class: "field" }, "Group by", choice(named(GROUPS), wanted.group, set("group"))),
     el("label", { class: "field" }, "Order", choice(named(ORDERS), wanted.order, set("order"))),
+    verdictChips(failures, wanted, refresh),
     count,
   );
 }

@@ -3,8 +3,8 @@
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 25, 100, 500];
 const SECONDS = 12; // that a replay takes at most, unless asked otherwise
 
-function usualSpeed(run) {
-  const seconds = run.steps * run.dt;
+function usualSpeed(steps, dt) {
+  const seconds = steps * dt;
   return SPEEDS.find((speed) => seconds / speed <= SECONDS) || SPEEDS[SPEEDS.length - 1];
 }
 
@@ -19,7 +19,7 @@ function makePlayer(canvas, drawn, changed) {
     step: run ? run.steps : 0,
     playing: false,
     period: false, // plays the loop's period only
-    speed: run ? usualSpeed(run) : 1,
+    speed: run ? usualSpeed(run.steps, run.dt) : 1,
     show: { trail: true, witness: false, sensors: true, signal: true, touched: true },
     view: null, // null: the whole world
     follow: false,

@@ -8,7 +8,7 @@ const KEYS = [
   [["?"], "Show these keys"], [["/"], "Find"], [["d"], "Dark or light"],
   [["←", "→", "↑", "↓", "Enter"], "Choose a failure; open it"], [["Esc"], "Back to all failures"], [["n", "p"], "Next, previous failure"],
   [["Space"], "Play, pause"], [["←", "→"], "One step; with Shift ten"], [["Home", "End"], "To the start, to the end"],
-  [["l"], "Play one period of a loop again and again"], [["e"], "To the entry, the breach, the last new cell"], [["b"], "Before or after shrinking"],
+  [["l"], "Play one period of a loop again and again"], [["e"], "To the next marked step: entry, breach, last new cell"], [["b"], "Before or after shrinking"],
   [["+", "−", "0"], "Zoom; show the whole world"], [["r"], "Follow the robot"], [["t", "u", "s", "i", "w"], "Trail, touched walls, sensors, signal, witness"],
 ];
 
@@ -34,14 +34,16 @@ function showTotals() {
   const { failures, campaigns, others } = data;
   const classes = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}\n${failure.kind}`)).size;
   const confirmed = failures.filter((failure) => failure.confirmed).length;
-  const items = [[grouped(failures.length), failures.length === 1 ? "failure" : "failures"], [grouped(classes), classes === 1 ? "class" : "classes"]];
-  if (failures.length > 0) items.push([`${grouped(confirmed)} of ${grouped(failures.length)}`, "confirmed by running them again"]);
-  for (const campaign of campaigns.length === 1 ? campaigns : []) {
-    items.push([campaign.seed, "seed"], [grouped(campaign.units), "units"], [grouped(campaign.worlds), "worlds"], [short(campaign.steps), "steps"], [`${campaign.seconds.toFixed(1)} s`, ""]);
+  const some = (count, one, many = `${one}s`) => ["", grouped(count), ` ${count === 1 ? one : many}`];
+  const items = [some(failures.length, "failure"), some(classes, "class", "classes")];
+  if (failures.length > 0) items.push(["", `${grouped(confirmed)} of ${grouped(failures.length)}`, " confirmed by running them again"]);
+  const all = campaigns.length === 1 && failures.every((failure) => failure.campaign === 0); // of one campaign
+  for (const { seed, units, worlds, steps, seconds } of all ? campaigns : []) {
+    items.push(["seed ", seed, ""], some(units, "unit"), some(worlds, "world"), ["", short(steps), " steps"], ["", seconds.toFixed(1), " s"]);
   }
-  if (campaigns.length > 1) items.push([grouped(campaigns.length), "campaigns"]);
-  if (others > 0) items.push([grouped(others), "worlds without a failure passed over"]);
-  byId("totals").append(...items.map(([value, name]) => el("span", {}, name === "seed" ? ["seed ", el("b", {}, value)] : [el("b", {}, value), ` ${name}`])));
+  if (campaigns.length > 1) items.push(some(campaigns.length, "campaign"));
+  if (others > 0) items.push(some(others, "world without a failure passed over", "worlds without a failure passed over"));
+  byId("totals").append(...items.map(([before, value, after]) => el("span", {}, before, el("b", {}, value), after)));
 }
 
 function showTabs(current) {
@@ -126,7 +128,7 @@ function detailKeys(event) {
     ArrowLeft: () => stepBy(player, -far), ArrowRight: () => stepBy(player, far),
     Home: () => player.go(0), End: () => player.go(run.steps),
     r: () => (player.follow ? player.fit() : player.robot()),
-    e: () => { if (run.marks.length) { player.play(false); player.go(run.marks[run.marks.length - 1].step); } },
+    e: () => nextMark(player),
     l: () => { if (run.loop) playPeriod(player); },
   });
 }
