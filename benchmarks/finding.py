@@ -31,6 +31,7 @@ from benchmarks.searchers import SEARCHERS, lanes
 from fuzz.config import CampaignConfig
 from fuzz.failure import certified, failure_of, replay
 from fuzz.faults import FAULTS, Fault
+from fuzz.result import UnitResult
 from fuzz.shrink import shrink
 from sim.episode import simulate
 from sim.run_options import RunOptions, step_budget
@@ -133,16 +134,26 @@ def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Ro
     config = CampaignConfig(scenario, seed=seed, time_steps=(scenario.time_step,), examples=EXAMPLES)
     warm = replace(config, seed=seed + _OTHER_SEED, examples=4)
     next(SEARCHERS[searcher](warm))
-    cpu, wall, worlds, steps, idle, found = time.process_time(), time.monotonic(), 0, 0, 0, None
-    for result in SEARCHERS[searcher](config):
-        worlds, steps, idle = worlds + result.worlds, steps + result.steps, 0 if result.worlds else idle + 1
+    cpu, wall, worlds, steps, found = time.process_time(), time.monotonic(), 0, 0, None
+    for result in _units(searcher, config):
+        worlds, steps = worlds + result.worlds, steps + result.steps
         found = next((world for world in result.failures.values() if _is_it(fault, world)), None)
         spent = time.process_time() - cpu
-        if found or steps >= limits.steps or spent >= limits.seconds or idle == _IDLE:
+        if found or steps >= limits.steps or spent >= limits.seconds:
             break
     spent, waited = time.process_time() - cpu, time.monotonic() - wall
     row = Row(fault.name, searcher, seed, limits, found is not None, worlds, steps, round(spent, 3), round(waited, 3))
     return (row, None) if found is None else _shrunk(row, fault, found)
+
+
+def _units(searcher: str, config: CampaignConfig) -> Iterator[UnitResult]:
+    """Results of a search, as long as it has worlds to try."""
+    idle = 0
+    for result in SEARCHERS[searcher](config):
+        idle = 0 if result.worlds else idle + 1
+        if idle == _IDLE:
+            return
+        yield result
 
 
 def _is_it(fault: Fault, world: World) -> bool:
@@ -230,12 +241,12 @@ def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = No
     for oracles, most in (((), worlds), (ORACLES, worlds // 10)):
         config = CampaignConfig(Scenario(controller), seed=1 + len(oracles), examples=EXAMPLES, oracles=oracles)
         looked.append(0)
-        for result in SEARCHERS[searcher](config):
+        for result in _units(searcher, config):
             met += result.met
             looked[-1] += result.worlds
             for kind, world in result.failures.items() if folder else ():
                 write_world(world, folder / f"{controller}-{searcher}-{kind}.grid", force=True)
-            if looked[-1] >= most or not result.worlds:
+            if looked[-1] >= most:
                 break
     return Alarm(controller, searcher, sum(looked), looked[1], dict(met))
 

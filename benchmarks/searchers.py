@@ -54,7 +54,7 @@ def lanes(*names: str) -> Searcher:
     """The lanes of these names; without any, the campaign's own plan."""
 
     def units(config: CampaignConfig) -> Iterator[UnitResult]:
-        config = replace(config, lanes=names)
+        config = replace(config, families=names)
         memory, known = Memory(), [Memory(), Memory()]  # by epoch, as in a campaign
         for unit in count():
             result = run_unit(config, unit, known[unit // config.epoch])
