@@ -43,8 +43,9 @@ __all__ = [
     "decode_world",
 ]
 
-RADII = (DEFAULT_ROBOT_RADIUS, 0.05, 0.06, 0.08, 0.09)
-"""Radii of a scene's robot, m; all fit where a layout leaves room for the default one."""
+RADII = (DEFAULT_ROBOT_RADIUS, 0.06, 0.08, 0.09)
+"""Radii of a scene's robot, m; all fit where a layout leaves room for the default one, and none is as wide as a gap of
+one cell or two, where even controllers that are complete fail."""
 
 TARGET_RADII = (DEFAULT_CELL_SIZE / 2, 0.02, 0.08)
 """Radii of a scene's target, m."""

@@ -12,7 +12,7 @@ from fuzz.kernels._jit import kernel, rare_kernel
 from fuzz.kernels.layouts import byte_of, draw_layout, fill_arena, flood_length, places_of, size_of
 from sim.kernels import layout
 from sim.kernels._views import page
-from sim.kernels.geometry import NEAR, cell_state, chessboard_clearance
+from sim.kernels.geometry import NEAR, cell_state, chessboard_clearance, point_box_distance_sq
 from sim.kernels.lattice_batch import lone_step
 from sim.kernels.lattice_episode import lattice_episode
 from sim.kernels.lattice_sense import turn_towards
@@ -27,6 +27,7 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
 NOT_RUN = -1  # an ending: the flood found no way, so nothing was simulated
+NOOK, END, POST, CORNER, FACE, NO_CONTACT = range(6)  # kinds of contact, the one that says most first
 FAR = NEAR + 1  # a clearance of that many cells, or more
 _NEXT = 0b01110_01110_01110 << (2 * NEAR + 1)  # bits of the eight cells beside a cell, and of itself
 
@@ -41,12 +42,15 @@ LOOK_CLEARANCES = LOOK_LEAST_CLEARANCE + 1  # sum of all these distances
 LOOK_WATCHED = LOOK_CLEARANCES + 1  # further steps: one period of a loop
 LOOK_BUMPS = LOOK_WATCHED + 1  # times that a wall was begun to be touched in these
 LOOK_TURNED, LOOK_EXTENT = LOOK_BUMPS + 1, LOOK_BUMPS + 2  # net turn, heading units; larger side, lattice units
-LOOK_AROUND = LOOK_EXTENT + 1  # solid cells that share an edge with the one that was hit; -1: none was
+LOOK_CONTACT = LOOK_EXTENT + 1  # of the walls touched in these, the kind that says most; NO_CONTACT for none
+LOOK_CLOSER = LOOK_CONTACT + 1  # 1 if these come nearer to the target than the start is
+LOOK_AROUND = LOOK_CLOSER + 1  # solid cells that share an edge with the one that was hit; -1: none was
 LOOK_SIZE = LOOK_AROUND + 1
 
 _FEWEST_STEPS, _MOST_STEPS = 2_000, 6_000  # of a budget that the way tells: with fewer, most loops are not closed yet
 _MULTIPLE = 50  # of the time that the way takes at top speed, as for a run whose witness is known
 _WATCHED_STEPS = 600  # of a run that spent its budget
+_SLACK = 20  # lattice units: walls that are no further away than they could be and this are touched
 
 
 class Batch(NamedTuple):
@@ -175,6 +179,37 @@ def _note_way(arena: Arena, looks: Ints, n: int) -> None:
     looks[n, LOOK_VISITED], looks[n, LOOK_LEAST_CLEARANCE], looks[n, LOOK_CLEARANCES] = visited, least, total
 
 
+@kernel
+def _solid_beside(cells: Bytes, ix: int, iy: int) -> int:
+    """How many of the four cells that share an edge with a cell are solid."""
+    beside = int(cell_state(cells, ix + 1, iy) == layout.SOLID) + int(cell_state(cells, ix - 1, iy) == layout.SOLID)
+    beside += int(cell_state(cells, ix, iy + 1) == layout.SOLID) + int(cell_state(cells, ix, iy - 1) == layout.SOLID)
+    return beside
+
+
+@rare_kernel
+def _contact(cells: Bytes, reach: int, x: int, y: int) -> int:
+    """The kind of wall that a robot touches, by the solid cells next to its disc."""
+    across, along, aslant, fewest, farthest = 0, 0, False, 4, (reach + _SLACK) * (reach + _SLACK)
+    for iy in range((y - reach - _SLACK) // UNIT, (y + reach + _SLACK) // UNIT + 1):
+        for ix in range((x - reach - _SLACK) // UNIT, (x + reach + _SLACK) // UNIT + 1):
+            if cell_state(cells, ix, iy) != layout.SOLID or point_box_distance_sq(x, y, ix, iy) > farthest:
+                continue
+            fewest = min(fewest, _solid_beside(cells, ix, iy))
+            beside_x, beside_y = ix * UNIT > x or (ix + 1) * UNIT < x, iy * UNIT > y or (iy + 1) * UNIT < y
+            if beside_x and beside_y:
+                aslant = True
+            elif beside_x:
+                across |= 1 if ix * UNIT > x else 2
+            else:
+                along |= 1 if iy * UNIT > y else 2
+    if (across != 0 and along != 0) or across == 3 or along == 3:
+        return NOOK
+    if fewest <= 1:
+        return POST if fewest == 0 else END
+    return CORNER if aslant and across == 0 and along == 0 else FACE
+
+
 @rare_kernel
 def _note_wall(arena: Arena, looks: Ints, n: int) -> None:
     """Notes of what kind the wall is that the robot went through or into."""
@@ -183,34 +218,39 @@ def _note_wall(arena: Arena, looks: Ints, n: int) -> None:
         if looks[n, layout.OUT_OVERLAP_STEP] < 0:
             return
         ix, iy = looks[n, layout.OUT_OVERLAP_IX], looks[n, layout.OUT_OVERLAP_IY]
-    cells = arena.cells
-    beside = int(cell_state(cells, ix + 1, iy) == layout.SOLID) + int(cell_state(cells, ix - 1, iy) == layout.SOLID)
-    beside += int(cell_state(cells, ix, iy + 1) == layout.SOLID) + int(cell_state(cells, ix, iy - 1) == layout.SOLID)
-    looks[n, LOOK_AROUND] = beside
+    looks[n, LOOK_AROUND] = _solid_beside(arena.cells, ix, iy)
 
 
 @rare_kernel
 def _watch(arena: Arena, desk: Desk, act: Any, room: Room, robot: Robot, looks: Ints, n: int) -> None:
-    """Lets a robot that loops, or that spent its budget, go on: notes touches, turning and extent."""
-    step, state = looks[n, layout.OUT_STEPS], robot.state
+    """Lets a robot that loops, or that spent its budget, go on: notes touches, turning, extent and progress."""
+    step, state, settings = looks[n, layout.OUT_STEPS], robot.state, desk.settings
     loops = looks[n, layout.OUT_ENDING] == layout.LOOP
     steps = looks[n, layout.OUT_PERIOD] if loops else _WATCHED_STEPS
     robot.counts[layout.OUT_ENDING] = layout.LIMIT
     left, low = state[layout.STATE_X], state[layout.STATE_Y]
     right, high, touched = left, low, room.brent[2] != 0
-    watched, bumps, turned = 0, 0, 0
+    watched, bumps, turned, kind = 0, 0, 0, NO_CONTACT
+    nearest, apart = (1 << 62), looks[n, LOOK_STRAIGHT_SQ] * UNIT * UNIT
     while watched < steps and robot.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, robot):
         heading = state[layout.STATE_HEADING]
         watched += 1
-        lone_step(arena, desk.settings, desk.scales, act, room, robot, step + watched, 0)
+        lone_step(arena, settings, desk.scales, act, room, robot, step + watched, 0)
         touches = room.observation[layout.OBS_BUMP] != 0.0
-        bumps += int(touches and not touched)
+        if touches and not touched:
+            bumps += 1
+            reach = settings[layout.SET_REACH]
+            kind = min(kind, _contact(arena.cells, reach, state[layout.STATE_X], state[layout.STATE_Y]))
         touched = touches
+        dx = state[layout.STATE_X] - settings[layout.SET_TARGET_X]
+        dy = state[layout.STATE_Y] - settings[layout.SET_TARGET_Y]
+        nearest = min(nearest, dx * dx + dy * dy)
         turned += turn_towards(heading, state[layout.STATE_HEADING])
         left, right = min(left, state[layout.STATE_X]), max(right, state[layout.STATE_X])
         low, high = min(low, state[layout.STATE_Y]), max(high, state[layout.STATE_Y])
     looks[n, LOOK_WATCHED], looks[n, LOOK_BUMPS], looks[n, LOOK_TURNED] = watched, bumps, turned
     looks[n, LOOK_EXTENT] = max(right - left, high - low)
+    looks[n, LOOK_CONTACT], looks[n, LOOK_CLOSER] = kind, int(nearest < apart)
 
 
 @rare_kernel

@@ -11,10 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from fuzz.boundary import is_bounded
-from fuzz.lanes import boundary, drawn
+from fuzz.lanes import boundary, drawn, native
 from fuzz.lanes.database import DATABASE
 from fuzz.lanes.plan import lanes_for
 from fuzz.lanes.task import Task
+from fuzz.native import can_look
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
@@ -30,7 +31,11 @@ def _search_again(task: Task) -> None:
     drawn.search_again(task, lanes)
 
 
-_OWN: dict[str, Lane] = {boundary.BOUNDARY: boundary.search, DATABASE: _search_again}
+_OWN: dict[str, Lane] = {
+    boundary.BOUNDARY: boundary.search,
+    native.NATIVE: native.search,
+    DATABASE: _search_again,
+}
 
 
 def lane_of(name: str) -> Lane:
@@ -44,12 +49,17 @@ def check_lane(name: str, scenario: Scenario) -> None:
     Raises:
         InvalidParameter: If it does not fit.
     """
-    if name not in (boundary.BOUNDARY, *drawn.LAYOUT_LANES):
+    if name not in (boundary.BOUNDARY, native.NATIVE, *drawn.LAYOUT_LANES):
         FAMILIES.get(name)
     if name == drawn.SEALED and not drawn.can_breach(scenario):
         raise InvalidParameter(
             f"family {name!r} has walled-off targets, which only a robot reaches that goes on past a wall: take "
             "--motion stepped without +keep_going, or another family"
+        )
+    if name == native.NATIVE and not can_look(scenario):
+        raise InvalidParameter(
+            f"lane {name!r} runs compiled controllers under swept or endpoint: take another lane for "
+            f"{scenario.label()} under {scenario.motion}"
         )
     if name == boundary.BOUNDARY and not is_bounded(scenario):
         raise InvalidParameter(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numba
@@ -30,7 +30,7 @@ from sim.run_options import MAX_STEPS
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import in_cells
-from worldgen.world import World
+from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = ["Looks", "can_look", "evaluate"]
 
@@ -57,6 +57,7 @@ class Looks:
         time_steps: s.
         raw: (n, LOOK_SIZE) int64, columns of :mod:`fuzz.kernels.looks`.
         path: Driven length, lattice units.
+        robot: Size and speed of all robots, where the scenes have no say.
     """
 
     layouts: Bytes
@@ -65,6 +66,7 @@ class Looks:
     time_steps: Floats
     raw: Ints
     path: Floats
+    robot: Mapping[str, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.raw)
@@ -172,23 +174,27 @@ class Looks:
     def key(self) -> Ints:
         """A coarse signature of what went wrong, the same in a mirrored, turned or shifted world.
 
-        It is made of the ending; of a loop's touches, turns and extent in one period; of the extent of a run
-        that spent its budget; of the kind of wall that a robot went through or into. 0 where it arrived or nothing ran.
+        It is made of the ending; of touches, kind of contact, turning, extent and progress in one period of a loop, or
+        in a few more steps of a run that spent its budget; of the kind of wall that a robot went through or into. It
+        comes near to the failure's class (docs/failures.md), without a recording. 0 where it arrived or nothing ran.
         """
-        raw = self.raw
-        bumps, whole = np.minimum(raw[:, looks.LOOK_BUMPS], 5), np.abs(raw[:, looks.LOOK_TURNED])
-        turns = np.minimum((whole + layout.TURN // 2) // layout.TURN, 3)
-        extent = np.searchsorted(np.array([0.5, 4.0, 16.0]) * layout.UNIT, raw[:, looks.LOOK_EXTENT])
-        loops = self.ending == layout.LOOP
-        shape = extent + np.where(loops, 4 * turns + 16 * bumps, 0)
-        wall = np.clip(raw[:, looks.LOOK_AROUND] + 1, 0, 5)
-        overlaps = raw[:, layout.OUT_OVERLAP_STEP] >= 0
-        made = 1 + shape + 128 * (wall + 8 * (overlaps + 2 * (self.ending + 1)))
+        raw, made = self.raw, self.ending + 1
+        facts = (
+            (raw[:, layout.OUT_OVERLAP_STEP] >= 0, 2),
+            (np.minimum(raw[:, looks.LOOK_BUMPS], 3), 4),
+            (raw[:, looks.LOOK_CONTACT], 6),
+            (np.abs(raw[:, looks.LOOK_TURNED]) >= layout.TURN, 2),
+            (np.searchsorted(np.array([0.5, 4.0, 16.0]) * layout.UNIT, raw[:, looks.LOOK_EXTENT]), 4),
+            (raw[:, looks.LOOK_CLOSER], 2),
+            (np.minimum(raw[:, looks.LOOK_AROUND], 3) + 1, 5),
+        )
+        for fact, kinds in facts:
+            made = made * kinds + fact
         return np.where(self.failed, made, 0)
 
     def world(self, n: int) -> World:
         """The world of a run, without certificate."""
-        return decode_scene(self.layouts[n].tobytes())
+        return replace(decode_scene(self.layouts[n].tobytes()), **self.robot)  # type: ignore[arg-type]
 
     def scenario_of(self, n: int) -> Scenario:
         """What ran there, with its seed and time step."""
@@ -207,6 +213,7 @@ def evaluate(
     seeds: npt.NDArray[np.uint64],
     time_steps: float | npt.ArrayLike,
     budget: int | npt.ArrayLike | None = None,
+    **robot: float,
 ) -> Looks:
     """Runs a compiled controller once in the world of each layout, and looks at what happens; proves nothing.
 
@@ -220,9 +227,10 @@ def evaluate(
         seeds: (n,) uint64.
         time_steps: s; (n,), or one for all.
         budget: Steps, (n,) or one for all; without it what the way to the target suggests, 2,000 to 6,000.
+        **robot: ``robot_radius`` (m, at most a cell) and ``robot_speed`` (m/s) of all worlds, whatever their bytes say.
 
     Raises:
-        InvalidParameter: If the scenario cannot run natively, or the arrays do not fit each other.
+        InvalidParameter: If the scenario or robot cannot run natively, or the arrays do not fit each other.
     """
     count, width = layouts.shape if layouts.ndim == 2 else (0, 0)
     if width not in (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES) or layouts.dtype != np.uint8:
@@ -240,11 +248,16 @@ def evaluate(
     limits = _spread(np.asarray(0 if budget is None else budget, np.int64), count, "budget")
     if budget is not None and count and not 1 <= int(limits.min()) <= int(limits.max()) <= MAX_STEPS:
         raise InvalidParameter(f"budget={budget!r} is outside 1 to {MAX_STEPS} steps; give one between")
+    if robot.get("robot_radius", 0.0) > DEFAULT_CELL_SIZE:
+        raise InvalidParameter(
+            f"robot_radius={robot['robot_radius']:g} m is more than a cell of {DEFAULT_CELL_SIZE:g} m, and native "
+            "search finds no ways for such robots; give a smaller one, or take another lane"
+        )
     values, kinds = np.unique(steps, return_inverse=True)
-    packed = _Packed.of(scenario, tuple(values.tolist()))
+    packed = _Packed.of(scenario, tuple(values.tolist()), robot)
     batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
     packed.run(batch)
-    return Looks(layouts, scenario, numbers, steps, batch.looks, batch.sums[:, layout.SUM_PATH].copy())
+    return Looks(layouts, scenario, numbers, steps, batch.looks, batch.sums[:, layout.SUM_PATH].copy(), robot)
 
 
 def _spread(values: Any, count: int, name: str) -> Any:
@@ -260,15 +273,18 @@ class _Packed:
 
     controller: CompiledController
     runs: tuple[LatticeRun, ...]
+    radii: tuple[float, ...]
 
     @classmethod
-    def of(cls, scenario: Scenario, time_steps: Sequence[float]) -> _Packed:
+    def of(cls, scenario: Scenario, time_steps: Sequence[float], robot: Mapping[str, float]) -> _Packed:
         """Packs the simplest layout for each time step; the kernel puts in what other layouts have instead."""
-        controller, world = CONTROLLERS.get(scenario.controller), decode_world(bytes(layout_bytes.LAYOUT_BYTES))
+        controller = CONTROLLERS.get(scenario.controller)
+        world = replace(decode_world(bytes(layout_bytes.LAYOUT_BYTES)), **robot)  # type: ignore[arg-type]
         if not isinstance(controller, CompiledController):
             raise TypeError("only compiled controllers run natively")
         each = (replace(scenario, time_step=time_step).options(world) for time_step in time_steps)
-        return cls(controller, tuple(LatticeRun(world, controller, options) for options in each))
+        runs = tuple(LatticeRun(world, controller, options) for options in each)
+        return cls(controller, runs, (robot["robot_radius"],) if "robot_radius" in robot else RADII)
 
     def batch(self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints) -> Batch:
         """The runs of one call."""
@@ -278,7 +294,7 @@ class _Packed:
         scales = np.array([run.scales for run in self.runs]).reshape(-1, layout.SCALE_SIZE)
         count = len(layouts)
         return Batch(
-            layouts, seeds.view(np.int64), kinds, budgets, settings, scales, *_discs(),
+            layouts, seeds.view(np.int64), kinds, budgets, settings, scales, *_discs(self.radii),
             np.zeros((count, looks.LOOK_SIZE), np.int64), np.zeros((count, layout.SUM_SIZE)), np.zeros(1, np.int64),
         )  # fmt: skip
 
@@ -331,9 +347,10 @@ def _desk() -> Desk:
     )  # fmt: skip
 
 
-def _discs() -> tuple[Ints, Floats, Ints]:
+@functools.cache
+def _discs(radii: tuple[float, ...]) -> tuple[Ints, Floats, Ints]:
     """Squared clear distances and reaches of a scene's robots, their radii in m, and squared radii of its targets."""
-    discs = [disc_numbers(decode_world(bytes(layout_bytes.LAYOUT_BYTES), robot_radius=radius)) for radius in RADII]
+    discs = [disc_numbers(decode_world(bytes(layout_bytes.LAYOUT_BYTES), robot_radius=radius)) for radius in radii]
     side = decode_world(bytes(layout_bytes.LAYOUT_BYTES)).cell_size
     within = [in_cells(radius, side) * layout.UNIT for radius in TARGET_RADII]
-    return np.array(discs, np.int64), np.array(RADII), np.array([math.floor(w * w) for w in within], np.int64)
+    return np.array(discs, np.int64), np.array(radii), np.array([math.floor(w * w) for w in within], np.int64)

@@ -1,0 +1,101 @@
+"""The native lane: random scenes by the thousand, looked at in the kernel; the few smallest of each kind are proved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.config import CampaignConfig
+from fuzz.features import decode_scene
+from fuzz.kernels.layout_bytes import SCENE_BYTES
+from fuzz.lanes.task import Task
+from fuzz.native import Looks, can_look, evaluate
+from fuzz.variation import applied
+from sim.controllers.base import robot_for
+from worldgen.random_streams import RandomStream
+from worldgen.world import DEFAULT_CELL_SIZE
+
+__all__ = ["NATIVE", "Few", "fits", "scenes", "search"]
+
+NATIVE = "native"
+
+_AT_ONCE = 1_000  # scenes in one call of the kernel
+_SCENES = 80  # of a unit at most, for each of its examples
+_WORK = 20_000  # steps, for each of its examples: 0.8 s where a step takes 0.1 us
+_BEAMS = 4  # range beams that take as long as a step without any
+_OF_EACH_KEY = 2  # looks that are proved, a second one because what is alike at first look need not be of one class
+_PROVED = 32  # of a unit at most
+_SCENE_WORDS = -(-SCENE_BYTES // 8)  # of 8 bytes
+
+
+def fits(config: CampaignConfig) -> bool:
+    """Whether the lane can work for a campaign: with a compiled controller, on robots no wider than two cells."""
+    radii = [value for one in config.vary if one.name == "robot_radius" for value in one.values]
+    small = all(isinstance(value, float) and value <= DEFAULT_CELL_SIZE for value in radii)
+    return small and can_look(config.scenario)
+
+
+def search(task: Task) -> None:
+    """Looks at random scenes, and hands on the smallest failures of each key."""
+    result, few = task.door.result, Few()
+    for looks in _looks(task):
+        words, counts = np.unique(looks.verdict[looks.ran], return_counts=True)
+        result.verdicts.update(dict(zip(words.tolist(), counts.tolist(), strict=True)))
+        result.worlds += int(counts.sum())
+        result.steps += looks.simulated
+        few.add(looks)
+    for looks, n in few.in_order():
+        task.door.enter(looks.world(n), looks.scenario_of(n), str(looks.verdict[n]), f"key {looks.key[n]}")
+
+
+class Few:
+    """The failures with the fewest solid cells of each key."""
+
+    def __init__(self) -> None:
+        self._of_key: dict[int, list[tuple[int, Looks, int]]] = {}
+
+    def add(self, looks: Looks) -> None:
+        """Takes in what failed."""
+        failed = np.flatnonzero(looks.failed)
+        solid, keys = looks.solid, looks.key
+        for n in failed[np.argsort(solid[failed], kind="stable")].tolist():
+            found = self._of_key.setdefault(int(keys[n]), [])
+            if len(found) < _OF_EACH_KEY or solid[n] < found[-1][0]:
+                found.append((int(solid[n]), looks, n))
+                found.sort(key=lambda one: one[0])
+                del found[_OF_EACH_KEY:]
+
+    def in_order(self) -> list[tuple[Looks, int]]:
+        """The smallest of each key, then the second smallest, and so on; not too many."""
+        ranked = sorted(
+            (rank, solid, key, looks, n)
+            for key, found in self._of_key.items()
+            for rank, (solid, looks, n) in enumerate(found)
+        )
+        return [(looks, n) for _, _, _, looks, n in ranked[:_PROVED]]
+
+
+def _looks(task: Task) -> Iterator[Looks]:
+    """The unit's scenes, until its work is done; how much that is depends on nothing but their results."""
+    config, stream = task.config, task.stream
+    values = {one.name: stream.choice(one.values) for one in config.vary}  # one of each for a whole unit
+    world, scenario = applied(values, decode_scene(bytes(SCENE_BYTES)), config.scenario)
+    robot = {name: getattr(world, name) for name in values if name in ("robot_radius", "robot_speed")}
+    times = np.array([scenario.time_step] if "time_step" in values else config.time_steps)
+    dear, work = 1 + robot_for(task.controller, scenario.robot).beams // _BEAMS, 0
+    for _ in range(max(1, _SCENES * config.examples // _AT_ONCE)):
+        drawn, numbers = scenes(stream, _AT_ONCE), stream.bits(_AT_ONCE)
+        steps = times[(numbers >> np.uint64(32)) % np.uint64(len(times))]
+        looks = evaluate(drawn, scenario, numbers & np.uint64(2**32 - 1), steps, **robot)
+        yield looks
+        work += looks.simulated * dear
+        if work >= _WORK * config.examples:
+            return
+
+
+def scenes(stream: RandomStream, count: int) -> npt.NDArray[np.uint8]:
+    """(count, SCENE_BYTES) random scenes."""
+    words = stream.bits(count * _SCENE_WORDS).astype("<u8")
+    return words.view(np.uint8).reshape(count, -1)[:, :SCENE_BYTES].copy()

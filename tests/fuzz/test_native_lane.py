@@ -1,0 +1,86 @@
+"""The native lane: a unit is a function of its number, and what it reports is proved and small."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from fuzz.config import CampaignConfig
+from fuzz.failure import replay
+from fuzz.lanes.native import Few, fits, scenes
+from fuzz.lanes.plan import planned_lane
+from fuzz.native import evaluate
+from fuzz.result import Memory
+from fuzz.unit import run_unit
+from fuzz.variation import Variation
+from sim.scenario import Scenario
+from worldgen.grid_file import dumps
+from worldgen.random_streams import RandomStream
+
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=4, examples=25, families=("native",))
+
+
+def varied(*texts):
+    scenario = Scenario("turn-right")
+    return CampaignConfig(
+        scenario, 1, examples=12, families=("native",), vary=tuple(Variation.parse(text, scenario) for text in texts)
+    )
+
+
+def test_a_unit_is_a_function_of_its_number():
+    one, two, other = run_unit(CONFIG, 3), run_unit(CONFIG, 3), run_unit(CONFIG, 4)
+    assert [dumps(world) for world in one.failures.values()] == [dumps(world) for world in two.failures.values()]
+    assert (one.worlds, one.steps, one.verdicts) == (two.worlds, two.steps, two.verdicts)
+    assert one.steps != other.steps
+
+
+def test_what_a_unit_reports_replays():
+    result = run_unit(CONFIG, 0)
+    assert result.worlds == result.verdicts.total() > 500 and len(result.failures) > 5
+    assert all(replay(failure).confirmed for failure in result.failures.values())
+
+
+def test_the_smallest_of_each_key_come_first():
+    layouts = scenes(RandomStream(1), 300)
+    looks = evaluate(layouts, Scenario("turn-right"), np.zeros(len(layouts), np.uint64), 0.015)
+    few = Few()
+    few.add(looks)
+    chosen = [n for _, n in few.in_order()]
+    keys = looks.key[chosen].tolist()
+    found = [key for key in set(looks.key.tolist()) if key]
+    assert len(chosen) == len(set(chosen)) <= 32 and sorted(keys[: len(found)]) == sorted(found)
+    for n in chosen[: len(found)]:
+        assert looks.solid[n] == looks.solid[looks.key == looks.key[n]].min()
+
+
+def test_a_campaign_for_a_compiled_controller_is_mainly_native():
+    lanes = Counter(planned_lane(CampaignConfig(Scenario("vfh")), unit, Memory()) for unit in range(100))
+    assert lanes["native"] > 35 and lanes["features"] > 5
+
+
+@pytest.mark.parametrize(
+    ("config", "expected"),
+    [
+        (CampaignConfig(Scenario("bug1", "endpoint")), True),
+        (CampaignConfig(Scenario("turn-left", "stepped")), False),
+        (CampaignConfig(Scenario("tests.sim.test_vector_controllers:TurnsAway")), False),
+        (varied("robot_radius=0.05,0.12"), False),
+        (varied("slip=0,0.1"), True),
+    ],
+    ids=["compiled", "stepped", "python", "radius", "slip"],
+)
+def test_the_lane_works_where_its_kernel_runs(config, expected):
+    assert fits(config) is expected
+
+
+def test_what_a_campaign_varies_is_one_thing_for_a_unit():
+    config = varied("wall_friction=0.1,0.3", "time_step=0.02,0.04", "robot_speed=1,2")
+    seen: set[tuple[object, ...]] = set()
+    for unit in (0, 4):
+        made = {
+            (failure.failure.parameters["wall_friction"], failure.failure.parameters["time_step"], failure.robot_speed)
+            for failure in run_unit(config, unit).failures.values()
+        }
+        assert len(made) <= 1
+        seen |= made
+    assert len(seen) > 1
