@@ -116,6 +116,8 @@ class LatticeRun:
         settings[layout.SET_SIGNAL] = SIGNALS.index(robot.signal)
         settings[layout.SET_SMOKE_REACH] = robot.smoke_reach
         settings[layout.SET_PLAIN_SENSOR] = int(robot.plain_sensor)
+        settings[layout.SET_LATTICE] = UNIT // robot.lattice if robot.lattice else 1
+        settings[layout.SET_COIN] = robot.coin
         settings[layout.SET_SEED] = np.uint64(self.options.seed).astype(np.int64)
 
     def _fill_scales(self, tolerance: float) -> None:

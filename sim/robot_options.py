@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from sim.switches import Switches
+from worldgen.errors import InvalidParameter
 
 __all__ = ["MAX_BEAMS", "SIGNALS", "RobotOptions"]
 
@@ -43,6 +44,10 @@ class RobotOptions(Switches):
             first ahead, the others counter-clockwise.
         beam_noise: Largest share by which a distance is wrong, 0 to 1, another for each beam and step.
         beam_dropout: Probability, 0 to 1, that a beam returns nothing.
+        lattice: Poses are rounded after each step to 1/lattice of a cell, where the way there is clear; a power of 2
+            from 2 to 1024, 0 means not.
+        coin: How many values a random number of the controller has, 0, 1/coin and so on, equally likely; 0 means any
+            number below 1. With few values, and a coarse lattice, all that can happen can be looked at.
 
     Raises:
         InvalidParameter: If a value is out of range.
@@ -66,6 +71,8 @@ class RobotOptions(Switches):
     beam_field: float = 0.0
     beam_noise: float = 0.0
     beam_dropout: float = 0.0
+    lattice: int = 0
+    coin: int = 0
 
     RANGES: ClassVar[Mapping[str, tuple[float, float, str]]] = {
         "turn_limit": (0, 1e6, " rad/s"),
@@ -85,8 +92,15 @@ class RobotOptions(Switches):
         "beam_field": (0, 2 * math.pi, " rad"),
         "beam_noise": (0, 1, ""),
         "beam_dropout": (0, 1, ""),
+        "lattice": (0, 1024, ""),
+        "coin": (0, 65536, ""),
     }
     CHOICES: ClassVar[Mapping[str, tuple[str, ...]]] = {"signal": SIGNALS}
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.lattice and (self.lattice == 1 or 1024 % self.lattice):
+            raise InvalidParameter(f"lattice={self.lattice} does not divide 1024; give a power of 2 from 2 to 1024")
 
     @property
     def random(self) -> bool:

@@ -251,6 +251,35 @@ def _move_through_events(
 
 
 @rare_kernel
+def _round_pose(arena: Arena, settings: Ints, scales: Floats, step: int, count: int, robot: Robot) -> int:
+    """Moves the robot on to the nearest point of the coarser lattice to which a clear way leads, if there is one.
+
+    Of points that are equally near the first counts, from the lower left.
+
+    Returns:
+        Rows of the chain that are filled then.
+    """
+    state, grid = robot.state, settings[layout.SET_LATTICE]
+    x, y = state[layout.STATE_X], state[layout.STATE_Y]
+    if x % grid == 0 and y % grid == 0:
+        return count
+    qx, qy, best = x, y, -1
+    for corner in range(4):
+        ax, ay = (x // grid + (corner & 1)) * grid, (y // grid + (corner >> 1)) * grid
+        away = (ax - x) * (ax - x) + (ay - y) * (ay - y)
+        if best < 0 or away < best:
+            ends = (x, y, ax, ay)
+            clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
+            if not segment_first_not_clear(arena.cells, SOLID, clear_sq, reach, ends)[0]:
+                qx, qy, best = ax, ay, away
+    if best > 0:
+        robot.chain[count, 0], robot.chain[count, 1], robot.chain[count, 2] = qx, qy, TIME_UNIT
+        _judge_path(arena, settings, scales, step, (count, count + 1), False, robot)
+        count += 1
+    return count
+
+
+@rare_kernel
 def _measure(settings: Ints, scales: Floats, headings: Ints, step: int, way: tuple[int, int], robot: Robot) -> None:
     """Adds a displacement to the odometry as the robot measures it: its length a little wrong, its direction too."""
     noise = scales[layout.SCALE_ODOMETRY_NOISE]
@@ -282,6 +311,8 @@ def _advance(
     else:
         whole = (0, TIME_UNIT)
         count, nx, ny = _move(arena, settings, scales, step, way, whole, 0, robot)
+    if settings[layout.SET_LATTICE] > 1 and counts[layout.OUT_ENDING] == layout.LIMIT:
+        count = _round_pose(arena, settings, scales, step, count, robot)
     if scales[layout.SCALE_ODOMETRY_NOISE] > 0.0:
         moved = (state[layout.STATE_X] - x, state[layout.STATE_Y] - y)
         _measure(settings, scales, arena.headings, step, moved, robot)

@@ -62,7 +62,9 @@ SET_SIGNAL = 15  # OPEN, WEAKENED, BLOCKED
 SET_BEAMS = 16
 SET_PLAIN_SENSOR = 17  # 1: the signal sensor is the thesis's, without noise or limits
 SET_SMOKE_REACH = 18  # cells around a burning one that its smoke fills
-SET_SIZE = 19
+SET_LATTICE = 19  # lattice units to which poses are rounded after each step; 1: none
+SET_COIN = 20  # how many values a random number has; 0: any in [0, 1)
+SET_SIZE = 21
 
 # What walls do to the signal.
 OPEN, WEAKENED, BLOCKED = 0, 1, 2

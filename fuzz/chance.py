@@ -1,0 +1,84 @@
+"""What chance has to do with a failure: the exact answer where there is one, else how many seeds fail."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from fuzz.failure import seeds_that_fail
+from fuzz.oracles.chance import object_to_chance
+from sim.chance import explore, why_not_explored
+from sim.controllers import CONTROLLERS, CompiledController
+from sim.episode import simulate
+from sim.run_options import RunOptions
+from sim.scenario import Scenario
+from worldgen.world import Cut, Value, World
+
+__all__ = ["MOST_STATES", "Chance", "chance_details", "chance_of"]
+
+MOST_STATES = 100_000
+"""States that are looked at before only seeds are counted; a few seconds."""
+
+_MOST_IN_CAMPAIGNS = 20_000
+_RUNS, _STEPS = 4, 2_000  # ordinary runs that are held against the states
+
+
+@dataclass(frozen=True)
+class Chance:
+    """What is known about a run with chance.
+
+    Args:
+        chance: ``sure``: with probability one the robot arrives. ``trap``: it never does, whatever is drawn.
+            ``part``: some draws are its end. ``undecided``.
+        reason: Why it is undecided; else empty.
+        states: That were looked at, 0 if undecided.
+        draws: For ``part``, values from 0 that, drawn one after the other, lose all in the fewest steps.
+        lost_after: For ``part``, those steps.
+    """
+
+    chance: str
+    reason: str = ""
+    states: int = 0
+    draws: tuple[int, ...] = ()
+    lost_after: int = 0
+
+
+def chance_of(world: World, controller: str, options: RunOptions, *, most: int = MOST_STATES) -> Chance:
+    """The exact answer for a run with chance, or why there is none.
+
+    The states are explored by :mod:`sim.chance`; the answer is checked apart from that.
+
+    Args:
+        world: Where.
+        controller: Its name.
+        options: How; the seed and the budget have no part in the answer.
+        most: States to look at.
+
+    Raises:
+        WorldgenError: If controller, options and world do not go together.
+    """
+    reason = why_not_explored(CONTROLLERS.get(controller), world, options)
+    if reason:
+        return Chance("undecided", reason)
+    outcomes = explore(world, controller, options, most=most)
+    if outcomes is None:
+        return Chance("undecided", f"there are more than {most} states; give a coarser +lattice=N or fewer values +coin=N")
+    chance = outcomes.chance
+    runs = [
+        simulate(world, controller, replace(options, seed=seed, steps=_STEPS), record=True) for seed in range(_RUNS)
+    ]
+    recorded = [(run.trace, run.verdict == "reached") for run in runs if run.trace is not None]
+    wrong = object_to_chance(outcomes, chance, recorded)
+    if wrong:
+        return Chance("undecided", f"the check objects to {chance!r}: {wrong}; please report this, it is a fault of ours")
+    draws, steps = outcomes.way_to_loss() if chance == "part" else ((), 0)
+    return Chance(chance, states=len(outcomes.states), draws=draws, lost_after=steps)
+
+
+def chance_details(world: World, scenario: Scenario) -> dict[str, Value]:
+    """What a failure's record says about chance: ``chance`` and ``states``, or :func:`seeds_that_fail`."""
+    controller = CONTROLLERS.get(scenario.controller)
+    if isinstance(controller, CompiledController) and controller.randomised and not isinstance(world.certificate, Cut):
+        found = chance_of(world, scenario.controller, scenario.options(world), most=_MOST_IN_CAMPAIGNS)
+        if found.states:
+            return {"chance": found.chance, "states": found.states}
+    return seeds_that_fail(world, scenario)

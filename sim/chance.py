@@ -1,0 +1,258 @@
+"""Everything that can happen to a robot with chance: all states that some draws lead to, and what follows each.
+
+A random controller draws one of a few values (``coin``), and its poses are on a lattice (``lattice``), so the states
+that it can be in are finite in number, often few enough to look at each. If the target can be reached from every one of
+them, the robot arrives with probability one; if from none, it never arrives, whatever it draws; else some draws are its
+end.
+
+Source: John Kemeny and Laurie Snell, "Finite Markov chains", 1960, chapter 3: absorbing chains.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers import CompiledController, Controller, controller_of
+from sim.controllers.base import compiled_act, numba_config, robot_for
+from sim.kernel_types import episode_types, typed_kernel
+from sim.kernels import layout
+from sim.kernels.lattice_outcomes import lattice_outcomes
+from sim.kernels.lattice_state import new_robot, new_room, set_out
+from sim.lattice_run import LatticeRun
+from sim.motion import MOTIONS
+from sim.run_options import RunOptions
+from worldgen.errors import InvalidParameter
+from worldgen.world import World
+
+__all__ = ["ARRIVED", "ENDED", "UNSEEN", "Outcomes", "explore", "why_not_explored"]
+
+ARRIVED, ENDED = -1, -2
+"""What may follow a state instead of another one: the target, or an end elsewhere, such as a command that is none."""
+
+UNSEEN = -1
+"""Of the next random number: that the controller has not looked at it yet, so that any value is equally likely."""
+
+Ints = npt.NDArray[np.int64]
+Following: TypeAlias = tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Outcomes:
+    """States that some draws lead to, and what follows each.
+
+    Args:
+        coin: How many values a random number has.
+        states: (n, k) complete states; the first is the start. The number of draws in them is 0.
+        faces: (n,) which value the next random number has, from 0, or :data:`UNSEEN`.
+        following: What may follow each state: the value that leads there, and the number of the state, :data:`ARRIVED`
+            or :data:`ENDED`. Where the value makes no difference there is one entry, with :data:`UNSEEN`.
+        ranks: (n,) fewest steps to the target, from 1; 0 where none lead there.
+    """
+
+    coin: int
+    states: Ints
+    faces: Ints
+    following: tuple[Following, ...]
+    ranks: tuple[int, ...]
+
+    @property
+    def chance(self) -> str:
+        """``sure`` (with probability one the robot arrives), ``trap`` (it never does) or ``part``."""
+        if not self.ranks[0]:
+            return "trap"
+        return "part" if any(map(self._is_lost, range(len(self.ranks)))) else "sure"
+
+    def way_to_loss(self) -> tuple[tuple[int, ...], int]:
+        """The fewest steps after which all is lost: the values drawn on the way there, and the number of steps.
+
+        Raises:
+            ValueError: If the robot arrives whatever it draws.
+        """
+        before: dict[int, tuple[int, int]] = {}
+        queue = deque([0])
+        while queue:
+            number = queue.popleft()
+            if self._is_lost(number):
+                return _drawn(before, number)
+            for face, after in self.following[number]:
+                if after >= 0 and after not in before and after != 0:
+                    before[after] = (number, face)
+                    queue.append(after)
+        raise ValueError("nothing is ever lost")
+
+    def _is_lost(self, number: int) -> bool:
+        return not self.ranks[number] or any(after == ENDED for _, after in self.following[number])
+
+
+def why_not_explored(controller: Controller, world: World, options: RunOptions) -> str:
+    """Why not everything that can happen to a robot can be looked at; empty if only its amount may stand against it.
+
+    Args:
+        controller: The controller.
+        world: Where.
+        options: Of the run.
+    """
+    if not isinstance(controller, CompiledController):
+        return "only what a compiled controller may do can be looked at"
+    if MOTIONS.get(options.motion).name != "swept":
+        return "only the motion model swept has a lattice of poses on which no wall is ever entered"
+    robot = robot_for(controller, options.robot)
+    if world.is_dynamic:
+        return "the world changes"
+    if robot.random:
+        return "the simulator draws random numbers of its own, for slip or a noisy sensor"
+    if "time" in controller.senses:
+        return "the controller reads the clock, so it never comes back to a state"
+    if controller.randomised and not robot.coin:
+        return "a random number may be any below 1; give it few values with +coin=N"
+    return ""
+
+
+def explore(world: World, controller: str | Controller, options: RunOptions, *, most: int) -> Outcomes | None:
+    """Looks at every state that some draws lead to.
+
+    Args:
+        world: One that does not change.
+        controller: The controller, or its name.
+        options: ``swept``, with a robot whose ``coin`` and ``lattice`` make the states few.
+        most: States.
+
+    Returns:
+        The states; ``None`` if there are more than ``most``.
+
+    Raises:
+        InvalidParameter: If :func:`why_not_explored` says so, or the controller raises an error.
+    """
+    found = controller_of(controller)
+    against = why_not_explored(found, world, options)
+    if against or not isinstance(found, CompiledController):
+        raise InvalidParameter(f"not everything that can happen can be looked at: {against}")
+    search = _Search(LatticeRun(world, found, options), found, most)
+    return search.outcomes() if search.run() else None
+
+
+class _Search:
+    """Breadth first, all states of one distance in one call of the kernel."""
+
+    def __init__(self, run: LatticeRun, controller: CompiledController, most: int) -> None:
+        self._run, self._controller, self._most = run, controller, most
+        self.coin = max(run.options.robot.coin, 1)
+        start = self._start()
+        self._numbers: dict[tuple[bytes, int], int] = {(start.tobytes(), UNSEEN): 0}
+        self._states, self._faces = [start], [UNSEEN]
+        self._following: list[Following] = []
+
+    def run(self) -> bool:
+        """Looks at all states; False if there are too many."""
+        while len(self._following) < len(self._states):
+            first = len(self._following)
+            states, faces = np.array(self._states[first:]), np.array(self._faces[first:], np.int64)
+            self._following.extend(self._entries(states, faces))
+            if len(self._states) > self._most:
+                return False
+        return True
+
+    def outcomes(self) -> Outcomes:
+        following = tuple(self._following)
+        faces = np.array(self._faces, np.int64)
+        return Outcomes(self.coin, np.array(self._states), faces, following, _ranks(following))
+
+    def _start(self) -> Ints:
+        memory = np.array(self._controller.memory, np.float64)
+        robot, room = new_robot(memory.size, self._run.events), new_room(memory.size, self._run.options.robot.beams)
+        set_out(self._run.settings, self._run.scales, memory, room, robot)
+        return robot.state
+
+    def _entries(self, states: Ints, faces: Ints) -> Iterator[Following]:
+        """What follows each state, in order."""
+        times = np.where(faces == UNSEEN, self.coin, 1)
+        first = np.cumsum(times) - times
+        each = np.repeat(faces, times)
+        values = np.where(each == UNSEEN, np.arange(len(each)) - np.repeat(first, times), each)
+        after, endings, drew = self._step(np.repeat(states, times, axis=0), values)
+        for row, count in zip(first.tolist(), times.tolist(), strict=True):
+            group = slice(row, row + count)
+            yield self._entry(after[group], endings[group].tolist(), drew[group].tolist(), values[group].tolist())
+
+    def _entry(self, after: Ints, endings: list[int], drew: list[int], values: list[int]) -> Following:
+        """What follows one state, from what each value of the random number makes of it."""
+        alike = len(set(endings)) == 1 and len(set(drew)) == 1 and bool((after == after[0]).all())
+        if len(values) > 1 and alike:  # it was not looked at, or makes no difference
+            return ((UNSEEN, self._number(after[0], endings[0], UNSEEN)),)
+        faces = [UNSEEN if used else value for used, value in zip(drew, values, strict=True)]
+        numbers = [self._number(*one) for one in zip(after, endings, faces, strict=True)]
+        return tuple(zip(values if len(values) > 1 else (UNSEEN,), numbers, strict=True))
+
+    def _number(self, state: Ints, ending: int, face: int) -> int:
+        """The number of a state, a new one if it is new, or how the run ended."""
+        if ending != layout.LIMIT:
+            return ARRIVED if ending == layout.REACHED else ENDED
+        key = (state.tobytes(), face)
+        if key not in self._numbers:
+            self._numbers[key] = len(self._states)
+            self._states.append(state.copy())
+            self._faces.append(face)
+        return self._numbers[key]
+
+    def _step(self, states: Ints, values: Ints) -> tuple[Ints, Ints, Ints]:
+        """States after one step, how it ended, and whether the random number was used up."""
+        run, memory = self._run, states.shape[1] - layout.STATE_MEMORY
+        robot, room = new_robot(memory, run.events), new_room(memory, run.options.robot.beams)
+        after, endings, drew = np.empty_like(states), np.zeros(len(states), np.int64), np.zeros(len(states), np.int64)
+        kernel, act = _typed_outcomes(), compiled_act(self._controller.act)
+        try:
+            kernel(run.arena(), run.settings, run.scales, act, room, robot, states, values, after, endings, drew)
+        except Exception as error:  # raised in the compiled controller, which may raise anything
+            raise InvalidParameter(
+                f"{self._controller.name} raises {type(error).__name__} where some draws lead: {error}; mend that first"
+            ) from error
+        return after, endings, drew
+
+
+@functools.cache
+def _typed_outcomes() -> Any:
+    if numba_config.DISABLE_JIT:
+        return lattice_outcomes
+    arena, robot, room, act = episode_types()
+    ints, rows = numba.int64[::1], numba.int64[:, ::1]
+    signature = numba.void(arena, ints, numba.float64[::1], act, room, robot, rows, ints, rows, ints, ints)
+    return typed_kernel(lattice_outcomes, signature)
+
+
+def _ranks(following: tuple[Following, ...]) -> tuple[int, ...]:
+    """Fewest steps from each state to the target; 0 where none lead there."""
+    before: list[list[int]] = [[] for _ in following]
+    ranks, queue = [0] * len(following), deque[int]()
+    for number, entry in enumerate(following):
+        if any(after == ARRIVED for _, after in entry):
+            ranks[number] = 1
+            queue.append(number)
+        for _, after in entry:
+            if after >= 0:
+                before[after].append(number)
+    while queue:
+        number = queue.popleft()
+        for earlier in before[number]:
+            if not ranks[earlier]:
+                ranks[earlier] = ranks[number] + 1
+                queue.append(earlier)
+    return tuple(ranks)
+
+
+def _drawn(before: dict[int, tuple[int, int]], number: int) -> tuple[tuple[int, ...], int]:
+    """The values drawn on the way to a state, and its steps."""
+    values, steps = [], 0
+    while number in before:
+        number, face = before[number]
+        steps += 1
+        if face != UNSEEN:
+            values.append(face)
+    return tuple(reversed(values)), steps
