@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from fuzz.failure import seeds_that_fail
 from fuzz.oracles.chance import object_to_chance
@@ -13,7 +15,7 @@ from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from worldgen.world import Cut, Value, World
 
-__all__ = ["MOST_STATES", "Chance", "chance_details", "chance_of"]
+__all__ = ["MOST_STATES", "Chance", "chance_details", "chance_of", "in_words"]
 
 MOST_STATES = 100_000
 """States that are looked at before only seeds are counted; a few seconds."""
@@ -41,6 +43,14 @@ class Chance:
     draws: tuple[int, ...] = ()
     lost_after: int = 0
 
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON; without what does not belong to the answer."""
+        own: dict[str, Any] = {"chance": self.chance}
+        if self.chance == "undecided":
+            return own | {"reason": self.reason}
+        lost = {"draws": list(self.draws), "lost_after": self.lost_after} if self.chance == "part" else {}
+        return own | {"states": self.states} | lost
+
 
 def chance_of(world: World, controller: str, options: RunOptions, *, most: int = MOST_STATES) -> Chance:
     """The exact answer for a run with chance, or why there is none.
@@ -61,7 +71,7 @@ def chance_of(world: World, controller: str, options: RunOptions, *, most: int =
         return Chance("undecided", reason)
     outcomes = explore(world, controller, options, most=most)
     if outcomes is None:
-        return Chance("undecided", f"there are more than {most} states; give a coarser +lattice=N or fewer values +coin=N")
+        return Chance("undecided", f"there are more than {most} states; take a coarser +lattice=N or a smaller +coin=N")
     chance = outcomes.chance
     runs = [
         simulate(world, controller, replace(options, seed=seed, steps=_STEPS), record=True) for seed in range(_RUNS)
@@ -69,7 +79,7 @@ def chance_of(world: World, controller: str, options: RunOptions, *, most: int =
     recorded = [(run.trace, run.verdict == "reached") for run in runs if run.trace is not None]
     wrong = object_to_chance(outcomes, chance, recorded)
     if wrong:
-        return Chance("undecided", f"the check objects to {chance!r}: {wrong}; please report this, it is a fault of ours")
+        return Chance("undecided", f"a fault of ours, please report it: the check of {chance!r} says that {wrong}")
     draws, steps = outcomes.way_to_loss() if chance == "part" else ((), 0)
     return Chance(chance, states=len(outcomes.states), draws=draws, lost_after=steps)
 
@@ -82,3 +92,30 @@ def chance_details(world: World, scenario: Scenario) -> dict[str, Value]:
         if found.states:
             return {"chance": found.chance, "states": found.states}
     return seeds_that_fail(world, scenario)
+
+
+_WORDS = {
+    "sure": "sure: with probability one the robot arrives",
+    "trap": "trap: the robot never arrives, whatever it draws",
+    "part": "part: the robot may arrive, and may be lost for ever",
+}
+
+
+def in_words(found: Chance, seeds: Mapping[str, Value]) -> str:
+    """The answer in one sentence.
+
+    Args:
+        found: The answer.
+        seeds: Of :func:`seeds_that_fail`, where it is undecided.
+    """
+    if found.chance == "undecided":
+        failing = seeds.get("failing_seeds")
+        if not isinstance(failing, list):
+            return f"undecided: {found.reason}"
+        share = f", so that the share of all is {seeds['failing_share_at_least']} at least, with 95 % confidence"
+        return f"undecided: {found.reason}; {failing[0]} of {failing[1]} seeds fail{share if failing[0] else ''}"
+    lost = ""
+    if found.chance == "part":
+        drawn = f" with the draws {' '.join(map(str, found.draws))}" if found.draws else ""
+        lost = f", the soonest after {found.lost_after} steps{drawn}"
+    return f"{_WORDS[found.chance]}{lost} ({found.states} states looked at)"

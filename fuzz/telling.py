@@ -19,6 +19,12 @@ from worldgen.cli.output import shown
 from worldgen.render import draw_terminal, wants_color
 from worldgen.world import Cut, World
 
+_CHANCES = {
+    "sure": ", arrives with probability one but not in time",
+    "trap": ", never arrives whatever it draws",
+    "part": ", some draws are lost for ever",
+}
+
 __all__ = ["describe", "replay_line", "run_to_draw"]
 
 
@@ -40,6 +46,7 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     seeds = record.details.get("failing_seeds")
     does = "get there" if isinstance(world.certificate, Cut) else "fail"
     chance = f", {seeds[0]} of {seeds[1]} seeds {does}" if isinstance(seeds, list) else ""
+    chance += _CHANCES.get(str(record.details.get("chance")), "")
     begins = boundaries_in_words(world)
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""
     color = wants_color(sys.stdout)

@@ -6,7 +6,8 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
-from fuzz.failure import failure_by, failure_of, judge, scenario_of, seeds_that_fail
+from fuzz.chance import chance_details
+from fuzz.failure import failure_by, failure_of, judge, scenario_of
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removable
 from fuzz.shrink.order import Case, simplicity
@@ -190,7 +191,7 @@ class _Reducer:
         details.pop("boundaries", None)  # the smaller world has others
         details |= fresh.details
         if self._still_fails.asked is None:
-            details |= seeds_that_fail(made, scenario)
+            details |= chance_details(made, scenario)
         details |= {
             "shrunk_from": self._failure.solid_cells,
             "kept": self._keep,

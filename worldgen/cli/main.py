@@ -75,6 +75,7 @@ _SUMMARY = {
     "audit": "Say whether a trajectory, recorded in any simulator, was possible in a world.",
     "census": "Count in how many foreign maps a disc can reach its target, and where only a grid says so.",
     "compare": "Run controllers in many worlds and print one table of times, failures, best and worst.",
+    "chance": "Say whether a random controller arrives with probability one, never, or in part.",
     "check-family": "Check what every family promises, over a family of your own.",
     "compose": "Make worlds of parts, by a recipe: a trap in a maze, a fire in one wing.",
     "corpus": "Look at saved failures, compare and merge folders of them, and keep them small.",

@@ -1,0 +1,55 @@
+"""``worldgen chance``: what becomes of a random controller, whatever it draws."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import CONTROLLER_HELP, emit_json, json_option, shown
+
+__all__ = ["chance"]
+
+EXAMPLES = (
+    "\b\n  worldgen chance w.grid --controller turn-random+coin=4+lattice=16\n"
+    "  worldgen chance failures/stalled-nook-near.grid --most 1000000"
+)
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("path", type=click.Path(path_type=Path))
+@click.option("--controller", help=f"{CONTROLLER_HELP} A failure names its own.")
+@click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
+@click.option("--most", type=click.IntRange(1, 10_000_000), help="States to look at [default: 100000].")
+@click.option("--seeds", type=click.IntRange(1, 100_000), default=40, show_default=True, help="To run if undecided.")
+@json_option
+def chance(
+    path: Path, controller: str | None, time_step: float | None, most: int | None, seeds: int, as_json: bool
+) -> None:
+    """Say whether a random controller arrives with probability one, never, or in part.
+
+    Looks at every state that some draws lead to; if there are too many, counts the seeds that do not arrive. Exit code
+    0 if the robot arrives with probability one, or with every seed; 1 if not.
+    """
+    from fuzz.chance import MOST_STATES, chance_of, in_words
+    from fuzz.failure import scenario_of, seeds_that_fail
+    from sim.run_options import RunOptions
+    from sim.scenario import Scenario
+    from worldgen.grid_file import read_world
+
+    world = read_world(path)
+    if controller is not None:
+        scenario = Scenario.parse(controller, time_step=RunOptions.time_step if time_step is None else time_step)
+    elif world.failure is not None and time_step is None:
+        record, options = scenario_of(world)
+        scenario = Scenario.of(record.controller, options)
+    else:
+        raise click.UsageError("give --controller; only a failure's file names its own")
+    found = chance_of(world, scenario.controller, scenario.options(world), most=most or MOST_STATES)
+    counted = {} if found.states else seeds_that_fail(world, scenario, seeds)
+    if as_json:
+        emit_json(found.as_dict() | counted)
+    else:
+        click.echo(shown(f"{scenario.label()}: {in_words(found, counted)}"))
+    fails = counted.get("failing_share_at_least", 0.0) != 0.0 if found.chance == "undecided" else found.chance != "sure"
+    raise SystemExit(int(fails))

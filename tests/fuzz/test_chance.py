@@ -1,0 +1,245 @@
+"""Exact answers about random controllers: known ones, checked ones, and such as ordinary runs agree with."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from fuzz.chance import Chance, chance_details, chance_of, in_words
+from fuzz.oracles.chance import object_to_chance
+from sim import RobotOptions, simulate, simulate_many
+from sim.chance import ARRIVED, explore
+from sim.controllers.base import CompiledController
+from sim.kernels import layout
+from sim.run_options import RunOptions
+from sim.scenario import Scenario
+from tests.helpers.command_line import worldgen
+from worldgen import Event, Pose, Target, Timeline, World, write_world
+from worldgen.errors import InvalidParameter
+from worldgen.timeline import CellState
+
+COIN = RobotOptions(coin=2, lattice=8)
+SENSES = ("bump", "heading", "random", "time_step", "top_speed")
+
+
+def _wander(observation, memory, command):
+    """East or west, anew in every step."""
+    east = observation[layout.OBS_RANDOM] < 0.5
+    turned = 0.0 if east else math.pi
+    command[layout.CMD_TURN_RATE] = (turned - observation[layout.OBS_HEADING]) / observation[layout.OBS_TIME_STEP]
+    command[layout.CMD_SPEED], command[layout.CMD_DRAW] = observation[layout.OBS_TOP_SPEED], 1.0
+
+
+def _choose(observation, memory, command):
+    """East or west once and for all."""
+    if memory[0] == 0.0:
+        memory[0], command[layout.CMD_DRAW] = 1.0, 1.0
+        if observation[layout.OBS_RANDOM] >= 0.5:
+            command[layout.CMD_TURN_RATE] = math.pi / observation[layout.OBS_TIME_STEP]
+    command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED]
+
+
+def _quarter(observation, memory, command):
+    """Ahead; at a wall a quarter turn to the left or to the right."""
+    if observation[layout.OBS_BUMP] != 0.0:
+        side = 1.0 if observation[layout.OBS_RANDOM] < 0.5 else -1.0
+        command[layout.CMD_TURN_RATE] = side * math.pi / 2 / observation[layout.OBS_TIME_STEP]
+        command[layout.CMD_DRAW] = 1.0
+    command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED]
+
+
+def _peek(observation, memory, command):
+    """Ahead while the number is low, and it never takes another one: a number seen is the same in the next step."""
+    command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED] if observation[layout.OBS_RANDOM] < 0.5 else 0.0
+
+
+wander = CompiledController("wander", _wander, randomised=True, senses=SENSES, needs=COIN)
+choose = CompiledController("choose", _choose, (0.0,), randomised=True, senses=SENSES, needs=COIN)
+quarter = CompiledController("quarter", _quarter, randomised=True, senses=SENSES, needs=COIN)
+peek = CompiledController("peek", _peek, randomised=True, senses=SENSES, needs=COIN)
+free = replace(quarter, name="free", needs=RobotOptions(lattice=8))
+HERE = "tests.fuzz.test_chance"
+
+
+def hall(target=(1.05, 0.25)):
+    """Twelve cells by five; the start is in the middle of the left half."""
+    return World(np.zeros((5, 12), bool), Pose(0.35, 0.25, 0.0), Target(*target, 0.05))
+
+
+def answer(controller, world, **changes):
+    return chance_of(world, f"{HERE}:{controller}", RunOptions(steps=4000, **changes))
+
+
+def explored(controller, world):
+    outcomes = explore(world, controller, RunOptions(), most=10_000)
+    assert outcomes is not None
+    return outcomes
+
+
+@pytest.mark.parametrize(
+    ("controller", "target", "chance"),
+    [
+        ("wander", (1.05, 0.25), "sure"),  # up and down a hall, however long it takes
+        ("wander", (1.05, 0.45), "trap"),  # a target off the line that it never leaves
+        ("choose", (1.05, 0.25), "part"),  # who sets out to the west stays there
+        ("peek", (1.05, 0.25), "part"),
+    ],
+)
+def test_the_answer_is_the_known_one(controller, target, chance):
+    assert answer(controller, hall(target)).chance == chance
+
+
+def test_the_draws_that_lose_all_are_named():
+    found = answer("choose", hall())
+    assert (found.draws, found.lost_after) == ((1,), 1)
+    assert "lost for ever, the soonest after 1 steps with the draws 1 (" in in_words(found, {})
+
+
+def test_a_number_that_is_not_used_up_stays():
+    found = explored(peek, hall())
+    assert {face for face in found.faces.tolist() if face >= 0} == {0, 1}
+
+
+def test_a_robot_on_a_lattice_ends_its_steps_on_it_and_in_no_wall():
+    world = World(np.eye(9, dtype=bool)[::-1], Pose(0.25, 0.25, 0.3), Target(0.85, 0.85, 0.03))
+    plain = CompiledController("plain", _quarter, randomised=True, senses=SENSES)
+    trace = simulate(world, plain, record=True, steps=300, lattice=8).trace
+    units = np.stack([trace.x, trace.y])[:, 1:] / world.cell_size * 8
+    on = np.abs(units - np.rint(units)) < 1e-9
+    assert on.mean() > 0.9 and trace.bump.any()
+
+
+@pytest.mark.parametrize("value", [1, 3, 2048])
+def test_a_lattice_that_the_poses_do_not_have_is_refused(value):
+    with pytest.raises(InvalidParameter, match=f"lattice={value}"):
+        RobotOptions(lattice=value)
+
+
+def test_a_coin_gives_its_values_and_no_others():
+    seen = set()
+
+    class Looks:
+        def reset(self):
+            return ()
+
+        def act(self, observation, memory):
+            from sim import Command
+
+            seen.add(observation.random)
+            return Command(used_random=True), memory
+
+    simulate(hall(), Looks(), steps=100, coin=4)
+    assert seen == {0.0, 0.25, 0.5, 0.75}
+
+
+@pytest.mark.parametrize(
+    ("controller", "changes", "reason"),
+    [
+        ("free", {}, "a random number may be any below 1"),
+        ("quarter", {"motion": "endpoint"}, "only the motion model swept"),
+        ("quarter", {"robot": RobotOptions(slip=0.1)}, "random numbers of its own"),
+    ],
+)
+def test_what_cannot_be_looked_at_is_undecided_and_says_why(controller, changes, reason):
+    found = answer(controller, hall(), **changes)
+    assert found.chance == "undecided" and reason in found.reason
+
+
+def test_a_world_that_changes_is_undecided():
+    world = replace(hall(), timeline=Timeline.of([Event(1.0, 6, 2, CellState.SOLID)]))
+    assert "the world changes" in answer("quarter", world).reason
+
+
+def test_too_many_states_are_undecided():
+    found = chance_of(hall(), f"{HERE}:quarter", RunOptions(), most=5)
+    assert found.chance == "undecided" and "more than 5 states" in found.reason
+
+
+@st.composite
+def small_worlds(draw):
+    """Six cells a side with a few solid ones."""
+    walls = np.array(draw(st.lists(st.booleans(), min_size=36, max_size=36)), bool).reshape(6, 6)
+    walls &= np.array(draw(st.lists(st.booleans(), min_size=36, max_size=36)), bool).reshape(6, 6)
+    (ix, iy), (tx, ty) = (draw(st.tuples(st.integers(0, 5), st.integers(0, 5))) for _ in range(2))
+    walls[iy, ix] = walls[ty, tx] = False
+    start, target = Pose(0.1 * ix + 0.05, 0.1 * iy + 0.05, 0.0), Target(0.1 * tx + 0.05, 0.1 * ty + 0.05, 0.05)
+    return World(walls, start, target, robot_radius=0.04)
+
+
+@given(small_worlds(), st.sampled_from([quarter, wander, choose]))
+def test_ordinary_runs_agree_with_the_answer(world, controller):
+    outcomes = explore(world, controller, RunOptions(), most=50_000)
+    assume(outcomes is not None)
+    verdicts = set(simulate_many(world, controller, seeds=200, steps=3000).verdicts)
+    assert outcomes.chance != "sure" or "loop" not in verdicts
+    assert outcomes.chance != "trap" or "reached" not in verdicts
+    assert "reached" not in verdicts or outcomes.ranks[0] > 0
+
+
+@given(small_worlds(), st.sampled_from([quarter, wander, choose]), st.integers(0, 2**32))
+def test_the_check_accepts_what_is_explored_and_refuses_another_claim(world, controller, seed):
+    outcomes = explore(world, controller, RunOptions(), most=50_000)
+    assume(outcomes is not None)
+    run = simulate(world, controller, record=True, seed=seed, steps=300)
+    runs = [(run.trace, run.verdict == "reached")]
+    for claim in ("sure", "trap", "part"):
+        assert bool(object_to_chance(outcomes, claim, runs)) == (claim != outcomes.chance)
+
+
+def test_the_check_refuses_states_that_are_not_closed():
+    outcomes = explored(wander, hall())
+    cut = replace(outcomes, following=(((0, len(outcomes.states)), (1, 0)), *outcomes.following[1:]))
+    assert "was not looked at" in object_to_chance(cut, "sure", [])
+
+
+def test_the_check_refuses_ranks_that_lead_nowhere():
+    outcomes = explored(wander, hall((1.05, 0.45)))
+    assert "lower rank" in object_to_chance(replace(outcomes, ranks=(1,) * len(outcomes.ranks)), "sure", [])
+
+
+def test_the_check_refuses_a_run_that_leaves_the_states():
+    outcomes, run = explored(wander, hall()), simulate(hall(), quarter, record=True, steps=50)
+    assert "does not follow" in object_to_chance(outcomes, "sure", [(run.trace, False)])
+
+
+def test_the_check_refuses_an_arrival_that_no_state_tells():
+    outcomes = explored(wander, hall())
+    never = tuple(tuple((v, 0 if after == ARRIVED else after) for v, after in entry) for entry in outcomes.following)
+    run = simulate(hall(), wander, record=True, steps=20_000)
+    assert run.verdict == "reached"
+    assert "where no state says so" in object_to_chance(replace(outcomes, following=never), "trap", [(run.trace, True)])
+
+
+def test_a_failures_record_says_what_chance_there_was():
+    assert chance_details(hall(), Scenario(f"{HERE}:choose")) == {"chance": "part", "states": 39}
+    assert list(chance_details(hall(), Scenario(f"{HERE}:free"))) == ["failing_seeds", "failing_share_at_least"]
+
+
+@pytest.mark.parametrize(
+    ("controller", "code", "keys"),
+    [
+        ("wander", 0, {"chance": "sure"}),
+        ("choose", 1, {"chance": "part", "draws": [1], "lost_after": 1}),
+        ("free+lattice=2", 0, {"chance": "undecided", "failing_seeds": [0, 40]}),
+    ],
+)
+def test_the_command_says_so(tmp_path, controller, code, keys):
+    write_world(hall(), tmp_path / "w.grid")
+    result = worldgen("chance", tmp_path / "w.grid", "--controller", f"{HERE}:{controller}", "--json")
+    assert result.code == code and keys.items() <= json.loads(result.out).items()
+
+
+def test_without_a_controller_the_command_says_what_it_needs(tmp_path):
+    write_world(hall(), tmp_path / "w.grid")
+    assert "give --controller" in worldgen("chance", tmp_path / "w.grid").err
+
+
+def test_seeds_are_told_where_all_cannot_be_looked_at():
+    words = in_words(Chance("undecided", "why"), {"failing_seeds": [3, 40], "failing_share_at_least": 0.0157})
+    assert (
+        words == "undecided: why; 3 of 40 seeds fail, so that the share of all is 0.0157 at least, with 95 % confidence"
+    )
