@@ -29,10 +29,11 @@ from sim.kernels.lattice_state import new_robot, new_room, set_out
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.run_options import RunOptions
+from sim.trace import Trace
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
-__all__ = ["ARRIVED", "ENDED", "UNSEEN", "Outcomes", "explore", "why_not_explored"]
+__all__ = ["ARRIVED", "ENDED", "UNSEEN", "Outcomes", "explore", "states_of", "why_not_explored"]
 
 ARRIVED, ENDED = -1, -2
 """What may follow a state instead of another one: the target, or an end elsewhere, such as a command that is none."""
@@ -137,6 +138,13 @@ def explore(world: World, controller: str | Controller, options: RunOptions, *, 
         raise InvalidParameter(f"not everything that can happen can be looked at: {against}")
     search = _Search(LatticeRun(world, found, options), found, most)
     return search.outcomes() if search.run() else None
+
+
+def states_of(trace: Trace) -> Ints:
+    """The states of a recording as :class:`Outcomes` has them: (n + 1, k), without the number of draws."""
+    states = trace.states.view(np.int64).copy()
+    states[:, layout.STATE_DRAWS] = 0
+    return states
 
 
 class _Search:

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-
-from sim.chance import ARRIVED, ENDED, UNSEEN, Outcomes
-from sim.kernels.layout import STATE_DRAWS
+from sim.chance import ARRIVED, ENDED, UNSEEN, Outcomes, states_of
 from sim.trace import Trace
 
 __all__ = ["object_to_chance"]
@@ -93,8 +90,7 @@ def _object_to_run(outcomes: Outcomes, trace: Trace, arrived: bool) -> str:
     known: dict[bytes, set[int]] = {}
     for number, state in enumerate(outcomes.states):
         known.setdefault(state.tobytes(), set()).add(number)
-    states = trace.states.view(np.int64).copy()
-    states[:, STATE_DRAWS] = 0
+    states = states_of(trace)
     may_be = {0} if states[0].tobytes() == outcomes.states[0].tobytes() else set()
     for step in range(1, trace.steps + 1 - arrived):
         after = {after for number in may_be for _, after in outcomes.following[number]}
