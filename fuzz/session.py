@@ -17,6 +17,7 @@ from fuzz.asked import Asked, Trial
 from fuzz.campaign import Campaign, Found, Progress
 from fuzz.ci import NO_OUTPUTS, Finding, Outputs, Report
 from fuzz.config import CampaignConfig
+from fuzz.corpus import Baseline
 from fuzz.crews import Crew, WorkersLost
 from fuzz.failure import certified
 from fuzz.lanes import check_lane
@@ -114,9 +115,19 @@ class CampaignSession:
         crew: Who does the work.
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
+        baseline: Classes that are known, so that meeting them is no failure; none if left out.
     """
 
-    def __init__(self, sitting: Sitting, crew: Crew, *, quiet: bool = False, outputs: Outputs = NO_OUTPUTS) -> None:
+    def __init__(
+        self,
+        sitting: Sitting,
+        crew: Crew,
+        *,
+        quiet: bool = False,
+        outputs: Outputs = NO_OUTPUTS,
+        baseline: Baseline | None = None,
+    ) -> None:
+        self._is_known = (baseline or Baseline()).has
         self._config, self._folder, self._quiet, self._outputs = sitting.config, sitting.folder, quiet, outputs
         self._out = sitting.folder.out
         goal = sitting.goal
@@ -145,7 +156,7 @@ class CampaignSession:
             kept = counted(len(self._campaign.state.best), "failure")
             note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {way_on}")
             return 130
-        return 1 if self._campaign.state.best else 0
+        return 0 if all(map(self._is_known, self._campaign.state.best.values())) else 1
 
     def _search(self) -> bool:
         """Does the work; returns whether Ctrl-C stopped it."""
@@ -219,7 +230,10 @@ class CampaignSession:
         if self._quiet:
             emit_json(summary_of(self._config, state) | {"failures": self._failures()})
             return
-        for kind, world in sorted(state.best.items()):
+        new = {kind: world for kind, world in sorted(state.best.items()) if not self._is_known(world)}
+        for kind in sorted(state.best.keys() - new.keys()):
+            click.echo(f"known: {shown(kind)}")
+        for kind, world in new.items():
             click.echo(describe(world, self._path(kind), met=state.met))
         click.echo(lanes_in_words(state))
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
@@ -227,8 +241,9 @@ class CampaignSession:
             f"seed {self._config.seed}: {counted(state.units, 'unit')}, {state.worlds} worlds, {state.steps} steps "
             f"in {state.seconds:.1f} s; at first look {verdicts or 'nothing'}"
         )
-        if not state.best:
-            click.echo(f"no failure of {self._config.scenario.label()} under {self._config.scenario.motion} found")
+        if not new:
+            what = "new failure" if state.best else "failure"
+            click.echo(f"no {what} of {self._config.scenario.label()} under {self._config.scenario.motion} found")
 
     def _as_report(self) -> Report:
         """The campaign for the programs that run tests for a team."""
@@ -237,7 +252,10 @@ class CampaignSession:
         facts = {"controller": shown(scenario.label(scenario.motion, scenario.time_step)), "motion": scenario.motion}
         numbers = {"seed": self._config.seed, "units": state.units, "worlds": state.worlds, "steps": state.steps}
         facts |= {name: str(number) for name, number in numbers.items()} | {"seconds": f"{state.seconds:.1f}"}
-        return Report("fuzz", tuple(Finding.of(world, self._path(kind), "new") for kind, world in best), facts)
+        findings = (
+            Finding.of(world, self._path(kind), "known" if self._is_known(world) else "new") for kind, world in best
+        )
+        return Report("fuzz", tuple(sorted(findings, key=lambda finding: not finding.fails)), facts)
 
     def _failures(self) -> list[dict[str, object]]:
         return [
@@ -245,6 +263,7 @@ class CampaignSession:
                 "file": str(self._path(kind)),
                 "verdict": world.failure.verdict if world.failure else "",
                 "class": kind,
+                "known": self._is_known(world),
                 "solid_cells": world.solid_cells,
                 "replay": replay_line(self._path(kind)),
             }

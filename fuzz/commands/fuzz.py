@@ -91,6 +91,13 @@ _BEGUN = (
     help="Go on with the campaign in FOLDER, as far as it was to go, or as --units or --budget say.",
 )
 @click.option("--report", type=click.Path(path_type=Path), metavar="PAGE", help="Write an HTML page of what was found.")
+@click.option(
+    "--baseline",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="DIR|ARCHIVE",
+    help="Failures that are known: only a class that is not among them makes the exit code 1; may be repeated.",
+)
 @output_options
 @seed_option
 @json_option
@@ -101,6 +108,7 @@ def fuzz(
     workers: int | None,
     resume: Path | None,
     report: Path | None,
+    baseline: tuple[Path, ...],
     as_json: bool,
     junit: Path | None,
     sarif: Path | None,
@@ -110,14 +118,15 @@ def fuzz(
 ) -> None:
     """Search for worlds in which a controller fails; prove, shrink and save what is found.
 
-    Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there is any,
-    0 if not. Ctrl-C keeps what was found. The same command again, or --resume FOLDER, goes on where a campaign
-    was interrupted, by whatever.
+    Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there is any that no
+    --baseline has, 0 if not. Ctrl-C keeps what was found. The same command again, or --resume FOLDER, goes on where a
+    campaign was interrupted, by whatever.
     """
     import os
 
     from fuzz import ledger
     from fuzz.ci import Outputs
+    from fuzz.corpus import Baseline
     from fuzz.crews import crew_of
     from fuzz.report import write_report
     from fuzz.session import CampaignSession
@@ -129,6 +138,7 @@ def fuzz(
     outputs.check()
     if report is not None:
         check_output(report, force)
+    known = Baseline.read(baseline)
     goal = ledger.Goal(units, None if units else budget or 30.0)
     if resume is None:
         sitting = _begin(goal, force=force, **begun)
@@ -140,7 +150,7 @@ def fuzz(
             f"goes on with the campaign in {sitting.folder.out}: seed {sitting.config.seed}, {sitting.done} units done"
         )
     crew = crew_of(workers or os.cpu_count() or 1)
-    code = CampaignSession(sitting, crew, quiet=as_json, outputs=outputs).run()
+    code = CampaignSession(sitting, crew, quiet=as_json, outputs=outputs, baseline=known).run()
     if report is not None:
         write_report([sitting.folder.out], report, force=force)
         note(f"wrote {report}")

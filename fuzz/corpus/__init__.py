@@ -2,6 +2,7 @@
 
 Contents:
     Corpus, Entry, Selection, read_corpus: what a folder or an archive holds, without its worlds.
+    Baseline: classes that are known.
     differences, Difference: what one corpus has that another has not.
     merge, smallest: the smallest failure of each class, in a folder.
     judge_all, Judgement, remove: what may be dropped, and why.
@@ -11,6 +12,7 @@ Contents:
 The files are the truth. ``docs/corpus.md`` is the description.
 """
 
+from fuzz.corpus.baseline import Baseline
 from fuzz.corpus.comparing import Difference, differences
 from fuzz.corpus.entry import Entry
 from fuzz.corpus.exporting import export
@@ -20,6 +22,6 @@ from fuzz.corpus.pruning import Judgement, judge_all, remove
 from fuzz.corpus.reading import Corpus, Selection, read_corpus
 
 __all__ = [
-    "Corpus", "Difference", "Entry", "Judgement", "Selection", "contact_sheet", "differences", "export", "judge_all",
-    "merge", "read_corpus", "remove", "smallest",
+    "Baseline", "Corpus", "Difference", "Entry", "Judgement", "Selection", "contact_sheet", "differences", "export",
+    "judge_all", "merge", "read_corpus", "remove", "smallest",
 ]  # fmt: skip

@@ -62,8 +62,25 @@ def test_a_campaign_that_finds_nothing_is_one_test_that_passes():
 
 
 def test_sarif_is_as_it_was(project):
-    text = sarif(TWO, project).decode().replace(version("worldgen"), "VERSION")
-    assert text == (GOLDEN / "two.sarif").read_text()
+    known = Finding(
+        state="known",
+        file=project / "failures" / "tunnel.grid",
+        controller="thesis-1",
+        who="thesis-1 under stepped",
+        verdict="tunnel",
+        kind="tunnel-slide-post",
+        what="tunnel (step 3, wall cell (1, 2))",
+        size="4 x 3 cells, 1 solid",
+        picture="....\n.S#G\n....",
+        world_id="5a" * 32,
+        seed=7,
+        replay="worldgen replay failures/tunnel.grid",
+    )
+    new = replace(
+        known, state="new", file=project / "a b.grid", verdict="loop", kind="loop-bumps", what="loop for ever {}"
+    )
+    text = sarif(report(new, known), project).decode().replace(version("worldgen"), "VERSION")
+    assert text == (GOLDEN / "two.sarif").read_text(encoding="utf-8")
 
 
 def test_sarif_has_a_rule_for_each_class_and_notes_what_is_known(project):

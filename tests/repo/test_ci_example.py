@@ -1,0 +1,161 @@
+"""The example of a project's CI: its workflow and our action run here step for step, as GitHub would run them."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
+from tests.helpers.command_line import worldgen
+from tests.helpers.workflow import Job, load
+from worldgen.jit import cache_root
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples" / "ci"
+WORKFLOW = ".github/workflows/worldgen.yml"
+GUIDE = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
+KERNELS = str(cache_root())
+QUICK = {"controller": "./robot.py:Robot", "families": "rooms", "units": "1", "seed": "1", "install": "false"}
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A copy of the example, as checked out on GitHub."""
+    return checked_out(tmp_path, monkeypatch)
+
+
+@pytest.fixture(scope="module")
+def broken(tmp_path_factory):
+    """The job of a pull request in which the robot turns back to walls in too wide a curve."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        project = checked_out(tmp_path_factory.mktemp("broken"), monkeypatch)
+        source = (project / "robot.py").read_text(encoding="utf-8")
+        assert "BACK = 0.5" in source
+        (project / "robot.py").write_text(source.replace("BACK = 0.5", "BACK = 0.1"), encoding="utf-8")
+        return job(project, "pull-request", **QUICK)
+
+
+def checked_out(folder, monkeypatch):
+    monkeypatch.delenv("PYTEST_ADDOPTS", raising=False)
+    monkeypatch.delenv("GITHUB_WORKSPACE", raising=False)
+    shutil.copytree(EXAMPLE, folder / "project", ignore=shutil.ignore_patterns("__pycache__", ".*_cache"))
+    monkeypatch.chdir(folder / "project")
+    return folder / "project"
+
+
+def job(project, name, **inputs):
+    """Runs a job of the workflow, our action with other inputs if wanted."""
+    event = "pull_request" if name == "pull-request" else "schedule"
+    plan = load(project / WORKFLOW)["jobs"][name]
+    for step in plan["steps"]:
+        if step.get("uses") == "./.worldgen":
+            step["with"] |= inputs
+    known = {"github.event_name": event, "github.workspace": str(project), "runner.os": "Linux"}
+    done = Job(project, load(ROOT / "action.yml"), known, {"WORLDGEN_CACHE_DIR": KERNELS})
+    assert done.value(plan["if"])
+    return done.run(plan["steps"])
+
+
+def action(project, **inputs):
+    """Runs our action alone."""
+    done = Job(project, load(ROOT / "action.yml"), {}, {"WORLDGEN_CACHE_DIR": KERNELS})
+    return done.run([{"uses": "./.worldgen", "id": "worldgen", "with": QUICK | inputs}])
+
+
+def outputs(done, *names):
+    return [done.known[f"steps.worldgen.outputs.{name}"] for name in names]
+
+
+def test_a_good_robot_passes(project):
+    done = job(project, "pull-request", **QUICK)
+    assert not done.failed, done.log
+    assert "worldgen fuzz: no new class of failures" in done.summary and outputs(done, "failures", "report") == [
+        "0",
+        "",
+    ]
+    assert read_sarif(Path("worldgen-failures/worldgen.sarif").read_bytes())["results"] == []
+
+
+def test_a_pull_request_that_breaks_the_robot_shows_the_world_that_breaks_it(broken, monkeypatch):
+    monkeypatch.chdir(broken.folder)
+    rows, folds = read_markdown(broken.summary)
+    assert broken.failed and "The worlds, to replay at home" in broken.ran, broken.log
+    assert rows[0][0] == "new" and "S start  G target" in folds[0]
+    assert worldgen(*re.search("^replay: worldgen (.*)$", folds[0], re.MULTILINE)[1].split()).code == 0
+
+
+def test_its_reports_lead_to_the_class_that_broke(broken):
+    failures = broken.folder / "worldgen-failures"
+    [new, *_] = read_sarif((failures / "worldgen.sarif").read_bytes())["results"]
+    line = new["locations"][0]["physicalLocation"]["region"]["startLine"]
+    assert (broken.folder / "robot.py").read_text(encoding="utf-8").splitlines()[line - 1] == "class Robot:"
+    assert read_junit((failures / "worldgen.xml").read_bytes()).attrib["failures"] == outputs(broken, "failures")[0]
+    assert (failures / "report.html").stat().st_size > 10_000
+
+
+def test_a_mended_failure_that_comes_back_fails_as_a_test(broken):
+    assert re.search(r"FAILED worldgen-corpus/mended/.*\.grid::fixed", broken.log)
+
+
+def test_classes_of_a_baseline_do_not_fail_the_job(broken, monkeypatch):
+    monkeypatch.chdir(broken.folder)
+    done = action(broken.folder, baseline="worldgen-corpus/known\nworldgen-failures", out="again", corpus="found")
+    assert not done.failed and outputs(done, "failures", "corpus-path") == ["0", "found"], done.log
+    assert len(list((broken.folder / "found").rglob("*.grid"))) == int(outputs(done, "known")[0]) > 0
+
+
+def test_the_nightly_search_ends_well_and_replays_what_is_known(project):
+    done = job(project, "nightly", **QUICK)
+    assert not done.failed, done.log
+    assert "3 of 3 confirmed" in done.summary and outputs(done, "corpus-path") == ["worldgen-found"]
+
+
+HOSTILE = "x'\"; touch pwned; $(touch pwned) `touch pwned` \\"
+
+
+@pytest.mark.parametrize("name", ["controller", "motion", "families", "units", "seed", "fail-on", "baseline"])
+def test_no_input_is_run_as_a_command(name, project):
+    done = action(project, **{name: HOSTILE})
+    assert done.failed and not list(project.rglob("pwned")) and "Traceback" not in done.log
+
+
+def test_a_folder_of_any_name_is_taken_as_it_is(project):
+    done = action(project, out=HOSTILE.replace("/", ""), units="1", families="trap")
+    assert not done.failed and (project / HOSTILE / "summary.md").exists() and not list(project.rglob("pwned"))
+
+
+def test_scripts_hold_no_expressions_and_actions_are_pinned():
+    plan, workflow = load(ROOT / "action.yml"), load(EXAMPLE / WORKFLOW)
+    steps = [*plan["runs"]["steps"], *(step for one in workflow["jobs"].values() for step in one["steps"])]
+    assert all(step["shell"] == "bash" for step in plan["runs"]["steps"] if "run" in step)
+    assert not [step for step in steps if "${{" in step.get("run", "")]
+    foreign = {step["uses"] for step in steps if "uses" in step} - {"./.worldgen"}
+    assert [name for name in foreign if not re.search("@[0-9a-f]{40}$", name)] == [
+        "github/codeql-action/upload-sarif@v4"
+    ]
+
+
+def test_the_guide_names_every_input_and_output():
+    plan = load(ROOT / "action.yml")
+    assert [name for name in (*plan["inputs"], *plan["outputs"]) if f"`{name}`" not in GUIDE] == []
+
+
+CHECKS = {
+    "action": ("check-jsonschema", "--builtin-schema", "vendor.github-actions", "action.yml"),
+    "workflow": ("check-jsonschema", "--builtin-schema", "vendor.github-workflows", f"examples/ci/{WORKFLOW}"),
+    "security": ("zizmor", "--offline", "--min-severity=medium", "action.yml", f"examples/ci/{WORKFLOW}"),
+}
+
+
+@pytest.mark.parametrize("check", CHECKS)
+def test_linters_have_nothing_to_say(check):
+    name, *options = CHECKS[check]
+    program = shutil.which(name, path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    if program is None:
+        pytest.skip(f"NOT LINTED: there is no {name} here; pip install 'worldgen[dev]'")
+    done = subprocess.run([program, *options], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
