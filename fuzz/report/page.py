@@ -31,7 +31,20 @@ from worldgen.world import FailureRecord
 
 __all__ = ["write_report"]
 
-_SCRIPTS = ("dom", "decode", "rays", "map", "player", "charts", "overview", "detail", "start")
+_SCRIPTS = (
+    "dom",
+    "decode",
+    "rays",
+    "map",
+    "player",
+    "charts",
+    "archive",
+    "overview",
+    "controls",
+    "detail",
+    "keys",
+    "start",
+)
 _ID_DIGITS = 12  # hex, of a failure's digest: its address in the page
 
 

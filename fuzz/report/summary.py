@@ -46,7 +46,13 @@ class Find:
 
 @dataclass(frozen=True)
 class Archive:
-    """Behaviours that were met: two axes with their edges, and of cells (i, j) the quality and verdict of the best."""
+    """Behaviours that were met, by two numbers.
+
+    Args:
+        names: Of the two numbers.
+        edges: Of each number the values that part one cell from the next, so one fewer than there are cells.
+        cells: Index along each axis, quality and verdict of the best run of a kind.
+    """
 
     names: tuple[str, str]
     edges: tuple[list[float], list[float]]
@@ -192,9 +198,7 @@ def _archive(said: _Reader) -> Archive:
     if len(axes) != 2:
         raise _Fault(f"'axes' has {len(axes)} axes, and two can be drawn")
     edges = [[_number(edge, "edges") for edge in axis.rows("edges")] for axis in axes]
-    if min(map(len, edges)) < 2:
-        raise _Fault("'edges' has fewer than two edges")
-    cells = [_cell(row, len(edges[0]) - 1, len(edges[1]) - 1) for row in said.rows("cells")]
+    cells = [_cell(row, len(edges[0]) + 1, len(edges[1]) + 1) for row in said.rows("cells")]
     return Archive((axes[0].text("name"), axes[1].text("name")), (edges[0], edges[1]), cells)
 
 

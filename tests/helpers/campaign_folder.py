@@ -24,7 +24,7 @@ SUMMARY = {
          "steps": 70_000, "seconds": 2.5, "file": "c"},
     ],
     "archive": {
-        "axes": [{"name": "detour", "edges": [1.0, 1.5, 2.0, 4.0]}, {"name": "density", "edges": [0.0, 0.1, 0.2]}],
+        "axes": [{"name": "detour", "edges": [1.5, 2.0]}, {"name": "density", "edges": [0.1]}],
         "cells": [[0, 0, 1.5, "reached"], [2, 1, 4.0, "loop"]],
     },
 }  # fmt: skip

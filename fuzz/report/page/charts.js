@@ -1,29 +1,56 @@
 // How a campaign went: what was found when, by which lane, and the archive of behaviours. Each picture has its table.
 
 // As wide as the window lets it, so that its words are as large as the others.
-const PLOT = { width: Math.max(300, Math.min(640, innerWidth - 60)), height: 260, left: 44, right: 14, top: 12, bottom: 40 };
+const PLOT = {
+  width: Math.max(300, Math.min(640, innerWidth - 60)),
+  height: 260,
+  left: 44,
+  right: 14,
+  top: 12,
+  bottom: 40,
+};
 const AXES = { worlds: "worlds tried", steps: "steps simulated", seconds: "seconds" };
 
 function makeCampaign(section, campaigns, failures) {
-  section.append(...campaigns.map((campaign, index) => campaignPart(campaign, linksOf(failures, index), campaigns.length > 1)));
+  section.append(
+    ...campaigns.map((campaign, index) => campaignPart(campaign, linksOf(failures, index), campaigns.length > 1)),
+  );
 }
 
 // Which failure of the page a class of a campaign is.
 function linksOf(failures, index) {
   const links = new Map();
-  for (const failure of failures) if (failure.campaign === index && !links.has(failure.kind)) links.set(failure.kind, failure.id);
+  for (const failure of failures)
+    if (failure.campaign === index && !links.has(failure.kind)) links.set(failure.kind, failure.id);
   return links;
 }
 
 function campaignPart(campaign, links, several) {
   return el(
-    "div", { class: "part" },
+    "div",
+    { class: "part" },
     several ? el("h2", {}, `${campaign.controller} under ${campaign.motion}, ${campaign.folder}`) : null,
     el(
-      "div", { class: "charts" },
-      foundChart(campaign, links), laneChart(campaign), archiveChart(campaign.archive),
-      barChart("Classes, by how often they were met", "class", campaign.met, (kind) => linked(kind, links), "failures proved"),
-      barChart("Verdicts at first look", "verdict", campaign.verdicts, (verdict) => el("span", {}, verdictDot(verdict), ` ${verdict}`), "worlds", true),
+      "div",
+      { class: "charts" },
+      foundChart(campaign, links),
+      laneChart(campaign),
+      archiveChart(campaign.archive),
+      barChart(
+        "Classes, by how often they were met",
+        "class",
+        campaign.met,
+        (kind) => linked(kind, links),
+        "failures proved",
+      ),
+      barChart(
+        "Verdicts at first look",
+        "verdict",
+        campaign.verdicts,
+        (verdict) => el("span", {}, verdictDot(verdict), ` ${verdict}`),
+        "worlds",
+        true,
+      ),
     ),
   );
 }
@@ -33,7 +60,13 @@ function linked(kind, links) {
 }
 
 function chart(title, note, ...content) {
-  return el("section", { class: "chart", "aria-label": title }, el("h3", {}, title), el("p", { class: "quiet" }, note), content);
+  return el(
+    "section",
+    { class: "chart", "aria-label": title },
+    el("h3", {}, title),
+    el("p", { class: "quiet" }, note),
+    content,
+  );
 }
 
 // Found over time: a step up for each new class, a ring where a class was met in a smaller world.
@@ -46,12 +79,28 @@ function foundChart(campaign, links) {
   draw("worlds");
   const note = `${plural(last.total, "class", "classes")}; the last new one after ${grouped(last.find.worlds)} of ${plural(campaign.worlds, "world")}.`;
   return chart(
-    "Found over time", note,
-    el("label", { class: "field" }, "Over", choice(Object.entries(AXES), "worlds", (event) => draw(event.target.value))),
+    "Found over time",
+    note,
+    el(
+      "label",
+      { class: "field" },
+      "Over",
+      choice(Object.entries(AXES), "worlds", (event) => draw(event.target.value)),
+    ),
     holder,
-    tableBehind("Table of finds", ["class", "lane", "unit", "cells", "worlds", "steps", "s"], campaign.found.map((find) => [
-      linked(find.kind, links), find.lane, grouped(find.unit), grouped(find.solid_cells), grouped(find.worlds), grouped(find.steps), find.seconds.toFixed(1),
-    ])),
+    tableBehind(
+      "Table of finds",
+      ["class", "lane", "unit", "cells", "worlds", "steps", "s"],
+      campaign.found.map((find) => [
+        linked(find.kind, links),
+        find.lane,
+        grouped(find.unit),
+        grouped(find.solid_cells),
+        grouped(find.worlds),
+        grouped(find.steps),
+        find.seconds.toFixed(1),
+      ]),
+    ),
   );
 }
 
@@ -65,19 +114,41 @@ function cumulated(found) {
 }
 
 function foundPlot(campaign, curve, axis) {
-  const most = curve[curve.length - 1].total, end = Math.max(campaign[axis], curve[curve.length - 1].find[axis], 1e-9);
+  const most = curve[curve.length - 1].total,
+    end = Math.max(campaign[axis], curve[curve.length - 1].find[axis], 1e-9);
   const x = (value) => PLOT.left + (value / end) * (PLOT.width - PLOT.left - PLOT.right);
   const y = (value) => PLOT.height - PLOT.bottom - (value / most) * (PLOT.height - PLOT.top - PLOT.bottom);
   let path = `M${x(0)},${y(0)}`;
   for (const point of curve) if (point.first) path += `H${x(point.find[axis]).toFixed(1)}V${y(point.total).toFixed(1)}`;
   path += `H${x(end)}`;
   const dots = curve.map((point) =>
-    svg("circle", { cx: x(point.find[axis]).toFixed(1), cy: y(point.total).toFixed(1), r: point.first ? 4.5 : 3, class: point.first ? "first" : "smaller" },
-      svg("title", {}, `${point.find.kind}${point.first ? "" : ", smaller"}: ${point.find.solid_cells} cells, lane ${point.find.lane}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`)));
+    svg(
+      "circle",
+      {
+        cx: x(point.find[axis]).toFixed(1),
+        cy: y(point.total).toFixed(1),
+        r: point.first ? 4.5 : 3,
+        class: point.first ? "first" : "smaller",
+      },
+      svg(
+        "title",
+        {},
+        `${point.find.kind}${point.first ? "" : ", smaller"}: ${point.find.solid_cells} cells, lane ${point.find.lane}, unit ${point.find.unit}, after ${grouped(point.find.worlds)} worlds`,
+      ),
+    ),
+  );
   return svg(
-    "svg", { class: "plot", viewBox: `0 0 ${PLOT.width} ${PLOT.height}`, role: "img", "aria-label": `Classes found over ${AXES[axis]}: ${most} in the end; the table below has each` },
+    "svg",
+    {
+      class: "plot",
+      viewBox: `0 0 ${PLOT.width} ${PLOT.height}`,
+      role: "img",
+      "aria-label": `Classes found over ${AXES[axis]}: ${most} in the end; the table below has each`,
+    },
     axes(x, y, end, most, AXES[axis]),
-    svg("path", { class: "under", d: `${path}V${y(0)}Z` }), svg("path", { class: "curve", d: path }), dots,
+    svg("path", { class: "under", d: `${path}V${y(0)}Z` }),
+    svg("path", { class: "curve", d: path }),
+    dots,
   );
 }
 
@@ -95,7 +166,8 @@ function axes(x, y, end, most, name) {
 }
 
 function ticks(most) {
-  const raw = most / 5, power = 10 ** Math.floor(Math.log10(raw));
+  const raw = most / 5,
+    power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((factor) => factor * power).find((value) => value >= raw * 0.999);
   return Array.from({ length: Math.floor(most / step + 1e-9) + 1 }, (_, k) => Number((k * step).toPrecision(12)));
 }
@@ -109,13 +181,19 @@ function laneChart(campaign) {
   if (campaign.lanes.length === 0) return null;
   const most = Math.max(...campaign.lanes.map((lane) => lane.classes), 1);
   const rows = campaign.lanes.map((lane) => [
-    lane.lane, grouped(lane.units), grouped(lane.worlds), grouped(lane.steps), grouped(lane.failures), grouped(lane.classes),
+    lane.lane,
+    grouped(lane.units),
+    grouped(lane.worlds),
+    grouped(lane.steps),
+    grouped(lane.failures),
+    grouped(lane.classes),
     lane.steps > 0 ? Number(((lane.classes / lane.steps) * 1e6).toPrecision(2)).toString() : "–",
     meter(lane.classes / most),
   ]);
   const best = [...campaign.lanes].sort((a, b) => b.classes - a.classes)[0];
   return chart(
-    "By lane", `Lane ${best.lane} was the first to find ${plural(best.classes, "class", "classes")}.`,
+    "By lane",
+    `Lane ${best.lane} was the first to find ${plural(best.classes, "class", "classes")}.`,
     table(["lane", "units", "worlds", "steps", "failures", "classes", "per M steps", ""], rows),
   );
 }
@@ -130,60 +208,31 @@ function barChart(title, what, counts, nameOf, note, coloured = false) {
   const rows = Object.entries(counts).sort((a, b) => b[1] - a[1] || compareText(a[0], b[0]));
   if (rows.length === 0) return null;
   const most = rows[0][1] || 1;
-  return chart(title, `${grouped(rows.reduce((sum, row) => sum + row[1], 0))} ${note}.`,
-    table([what, "count", ""], rows.map(([name, count]) => [nameOf(name), grouped(count), meter(count / most, coloured ? name : null)])));
+  return chart(
+    title,
+    `${grouped(rows.reduce((sum, row) => sum + row[1], 0))} ${note}.`,
+    table(
+      [what, "count", ""],
+      rows.map(([name, count]) => [nameOf(name), grouped(count), meter(count / most, coloured ? name : null)]),
+    ),
+  );
 }
 
 function table(heads, rows) {
-  const last = heads.length - 1;
-  return el("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": "Table" }, el(
-    "table", { class: "rows" },
-    el("thead", {}, el("tr", {}, heads.map((head) => el("th", { scope: "col" }, head)))),
-    el("tbody", {}, rows.map((row) => el("tr", {}, row.map((cell, k) => el(k === 0 ? "th" : "td", { scope: k === 0 ? "row" : null, class: k === last && cell.nodeType ? "meter" : null }, cell))))),
-  ));
+  const head = el(
+    "tr",
+    {},
+    heads.map((words) => el("th", { scope: "col" }, words)),
+  );
+  const cell = (content, k) => {
+    if (k === 0) return el("th", { scope: "row" }, content);
+    return el("td", { class: content.nodeType ? "meter" : null }, content); // numbers are text, bars are not
+  };
+  const body = rows.map((row) => el("tr", {}, row.map(cell)));
+  const whole = el("table", { class: "rows" }, el("thead", {}, head), el("tbody", {}, body));
+  return el("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": "Table" }, whole);
 }
 
 function tableBehind(title, heads, rows) {
   return el("details", {}, el("summary", {}, title), table(heads, rows));
-}
-
-// The archive: one square for each kind of behaviour, darker where the best run came nearer to failing.
-function archiveChart(archive) {
-  if (!archive) return null;
-  const [columns, rows] = archive.edges.map((edges) => edges.length - 1);
-  const note = `${plural(archive.cells.length, "kind")} of behaviour of ${grouped(columns * rows)}; the stronger, the higher its quality; letters are the verdicts of failures.`;
-  const cells = archive.cells.map(([i, j, quality, verdict]) => [
-    rangeOf(archive.edges[0], i), rangeOf(archive.edges[1], j), String(Number(quality.toPrecision(4))), verdict,
-  ]);
-  return chart(
-    `Archive: ${archive.names[0]} and ${archive.names[1]}`, note, archivePlot(archive, columns, rows),
-    tableBehind("Table of the archive", [...archive.names, "quality", "verdict"], cells),
-  );
-}
-
-function rangeOf(edges, k) {
-  return `${short(edges[k])} to ${short(edges[k + 1])}`;
-}
-
-function archivePlot(archive, columns, rows) {
-  const wide = (PLOT.width - PLOT.left - PLOT.right) / columns, high = Math.min(wide, 340 / rows);
-  const top = PLOT.top + 16, bottom = top + rows * high, height = bottom + PLOT.bottom + 4;
-  const x = (i) => PLOT.left + i * wide, y = (j) => bottom - (j + 1) * high;
-  const qualities = archive.cells.map((cell) => cell[2]), least = Math.min(...qualities), most = Math.max(...qualities);
-  const parts = [svg("rect", { class: "empty", x: x(0), y: top, width: wide * columns, height: high * rows })];
-  for (const [i, j, quality, verdict] of archive.cells) {
-    const share = most > least ? (quality - least) / (most - least) : 1;
-    const title = svg("title", {}, `${archive.names[0]} ${rangeOf(archive.edges[0], i)}, ${archive.names[1]} ${rangeOf(archive.edges[1], j)}: quality ${Number(quality.toPrecision(4))}, ${verdict}`);
-    parts.push(svg("rect", { class: "heat", x: x(i), y: y(j), width: wide, height: high, "fill-opacity": (0.12 + 0.88 * share).toFixed(2) }, title));
-    if (verdict !== "reached" && high > 11 && wide > 11) {
-      parts.push(svg("text", { class: "onheat", x: x(i) + wide / 2, y: y(j) + high / 2 + 4 }, verdict.slice(0, 1).toUpperCase()));
-    }
-  }
-  const every = Math.ceil(columns / 10), each = Math.ceil(rows / 10);
-  archive.edges[0].forEach((edge, k) => k % every === 0 && parts.push(svg("text", { x: x(k), y: bottom + 16, "text-anchor": "middle" }, short(edge))));
-  archive.edges[1].forEach((edge, k) => k % each === 0 && parts.push(svg("text", { x: PLOT.left - 6, y: y(k) + high + 4, "text-anchor": "end" }, short(edge))));
-  parts.push(svg("text", { x: (PLOT.left + PLOT.width) / 2, y: height - 4, "text-anchor": "middle" }, archive.names[0]));
-  parts.push(svg("text", { x: 4, y: PLOT.top, "text-anchor": "start" }, archive.names[1]));
-  const label = `Heat map of ${archive.cells.length} kinds of behaviour by ${archive.names[0]} and ${archive.names[1]}; the table below has each`;
-  return svg("svg", { class: "plot", viewBox: `0 0 ${PLOT.width} ${height}`, role: "img", "aria-label": label }, parts);
 }

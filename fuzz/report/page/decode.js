@@ -6,7 +6,10 @@ function bytesOf(text) {
 
 function numbersOf(text) {
   const values = [];
-  let value = 0, rate = 0, zigzag = 0, scale = 1;
+  let value = 0,
+    rate = 0,
+    zigzag = 0,
+    scale = 1;
   for (const byte of bytesOf(text)) {
     zigzag += (byte & 127) * scale;
     scale *= 128;
@@ -28,7 +31,8 @@ function bitsOf(text, count) {
 const UNIT = 1024; // lattice units a cell
 const TURN = 65536; // heading units a turn
 const SHARE = 256; // parts of a step
-const FREE = 0, SOLID = 1, BURNING = 2;
+const SOLID = 1,
+  BURNING = 2; // 0: free
 
 function opened(thing, open) {
   if (!thing.open) Object.defineProperty(thing, "open", { value: open(thing) });
@@ -41,12 +45,15 @@ function openWorld(world) {
     return {
       cells: bitsOf(world.cells, world.width * world.height),
       events: world.events && {
-        ms: numbersOf(world.events.ms), ix: numbersOf(world.events.ix),
-        iy: numbersOf(world.events.iy), state: numbersOf(world.events.state),
+        ms: numbersOf(world.events.ms),
+        ix: numbersOf(world.events.ix),
+        iy: numbersOf(world.events.iy),
+        state: numbersOf(world.events.state),
       },
       witness: witness && {
         ms: numbersOf(witness.ms),
-        x: numbersOf(witness.x).map((value) => value / UNIT), y: numbersOf(witness.y).map((value) => value / UNIT),
+        x: numbersOf(witness.x).map((value) => value / UNIT),
+        y: numbersOf(witness.y).map((value) => value / UNIT),
       },
       now: null, // cells at some time, and how many events are in them
       done: 0,
@@ -90,7 +97,8 @@ function stateAt(cells, world, ix, iy) {
 // The last row that is not later than a step.
 function rowAt(run, step) {
   const at = openRun(run).at;
-  let low = 0, high = at.length - 1;
+  let low = 0,
+    high = at.length - 1;
   while (low < high) {
     const middle = (low + high + 1) >> 1;
     if (at[middle] <= step) low = middle;
@@ -101,7 +109,8 @@ function rowAt(run, step) {
 
 function poseAt(run, step) {
   const open = openRun(run);
-  const row = rowAt(run, step), next = Math.min(row + 1, open.at.length - 1);
+  const row = rowAt(run, step),
+    next = Math.min(row + 1, open.at.length - 1);
   const gap = open.at[next] - open.at[row];
   const share = gap > 0 ? Math.min(1, Math.max(0, (step - open.at[row]) / gap)) : 0;
   const between = (column) => column[row] + (column[next] - column[row]) * share;
@@ -125,12 +134,14 @@ function touchedCells(world, run) {
 }
 
 function nearestWalls(cells, world, x, y) {
-  const reach = Math.min(8, Math.ceil(world.radius) + 1), found = [];
+  const reach = Math.min(8, Math.ceil(world.radius) + 1),
+    found = [];
   let least = world.radius + 0.5;
   for (let iy = Math.floor(y) - reach; iy <= Math.floor(y) + reach; iy += 1) {
     for (let ix = Math.floor(x) - reach; ix <= Math.floor(x) + reach; ix += 1) {
       if (stateAt(cells, world, ix, iy) !== SOLID) continue;
-      const dx = Math.max(ix - x, 0, x - ix - 1), dy = Math.max(iy - y, 0, y - iy - 1);
+      const dx = Math.max(ix - x, 0, x - ix - 1),
+        dy = Math.max(iy - y, 0, y - iy - 1);
       const gap = Math.sqrt(dx * dx + dy * dy);
       found.push([ix, iy, gap]);
       least = Math.min(least, gap);

@@ -23,13 +23,28 @@ function svg(tag, attributes = {}, ...children) {
 }
 
 const ICONS = {
-  play: "M4 2v12l10-6z", pause: "M3 2h4v12H3zM9 2h4v12H9z",
-  back: "M10 2v12L3 8zM11 2h2v12h-2z", on: "M6 2v12l7-6zM3 2h2v12H3z",
-  first: "M13 2v12L6 8zM3 2h2v12H3z", last: "M3 2v12l7-6zM11 2h2v12h-2z",
+  play: "M4 2v12l10-6z",
+  pause: "M3 2h4v12H3zM9 2h4v12H9z",
+  back: "M10 2v12L3 8zM11 2h2v12h-2z",
+  on: "M6 2v12l7-6zM3 2h2v12H3z",
+  first: "M13 2v12L6 8zM3 2h2v12H3z",
+  last: "M3 2v12l7-6zM11 2h2v12h-2z",
 };
 
 function icon(name) {
   return svg("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: ICONS[name] }));
+}
+
+// A button that a key also presses.
+function keyButton(content, label, key, act, more = {}) {
+  const attributes = {
+    type: "button",
+    "aria-label": label,
+    title: `${label} (${key})`,
+    "aria-keyshortcuts": key,
+    ...more,
+  };
+  return el("button", { ...attributes, onclick: act }, content);
 }
 
 function byId(id) {

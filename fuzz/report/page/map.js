@@ -9,7 +9,11 @@ function palette() {
 
 function fitView(world, width, height) {
   const edge = 2 * edgeOf(width);
-  return { x: world.width / 2, y: world.height / 2, scale: Math.min((width - edge) / world.width, (height - edge) / world.height) };
+  return {
+    x: world.width / 2,
+    y: world.height / 2,
+    scale: Math.min((width - edge) / world.width, (height - edge) / world.height),
+  };
 }
 
 // Pixels around a world that is shown whole.
@@ -24,8 +28,10 @@ function rimOf(pen) {
 // Sets the canvas to its place on the page and returns a pen that speaks in cells.
 function penFor(canvas, view, world) {
   const ratio = window.devicePixelRatio || 1;
-  const width = canvas.clientWidth, height = canvas.clientHeight;
-  const wide = Math.round(width * ratio), high = Math.round(height * ratio);
+  const width = canvas.clientWidth,
+    height = canvas.clientHeight;
+  const wide = Math.round(width * ratio),
+    high = Math.round(height * ratio);
   if (canvas.width !== wide || canvas.height !== high) {
     canvas.width = wide;
     canvas.height = high;
@@ -36,7 +42,10 @@ function penFor(canvas, view, world) {
   context.lineCap = "round";
   const { x, y, scale } = view || fitView(world, width, height);
   return {
-    context, width, height, scale,
+    context,
+    width,
+    height,
+    scale,
     px: (value) => width / 2 + (value - x) * scale,
     py: (value) => height / 2 - (value - y) * scale,
     colours: palette(),
@@ -74,8 +83,10 @@ function drawGround(pen, world, cells, scene) {
   context.fillStyle = colours.panel;
   context.fillRect(0, 0, pen.width, pen.height);
   const rim = rimOf(pen);
-  const left = Math.round(px(0)), right = Math.round(px(world.width));
-  const top = Math.round(py(world.height)), bottom = Math.round(py(0));
+  const left = Math.round(px(0)),
+    right = Math.round(px(world.width));
+  const top = Math.round(py(world.height)),
+    bottom = Math.round(py(0));
   context.fillStyle = colours.wall;
   context.fillRect(left - rim, top - rim, right - left + 2 * rim, bottom - top + 2 * rim);
   context.fillStyle = colours.floor;
@@ -96,7 +107,10 @@ function drawSignal(pen, world, [left, top, right, bottom]) {
   const glow = context.createRadialGradient(px(x), py(y), 0, px(x), py(y), reach);
   for (let k = 0; k <= 6; k += 1) {
     const strength = 1 / (1 + k * k) - 1 / 37;
-    glow.addColorStop(k / 6, colours.signal.replace(/[\d.]+%/, (share) => `${(parseFloat(share) * 1.6 * strength).toFixed(1)}%`));
+    glow.addColorStop(
+      k / 6,
+      colours.signal.replace(/[\d.]+%/, (share) => `${(parseFloat(share) * 1.6 * strength).toFixed(1)}%`),
+    );
   }
   context.save();
   context.beginPath();
@@ -129,11 +143,14 @@ function drawGrid(pen, world) {
 // Row by row, neighbours in one rectangle; only what lies in the window.
 function drawCells(pen, world, cells, state, colour) {
   const { context, px, py } = pen;
-  const first = Math.max(0, Math.floor((0 - px(0)) / pen.scale)), beyond = Math.min(world.width, Math.ceil((pen.width - px(0)) / pen.scale));
-  const low = Math.max(0, Math.floor((py(0) - pen.height) / pen.scale)), high = Math.min(world.height, Math.ceil(py(0) / pen.scale));
+  const first = Math.max(0, Math.floor((0 - px(0)) / pen.scale)),
+    beyond = Math.min(world.width, Math.ceil((pen.width - px(0)) / pen.scale));
+  const low = Math.max(0, Math.floor((py(0) - pen.height) / pen.scale)),
+    high = Math.min(world.height, Math.ceil(py(0) / pen.scale));
   context.fillStyle = colour;
   for (let iy = low; iy < high; iy += 1) {
-    const top = Math.round(py(iy + 1)), deep = Math.round(py(iy)) - top;
+    const top = Math.round(py(iy + 1)),
+      deep = Math.round(py(iy)) - top;
     for (let ix = first; ix < beyond; ix += 1) {
       if (cells[iy * world.width + ix] !== state) continue;
       const from = ix;
@@ -151,8 +168,10 @@ function drawProof(pen, world, ms) {
   if (witness) {
     line(pen, witness.x, witness.y, 0, witness.x.length);
     stroke(pen, colours.start, 2, [6, 4]);
-    const next = witness.ms.findIndex((time) => time > ms), last = witness.ms.length - 1;
-    const k = next < 0 ? last : Math.max(0, next - 1), gap = witness.ms[Math.min(k + 1, last)] - witness.ms[k];
+    const next = witness.ms.findIndex((time) => time > ms),
+      last = witness.ms.length - 1;
+    const k = next < 0 ? last : Math.max(0, next - 1),
+      gap = witness.ms[Math.min(k + 1, last)] - witness.ms[k];
     const share = gap > 0 ? Math.min(1, (ms - witness.ms[k]) / gap) : 0;
     const along = (column) => column[k] + (column[Math.min(k + 1, last)] - column[k]) * share;
     disc(pen, along(witness.x), along(witness.y), Math.max(3.5 / pen.scale, 0.08), colours.start);
@@ -187,15 +206,20 @@ const RECENT = 300; // rows of a long way that are drawn strongest
 
 // Ahead faint, driven strong; the period of a loop in its own colour.
 function drawTrail(pen, scene) {
-  const { run } = scene, open = openRun(run), { colours, context } = pen;
-  const here = rowAt(run, scene.step), rows = open.at.length;
+  const { run } = scene,
+    open = openRun(run),
+    { colours, context } = pen;
+  const here = rowAt(run, scene.step),
+    rows = open.at.length;
   const entry = run.loop ? rowAt(run, run.loop[0]) : rows;
   if (!scene.whole) {
     line(pen, open.x, open.y, 0, rows);
     stroke(pen, colours.ahead, 1.25);
   }
-  const end = scene.whole ? rows : here + 1, pose = scene.whole ? null : poseAt(run, scene.step);
-  const before = run.loop ? colours.way : colours.loop, last = Math.min(end, entry + 1);
+  const end = scene.whole ? rows : here + 1,
+    pose = scene.whole ? null : poseAt(run, scene.step);
+  const before = run.loop ? colours.way : colours.loop,
+    last = Math.min(end, entry + 1);
   const recent = Math.max(0, last - RECENT);
   context.globalAlpha = 0.4;
   line(pen, open.x, open.y, 0, recent + 1);
@@ -224,7 +248,8 @@ function drawBreaches(pen, scene) {
   const { context, px, py, colours } = pen;
   for (const mark of scene.run.marks) {
     if (!mark.cell) continue;
-    const [ix, iy] = mark.cell, over = scene.whole || scene.step >= mark.step;
+    const [ix, iy] = mark.cell,
+      over = scene.whole || scene.step >= mark.step;
     context.save();
     context.strokeStyle = colours.breach;
     context.lineWidth = over ? 3 : 1.5;
@@ -235,11 +260,18 @@ function drawBreaches(pen, scene) {
 }
 
 function drawTouched(pen, scene) {
-  const { context, px, py, colours } = pen, { world } = scene;
-  const rim = rimOf(pen), inset = Math.min(2, pen.scale / 4);
+  const { context, px, py, colours } = pen,
+    { world } = scene;
+  const rim = rimOf(pen),
+    inset = Math.min(2, pen.scale / 4);
   context.save();
   context.beginPath();
-  context.rect(px(0) - rim, py(world.height) - rim, world.width * pen.scale + 2 * rim, world.height * pen.scale + 2 * rim);
+  context.rect(
+    px(0) - rim,
+    py(world.height) - rim,
+    world.width * pen.scale + 2 * rim,
+    world.height * pen.scale + 2 * rim,
+  );
   context.clip();
   context.strokeStyle = colours.touched;
   context.lineWidth = 2;
@@ -251,7 +283,8 @@ function drawTouched(pen, scene) {
 }
 
 function drawSenses(pen, scene, cells, pose) {
-  const { context, px, py, colours } = pen, { world, sensors } = scene;
+  const { context, px, py, colours } = pen,
+    { world, sensors } = scene;
   if (sensors.beams > 0) {
     context.beginPath();
     for (const heading of beamHeadings(pose.heading, sensors)) {
@@ -262,7 +295,8 @@ function drawSenses(pen, scene, cells, pose) {
     stroke(pen, colours.beam, 1);
   }
   const bearing = Math.atan2(world.target[1] - pose.y, world.target[0] - pose.x);
-  const from = Math.max(world.radius, 5 / pen.scale) + 3 / pen.scale, to = from + 9 / pen.scale;
+  const from = Math.max(world.radius, 5 / pen.scale) + 3 / pen.scale,
+    to = from + 9 / pen.scale;
   context.beginPath();
   context.moveTo(px(pose.x + Math.cos(bearing) * from), py(pose.y + Math.sin(bearing) * from));
   context.lineTo(px(pose.x + Math.cos(bearing) * to), py(pose.y + Math.sin(bearing) * to));
@@ -276,7 +310,14 @@ function bodyRadius(pen, world) {
 function drawRobot(pen, world, pose, scene) {
   const { context, px, py, colours } = pen;
   const radius = bodyRadius(pen, world);
-  ring(pen, pose.x, pose.y, radius, pose.bump && !scene.whole ? colours.touched : colours.robot, pose.bump ? 2.5 : 1.75);
+  ring(
+    pen,
+    pose.x,
+    pose.y,
+    radius,
+    pose.bump && !scene.whole ? colours.touched : colours.robot,
+    pose.bump ? 2.5 : 1.75,
+  );
   context.beginPath();
   context.moveTo(px(pose.x), py(pose.y));
   context.lineTo(px(pose.x + Math.cos(pose.heading) * radius), py(pose.y + Math.sin(pose.heading) * radius));

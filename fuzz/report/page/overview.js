@@ -26,24 +26,28 @@ function makeOverview(section, failures) {
   const wanted = { text: "", verdicts: new Set(), controller: "", order: "class", group: "verdict" };
   const list = el("div", { class: "groups" });
   const count = el("span", { class: "quiet", role: "status" });
-  const visible = new IntersectionObserver((entries) => {
-    for (const entry of entries) {
-      if (!entry.isIntersecting) continue;
-      visible.unobserve(entry.target);
-      drawSmall(entry.target, failureOf(failures, entry.target.dataset.id).now);
-    }
-  }, { rootMargin: "300px" });
+  const visible = new IntersectionObserver(
+    (entries) => {
+      for (const entry of entries) {
+        if (!entry.isIntersecting) continue;
+        visible.unobserve(entry.target);
+        drawSmall(entry.target, failureOf(failures, entry.target.dataset.id).now);
+      }
+    },
+    { rootMargin: "300px" },
+  );
+  const redraw = () => list.querySelectorAll("canvas").forEach((canvas) => visible.observe(canvas));
   const several = new Set(failures.map((failure) => `${failure.controller}\n${failure.motion}`)).size > 1;
   const refresh = () => {
     const shown = failures.filter((failure) => fits(failure, wanted)).sort(ORDERS[wanted.order][1]);
     list.replaceChildren(...groupsOf(shown, GROUPS[wanted.group][1], several));
     count.textContent = shown.length === failures.length ? "" : `${shown.length} of ${failures.length} shown`;
-    list.querySelectorAll("canvas").forEach((canvas) => visible.observe(canvas));
+    redraw();
   };
   section.append(toolbar(failures, wanted, refresh, count), list);
   list.addEventListener("keydown", moveBetweenCards);
   refresh();
-  return { refresh, shown: () => [...list.querySelectorAll("canvas")].map((canvas) => canvas.dataset.id) };
+  return { redraw, shown: () => [...list.querySelectorAll("canvas")].map((canvas) => canvas.dataset.id) };
 }
 
 function failureOf(failures, id) {
@@ -55,7 +59,10 @@ function fits(failure, wanted) {
   return (
     (wanted.verdicts.size === 0 || wanted.verdicts.has(failure.verdict)) &&
     (wanted.controller === "" || failure.controller === wanted.controller) &&
-    wanted.text.toLowerCase().split(/\s+/).every((word) => text.includes(word))
+    wanted.text
+      .toLowerCase()
+      .split(/\s+/)
+      .every((word) => text.includes(word))
   );
 }
 
@@ -66,10 +73,22 @@ function toolbar(failures, wanted, refresh, count) {
   };
   const controllers = [...new Set(failures.map((failure) => failure.controller))].sort(compareText);
   return el(
-    "div", { class: "bar", role: "search" },
-    el("input", { type: "search", id: "find", placeholder: "Find a class, a file …", "aria-label": "Find failures", oninput: set("text") }),
+    "div",
+    { class: "bar", role: "search" },
+    el("input", {
+      type: "search",
+      id: "find",
+      placeholder: "Find a class, a file …",
+      "aria-label": "Find failures",
+      oninput: set("text"),
+    }),
     controllers.length > 1
-      ? el("label", { class: "field" }, "Controller", choice([["", "all"], ...controllers.map((name) => [name, name])], "", set("controller")))
+      ? el(
+          "label",
+          { class: "field" },
+          "Controller",
+          choice([["", "all"], ...controllers.map((name) => [name, name])], "", set("controller")),
+        )
       : null,
     el("label", { class: "field" }, "Group by", choice(named(GROUPS), wanted.group, set("group"))),
     el("label", { class: "field" }, "Order", choice(named(ORDERS), wanted.order, set("order"))),
@@ -83,7 +102,11 @@ function named(table) {
 }
 
 function choice(pairs, chosen, change) {
-  return el("select", { onchange: change }, pairs.map(([value, words]) => el("option", { value, selected: value === chosen }, words)));
+  return el(
+    "select",
+    { onchange: change },
+    pairs.map(([value, words]) => el("option", { value, selected: value === chosen }, words)),
+  );
 }
 
 function verdictChips(failures, wanted, refresh) {
@@ -91,20 +114,27 @@ function verdictChips(failures, wanted, refresh) {
   for (const { verdict } of failures) counts.set(verdict, (counts.get(verdict) || 0) + 1);
   if (counts.size < 2) return null;
   const chip = ([verdict, number]) =>
-    el("button", {
-      type: "button", "aria-pressed": "false",
-      onclick: (event) => {
-        const on = !wanted.verdicts.delete(verdict);
-        if (on) wanted.verdicts.add(verdict);
-        event.currentTarget.setAttribute("aria-pressed", String(on));
-        refresh();
+    el(
+      "button",
+      {
+        type: "button",
+        "aria-pressed": "false",
+        onclick: (event) => {
+          const on = !wanted.verdicts.delete(verdict);
+          if (on) wanted.verdicts.add(verdict);
+          event.currentTarget.setAttribute("aria-pressed", String(on));
+          refresh();
+        },
       },
-    }, verdictDot(verdict), `${verdict} ${number}`);
+      verdictDot(verdict),
+      `${verdict} ${number}`,
+    );
   return el("div", { class: "chips", role: "group", "aria-label": "Verdicts" }, [...counts].sort().map(chip));
 }
 
 function groupsOf(failures, nameOf, several) {
-  if (failures.length === 0) return [el("p", { class: "quiet" }, "No failure fits. Clear the search, or choose other verdicts.")];
+  if (failures.length === 0)
+    return [el("p", { class: "quiet" }, "No failure fits. Clear the search, or choose other verdicts.")];
   const groups = new Map();
   for (const failure of failures) {
     const name = nameOf(failure);
@@ -112,9 +142,16 @@ function groupsOf(failures, nameOf, several) {
   }
   return [...groups].map(([name, members]) =>
     el(
-      "div", { class: "group" },
-      name ? el("h2", {}, verdictDot(members[0].verdict), name, el("span", { class: "quiet" }, ` ${members.length}`)) : null,
-      el("ul", { class: "cards" }, members.map((failure) => el("li", {}, card(failure, several)))),
+      "div",
+      { class: "group" },
+      name
+        ? el("h2", {}, verdictDot(members[0].verdict), name, el("span", { class: "quiet" }, ` ${members.length}`))
+        : null,
+      el(
+        "ul",
+        { class: "cards" },
+        members.map((failure) => el("li", {}, card(failure, several))),
+      ),
     ),
   );
 }
@@ -127,12 +164,18 @@ function card(failure, several) {
     failure.met && `met ${grouped(failure.met)}×`,
   ].filter(Boolean);
   return el(
-    "a", { class: "card", href: `#${failure.id}`, "data-verdict": failure.verdict, id: `card-${failure.id}` },
+    "a",
+    { class: "card", href: `#${failure.id}`, "data-verdict": failure.verdict, id: `card-${failure.id}` },
     el("canvas", { "data-id": failure.id, role: "img", "aria-label": pictureLabel(failure.now) }),
     el(
-      "div", { class: "text" },
+      "div",
+      { class: "text" },
       el("div", { class: "kind" }, failure.kind),
-      el("div", { class: "facts" }, facts.map((fact) => el("span", {}, fact))),
+      el(
+        "div",
+        { class: "facts" },
+        facts.map((fact) => el("span", {}, fact)),
+      ),
       several ? el("div", { class: "facts" }, `${failure.controller}, ${failure.motion}`) : null,
       failure.confirmed ? null : el("div", { class: "facts bad" }, "not confirmed here"),
     ),
@@ -140,7 +183,8 @@ function card(failure, several) {
 }
 
 function moveBetweenCards(event) {
-  const cards = [...document.querySelectorAll(".card")], here = cards.indexOf(document.activeElement);
+  const cards = [...document.querySelectorAll(".card")],
+    here = cards.indexOf(document.activeElement);
   const step = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -1, ArrowDown: 1 }[event.key];
   if (here < 0 || !step || event.altKey || event.ctrlKey || event.metaKey) return;
   event.preventDefault();
@@ -148,7 +192,14 @@ function moveBetweenCards(event) {
   if (event.key === "ArrowUp" || event.key === "ArrowDown") {
     const from = cards[here].getBoundingClientRect();
     const elsewhere = (box) => (step > 0 ? box.top > from.top + 4 : box.top < from.top - 4);
-    while (cards[next] && !(elsewhere(cards[next].getBoundingClientRect()) && Math.abs(cards[next].getBoundingClientRect().left - from.left) < 8)) next += step;
+    while (
+      cards[next] &&
+      !(
+        elsewhere(cards[next].getBoundingClientRect()) &&
+        Math.abs(cards[next].getBoundingClientRect().left - from.left) < 8
+      )
+    )
+      next += step;
   }
   if (cards[next]) cards[next].focus();
 }

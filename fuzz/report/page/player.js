@@ -16,6 +16,7 @@ function makePlayer(canvas, drawn, changed) {
   const { run, world } = drawn;
   const player = {
     drawn,
+    canvas,
     step: run ? run.steps : 0,
     playing: false,
     period: false, // plays the loop's period only
@@ -23,72 +24,86 @@ function makePlayer(canvas, drawn, changed) {
     show: { trail: true, witness: false, sensors: true, signal: true, touched: true },
     view: null, // null: the whole world
     follow: false,
-    frame: 0,
-    before: 0,
+    draw() {
+      if (player.follow) {
+        const { x, y } = poseAt(run, player.step);
+        player.view = { ...player.view, x, y };
+      }
+      drawScene(canvas, { world, run, sensors: drawn.sensors, step: player.step, show: player.show }, player.view);
+    },
+    update() {
+      player.draw();
+      changed(player);
+    },
   };
-  const draw = () => {
-    if (player.follow && run) Object.assign(player.view, pick(poseAt(run, player.step), "x", "y"));
-    drawScene(canvas, { world, run, sensors: drawn.sensors, step: player.step, show: player.show }, player.view);
-  };
-  const update = () => {
-    draw();
-    changed(player);
-  };
+  return Object.assign(player, clockOf(player), cameraOf(player));
+}
+
+function clockOf(player) {
+  const { run } = player.drawn;
+  let frame = 0,
+    before = 0;
   const tick = (now) => {
-    if (!player.playing) return;
-    const passed = Math.min(0.25, (now - player.before) / 1000);
-    player.before = now;
+    const passed = Math.min(0.25, (now - before) / 1000);
+    before = now;
     player.step = advanced(player, run, (passed * player.speed) / run.dt);
-    if (player.step >= run.steps && !run.loop) player.playing = false;
-    else player.frame = requestAnimationFrame(tick);
-    update();
+    player.playing = run.loop !== null || player.step < run.steps;
+    if (player.playing) frame = requestAnimationFrame(tick);
+    player.update();
   };
-  return Object.assign(player, {
-    draw,
-    update,
+  return {
     go(step) {
-      player.step = Math.min(run ? run.steps : 0, Math.max(0, step));
-      update();
+      player.step = Math.min(run.steps, Math.max(0, step));
+      player.update();
     },
     play(on) {
       if (!run || on === player.playing) return;
       player.playing = on;
-      cancelAnimationFrame(player.frame);
+      cancelAnimationFrame(frame);
       if (on) {
         if (player.step >= run.steps) player.step = player.period ? run.loop[0] : 0;
-        player.before = performance.now();
-        player.frame = requestAnimationFrame(tick);
+        before = performance.now();
+        frame = requestAnimationFrame(tick);
       }
-      update();
+      player.update();
     },
+  };
+}
+
+function cameraOf(player) {
+  const {
+    canvas,
+    drawn: { world },
+  } = player;
+  const whole = () => fitView(world, canvas.clientWidth, canvas.clientHeight);
+  return {
     zoom(factor) {
-      const now = player.view || fitView(world, canvas.clientWidth, canvas.clientHeight);
-      const least = fitView(world, canvas.clientWidth, canvas.clientHeight).scale;
-      const scale = Math.min(400, now.scale * factor);
-      player.view = scale <= least && factor < 1 ? null : { ...now, scale };
+      const now = player.view || whole(),
+        scale = Math.min(400, now.scale * factor);
+      player.view = scale > whole().scale ? { ...now, scale } : null;
       player.follow = player.follow && player.view !== null;
-      update();
+      player.update();
     },
     fit() {
       player.view = null;
       player.follow = false;
-      update();
+      player.update();
     },
     robot() {
-      if (!run) return;
       const around = Math.max(7 * world.radius, 6); // cells that are seen around it
-      const fitted = fitView(world, canvas.clientWidth, canvas.clientHeight).scale;
-      player.view = { x: 0, y: 0, scale: Math.max(fitted * 1.5, Math.min(canvas.clientWidth, canvas.clientHeight) / around) };
+      const scale = Math.min(canvas.clientWidth, canvas.clientHeight) / around;
+      player.view = { x: 0, y: 0, scale: Math.max(1.5 * whole().scale, scale) };
       player.follow = true;
-      update();
+      player.update();
     },
     move(dx, dy) {
       if (!player.view) return;
       player.follow = false;
-      player.view = { ...player.view, x: player.view.x - dx / player.view.scale, y: player.view.y + dy / player.view.scale };
-      update();
+      const { x, y, scale } = player.view;
+      player.view = { x: x - dx / scale, y: y + dy / scale, scale };
+      player.update();
     },
-  });
+  };
 }
 
 // The time after some more steps: a loop goes on where it was entered, one period later.
@@ -98,8 +113,4 @@ function advanced(player, run, more) {
   const [entry, period] = run.loop;
   const from = player.period && step < entry ? entry : step;
   return from < entry + period ? from : entry + ((from - entry) % period);
-}
-
-function pick(thing, ...names) {
-  return Object.fromEntries(names.map((name) => [name, thing[name]]));
 }

@@ -11,10 +11,14 @@ function beamHeadings(heading, sensors) {
 }
 
 function castBeam(cells, world, x, y, heading, longest) {
-  const dx = Math.cos(heading), dy = Math.sin(heading);
-  const stepX = dx > 0 ? 1 : -1, stepY = dy > 0 ? 1 : -1;
-  const perX = dx === 0 ? Infinity : Math.abs(1 / dx), perY = dy === 0 ? Infinity : Math.abs(1 / dy);
-  let ix = Math.floor(x), iy = Math.floor(y);
+  const dx = Math.cos(heading),
+    dy = Math.sin(heading);
+  const stepX = dx > 0 ? 1 : -1,
+    stepY = dy > 0 ? 1 : -1;
+  const perX = dx === 0 ? Infinity : Math.abs(1 / dx),
+    perY = dy === 0 ? Infinity : Math.abs(1 / dy);
+  let ix = Math.floor(x),
+    iy = Math.floor(y);
   let toX = dx === 0 ? Infinity : (dx > 0 ? ix + 1 - x : x - ix) * perX;
   let toY = dy === 0 ? Infinity : (dy > 0 ? iy + 1 - y : y - iy) * perY;
   let way = 0;

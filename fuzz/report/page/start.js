@@ -4,19 +4,15 @@ const data = JSON.parse(byId("data").textContent);
 const views = { overview: byId("overview"), campaign: byId("campaign"), detail: byId("detail") };
 const page = { overview: null, detail: null, id: "", scroll: 0 };
 
-const KEYS = [
-  [["?"], "Show these keys"], [["/"], "Find"], [["d"], "Dark or light"],
-  [["←", "→", "↑", "↓", "Enter"], "Choose a failure; open it"], [["Esc"], "Back to all failures"], [["n", "p"], "Next, previous failure"],
-  [["Space"], "Play, pause"], [["←", "→"], "One step; with Shift ten"], [["Home", "End"], "To the start, to the end"],
-  [["l"], "Play one period of a loop again and again"], [["e"], "To the next marked step: entry, breach, last new cell"], [["b"], "Before or after shrinking"],
-  [["+", "−", "0"], "Zoom; show the whole world"], [["r"], "Follow the robot"], [["t", "u", "s", "i", "w"], "Trail, touched walls, sensors, signal, witness"],
-];
-
 function setTheme(theme) {
   document.documentElement.dataset.theme = theme;
   byId("theme").textContent = theme === "dark" ? "Light" : "Dark";
   byId("theme").setAttribute("aria-label", theme === "dark" ? "Use light colours" : "Use dark colours");
-  if (page.overview) page.overview.refresh();
+  redraw();
+}
+
+function redraw() {
+  if (page.overview) page.overview.redraw();
   if (page.detail) page.detail.redraw();
 }
 
@@ -36,13 +32,21 @@ function showTotals() {
   const confirmed = failures.filter((failure) => failure.confirmed).length;
   const some = (count, one, many = `${one}s`) => ["", grouped(count), ` ${count === 1 ? one : many}`];
   const items = [some(failures.length, "failure"), some(classes, "class", "classes")];
-  if (failures.length > 0) items.push(["", `${grouped(confirmed)} of ${grouped(failures.length)}`, " confirmed by running them again"]);
+  if (failures.length > 0)
+    items.push(["", `${grouped(confirmed)} of ${grouped(failures.length)}`, " confirmed by running them again"]);
   const all = campaigns.length === 1 && failures.every((failure) => failure.campaign === 0); // of one campaign
   for (const { seed, units, worlds, steps, seconds } of all ? campaigns : []) {
-    items.push(["seed ", seed, ""], some(units, "unit"), some(worlds, "world"), ["", short(steps), " steps"], ["", seconds.toFixed(1), " s"]);
+    items.push(
+      ["seed ", seed, ""],
+      some(units, "unit"),
+      some(worlds, "world"),
+      ["", short(steps), " steps"],
+      ["", seconds.toFixed(1), " s"],
+    );
   }
   if (campaigns.length > 1) items.push(some(campaigns.length, "campaign"));
-  if (others > 0) items.push(some(others, "world without a failure passed over", "worlds without a failure passed over"));
+  if (others > 0)
+    items.push(some(others, "world without a failure passed over", "worlds without a failure passed over"));
   byId("totals").append(...items.map(([before, value, after]) => el("span", {}, before, el("b", {}, value), after)));
 }
 
@@ -50,19 +54,23 @@ function showTabs(current) {
   const tab = (href, words, here) => el("a", { href, "aria-current": here ? "page" : null }, words);
   byId("tabs").replaceChildren(
     tab("#", `Failures ${grouped(data.failures.length)}`, current !== "campaign"),
-    ...(data.campaigns.length > 0 ? [tab("#campaign", data.campaigns.length === 1 ? "Campaign" : "Campaigns", current === "campaign")] : []),
+    ...(data.campaigns.length > 0
+      ? [tab("#campaign", data.campaigns.length === 1 ? "Campaign" : "Campaigns", current === "campaign")]
+      : []),
   );
 }
 
 function neighboursOf(id) {
-  const shown = page.overview.shown(), all = shown.includes(id) ? shown : data.failures.map((failure) => failure.id);
+  const shown = page.overview.shown(),
+    all = shown.includes(id) ? shown : data.failures.map((failure) => failure.id);
   const here = all.indexOf(id);
   return [all[here - 1], all[here + 1]];
 }
 
 // The address says what is seen: nothing, "campaign", or a failure's digest.
 function route() {
-  const name = decodeURIComponent(location.hash.slice(1)), failure = failureOf(data.failures, name);
+  const name = decodeURIComponent(location.hash.slice(1)),
+    failure = failureOf(data.failures, name);
   const view = failure ? "detail" : name === "campaign" && data.campaigns.length > 0 ? "campaign" : "overview";
   const before = page.id;
   if (!views.overview.hidden) page.scroll = scrollY;
@@ -83,56 +91,6 @@ function route() {
   }
 }
 
-function showKeys() {
-  const dialog = byId("keys");
-  dialog.replaceChildren(
-    el("div", { class: "line" }, el("h2", { id: "keys-title" }, "Keys"), el("button", { type: "button", onclick: () => dialog.close() }, "Close")),
-    el("table", {}, el("tbody", {}, KEYS.map(([keys, words]) => el("tr", {}, el("th", { scope: "row" }, keys.map((key) => [el("kbd", {}, key), " "])), el("td", {}, words))))),
-  );
-  dialog.showModal();
-}
-
-function onKey(event) {
-  if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
-  const { target, key } = event;
-  if (target.matches("input[type=search], select")) {
-    if (key === "Escape") target.blur();
-    return;
-  }
-  const act = pageKeys()[key] || (page.detail && detailKeys(event)[key]);
-  if (!act || (target.matches("input[type=range]") && /^Arrow|Home|End/.test(key)) || (key === " " && target.matches("button, a, input[type=checkbox], summary"))) return;
-  event.preventDefault();
-  act();
-}
-
-function pageKeys() {
-  return { "?": showKeys, d: toggleTheme, "/": () => { location.hash = ""; setTimeout(() => byId("find").focus()); } };
-}
-
-function detailKeys(event) {
-  const player = page.detail.player(), [before, after] = neighboursOf(page.id);
-  const keys = {
-    Escape: () => { location.hash = ""; },
-    n: () => { if (after) location.hash = after; },
-    p: () => { if (before) location.hash = before; },
-    b: () => page.detail.swap(),
-  };
-  if (!player) return keys;
-  Object.assign(keys, { "+": () => player.zoom(1.4), "=": () => player.zoom(1.4), "-": () => player.zoom(1 / 1.4), 0: () => player.fit() });
-  const { run } = player.drawn;
-  if (!run) return keys;
-  const layer = Object.fromEntries(Object.entries(LAYERS).map(([name, [, key]]) => [key, () => { player.show[name] = !player.show[name]; player.update(); }]));
-  const far = event.shiftKey ? 10 : 1;
-  return Object.assign(keys, layer, {
-    " ": () => player.play(!player.playing),
-    ArrowLeft: () => stepBy(player, -far), ArrowRight: () => stepBy(player, far),
-    Home: () => player.go(0), End: () => player.go(run.steps),
-    r: () => (player.follow ? player.fit() : player.robot()),
-    e: () => nextMark(player),
-    l: () => { if (run.loop) playPeriod(player); },
-  });
-}
-
 function start() {
   showTotals();
   if (data.failures.length > 0) page.overview = makeOverview(views.overview, data.failures);
@@ -143,7 +101,7 @@ function start() {
   byId("show-keys").addEventListener("click", showKeys);
   addEventListener("hashchange", route);
   addEventListener("keydown", onKey);
-  addEventListener("resize", () => page.detail && page.detail.redraw());
+  addEventListener("resize", redraw);
   route();
 }
 

@@ -1,0 +1,248 @@
+// What stands under the stage: the bar to scrub along, the clock's buttons, layers, the camera.
+
+const LAYERS = {
+  trail: ["Trail", "t"],
+  touched: ["Touched walls", "u"],
+  sensors: ["Sensors", "s"],
+  signal: ["Signal", "i"],
+  witness: ["Witness", "w"],
+};
+
+// The controls under the stage. What was chosen before, such as layers, stays.
+function buildPlayer(canvas, under, drawn, former) {
+  const parts = {};
+  fitStage(canvas, drawn.world);
+  const player = makePlayer(canvas, drawn, (now) => showState(now, parts));
+  if (former) Object.assign(player.show, former.show);
+  if (!drawn.run) {
+    const why = "The controller could not be run here, so the world is shown without the robot's way.";
+    under.replaceChildren(el("p", { class: "notice" }, why), viewButtons(player, parts));
+    player.draw();
+    return player;
+  }
+  under.replaceChildren(
+    scrubBar(player, parts),
+    controls(player, parts),
+    layers(player, parts),
+    ...thinNote(drawn.run),
+  );
+  player.update();
+  return player;
+}
+
+// As high as the world asks for at this width, but no higher than leaves the controls in the window.
+function fitStage(canvas, world) {
+  const wanted = canvas.clientWidth * ((world.height + 0.5) / (world.width + 0.5));
+  canvas.style.height = `${Math.round(Math.max(240, Math.min(wanted, innerHeight * 0.58)))}px`;
+}
+
+function viewButtons(player, parts) {
+  parts.follow = player.drawn.run ? keyButton("Robot", "Follow the robot", "r", () => player.robot()) : null;
+  return el(
+    "div",
+    { class: "view", role: "group", "aria-label": "View" },
+    keyButton("−", "Zoom out", "-", () => player.zoom(1 / 1.4)),
+    keyButton("+", "Zoom in", "+", () => player.zoom(1.4)),
+    keyButton("Fit", "Show the whole world", "0", () => player.fit()),
+    parts.follow,
+  );
+}
+
+function scrubBar(player, parts) {
+  const { run } = player.drawn;
+  parts.scrub = el("input", {
+    type: "range",
+    min: 0,
+    max: run.steps,
+    step: 1,
+    id: "scrub",
+    "aria-label": "Step",
+    oninput: (event) => jumpTo(player, Number(event.target.value)),
+  });
+  return el("div", { class: "scrub" }, scrubMarks(player), parts.scrub);
+}
+
+// Above the bar: the period of a loop, the steps that matter, the world's changes.
+function scrubMarks(player) {
+  const { run, world } = player.drawn,
+    share = (step) => (1000 * Math.min(step, run.steps)) / Math.max(1, run.steps);
+  const bar = (name, from, to, y, height, ...children) =>
+    svg("rect", { class: name, x: from, y, width: to - from, height }, children);
+  const tick = (name, at, half, y, ...children) => bar(`tick ${name}`, at - half, at + half, y, 14 - y, children);
+  return svg(
+    "svg",
+    { viewBox: "-8 0 1016 14", preserveAspectRatio: "none", "aria-hidden": "true" },
+    bar("rail", 0, 1000, 11, 2),
+    run.loop ? bar("period", share(run.loop[0]), share(run.loop[0] + run.loop[1]), 3, 11) : null,
+    changeSteps(world, run).map((step) => tick("change", share(step), 0.75, 8)),
+    run.marks.map(({ step, kind, text }) => tick(kind, share(step), 1.5, 0, svg("title", {}, `step ${step}: ${text}`))),
+  );
+}
+
+function changeSteps(world, run) {
+  const { events } = openWorld(world);
+  if (!events) return [];
+  const pixels = new Set([...events.ms].map((ms) => Math.round((300 * ms) / (run.dt * 1000 * Math.max(1, run.steps)))));
+  return [...pixels].filter((place) => place <= 300).map((place) => (place * run.steps) / 300);
+}
+
+function controls(player, parts) {
+  const { run } = player.drawn;
+  parts.play = keyButton("", "Play", "Space", () => player.play(!player.playing), { class: "main", id: "play" });
+  parts.speed = choice(
+    SPEEDS.map((speed) => [speed, `${speed}×`]),
+    player.speed,
+    (event) => {
+      player.speed = Number(event.target.value);
+    },
+  );
+  parts.readout = el("span", { class: "readout", id: "readout" });
+  return el(
+    "div",
+    { class: "controls" },
+    keyButton(icon("first"), "To the start", "Home", () => jumpTo(player, 0)),
+    keyButton(icon("back"), "One step back", "←", () => stepBy(player, -1)),
+    parts.play,
+    keyButton(icon("on"), "One step on", "→", () => stepBy(player, 1)),
+    keyButton(icon("last"), "To the end", "End", () => jumpTo(player, run.steps)),
+    jumpButtons(player, parts),
+    el("label", { class: "field" }, "Speed", parts.speed),
+    parts.readout,
+  );
+}
+
+function jumpButtons(player, parts) {
+  const { run } = player.drawn,
+    jumps = [...run.marks];
+  if (run.loop) {
+    parts.period = keyButton("One period", "One period, again and again", "l", () => playPeriod(player));
+    jumps.push({
+      step: run.loop[0] + run.loop[1],
+      name: "End of period",
+      text: "the state of the entry has come back",
+    });
+  }
+  return [
+    parts.period,
+    jumps.map(({ step, name, text }) =>
+      el(
+        "button",
+        { type: "button", title: `Step ${step}: ${text}`, onclick: () => jumpTo(player, step) },
+        `${name} ${grouped(step)}`,
+      ),
+    ),
+  ];
+}
+
+function jumpTo(player, step) {
+  player.play(false);
+  player.go(step);
+}
+
+function stepBy(player, steps) {
+  jumpTo(player, (steps > 0 ? Math.floor(player.step) : Math.ceil(player.step)) + steps);
+}
+
+// To the next step that matters; from the last to the first.
+function nextMark(player) {
+  const { marks } = player.drawn.run;
+  const next = marks.find((mark) => mark.step > player.step) || marks[0];
+  if (next) jumpTo(player, next.step);
+}
+
+function playPeriod(player) {
+  const { loop } = player.drawn.run;
+  player.period = !player.period;
+  if (player.period) {
+    player.step = loop[0];
+    player.speed = usualSpeed(loop[1], player.drawn.run.dt);
+    player.play(true);
+  }
+  player.update();
+}
+
+function layers(player, parts) {
+  const { drawn } = player,
+    has = {
+      sensors: drawn.sensors,
+      signal: drawn.sensors && drawn.sensors.signal,
+      witness: drawn.world.witness || drawn.world.cut,
+    };
+  const names = Object.keys(LAYERS).filter((name) => !(name in has) || has[name]);
+  parts.layers = Object.fromEntries(
+    names.map((name) => [
+      name,
+      el("input", { type: "checkbox", "aria-keyshortcuts": LAYERS[name][1], onchange: () => show(name) }),
+    ]),
+  );
+  const show = (name) => {
+    player.show[name] = parts.layers[name].checked;
+    player.update();
+  };
+  const words = (name) => (name === "witness" && drawn.world.cut ? "Cut" : LAYERS[name][0]);
+  const boxes = names.map((name) =>
+    el("label", { class: "check", title: `Key ${LAYERS[name][1]}` }, parts.layers[name], words(name)),
+  );
+  return el(
+    "div",
+    { class: "controls" },
+    el("div", { class: "layers", role: "group", "aria-label": "Layers" }, boxes),
+    viewButtons(player, parts),
+  );
+}
+
+function thinNote(run) {
+  if (run.thinned === 1) return [];
+  return [
+    el(
+      "p",
+      { class: "quiet" },
+      `A long run of ${grouped(run.steps)} steps: the page holds those that matter, of the others at worst one in ${run.thinned}, and draws straight lines between.`,
+    ),
+  ];
+}
+
+function showState(player, parts) {
+  const { run } = player.drawn;
+  if (!run) return;
+  const step = Math.min(run.steps, Math.floor(player.step + 1e-9));
+  parts.scrub.value = step;
+  parts.scrub.setAttribute("aria-valuetext", `step ${step} of ${run.steps}${momentOf(run, step)}`);
+  parts.play.replaceChildren(icon(player.playing ? "pause" : "play"), player.playing ? "Pause" : "Play");
+  parts.play.setAttribute("aria-label", player.playing ? "Pause" : "Play");
+  parts.speed.value = player.speed;
+  if (parts.period) parts.period.setAttribute("aria-pressed", String(player.period));
+  if (parts.follow) parts.follow.setAttribute("aria-pressed", String(player.follow));
+  for (const [name, box] of Object.entries(parts.layers)) box.checked = player.show[name];
+  parts.readout.replaceChildren(
+    "step ",
+    el("b", {}, grouped(step)),
+    ` of ${grouped(run.steps)}, ${(step * run.dt).toFixed(2)} s${momentOf(run, step)}`,
+  );
+}
+
+function momentOf(run, step) {
+  const mark = run.marks.find((one) => one.step === step);
+  if (mark) return `: ${mark.text}`;
+  if (!run.loop || step < run.loop[0]) return "";
+  return step === run.loop[0] + run.loop[1]
+    ? ": the state of the entry again"
+    : `, ${step - run.loop[0]} into the period`;
+}
+
+function dragToMove(canvas, state) {
+  let last = null;
+  canvas.addEventListener("pointerdown", (event) => {
+    if (!state.player || !state.player.view) return;
+    last = [event.clientX, event.clientY];
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!last) return;
+    state.player.move(event.clientX - last[0], event.clientY - last[1]);
+    last = [event.clientX, event.clientY];
+  });
+  canvas.addEventListener("pointerup", () => {
+    last = null;
+  });
+}

@@ -1,0 +1,126 @@
+// What the keys do.
+
+const KEYS = [
+  [["?"], "Show these keys"],
+  [["/"], "Find"],
+  [["d"], "Dark or light"],
+  [["←", "→", "↑", "↓", "Enter"], "Choose a failure; open it"],
+  [["Esc"], "Back to all failures"],
+  [["n", "p"], "Next, previous failure"],
+  [["Space"], "Play, pause"],
+  [["←", "→"], "One step; with Shift ten"],
+  [["Home", "End"], "To the start, to the end"],
+  [["l"], "Play one period of a loop again and again"],
+  [["e"], "To the next marked step: entry, breach, last new cell"],
+  [["b"], "Before or after shrinking"],
+  [["+", "−", "0"], "Zoom; show the whole world"],
+  [["r"], "Follow the robot"],
+  [["t", "u", "s", "i", "w"], "Trail, touched walls, sensors, signal, witness"],
+];
+
+function showKeys() {
+  const dialog = byId("keys");
+  dialog.replaceChildren(
+    el(
+      "div",
+      { class: "line" },
+      el("h2", { id: "keys-title" }, "Keys"),
+      el("button", { type: "button", onclick: () => dialog.close() }, "Close"),
+    ),
+    el(
+      "table",
+      {},
+      el(
+        "tbody",
+        {},
+        KEYS.map(([keys, words]) =>
+          el(
+            "tr",
+            {},
+            el(
+              "th",
+              { scope: "row" },
+              keys.map((key) => [el("kbd", {}, key), " "]),
+            ),
+            el("td", {}, words),
+          ),
+        ),
+      ),
+    ),
+  );
+  dialog.showModal();
+}
+
+function onKey(event) {
+  if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
+  const { target, key } = event;
+  if (target.matches("input[type=search], select")) {
+    if (key === "Escape") target.blur();
+    return;
+  }
+  const act = pageKeys()[key] || (page.detail && detailKeys(event)[key]);
+  if (
+    !act ||
+    (target.matches("input[type=range]") && /^Arrow|Home|End/.test(key)) ||
+    (key === " " && target.matches("button, a, input[type=checkbox], summary"))
+  )
+    return;
+  event.preventDefault();
+  act();
+}
+
+function pageKeys() {
+  return {
+    "?": showKeys,
+    d: toggleTheme,
+    "/": () => {
+      location.hash = "";
+      setTimeout(() => byId("find")?.focus());
+    },
+  };
+}
+
+function detailKeys(event) {
+  const player = page.detail.player(),
+    [before, after] = neighboursOf(page.id);
+  const keys = {
+    Escape: () => openAddress(""),
+    n: () => openAddress(after),
+    p: () => openAddress(before),
+    b: () => page.detail.swap(),
+  };
+  if (player) Object.assign(keys, cameraKeys(player));
+  if (player && player.drawn.run) Object.assign(keys, layerKeys(player), clockKeys(player, event.shiftKey ? 10 : 1));
+  return keys;
+}
+
+function openAddress(id) {
+  if (id !== undefined) location.hash = id;
+}
+
+function cameraKeys(player) {
+  const nearer = () => player.zoom(1.4);
+  return { "+": nearer, "=": nearer, "-": () => player.zoom(1 / 1.4), 0: () => player.fit() };
+}
+
+function layerKeys(player) {
+  const toggle = (name) => () => {
+    player.show[name] = !player.show[name];
+    player.update();
+  };
+  return Object.fromEntries(Object.entries(LAYERS).map(([name, [, key]]) => [key, toggle(name)]));
+}
+
+function clockKeys(player, steps) {
+  const { run } = player.drawn;
+  return {
+    " ": () => player.play(!player.playing),
+    ArrowLeft: () => stepBy(player, -steps),
+    ArrowRight: () => stepBy(player, steps),
+    Home: () => jumpTo(player, 0),
+    End: () => jumpTo(player, run.steps),
+    r: () => (player.follow ? player.fit() : player.robot()),
+    e: () => nextMark(player),
+    l: () => run.loop && playPeriod(player),
+  };
+}
