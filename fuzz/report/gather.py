@@ -80,7 +80,7 @@ def gather(paths: Sequence[Path]) -> Subject:
         FormatError: If a path or a file cannot be read.
     """
     corpus = read_corpus(paths)
-    folders = [folder for path in paths if path.is_dir() for folder in _campaign_folders(path)]
+    folders = [folder for path in paths for folder in _campaign_folders(path)]
     campaigns = [summary for folder in dict.fromkeys(folders) if (summary := read_summary(folder)) is not None]
     entries = _distinct(corpus.entries)
     if not entries and not campaigns:
@@ -95,8 +95,9 @@ def gather(paths: Sequence[Path]) -> Subject:
     return Subject(entries, campaigns, corpus.others)
 
 
-def _campaign_folders(folder: Path) -> Iterable[Path]:
-    return sorted(memory.parent for memory in folder.rglob(MEMORY) if memory.is_dir())
+def _campaign_folders(path: Path) -> Iterable[Path]:
+    """The folder, and those below it, that campaigns may have written; of a file the folder that it is in."""
+    return sorted(memory.parent for memory in path.rglob(MEMORY)) if path.is_dir() else (path.parent,)
 
 
 def _distinct(entries: Iterable[Entry]) -> list[Entry]:

@@ -24,27 +24,13 @@ from sim.controllers.base import robot_for
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.run_options import RunOptions
-from worldgen.errors import WorldgenError
+from worldgen.errors import FormatError
 from worldgen.files import check_output, write_bytes
 from worldgen.plain_text import counted
 from worldgen.world import FailureRecord
 
 __all__ = ["write_report"]
 
-_SCRIPTS = (
-    "dom",
-    "decode",
-    "rays",
-    "map",
-    "player",
-    "charts",
-    "archive",
-    "overview",
-    "controls",
-    "detail",
-    "keys",
-    "start",
-)
 _ID_DIGITS = 12  # hex, of a failure's digest: its address in the page
 
 
@@ -107,7 +93,7 @@ def _failure(entry: Entry, campaigns: list[Summary]) -> dict[str, Any]:
     failure = look_at(entry, campaigns)
     seen, facts, record = failure.seen, entry.facts, failure.seen.world.failure
     if record is None:
-        raise WorldgenError(f"{entry.path}: held a failure a moment ago; do not change the files meanwhile")
+        raise FormatError("held a failure a moment ago; do not change it meanwhile", source=str(entry.path))
     met = campaigns[failure.campaign].met.get(facts.kind) if failure.campaign >= 0 else None
     return {
         "id": facts.digest[:_ID_DIGITS],
@@ -141,7 +127,6 @@ def _drawn(seen: Seen, record: FailureRecord | None) -> dict[str, Any]:
         "size": f"{world.width} x {world.height}",
         "solid": world.solid_cells,
         "events": len(world.timeline),
-        "verdict": record.verdict if record else "",
         "kind": str(record.details.get("class", record.verdict)) if record else "",
         "world": drawn_world(world),
         "run": None if seen.shown is None else drawn_run(seen.shown, world.cell_size, seen.replay.episode),
@@ -172,10 +157,11 @@ def _page(title: str, data: dict[str, Any]) -> bytes:
     """The page, which lets a browser run this very script and use this style, and load nothing at all."""
     folder = files("fuzz.report") / "page"
     style = (folder / "style.css").read_text("utf-8")
-    parts = [(folder / f"{name}.js").read_text("utf-8") for name in _SCRIPTS]
+    names = sorted(part.name for part in folder.iterdir() if part.name.endswith(".js"))  # start.js comes last
+    parts = [(folder / name).read_text("utf-8") for name in names]
     script = "(() => {\n'use strict';\n" + "\n".join(parts) + "\n})();\n"
     filled = {
-        "POLICY": "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data: blob:; "
+        "POLICY": "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; "
         f"script-src {_source(script)}; style-src {_source(style)}",
         "TITLE": html.escape(title.encode("utf-8", "replace").decode("utf-8")),
         "STYLE": style,

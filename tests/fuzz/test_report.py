@@ -128,6 +128,14 @@ def test_a_failure_whose_controller_is_not_here_is_shown_without_its_way(tmp_pat
     assert "gone.py" in failure["reason"]
 
 
+def test_a_single_file_is_shown_with_its_campaign(page):
+    out = page.parent / "one.html"
+    assert write_report([page.parent / "failures" / LOOP], out) == 1
+    (failure,) = data_of(out)["failures"]
+    assert failure["met"] == 17
+    assert failure["before"]["name"].endswith(".grid")
+
+
 def test_an_archive_is_read_like_a_folder(tmp_path):
     archive = tmp_path / "corpus.zip"
     assert worldgen("corpus", "export", CORPUS / LOOP, CORPUS / TUNNEL, "--out", archive).code == 0

@@ -91,13 +91,18 @@ function legend(failure) {
     failure.now.run && failure.now.run.marks.some((mark) => mark.cell)
       ? ["square breach", "where it goes wrong"]
       : null,
-    failure.now.events ? ["square fire", "burning"] : null,
+    burnsAtAll(failure.now.world) ? ["square fire", "burning"] : null,
   ];
   return el(
     "ul",
     { class: "legend", "aria-label": "Colours" },
     items.filter(Boolean).map(([name, words]) => el("li", {}, el("i", { class: name }), words)),
   );
+}
+
+function burnsAtAll(world) {
+  const events = world && openWorld(world).events;
+  return events !== null && events.state.includes(BURNING);
 }
 
 function pairPart(failure, pair, load) {
@@ -112,17 +117,7 @@ function pairPart(failure, pair, load) {
       el(
         "figcaption",
         {},
-        el(
-          "span",
-          {},
-          el("b", {}, title),
-          el("br"),
-          el(
-            "span",
-            { class: "quiet" },
-            `${drawn.size}, ${drawn.solid} solid${drawn.run ? `, ${plural(drawn.run.steps, "step")}` : ""}`,
-          ),
-        ),
+        el("span", {}, el("b", {}, title), el("br"), el("span", { class: "quiet" }, pairWords(failure, drawn))),
         drawn.world && failure.now.world
           ? el(
               "button",
@@ -134,6 +129,13 @@ function pairPart(failure, pair, load) {
     );
   pair.append(figure(failure.before, "before", "As found"), figure(failure.now, "now", "Shrunk"));
   return el("div", { class: "part" }, el("h3", {}, "Before and after shrinking"), pair);
+}
+
+function pairWords(failure, drawn) {
+  const facts = [drawn.size, `${grouped(drawn.solid)} solid`];
+  if (drawn.run) facts.push(plural(drawn.run.steps, "step"));
+  if (drawn.kind !== failure.kind) facts.push(drawn.kind);
+  return facts.join(", ");
 }
 
 function replayPart(failure) {

@@ -183,23 +183,26 @@ function card(failure, several) {
 }
 
 function moveBetweenCards(event) {
-  const cards = [...document.querySelectorAll(".card")],
-    here = cards.indexOf(document.activeElement);
-  const step = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -1, ArrowDown: 1 }[event.key];
-  if (here < 0 || !step || event.altKey || event.ctrlKey || event.metaKey) return;
+  const cards = [...document.querySelectorAll(".card")];
+  const here = cards.indexOf(document.activeElement);
+  if (here < 0 || event.altKey || event.ctrlKey || event.metaKey) return;
+  const next = {
+    ArrowLeft: () => cards[here - 1],
+    ArrowRight: () => cards[here + 1],
+    ArrowUp: () => nearestCard(cards[here], cards.slice(0, here)),
+    ArrowDown: () => nearestCard(cards[here], cards.slice(here + 1)),
+  }[event.key];
+  if (!next) return;
   event.preventDefault();
-  let next = here + step;
-  if (event.key === "ArrowUp" || event.key === "ArrowDown") {
-    const from = cards[here].getBoundingClientRect();
-    const elsewhere = (box) => (step > 0 ? box.top > from.top + 4 : box.top < from.top - 4);
-    while (
-      cards[next] &&
-      !(
-        elsewhere(cards[next].getBoundingClientRect()) &&
-        Math.abs(cards[next].getBoundingClientRect().left - from.left) < 8
-      )
-    )
-      next += step;
-  }
-  if (cards[next]) cards[next].focus();
+  next()?.focus();
+}
+
+// Of the cards in other rows the one that is nearest, rows first.
+function nearestCard(card, others) {
+  const from = card.getBoundingClientRect();
+  const away = others
+    .map((other) => ({ other, box: other.getBoundingClientRect() }))
+    .filter(({ box }) => Math.abs(box.top - from.top) > 4)
+    .map(({ other, box }) => ({ other, far: 9 * Math.abs(box.top - from.top) + Math.abs(box.left - from.left) }));
+  return away.sort((a, b) => a.far - b.far)[0]?.other;
 }

@@ -69,7 +69,7 @@ function neighboursOf(id) {
 
 // The address says what is seen: nothing, "campaign", or a failure's digest.
 function route() {
-  const name = decodeURIComponent(location.hash.slice(1)),
+  const name = location.hash.slice(1),
     failure = failureOf(data.failures, name);
   const view = failure ? "detail" : name === "campaign" && data.campaigns.length > 0 ? "campaign" : "overview";
   const before = page.id;
