@@ -5,9 +5,12 @@ from __future__ import annotations
 import inspect
 import math
 import re
+import reprlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from fuzz.asked.trial import Trial
 from fuzz.oracles import ORACLES as JUDGED_VERDICTS
@@ -20,6 +23,7 @@ __all__ = ["ORACLES", "Asked", "asked_by", "objection_in_words"]
 
 Oracle = Callable[..., Any]
 
+_DEEPEST = 16  # tables and lists in one another
 _WRITTEN = re.compile(r"(?P<name>.+?)(?:=(?P<number>[^=:/\\]*))?", re.DOTALL)
 _TAKEN = (*JUDGED_VERDICTS, *BY_THE_CONTROLLER, "breach")
 
@@ -113,8 +117,8 @@ class Asked:
             return None
         if not isinstance(answer, Mapping) or not answer or not _fits(answer):
             raise InvalidParameter(
-                f"oracle {self.text!r} answers {answer!r}; return None, or a table of evidence: names with booleans, "
-                "finite numbers, texts, lists and tables"
+                f"oracle {self.text!r} answers {reprlib.repr(answer)}; return None, or a table of evidence: names with "
+                f"booleans, finite numbers, texts, lists and tables, at most {_DEEPEST} in one another"
             )
         return {name: _plain_value(one) for name, one in answer.items()}
 
@@ -154,19 +158,23 @@ def _number(text: str, number: str) -> float:
     return value
 
 
-def _fits(value: object) -> bool:
+def _fits(value: object, depth: int = 0) -> bool:
     """Whether a `.grid` file can hold it."""
-    if isinstance(value, Mapping):
-        return all(isinstance(name, str) and _fits(one) for name, one in value.items())
-    if isinstance(value, list | tuple):
-        return all(_fits(one) for one in value)
-    return isinstance(value, bool | int | str) or (isinstance(value, float) and math.isfinite(value))
+    if isinstance(value, Mapping | list | tuple):
+        parts = value.values() if isinstance(value, Mapping) else value
+        named = not isinstance(value, Mapping) or all(isinstance(name, str) for name in value)
+        return named and depth < _DEEPEST and all(_fits(one, depth + 1) for one in parts)
+    if isinstance(value, float | np.floating):
+        return math.isfinite(value)
+    return isinstance(value, bool | int | str | np.integer | np.bool_)
 
 
 def _plain_value(value: Any) -> Any:
-    """Tables as dicts, lists and tuples as lists, numbers of NumPy that are Python's as Python's."""
+    """Tables as dicts, lists and tuples as lists, numbers of NumPy as Python's."""
     if isinstance(value, Mapping):
         return {name: _plain_value(one) for name, one in value.items()}
     if isinstance(value, list | tuple):
         return [_plain_value(one) for one in value]
-    return float(value) if isinstance(value, float) else value
+    if isinstance(value, np.integer | np.bool_):
+        return value.item()
+    return float(value) if isinstance(value, float | np.floating) else value

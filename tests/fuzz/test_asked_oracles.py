@@ -304,6 +304,7 @@ def test_what_is_no_oracle_is_refused(text, message):
         ("def bad(trial): return 1 / 0", "ZeroDivisionError"),
         ("def bad(trial): return True", "answers True; return None, or a table"),
         ("def bad(trial): return {'way': float('inf')}", "finite numbers"),
+        ("def bad(trial, deep=[]):\n deep.append(deep)\n return {'way': deep}", "at most 16 in one another"),
         ("def bad(trial): raise SystemExit(3)", "ends Python"),
         ("def loop(trial): return None", "is called like a verdict"),
     ],
@@ -313,6 +314,13 @@ def test_an_oracle_that_is_none_is_refused(code, message, tmp_path):
     name = "loop" if "loop" in code else "bad"
     with pytest.raises(InvalidParameter, match=message):
         objection(f"{tmp_path}/mine.py:{name}")
+
+
+def test_numbers_of_numpy_are_evidence_like_others(tmp_path):
+    code = "import numpy as np\ndef many(trial): return {'n': np.int64(3), 'x': np.float32(0.5), 'b': [np.True_]}"
+    (tmp_path / "mine.py").write_text(code)
+    said = objection(f"{tmp_path}/mine.py:many")
+    assert said == {"n": 3, "x": 0.5, "b": [True]} and {type(said["n"]), type(said["x"])} == {int, float}
 
 
 def test_an_oracle_without_a_number_takes_none(tmp_path):
