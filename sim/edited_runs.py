@@ -141,14 +141,22 @@ class EditedRuns:
         return found, int(done[at.DONE_NEXT])
 
 
-def has_sure_way(world: World) -> bool:
+def has_sure_way(world: World, *, regardless_of_time: bool = False) -> bool:
     """Whether a quick look shows that the target can be reached, without touching what is ever not free.
 
     ``False`` shows nothing. The robot's place is taken on the lattice, so it may be wrong by half a lattice unit.
+
+    Args:
+        world: The world.
+        regardless_of_time: Whether to keep away only from what is solid for ever: then ``True`` shows nothing either
+            of a world that changes, but without such a way there is hardly another.
     """
     side, line = world.cell_size, world.timeline
     cells = world.walls.astype(np.uint8)
-    cells[line.iy[line.states > 0], line.ix[line.states > 0]] = layout.SOLID
+    if regardless_of_time:
+        cells[line.iy[line.states == 0], line.ix[line.states == 0]] = 0
+    else:
+        cells[line.iy[line.states > 0], line.ix[line.states > 0]] = layout.SOLID
     points = (world.start.x, world.start.y, world.target.x, world.target.y)
     sx, sy, tx, ty = (metres_to_lattice(metres, side) for metres in points)
     disc = disc_numbers(world)

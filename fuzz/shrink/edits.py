@@ -82,7 +82,9 @@ def with_time(world: World, event: int, time: float) -> World | None:
 
 
 def changed(world: World, **parts: Any) -> World | None:
-    """The world with other parts; ``None`` if such a world cannot be."""
+    """The world with other parts; ``None`` if such a world cannot be, or it is the same."""
+    if "walls" not in parts and all(getattr(world, name) == part for name, part in parts.items()):
+        return None
     try:
         return replace(world, **parts)
     except InvalidWorld:  # a point fell off the grid

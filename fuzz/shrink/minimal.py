@@ -9,7 +9,7 @@ import numpy as np
 from fuzz.shrink.edits import bare, drop_columns, drop_rows, free_cells
 from worldgen.world import World
 
-__all__ = ["removable"]
+__all__ = ["removable", "removed"]
 
 
 def removable(world: World, still_fails: Callable[[World], World | None]) -> list[str]:
@@ -22,7 +22,15 @@ def removable(world: World, still_fails: Callable[[World], World | None]) -> lis
     Returns:
         What can be removed, in words; empty for a 1-minimal world.
     """
-    return [name for name, candidate in _neighbours(bare(world)) if candidate is not None and still_fails(candidate)]
+    return [name for name, _ in removed(world, still_fails)]
+
+
+def removed(world: World, still_fails: Callable[[World], World | None]) -> Iterator[tuple[str, World]]:
+    """What :func:`removable` lists, one after the other, with the world that is left, certified."""
+    for name, candidate in _neighbours(bare(world)):
+        left = None if candidate is None else still_fails(candidate)
+        if left is not None:
+            yield name, left
 
 
 def _neighbours(world: World) -> Iterator[tuple[str, World | None]]:

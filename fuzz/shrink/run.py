@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from fuzz.chance import chance_details
 from fuzz.failure import failure_by, failure_of, judge, scenario_of
 from fuzz.shrink.edits import bare
-from fuzz.shrink.minimal import removable
+from fuzz.shrink.minimal import removed
 from fuzz.shrink.order import Case, simplicity
 from fuzz.shrink.passes import PASSES, Pass
 from fuzz.shrink.predicate import StillFails
@@ -29,6 +29,7 @@ KEEP = ("verdict", "class")
 
 # A simpler world may need longer until it fails than the one that it came from.
 _MORE_STEPS, _FEWEST_STEPS = 4, 2_000
+_OF_THE_OLD_WORLD = ("boundaries", "failing_seeds", "failing_share_at_least")  # details that do not hold of the new
 _DIGITS = 16  # of an id
 _NOT_CHECKED: tuple[str, ...] = ("not checked: stopped early",)
 
@@ -153,16 +154,22 @@ class _Reducer:
         try:
             for careful in (False, True):
                 self._trying.careful = careful
-                self._exhaust_all()
+                self._reduce()
                 if self._holds():
-                    self._complete = True
-                    self._left = tuple(removable(self._best.world, self._judged_in_time))
-                    if not self._left:
-                        return
-                else:
-                    self._best = self._begin
+                    self._complete, self._left = True, ()
+                    return
+                self._best = self._begin
         except TimeoutError:
             return
+
+    def _reduce(self) -> None:
+        """Passes until none makes the failure simpler, nor the check finds what could go."""
+        while True:
+            self._exhaust_all()
+            found = next(removed(self._best.world, self._judged_in_time), None)
+            if found is None:
+                return
+            self._take(self._best._replace(world=bare(found[1])))
 
     def result(self) -> Shrunk:
         """The simplest case that holds, with its record.
@@ -187,8 +194,8 @@ class _Reducer:
         fresh, came = made.failure, self._failure.failure
         if fresh is None or came is None:
             return made
-        details: dict[str, Value] = {"original": world_digest(self._failure)[:_DIGITS], **came.details}
-        details.pop("boundaries", None)  # the smaller world has others
+        details: dict[str, Value] = {"original": world_digest(self._failure)[:_DIGITS]}
+        details |= {name: value for name, value in came.details.items() if name not in _OF_THE_OLD_WORLD}
         details |= fresh.details
         if self._still_fails.asked is None:
             details |= chance_details(made, scenario)
@@ -217,10 +224,14 @@ class _Reducer:
         """Takes every edit that still fails; after one is taken the pass goes on from there, not afresh."""
         taken = self._trying.first(self._best, [*simplify.propose(self._best)], 0)
         while taken is not None:
-            index, self._best = taken
-            if self._progress is not None:
-                self._progress(self._best.world)
+            index, simpler = taken
+            self._take(simpler)
             taken = self._trying.first(self._best, [*simplify.propose(self._best)], index)
+
+    def _take(self, simpler: Case) -> None:
+        self._best = simpler
+        if self._progress is not None:
+            self._progress(simpler.world)
 
     def _holds(self) -> bool:
         """Whether the exact judge and the oracle agree to the simplest case so far; then its failure is kept."""

@@ -103,17 +103,22 @@ class Trying:
         if not self.careful and self._has_quick_look:
             if not looked and not self._still_fails.seems_to_fail(*candidate):
                 return None
+            if not self._still_fails.breach and not self._has_way(candidate, edit, looked=looked):
+                return None
             if self._quick_is_enough:
-                return candidate if self._has_way(candidate, edit, looked=looked) else None
+                return candidate
         return None if self._still_fails(*candidate) is None else candidate
 
     def _has_way(self, candidate: Case, edit: Edit, *, looked: bool) -> bool:
-        """Whether the target can be reached; of a world that does not change, ``False`` may be wrong."""
+        """Whether the target can be reached; ``False`` may be wrong."""
+        world = candidate.world
         if isinstance(edit, CellEdit) and edit.frees:
             return True  # as before: a cell less in the way
-        if not candidate.world.is_dynamic:
-            return looked or has_sure_way(candidate.world)
-        return has_sure_way(candidate.world) or certified(candidate.world) is not None
+        if not world.is_dynamic:
+            return looked or has_sure_way(world)
+        if not has_sure_way(world, regardless_of_time=True):
+            return False
+        return not self._quick_is_enough or has_sure_way(world) or certified(world) is not None
 
 
 def _after(case: Case, edit: Edit) -> Case | None:

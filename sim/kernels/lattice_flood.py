@@ -32,7 +32,8 @@ def surely_reaches(
 ) -> bool:
     """Whether the flood gets from the start into the target's disc.
 
-    A step of half a cell along an axis has its least clearance at an end, so clear nodes are all that is needed.
+    A step of half a cell along an axis has its least clearance at an end, a diagonal one at an end or in the middle
+    (docs/reachability.md proves it).
 
     Args:
         cells: (height, width) uint8, 1 where the robot never goes.
@@ -69,11 +70,15 @@ def surely_reaches(
         is_near = target_is_clear and abs(x - tx) < HALF and abs(y - ty) < HALF
         if is_near and _goes_straight(cells, clear_sq, reach, (x, y, tx, ty)):
             return True
-        for side in range(4):
-            di, dj = (1 - side, 0) if side % 2 == 0 else (0, 2 - side)
-            if 0 <= i + di < columns and 0 <= j + dj < rows and seen[j + dj, i + di] == 0:
+        for step in range(9):
+            di, dj = step % 3 - 1, step // 3 - 1
+            if not (0 <= i + di < columns and 0 <= j + dj < rows) or seen[j + dj, i + di] != 0:
+                continue
+            if not pose_is_clear(cells, SOLID, clear_sq, reach, x + di * HALF, y + dj * HALF):
                 seen[j + dj, i + di] = 1
-                if pose_is_clear(cells, SOLID, clear_sq, reach, x + di * HALF, y + dj * HALF):
-                    stack[count] = (j + dj) * columns + i + di
-                    count += 1
+                continue
+            middle_x, middle_y = x + di * (HALF // 2), y + dj * (HALF // 2)
+            if di * dj == 0 or pose_is_clear(cells, SOLID, clear_sq, reach, middle_x, middle_y):
+                seen[j + dj, i + di], stack[count] = 1, (j + dj) * columns + i + di
+                count += 1
     return False

@@ -263,3 +263,10 @@ def test_the_quick_look_at_the_way_never_sees_one_that_is_not_there():
     gap[2, 3] = False
     assert not has_sure_way(shut) and has_sure_way(replace(shut, walls=gap))
     assert not has_sure_way(replace(shut, walls=gap, robot_radius=0.051))
+
+
+@pytest.mark.parametrize(("radius", "seen"), [(0.07, True), (0.0708, False)])
+def test_the_quick_look_goes_through_a_diagonal_gap_that_is_just_wide_enough(radius, seen):
+    walls = np.zeros((8, 8), bool)
+    walls[4:, :4] = walls[:3, 5:] = True  # their corners are the square root of two cells apart
+    assert has_sure_way(World(walls, Pose(0.15, 0.15, 0.0), Target(0.65, 0.65, 0.05), robot_radius=radius)) is seen
