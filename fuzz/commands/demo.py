@@ -28,6 +28,7 @@ def demo(out: Path, controller: str, motion: str, force: bool) -> None:
 
     from fuzz.crews import crew_of
     from fuzz.ledger import Goal, begin
+    from fuzz.report import write_report
     from fuzz.session import CampaignSession, configure
     from worldgen.errors import OutputError
 
@@ -51,6 +52,10 @@ def demo(out: Path, controller: str, motion: str, force: bool) -> None:
     if code not in (0, 1):
         raise SystemExit(code)
     _draw_failures(failures)
+    page = out / "report.html"
+    _say(f"worldgen report {failures} --out {page}")
+    write_report([failures], page, force=True)
+    note(f"wrote {page}")
 
 
 def _say(command: str) -> None:
