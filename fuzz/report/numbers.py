@@ -82,12 +82,12 @@ def _of_the_run(seen: Seen, record: FailureRecord) -> list[Row]:
 def _of_the_world(world: World) -> list[Row]:
     side, line = world.cell_size, world.timeline
     rows = [
-        ("cells", f"{world.width} x {world.height}, {world.solid_cells} solid"),
+        ("cells", f"{world.width} x {world.height}, {world.solid_cells:,} solid"),
         ("size", f"{world.width * side:.4g} x {world.height * side:.4g} m, cells of {side:.4g} m"),
         ("robot", f"radius {world.robot_radius:.4g} m, at most {world.robot_speed:.4g} m/s"),
     ]
     if world.is_dynamic:
-        rows.append(("changes", f"{len(line)}, the last at {float(line.times[-1]):.6g} s"))
+        rows.append(("changes", f"{len(line):,}, the last at {float(line.times[-1]):.6g} s"))
     proof = world.certificate
     if isinstance(proof, Witness):
         rows.append(("witness", f"{proof.length:.4g} m in {proof.duration:.4g} s"))

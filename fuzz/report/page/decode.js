@@ -134,7 +134,7 @@ function touchedCells(world, run) {
 }
 
 function nearestWalls(cells, world, x, y) {
-  const reach = Math.min(8, Math.ceil(world.radius) + 1),
+  const reach = Math.min(40, Math.ceil(world.radius) + 1),
     found = [];
   let least = world.radius + 0.5;
   for (let iy = Math.floor(y) - reach; iy <= Math.floor(y) + reach; iy += 1) {

@@ -106,11 +106,8 @@ function drawSignal(pen, world, [left, top, right, bottom]) {
   const reach = 6 * pen.scale;
   const glow = context.createRadialGradient(px(x), py(y), 0, px(x), py(y), reach);
   for (let k = 0; k <= 6; k += 1) {
-    const strength = 1 / (1 + k * k) - 1 / 37;
-    glow.addColorStop(
-      k / 6,
-      colours.signal.replace(/[\d.]+%/, (share) => `${(parseFloat(share) * 1.6 * strength).toFixed(1)}%`),
-    );
+    const strength = 1 / (1 + k * k) - 1 / 37; // nothing at the edge
+    glow.addColorStop(k / 6, `rgb(${colours.signal} / ${(0.4 * strength).toFixed(3)})`);
   }
   context.save();
   context.beginPath();

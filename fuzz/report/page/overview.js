@@ -159,7 +159,7 @@ function groupsOf(failures, nameOf, several) {
 function card(failure, several) {
   const { run } = failure.now;
   const facts = [
-    `${failure.size}, ${failure.solid} solid`,
+    `${failure.size}, ${grouped(failure.solid)} solid`,
     run && (run.loop ? `period ${grouped(run.loop[1])}` : plural(run.steps, "step")),
     failure.met && `met ${grouped(failure.met)}×`,
   ].filter(Boolean);
