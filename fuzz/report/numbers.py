@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeAlias
 
+from fuzz.boundary import boundaries_in_words
 from fuzz.report.gather import Failure, Seen
 from fuzz.report.summary import Summary
 from worldgen.world import Cut, FailureRecord, Value, Witness, World
@@ -14,7 +15,10 @@ __all__ = ["Group", "groups"]
 Row: TypeAlias = tuple[str, str]
 Group: TypeAlias = tuple[str, list[Row]]
 
-_SAID = ("class", "one_minimal", "failing_seeds", "failing_share_at_least", "found_by", "kept", "shrunk_from")
+_SAID = (
+    "class", "motion_version", "original", "one_minimal", "failing_seeds", "failing_share_at_least", "chance", "states",
+    "boundaries", "found_by", "kept", "shrunk_from",
+)  # fmt: skip
 _KEPT = {"verdict": "kept verdict and cause", "class": "kept the class"}
 
 
@@ -48,6 +52,12 @@ def _of_the_failure(failure: Failure, record: FailureRecord) -> list[Row]:
         bound = f"; with 95 % confidence at least {least:.1%} of all" if isinstance(least, float) else ""
         does = "get there" if isinstance(seen.world.certificate, Cut) else "fail"
         rows.append(("chance", f"{seeds[0]} of {seeds[1]} seeds {does}{bound}"))
+    if "chance" in record.details:
+        states = f", over {_words(record.details['states'])} states" if "states" in record.details else ""
+        rows.append(("exact answer", f"{_words(record.details['chance'])}{states}"))
+    begins = boundaries_in_words(seen.world)
+    if begins:
+        rows.append(("boundary", begins))
     minimal = record.details.get("one_minimal")
     if isinstance(minimal, bool):
         rows.append(("1-minimal", "yes: no cell, row or column can go" if minimal else "no"))
@@ -120,11 +130,7 @@ def _of_the_search(failure: Failure, record: FailureRecord, campaign: Summary | 
 
 
 def _others(details: Mapping[str, Value]) -> list[Row]:
-    return [
-        (name.replace("_", " "), _words(value))
-        for name, value in details.items()
-        if name not in (*_SAID, "motion_version", "original")
-    ]
+    return [(name.replace("_", " "), _words(value)) for name, value in details.items() if name not in _SAID]
 
 
 def _words(value: Value) -> str:

@@ -93,6 +93,16 @@ def test_numbers_say_lane_chance_and_how_often_the_class_was_met(page):
     assert groups["Run"]["period"] == "104 steps (1.56 s)"
 
 
+def test_an_exact_answer_is_among_the_numbers(tmp_path):
+    trap = read_world(CORPUS / "thesis-1-drifting.grid")
+    details = {**trap.failure.details, "chance": "trap", "states": 512, "newly_noted": [1, 2]}
+    write_world(replace(trap, failure=replace(trap.failure, details=details)), tmp_path / "a.grid")
+    write_report([tmp_path], tmp_path / "r.html")
+    groups = {title: dict(rows) for title, rows in data_of(tmp_path / "r.html")["failures"][0]["groups"]}
+    assert groups["Failure"]["exact answer"] == "trap, over 512 states"
+    assert groups["Search"]["newly noted"] == "1, 2"
+
+
 def test_equal_input_gives_equal_bytes(page):
     again = page.parent / "again.html"
     write_report([page.parent / "failures"], again)
