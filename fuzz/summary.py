@@ -6,6 +6,7 @@ from typing import Any
 
 from fuzz.campaign import CampaignState
 from fuzz.config import CampaignConfig
+from fuzz.lanes.archive import archive_table
 from fuzz.ledger import failure_id
 from worldgen.plain_text import aligned
 
@@ -51,7 +52,7 @@ def summary_of(config: CampaignConfig, state: CampaignState) -> dict[str, Any]:
             }
             for find in state.finds
         ],
-        "archive": None,
+        "archive": archive_table(state.memory.elites),
     }
 
 

@@ -40,7 +40,8 @@ _BEGUN = (
     "--lane",
     "lanes",
     multiple=True,
-    help="Look for failures with this lane only: boundary, features, sealed, or a family; may be repeated.",
+    help="Look for failures with this lane only: native, archive, boundary, features, sealed, or a family; "
+    "may be repeated.",
 )
 @click.option("--world", type=click.Path(path_type=Path), help="Keep this map; vary start, target and radius.")
 @click.option("--budget", type=Duration(), metavar="TIME", help="Search this long: 30s, 5m, 1h [default: 30s].")

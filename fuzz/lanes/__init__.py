@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from fuzz.boundary import is_bounded
-from fuzz.lanes import boundary, drawn, native
+from fuzz.lanes import archive, boundary, drawn, native
 from fuzz.lanes.database import DATABASE
 from fuzz.lanes.plan import lanes_for
 from fuzz.lanes.task import Task
@@ -34,6 +34,7 @@ def _search_again(task: Task) -> None:
 _OWN: dict[str, Lane] = {
     boundary.BOUNDARY: boundary.search,
     native.NATIVE: native.search,
+    archive.ARCHIVE: archive.search,
     DATABASE: _search_again,
 }
 
@@ -49,14 +50,14 @@ def check_lane(name: str, scenario: Scenario) -> None:
     Raises:
         InvalidParameter: If it does not fit.
     """
-    if name not in (boundary.BOUNDARY, native.NATIVE, *drawn.LAYOUT_LANES):
+    if name not in (boundary.BOUNDARY, native.NATIVE, archive.ARCHIVE, *drawn.LAYOUT_LANES):
         FAMILIES.get(name)
     if name == drawn.SEALED and not drawn.can_breach(scenario):
         raise InvalidParameter(
             f"family {name!r} has walled-off targets, which only a robot reaches that goes on past a wall: take "
             "--motion stepped without +keep_going, or another family"
         )
-    if name == native.NATIVE and not can_look(scenario):
+    if name in (native.NATIVE, archive.ARCHIVE) and not can_look(scenario):
         raise InvalidParameter(
             f"lane {name!r} runs compiled controllers under swept or endpoint: take another lane for "
             f"{scenario.label()} under {scenario.motion}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import numpy.typing as npt
@@ -17,9 +17,15 @@ from sim.controllers.base import robot_for
 from worldgen.random_streams import RandomStream
 from worldgen.world import DEFAULT_CELL_SIZE
 
-__all__ = ["NATIVE", "Few", "fits", "scenes", "search"]
+__all__ = ["NATIVE", "Draw", "Few", "Seen", "fits", "look_through", "scenes", "search"]
 
 NATIVE = "native"
+
+Draw = Callable[[RandomStream], npt.NDArray[np.uint8]]
+"""(n, SCENE_BYTES) scenes, any number of them."""
+
+Seen = Callable[[Looks], None]
+"""Learns from first looks."""
 
 _AT_ONCE = 1_000  # scenes in one call of the kernel
 _SCENES = 80  # of a unit at most, for each of its examples
@@ -39,8 +45,21 @@ def fits(config: CampaignConfig) -> bool:
 
 def search(task: Task) -> None:
     """Looks at random scenes, and hands on the smallest failures of each key."""
+    look_through(task, lambda stream: scenes(stream, _AT_ONCE))
+
+
+def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
+    """Looks at scenes until the unit's work is done, and hands on the smallest failures of each key.
+
+    Args:
+        task: The unit.
+        draw: Gives the next scenes from the unit's random numbers.
+        seen: Called with what came of them, before the next are drawn.
+    """
     result, few = task.door.result, Few()
-    for looks in _looks(task):
+    for looks in _looks(task, draw):
+        if seen is not None:
+            seen(looks)
         words, counts = np.unique(looks.verdict[looks.ran], return_counts=True)
         result.verdicts.update(dict(zip(words.tolist(), counts.tolist(), strict=True)))
         result.worlds += int(counts.sum())
@@ -77,22 +96,21 @@ class Few:
         return [(looks, n) for _, _, _, looks, n in ranked[:_PROVED]]
 
 
-def _looks(task: Task) -> Iterator[Looks]:
+def _looks(task: Task, draw: Draw) -> Iterator[Looks]:
     """The unit's scenes, until its work is done; how much that is depends on nothing but their results."""
     config, stream = task.config, task.stream
     values = {one.name: stream.choice(one.values) for one in config.vary}  # one of each for a whole unit
     world, scenario = applied(values, decode_scene(bytes(SCENE_BYTES)), config.scenario)
     robot = {name: getattr(world, name) for name in values if name in ("robot_radius", "robot_speed")}
     times = np.array([scenario.time_step] if "time_step" in values else config.time_steps)
-    dear, work = 1 + robot_for(task.controller, scenario.robot).beams // _BEAMS, 0
-    for _ in range(max(1, _SCENES * config.examples // _AT_ONCE)):
-        drawn, numbers = scenes(stream, _AT_ONCE), stream.bits(_AT_ONCE)
+    dear, work, count = 1 + robot_for(task.controller, scenario.robot).beams // _BEAMS, 0, 0
+    while work < _WORK * config.examples and count < _SCENES * config.examples:
+        drawn = draw(stream)
+        numbers = stream.bits(len(drawn))
         steps = times[(numbers >> np.uint64(32)) % np.uint64(len(times))]
         looks = evaluate(drawn, scenario, numbers & np.uint64(2**32 - 1), steps, **robot)
         yield looks
-        work += looks.simulated * dear
-        if work >= _WORK * config.examples:
-            return
+        work, count = work + looks.simulated * dear, count + len(drawn)
 
 
 def scenes(stream: RandomStream, count: int) -> npt.NDArray[np.uint8]:

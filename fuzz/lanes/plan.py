@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from fuzz.boundary import is_bounded, subject_of
 from fuzz.config import CampaignConfig
+from fuzz.lanes.archive import ARCHIVE
 from fuzz.lanes.boundary import BOUNDARY
 from fuzz.lanes.database import DATABASE
 from fuzz.lanes.drawn import SEALED, can_breach
@@ -21,12 +22,12 @@ from fuzz.result import LaneYield, Memory
 __all__ = ["lane_shares", "lanes_for", "planned_lane"]
 
 _DRAWN = ("features", "trap", "maze", "corridor", "fire", "rooms", "forest", "cave", "rubble", "shift")
-_PRIOR = {NATIVE: 32.0, "features": 8.0, BOUNDARY: 3.0}
+_PRIOR = {NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 3.0}
 """New classes that a lane is taken to bring at first, for each unit of cost; 1 for the others."""
 
 _FLOOR = 0.3  # share of the budget that is dealt out evenly
 _FAILURE = 0.03  # what a failure counts beside a class that is new
-_WORLD_COST = {NATIVE: 0.02, "features": 1.0, SEALED: 1.0, BOUNDARY: 1.0}  # ms, beside its steps
+_WORLD_COST = {NATIVE: 0.02, ARCHIVE: 0.03, "features": 1.0, SEALED: 1.0, BOUNDARY: 1.0}  # ms, beside its steps
 _FAMILY_COST = 4.0  # ms, likewise, of a family's world
 _COMPILED_STEP, _STEP = 1e-4, 1e-2  # ms
 _AT_FIRST = 1000.0  # ms: what a lane's expected yield weighs against what it brought
@@ -41,7 +42,7 @@ def lanes_for(config: CampaignConfig, memory: Memory) -> tuple[str, ...]:
     if config.fixed_map is not None:
         return ("map", BOUNDARY) if any(map(subject_of, memory.failures.values())) else ("map",)
     bounded = (BOUNDARY,) if is_bounded(config.scenario) else ()
-    native = (NATIVE,) if fits_native(config) else ()
+    native = (NATIVE, ARCHIVE) if fits_native(config) else ()
     return (*native, *_DRAWN, *bounded, *((SEALED,) if can_breach(config.scenario) else ()))
 
 

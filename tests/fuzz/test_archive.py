@@ -1,0 +1,87 @@
+"""The archive lane: kinds of behaviour fill up, the same each time, and failures come of it."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from fuzz.config import CampaignConfig
+from fuzz.failure import replay
+from fuzz.features import decode_scene
+from fuzz.lanes.archive import archive_table
+from fuzz.ledger.entry import Done, read_entry, write_entry
+from fuzz.native import evaluate
+from fuzz.result import Elite, Memory
+from fuzz.unit import run_unit
+from sim.scenario import Scenario
+from worldgen import read_world
+from worldgen.grid_file import dumps
+
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=3, examples=20, families=("archive",))
+
+
+@pytest.fixture(scope="module")
+def epochs():
+    """Three units, each of which knows those before."""
+    results, memories = [], [Memory()]
+    for unit in range(3):
+        results.append(run_unit(CONFIG, unit, memories[-1]))
+        memories.append(memories[-1].after(results[-1]))
+    return results, memories
+
+
+def test_the_archive_grows_from_epoch_to_epoch(epochs):
+    filled = [len(memory.elites) for memory in epochs[1]]
+    assert filled[0] == 0 and filled[1] > 50 and filled == sorted(set(filled))
+
+
+def test_no_cell_of_the_archive_gets_worse(epochs):
+    for before, after in pairwise(epochs[1]):
+        assert all(after.elites[cell].quality >= elite.quality for cell, elite in before.elites.items())
+
+
+def test_children_of_an_archive_behave_in_more_ways_than_what_is_drawn_afresh(epochs):
+    afresh = [run_unit(CONFIG, unit).elites for unit in (1, 2)]
+    assert len(epochs[1][3].elites) > len({**epochs[0][0].elites, **afresh[0], **afresh[1]})
+
+
+def test_an_elite_is_what_its_world_shows(epochs):
+    elites = list(epochs[1][-1].elites.values())[:20]
+    layouts = np.array([np.frombuffer(elite.layout, np.uint8) for elite in elites])
+    solid = [decode_scene(elite.layout).solid_cells for elite in elites]
+    assert [-elite.quality for elite in elites] == solid
+    assert evaluate(layouts, CONFIG.scenario, np.zeros(len(elites), np.uint64), 0.015).ran.all()
+
+
+def test_a_unit_of_the_archive_lane_is_the_same_again(epochs):
+    again = run_unit(CONFIG, 2, epochs[1][2])
+    assert again.elites == epochs[0][2].elites and again.steps == epochs[0][2].steps
+    assert {k: dumps(w) for k, w in again.failures.items()} == {k: dumps(w) for k, w in epochs[0][2].failures.items()}
+
+
+def test_failures_of_the_archive_lane_replay(epochs):
+    failures = [failure for result in epochs[0] for failure in result.failures.values()]
+    assert len(failures) > 5 and all(replay(failure).confirmed for failure in failures[:6])
+
+
+def test_who_fails_has_no_children_but_a_place_on_the_map(epochs):
+    for cell, elite in epochs[1][-1].elites.items():
+        assert (elite.verdict == "reached") is (len(cell) == 4)
+
+
+def test_elites_come_back_from_a_ledger_as_they_were(epochs):
+    done = Done(replace(epochs[0][1], failures={}), 1.0)
+    text = write_entry(1, done, "setup", {}).decode()
+    assert read_entry(text, 1, "setup", read_world).result.elites == epochs[0][1].elites
+
+
+def test_a_summary_shows_the_simplest_run_of_each_kind_and_failures_before_others():
+    few, many, fails = Elite(b"", -3.0, "reached"), Elite(b"", -9.0, "reached"), Elite(b"", -20.0, "loop")
+    table = archive_table({(0, 1, 5, 5): many, (0, 1, 2, 2): few, (3, 3): fails, (3, 3, 0, 0): few})
+    assert table["cells"] == [[0, 1, -3.0, "reached"], [3, 3, -20.0, "loop"]]
+    assert [axis["name"] for axis in table["axes"]] == ["detour", "density"]
+
+
+def test_a_campaign_without_an_archive_says_so():
+    assert archive_table({}) is None
