@@ -2,13 +2,14 @@
 
 Contents:
     AXES, Axis, Subject: what can be varied.
+    index_of: the index of a number of three digits.
     Boundary, nearest_boundary: two neighbouring values, one at which the robot arrives and one at which it fails.
     Stretch, scan: every change of outcome between the values of a scan.
     is_bounded, subject_of: of which failures one can ask where they begin.
     with_boundaries, boundaries_in_words: what a failure's record says of where it begins.
 """
 
-from fuzz.boundary.axes import AXES, Axis, Subject
+from fuzz.boundary.axes import AXES, Axis, Subject, index_of
 from fuzz.boundary.measured import boundaries_in_words, is_bounded, subject_of, with_boundaries
 from fuzz.boundary.search import Boundary, Look, Looks, Stretch, nearest_boundary, scan
 
@@ -21,6 +22,7 @@ __all__ = [
     "Stretch",
     "Subject",
     "boundaries_in_words",
+    "index_of",
     "is_bounded",
     "nearest_boundary",
     "scan",

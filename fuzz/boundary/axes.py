@@ -15,7 +15,7 @@ from sim.scenario import Scenario
 from worldgen.generation import generate
 from worldgen.world import Witness, World
 
-__all__ = ["AXES", "Axis", "Subject"]
+__all__ = ["AXES", "Axis", "Subject", "index_of", "three_digits"]
 
 _DECADE = 900  # three-digit numbers from 100 to 999
 _TRAP = "trap"

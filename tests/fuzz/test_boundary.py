@@ -1,5 +1,6 @@
 """Boundaries: neighbouring values at which a robot arrives and fails, each proved; the lane that brings them."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,8 @@ from fuzz.result import Memory
 from fuzz.unit import run_unit
 from sim import simulate
 from sim.scenario import Scenario
-from worldgen import Pose, Target, World, check_certificate
+from tests.helpers.command_line import worldgen
+from worldgen import Pose, Target, World, check_certificate, write_world
 from worldgen.generation import generate
 from worldgen.grid_file import dumps
 
@@ -145,3 +147,34 @@ def test_what_is_known_to_fail_is_where_boundaries_are_looked_for(found):
     memory = Memory().after(found[0]).after(found[1])
     on_a_map = replace(CONFIG, fixed_map=gap_world())
     assert run_unit(on_a_map, 2, memory).worlds > 0 and run_unit(on_a_map, 2, Memory()).worlds == 0
+
+
+@pytest.fixture
+def gap(tmp_path, ahead):
+    write_world(gap_world(), tmp_path / "gap.grid")
+    return (tmp_path / "gap.grid", "--controller", ahead.controller, "--axis")
+
+
+def test_the_command_says_where_a_controller_begins_to_fail(gap):
+    result = worldgen("boundary", *gap, "radius")
+    assert result.code == 1 and "to 0.1 m: arrives" in result.out and "radius 0.101 to 0.14" in result.out
+
+
+def test_the_command_prints_one_json_object(gap):
+    said = json.loads(worldgen("boundary", *gap, "radius", "--json").out)
+    assert said["axis"] == "radius" and [one["outcome"] for one in said["stretches"]] == ["arrives", "fails"]
+    assert said["stretches"][1]["first"] == 0.101
+
+
+def test_a_controller_that_arrives_at_every_value_is_exit_code_0(gap):
+    assert worldgen("boundary", *gap, "speed").code == 0
+
+
+def test_a_world_that_is_no_trap_has_no_depth(gap):
+    result = worldgen("boundary", *gap, "depth")
+    assert result.code == 2 and "no world of family trap" in result.err
+
+
+def test_a_world_without_failure_needs_a_controller(gap):
+    result = worldgen("boundary", gap[0], "--axis", "radius")
+    assert result.code == 2 and "give --controller NAME" in result.err

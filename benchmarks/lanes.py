@@ -1,0 +1,129 @@
+"""What lanes bring, alone and together: classes of failures for equal CPU seconds of one core.
+
+``python -m benchmarks.lanes`` gives every way of sharing a campaign's budget the same CPU seconds for each controller:
+the campaign's own plan, all its lanes in turn, and some lanes alone. It prints how many classes each finds, and how
+large their smallest worlds are before shrinking; with ``--json`` one object. Kernels are compiled before that.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+
+import click
+
+from fuzz.config import CampaignConfig
+from fuzz.lanes.plan import lanes_for
+from fuzz.result import Memory
+from fuzz.unit import run_unit
+from sim.scenario import Scenario
+
+__all__ = ["CASES", "Row", "campaign", "lanes_at"]
+
+CASES = (
+    ("turn-right", "swept"), ("turn-right", "stepped"), ("turn-left", "endpoint"), ("wall-left", "swept"),
+    ("vfh", "swept"), ("three-layer", "swept"), ("fuzz.faults:handedness_forgotten", "swept"),
+)  # fmt: skip
+"""Controllers and motion models of the table."""
+
+_ALONE = ("native", "archive", "features", "boundary")
+_EXAMPLES = 100  # of a unit: a quarter of a campaign's, so that a lane's share can be told in few seconds
+_COMPILES = 10**6  # a unit that is far from all others
+
+
+@dataclass(frozen=True)
+class Row:
+    """One way of sharing the budget, for one controller and one seed.
+
+    Args:
+        controller: Its name.
+        motion: Motion model.
+        way: ``plan``, ``in turn``, or a lane's name.
+        seed: Of the campaign.
+        units: Done.
+        worlds: Simulated.
+        steps: Likewise.
+        proved: Failures.
+        classes: Their classes, sorted.
+        solid_cells: Of the smallest world of each class, in all.
+    """
+
+    controller: str
+    motion: str
+    way: str
+    seed: int
+    units: int
+    worlds: int
+    steps: int
+    proved: int
+    classes: tuple[str, ...]
+    solid_cells: int
+
+
+def lanes_at(way: str, config: CampaignConfig) -> Callable[[int], tuple[str, ...]]:
+    """Which lanes a unit may be of."""
+    if way == "plan":
+        return lambda unit: ()
+    names = lanes_for(config, Memory()) if way == "in turn" else (way,)
+    return lambda unit: (names[unit % len(names)],)
+
+
+def campaign(controller: str, motion: str, way: str, seed: int, seconds: float) -> Row:
+    """A campaign without shrinking, for so many CPU seconds after the first unit of every lane is compiled."""
+    config = CampaignConfig(Scenario.parse(controller, motion=motion), seed=seed, examples=_EXAMPLES)
+    at = lanes_at(way, config)
+    for name in lanes_for(config, Memory()):
+        run_unit(replace(config, families=(name,), examples=1), _COMPILES)
+    memory, known, unit = Memory(), [Memory(), Memory()], 0
+    started = time.process_time()
+    while time.process_time() - started < seconds:
+        memory = memory.after(run_unit(replace(config, families=at(unit)), unit, known[unit // config.epoch]))
+        unit += 1
+        if unit % config.epoch == 0:
+            known.append(memory)
+    brought, failures = memory.lanes.values(), memory.failures
+    return Row(
+        controller, motion, way, seed, unit,
+        worlds=sum(lane.worlds for lane in brought),
+        steps=sum(lane.steps for lane in brought),
+        proved=sum(lane.failures for lane in brought),
+        classes=tuple(sorted(failures)),
+        solid_cells=sum(failure.solid_cells for failure in failures.values()),
+    )  # fmt: skip
+
+
+def main() -> None:
+    """Prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=20.0, help="CPU seconds of each campaign (default 20)")
+    parser.add_argument("--seeds", type=int, default=1, help="campaigns of each kind (default 1)")
+    parser.add_argument("--controller", help="only this one")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    given = parser.parse_args()
+    rows = []
+    for controller, motion in CASES:
+        if given.controller in (None, controller):
+            config = CampaignConfig(Scenario.parse(controller, motion=motion))
+            fit = [name for name in _ALONE if name in lanes_for(config, Memory())]
+            for way in ("plan", "in turn", *fit):
+                for seed in range(1, given.seeds + 1):
+                    rows.append(campaign(controller, motion, way, seed, given.seconds))
+                    if not given.json:
+                        click.echo(_in_words(rows[-1]))
+    if given.json:
+        click.echo(json.dumps({"seconds": given.seconds, "rows": [asdict(row) for row in rows]}))
+
+
+def _in_words(row: Row) -> str:
+    cells = row.solid_cells / max(len(row.classes), 1)
+    return (
+        f"{row.controller:<34} {row.motion:<9} {row.way:<9} {row.units:>4} units {row.worlds:>8} worlds "
+        f"{row.steps / 1e6:>7.1f} M steps {row.proved:>5} proved {len(row.classes):>3} classes of {cells:.0f} cells"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,105 @@
+"""``worldgen boundary``: where, along one number of a scenario, a controller begins to fail."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from worldgen.cli.output import CONTROLLER_HELP, emit_json, json_option
+
+if TYPE_CHECKING:
+    from fuzz.boundary import Axis, Stretch, Subject
+
+__all__ = ["boundary"]
+
+EXAMPLES = (
+    "\b\n  worldgen boundary w.grid --controller turn-right --axis radius\n"
+    "  worldgen boundary failures/loop.grid --axis speed --json\n"
+    "  worldgen boundary trap.grid --controller bug2 --axis depth"
+)
+_POINTS = 65  # of a scan
+_FACTOR = 2  # by which it goes up and down from the own value
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("path", type=click.Path(path_type=Path))
+@click.option("--controller", help=f"{CONTROLLER_HELP} [default: that of a failure's record]")
+@click.option("--motion", default="swept", show_default=True, help="Motion model, with --controller.")
+@click.option("--time-step", type=float, help="Duration of a step, s, with --controller [default: 0.015].")
+@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers.")
+@click.option(
+    "--axis",
+    "name",
+    type=click.Choice(["radius", "speed", "time-step", "heading", "depth"]),
+    required=True,
+    help="What to vary: the robot's radius or speed, the time step, the start heading, or a trap's depth.",
+)
+@json_option
+def boundary(
+    path: Path, controller: str | None, motion: str, time_step: float | None, seed: int, name: str, as_json: bool
+) -> None:
+    """Say at which values of one number a controller arrives and at which it fails.
+
+    Runs the scenario at 65 values, from half to twice its own (headings: a whole turn; depths: 1 to 65 cells), and
+    narrows each change down to two neighbouring values. What changes twice between two values is not seen. Exit code
+    0 if the robot arrives at every value at which the target can be reached, else 1.
+    """
+    from fuzz.boundary import AXES, Looks, scan
+    from worldgen.errors import InvalidParameter
+
+    subject, axis = _subject(path, controller, motion, time_step, seed), AXES[name]
+    start = axis.index(subject)
+    if start is None:
+        raise InvalidParameter(f"{path} is no world of family trap with its provenance, so it has no depth to vary")
+    stretches = scan(Looks(subject, axis), _scanned(axis, start))
+    if as_json:
+        emit_json({"axis": axis.name, "unit": axis.unit, "stretches": [_plain(one) for one in stretches]})
+    else:
+        for one in stretches:
+            verdicts = f" ({', '.join(one.verdicts)})" if one.outcome == "fails" else ""
+            values = f"{one.first:g}" if one.first == one.last else f"{one.first:g} to {one.last:g}"
+            click.echo(f"{axis.name} {values} {axis.unit}: {one.outcome}{verdicts}, {one.runs} runs")
+    if any(one.outcome == "fails" for one in stretches):
+        raise SystemExit(1)
+
+
+def _subject(path: Path, controller: str | None, motion: str, time_step: float | None, seed: int) -> Subject:
+    from fuzz.boundary import Subject
+    from fuzz.failure import scenario_of
+    from sim.run_options import RunOptions
+    from sim.scenario import Scenario
+    from worldgen.grid_file import read_world
+
+    world = read_world(path)
+    if controller is not None:
+        step = RunOptions.time_step if time_step is None else time_step
+        return Subject(world, Scenario.parse(controller, motion=motion, time_step=step, seed=seed))
+    if world.failure is None:
+        raise click.UsageError(f"{path} holds no failure that names a controller; give --controller NAME")
+    record, options = scenario_of(world)
+    return Subject(world, Scenario.of(record.controller, options))
+
+
+def _scanned(axis: Axis, start: int) -> range:
+    """The indices of a scan, the own value among them where the axis has no end on the way."""
+    if axis.name == "depth":
+        return range(axis.low, axis.low + _POINTS)
+    if axis.name == "heading":
+        return range(axis.low, axis.high + 1, 5)
+    from fuzz.boundary import index_of
+
+    low, high = (index_of(axis.value(start) * factor) for factor in (1 / _FACTOR, _FACTOR))
+    step = max((high - low) // (_POINTS - 1), 1)
+    return range(max(start - (start - low) // step * step, axis.low), min(high, axis.high) + 1, step)
+
+
+def _plain(one: Stretch) -> dict[str, object]:
+    return {
+        "outcome": one.outcome,
+        "first": one.first,
+        "last": one.last,
+        "verdicts": list(one.verdicts),
+        "runs": one.runs,
+    }
