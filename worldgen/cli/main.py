@@ -73,6 +73,7 @@ class LazyGroup(click.Group):
 # One line per command of our own, so that --help need not import them; tests hold it against the commands.
 _SUMMARY = {
     "audit": "Say whether a trajectory, recorded in any simulator, was possible in a world.",
+    "boundary": "Say at which values of one number a controller arrives and at which it fails.",
     "census": "Count in how many foreign maps a disc can reach its target, and where only a grid says so.",
     "compare": "Run controllers in many worlds and print one table of times, failures, best and worst.",
     "chance": "Say whether a random controller arrives with probability one, never, or in part.",
