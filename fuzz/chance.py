@@ -76,7 +76,7 @@ def chance_of(world: World, controller: str, options: RunOptions, *, most: int =
     runs = [
         simulate(world, controller, replace(options, seed=seed, steps=_STEPS), record=True) for seed in range(_RUNS)
     ]
-    recorded = [(run.trace, run.verdict == "reached") for run in runs if run.trace is not None]
+    recorded = [(run.trace, run.verdict) for run in runs if run.trace is not None]
     wrong = object_to_chance(outcomes, chance, recorded)
     if wrong:
         return Chance("undecided", f"a fault of ours, please report it: the check of {chance!r} says that {wrong}")

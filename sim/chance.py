@@ -77,14 +77,16 @@ class Outcomes:
         Raises:
             ValueError: If the robot arrives whatever it draws.
         """
+        if not self.ranks[0]:
+            return (), 0
         before: dict[int, tuple[int, int]] = {}
         queue = deque([0])
         while queue:
             number = queue.popleft()
-            if self._is_lost(number):
-                return _drawn(before, number)
             for face, after in self.following[number]:
-                if after >= 0 and after not in before and after != 0:
+                if after == ENDED or (after >= 0 and not self.ranks[after]):
+                    return _drawn({**before, after: (number, face)}, after)
+                if after > 0 and after not in before:
                     before[after] = (number, face)
                     queue.append(after)
         raise ValueError("nothing is ever lost")
@@ -112,7 +114,7 @@ def why_not_explored(controller: Controller, world: World, options: RunOptions) 
         return "the simulator draws random numbers of its own, for slip or a noisy sensor"
     if "time" in controller.senses:
         return "the controller reads the clock, so it never comes back to a state"
-    if controller.randomised and not robot.coin:
+    if "random" in controller.senses and not robot.coin:
         return "a random number may be any below 1; give it few values with +coin=N"
     return ""
 

@@ -9,8 +9,10 @@ from sim.trace import Trace
 
 __all__ = ["object_to_chance"]
 
+_GO_ON = ("loop", "stalled", "timeout")  # verdicts on runs that nothing but the budget or the proof ended
 
-def object_to_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace, bool]]) -> str:
+
+def object_to_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace, str]]) -> str:
     """Objects unless the states are closed, the claim follows from them, and runs keep to them.
 
     ``trap``: no state is followed by the target, so no draw leads there. ``sure``: none is followed by another end, and
@@ -21,14 +23,13 @@ def object_to_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace
     Args:
         outcomes: States and what follows them.
         chance: The claim.
-        runs: Ordinary runs, recorded, with the same controller and options but for seed and steps; and whether they
-            arrived.
+        runs: Ordinary runs, recorded, with the same controller and options but for seed and steps; and their verdicts.
     """
     wrong = _object_to_closure(outcomes)
     if wrong:
         return wrong
     wrong = {"trap": _object_to_trap, "sure": _object_to_sure, "part": _object_to_part}[chance](outcomes)
-    return wrong or next(filter(None, (_object_to_run(outcomes, trace, arrived) for trace, arrived in runs)), "")
+    return wrong or next(filter(None, (_object_to_run(outcomes, *run) for run in runs)), "")
 
 
 def _object_to_closure(outcomes: Outcomes) -> str:
@@ -85,18 +86,20 @@ def _is_lower(outcomes: Outcomes, after: int, number: int) -> bool:
     return after >= 0 and 0 < outcomes.ranks[after] < outcomes.ranks[number]
 
 
-def _object_to_run(outcomes: Outcomes, trace: Trace, arrived: bool) -> str:
-    """Objects unless a run begins at the start, goes from states to such as follow them, and arrives only from one."""
+def _object_to_run(outcomes: Outcomes, trace: Trace, verdict: str) -> str:
+    """Objects unless a run begins at the start, goes from states to such as follow them, and ends as one may end."""
     known: dict[bytes, set[int]] = {}
     for number, state in enumerate(outcomes.states):
         known.setdefault(state.tobytes(), set()).add(number)
     states = states_of(trace)
     may_be = {0} if states[0].tobytes() == outcomes.states[0].tobytes() else set()
-    for step in range(1, trace.steps + 1 - arrived):
+    ends = verdict not in _GO_ON
+    for step in range(1, trace.steps + 1 - ends):
         after = {after for number in may_be for _, after in outcomes.following[number]}
         may_be = after & known.get(states[step].tobytes(), set())
         if not may_be:
             return f"a run is, after step {step}, in a state that does not follow"
-    if arrived and not any(after == ARRIVED for number in may_be for _, after in outcomes.following[number]):
-        return f"a run arrives in step {trace.steps}, where no state says so"
+    end = ARRIVED if verdict == "reached" else ENDED
+    if ends and not any(after == end for number in may_be for _, after in outcomes.following[number]):
+        return f"a run ends as {verdict} in step {trace.steps}, where no state says so"
     return ""

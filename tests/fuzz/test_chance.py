@@ -57,10 +57,18 @@ def _peek(observation, memory, command):
     command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED] if observation[layout.OBS_RANDOM] < 0.5 else 0.0
 
 
+def _err(observation, memory, command):
+    """Ahead, or, as the coin falls, a speed that is none."""
+    low = observation[layout.OBS_RANDOM] < 0.5
+    command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED] if low else math.nan
+
+
 wander = CompiledController("wander", _wander, randomised=True, senses=SENSES, needs=COIN)
 choose = CompiledController("choose", _choose, (0.0,), randomised=True, senses=SENSES, needs=COIN)
 quarter = CompiledController("quarter", _quarter, randomised=True, senses=SENSES, needs=COIN)
 peek = CompiledController("peek", _peek, randomised=True, senses=SENSES, needs=COIN)
+err = CompiledController("err", _err, randomised=True, senses=SENSES, needs=COIN)
+unsaid = CompiledController("unsaid", _quarter)  # senses all there is, random numbers too
 free = replace(quarter, name="free", needs=RobotOptions(lattice=8))
 HERE = "tests.fuzz.test_chance"
 
@@ -93,8 +101,9 @@ def test_the_answer_is_the_known_one(controller, target, chance):
     assert answer(controller, hall(target)).chance == chance
 
 
-def test_the_draws_that_lose_all_are_named():
-    found = answer("choose", hall())
+@pytest.mark.parametrize("controller", ["choose", "err"])
+def test_the_draws_that_lose_all_are_named(controller):
+    found = answer(controller, hall())
     assert (found.draws, found.lost_after) == ((1,), 1)
     assert "lost for ever, the soonest after 1 steps with the draws 1 (" in in_words(found, {})
 
@@ -140,6 +149,7 @@ def test_a_coin_gives_its_values_and_no_others():
     ("controller", "changes", "reason"),
     [
         ("free", {}, "a random number may be any below 1"),
+        ("unsaid", {}, "a random number may be any below 1"),
         ("quarter", {"motion": "endpoint"}, "only the motion model swept"),
         ("quarter", {"robot": RobotOptions(slip=0.1)}, "random numbers of its own"),
     ],
@@ -186,7 +196,7 @@ def test_the_check_accepts_what_is_explored_and_refuses_another_claim(world, con
     outcomes = explore(world, controller, RunOptions(), most=50_000)
     assume(outcomes is not None)
     run = simulate(world, controller, record=True, seed=seed, steps=300)
-    runs = [(run.trace, run.verdict == "reached")]
+    runs = [(run.trace, run.verdict)]
     for claim in ("sure", "trap", "part"):
         assert bool(object_to_chance(outcomes, claim, runs)) == (claim != outcomes.chance)
 
@@ -203,8 +213,9 @@ def test_the_check_refuses_ranks_that_lead_nowhere():
 
 
 def test_the_check_refuses_a_run_that_leaves_the_states():
-    outcomes, run = explored(wander, hall()), simulate(hall(), quarter, record=True, steps=50)
-    assert "does not follow" in object_to_chance(outcomes, "sure", [(run.trace, False)])
+    aside = hall((1.05, 0.45))
+    outcomes, run = explored(wander, aside), simulate(aside, quarter, record=True, steps=200)
+    assert "does not follow" in object_to_chance(outcomes, "trap", [(run.trace, run.verdict)])
 
 
 def test_the_check_refuses_an_arrival_that_no_state_tells():
@@ -212,7 +223,9 @@ def test_the_check_refuses_an_arrival_that_no_state_tells():
     never = tuple(tuple((v, 0 if after == ARRIVED else after) for v, after in entry) for entry in outcomes.following)
     run = simulate(hall(), wander, record=True, steps=20_000)
     assert run.verdict == "reached"
-    assert "where no state says so" in object_to_chance(replace(outcomes, following=never), "trap", [(run.trace, True)])
+    assert "where no state says so" in object_to_chance(
+        replace(outcomes, following=never), "trap", [(run.trace, run.verdict)]
+    )
 
 
 def test_a_failures_record_says_what_chance_there_was():
