@@ -37,7 +37,7 @@ class Trying:
     A compiled controller on the pose lattice is run in compiled code, with a flood that finds most ways to the
     target; other controllers are run one by one, unrecorded. What may be wrong so is what the flood misses, and a
     loop that the kernel claims: so what comes out in the end is to be judged by ``still_fails``, and to be shrunk
-    once more with ``careful``, where it does not hold or is not minimal.
+    once more with ``careful``, where it does not hold.
 
     Args:
         still_fails: The exact judge.
