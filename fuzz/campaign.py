@@ -26,7 +26,7 @@ __all__ = ["Campaign", "CampaignState", "Find", "Found", "Progress", "UnitDone",
 
 T = TypeVar("T")
 
-_RESTARTS = 3  # failures of one class that are shrunk; the smallest result stays
+_RESTARTS = 6  # failures of one class that are shrunk; the smallest result stays
 
 
 @dataclass(frozen=True)
