@@ -4,7 +4,7 @@ function archiveChart(archive) {
   if (!archive) return null;
   const [across, up] = archive.names,
     [columns, rows] = archive.edges.map((edges) => edges.length + 1);
-  const note = `${plural(archive.cells.length, "kind")} of behaviour of ${grouped(columns * rows)}; the stronger, the higher its quality; letters are the verdicts of failures.`;
+  const note = `${plural(archive.cells.length, "kind")} of behaviour of ${grouped(columns * rows)}; the stronger, the higher its quality; letters begin the verdicts of runs that did not arrive.`;
   const cells = archive.cells.map(([i, j, quality, verdict]) => [
     rangeOf(archive.edges[0], i),
     rangeOf(archive.edges[1], j),
