@@ -21,6 +21,7 @@ __all__ = [
     "is_solid_at",
     "lattice_cell",
     "object_to_budget",
+    "places_gap",
     "step_path",
     "target_gap",
 ]
@@ -103,3 +104,9 @@ def target_gap(world: World, x: npt.NDArray[np.float64], y: npt.NDArray[np.float
     points = np.stack([x, y], axis=1)
     path = shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])
     return float(path.distance(shapely.Point(world.target.x, world.target.y))) - world.target.radius
+
+
+def places_gap(world: World, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> float:
+    """Smallest distance, m, from one of many places to the target's disc; negative inside."""
+    apart = shapely.distance(shapely.points(x, y), shapely.Point(world.target.x, world.target.y))
+    return float(np.min(apart)) - world.target.radius

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from fuzz.oracles._plain import integer, target_gap
+from fuzz.oracles._plain import integer, places_gap, target_gap
 from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.world import Value, World
@@ -40,14 +40,13 @@ def object_to_loop(world: World, trace: Trace, evidence: Mapping[str, Value], mo
     if evidence.get("state_digest") != _digest(trace.states[entry].tolist()):
         return "the state at the entry is not the one of the evidence"
     x, y = trace.x[entry : entry + period + 1], trace.y[entry : entry + period + 1]
+    gap = places_gap(world, x, y)
     if motion.name == "swept":  # it looks along the path; the other models look where a step ends
         first, last = np.searchsorted(trace.path_step, [entry + 1, entry + period + 1])
         x = np.concatenate([x[:1], trace.path_x[first:last]])  # who stands still has no path
         y = np.concatenate([y[:1], trace.path_y[first:last]])
-    inside = min(target_gap(world, x[k : k + 1], y[k : k + 1]) for k in range(len(x)))
-    if motion.name == "swept":
-        inside = target_gap(world, x, y)
-    return "the loop passes through the target" if inside < -world.cell_size / 1024 else ""
+        gap = target_gap(world, x, y)
+    return "the loop passes through the target" if gap < -world.cell_size / 1024 else ""
 
 
 def _decimal(value: float) -> Fraction:
