@@ -287,17 +287,17 @@ def _peer(one: dict[str, Any] | None) -> str:
     return f"{one['seconds']:.3f} ({one['ratio']:.1f} x){'' if one['agrees'] else ', wrong'}"
 
 
-def documented(text: str, tables: str) -> str:
+def documented(text: str, tables: str, marks: tuple[str, str] = MARKS) -> str:
     """A document with new tables between its marks.
 
     Raises:
         ValueError: If it has no marks.
     """
-    before, found, rest = text.partition(MARKS[0])
-    _, end, after = rest.partition(MARKS[1])
+    before, found, rest = text.partition(marks[0])
+    _, end, after = rest.partition(marks[1])
     if not (found and end):
-        raise ValueError(f"no {MARKS[0]} and {MARKS[1]}; add the two lines where the tables belong")
-    return f"{before}{MARKS[0]}\n\n{tables}\n\n{MARKS[1]}{after}"
+        raise ValueError(f"no {marks[0]} and {marks[1]}; add the two lines where the tables belong")
+    return f"{before}{marks[0]}\n\n{tables}\n\n{marks[1]}{after}"
 
 
 def main() -> None:

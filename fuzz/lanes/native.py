@@ -14,6 +14,7 @@ from fuzz.lanes.task import Task
 from fuzz.native import Looks, can_look, evaluate
 from fuzz.variation import applied
 from sim.controllers.base import robot_for
+from sim.kernels.layout import LIMIT
 from worldgen.random_streams import RandomStream
 from worldgen.world import DEFAULT_CELL_SIZE
 
@@ -30,9 +31,9 @@ Seen = Callable[[Looks], None]
 _AT_ONCE = 1_000  # scenes in one call of the kernel
 _SCENES = 80  # of a unit at most, for each of its examples
 _WORK = 20_000  # steps, for each of its examples: 0.8 s where a step takes 0.1 us
-_BEAMS = 4  # range beams that take as long as a step without any
 _OF_EACH_KEY = 2  # looks that are proved, a second one because what is alike at first look need not be of one class
 _PROVED = 32  # of a unit at most
+_UNDECIDED = 4  # of these, at most: such a proof takes ten times the steps of a look, and a recording of them
 _SCENE_WORDS = -(-SCENE_BYTES // 8)  # of 8 bytes
 
 
@@ -93,7 +94,13 @@ class Few:
             for key, found in self._of_key.items()
             for rank, (solid, looks, n) in enumerate(found)
         )
-        return [(looks, n) for _, _, _, looks, n in ranked[:_PROVED]]
+        chosen: list[tuple[Looks, int]] = []
+        undecided = 0
+        for _, _, _, looks, n in ranked:
+            undecided += looks.ending[n] == LIMIT
+            if looks.ending[n] != LIMIT or undecided <= _UNDECIDED:
+                chosen.append((looks, n))
+        return chosen[:_PROVED]
 
 
 def _looks(task: Task, draw: Draw) -> Iterator[Looks]:
@@ -103,7 +110,7 @@ def _looks(task: Task, draw: Draw) -> Iterator[Looks]:
     world, scenario = applied(values, decode_scene(bytes(SCENE_BYTES)), config.scenario)
     robot = {name: getattr(world, name) for name in values if name in ("robot_radius", "robot_speed")}
     times = np.array([scenario.time_step] if "time_step" in values else config.time_steps)
-    dear, work, count = 1 + robot_for(task.controller, scenario.robot).beams // _BEAMS, 0, 0
+    dear, work, count = 1 + robot_for(task.controller, scenario.robot).beams, 0, 0  # a beam takes as long as a step
     while work < _WORK * config.examples and count < _SCENES * config.examples:
         drawn = draw(stream)
         numbers = stream.bits(len(drawn))

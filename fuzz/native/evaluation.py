@@ -232,32 +232,37 @@ def evaluate(
     Raises:
         InvalidParameter: If the scenario or robot cannot run natively, or the arrays do not fit each other.
     """
-    count, width = layouts.shape if layouts.ndim == 2 else (0, 0)
-    if width not in (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES) or layouts.dtype != np.uint8:
+    _check(layouts, scenario, budget, robot)
+    count = len(layouts)
+    steps = _spread(np.asarray(time_steps, np.float64), count, "time_steps")
+    numbers = _spread(np.asarray(seeds, np.uint64), count, "seeds")
+    limits = _spread(np.asarray(0 if budget is None else budget, np.int64), count, "budget")
+    values, kinds = np.unique(steps, return_inverse=True)
+    packed = _Packed.of(scenario, tuple(values.tolist()), robot)
+    batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
+    packed.run(batch)
+    return Looks(layouts, scenario, numbers, steps, batch.looks, batch.sums[:, layout.SUM_PATH].copy(), robot)
+
+
+def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, float]) -> None:
+    """Refuses what the kernel cannot take."""
+    widths = (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES)
+    if layouts.ndim != 2 or layouts.shape[1] not in widths or layouts.dtype != np.uint8:
         raise InvalidParameter(
-            f"layouts of shape {layouts.shape} and type {layouts.dtype}; give uint8, "
-            f"{layout_bytes.LAYOUT_BYTES} or {layout_bytes.SCENE_BYTES} a row"
+            f"layouts of shape {layouts.shape} and type {layouts.dtype}; give uint8, {widths[0]} or {widths[1]} a row"
         )
     if not can_look(scenario):
         raise InvalidParameter(
             f"{scenario.label()} under {scenario.motion} does not run natively; take a compiled controller under "
             "swept or endpoint"
         )
-    steps = _spread(np.asarray(time_steps, np.float64), count, "time_steps")
-    numbers = _spread(np.asarray(seeds, np.uint64), count, "seeds")
-    limits = _spread(np.asarray(0 if budget is None else budget, np.int64), count, "budget")
-    if budget is not None and count and not 1 <= int(limits.min()) <= int(limits.max()) <= MAX_STEPS:
+    if budget is not None and np.size(budget) and not (np.min(budget) >= 1 and np.max(budget) <= MAX_STEPS):
         raise InvalidParameter(f"budget={budget!r} is outside 1 to {MAX_STEPS} steps; give one between")
     if robot.get("robot_radius", 0.0) > DEFAULT_CELL_SIZE:
         raise InvalidParameter(
             f"robot_radius={robot['robot_radius']:g} m is more than a cell of {DEFAULT_CELL_SIZE:g} m, and native "
             "search finds no ways for such robots; give a smaller one, or take another lane"
         )
-    values, kinds = np.unique(steps, return_inverse=True)
-    packed = _Packed.of(scenario, tuple(values.tolist()), robot)
-    batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
-    packed.run(batch)
-    return Looks(layouts, scenario, numbers, steps, batch.looks, batch.sums[:, layout.SUM_PATH].copy(), robot)
 
 
 def _spread(values: Any, count: int, name: str) -> Any:
@@ -310,7 +315,7 @@ class _Packed:
             except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
                 crashed = batch.looks[batch.at[0]]
                 crashed[: layout.OUT_SIZE], crashed[layout.OUT_ENDING] = robot.counts, _CRASH
-                crashed[layout.OUT_OVERLAP_STEP] = -1
+                crashed[layout.OUT_OVERLAP_STEP], batch.sums[batch.at[0]] = -1, robot.sums
                 batch.at[0] += 1
 
 

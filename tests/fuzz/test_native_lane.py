@@ -47,10 +47,19 @@ def test_the_smallest_of_each_key_come_first():
     few.add(looks)
     chosen = [n for _, n in few.in_order()]
     keys = looks.key[chosen].tolist()
-    found = [key for key in set(looks.key.tolist()) if key]
-    assert len(chosen) == len(set(chosen)) <= 32 and sorted(keys[: len(found)]) == sorted(found)
+    found = set(looks.key[looks.verdict == "loop"].tolist())
+    loops = [key for key, n in zip(keys, chosen, strict=True) if looks.verdict[n] == "loop"]
+    assert len(chosen) == len(set(chosen)) <= 32 and set(loops[: len(found)]) == found
     for n in chosen[: len(found)]:
         assert looks.solid[n] == looks.solid[looks.key == looks.key[n]].min()
+
+
+def test_of_runs_that_only_spent_their_budget_few_are_proved():
+    layouts = scenes(RandomStream(1), 400)
+    few = Few()
+    few.add(evaluate(layouts, Scenario("turn-right"), np.zeros(len(layouts), np.uint64), 0.015, 900))
+    verdicts = Counter(str(looks.verdict[n]) for looks, n in few.in_order())
+    assert verdicts["undecided"] == 4 and verdicts["loop"] > 1
 
 
 def test_a_campaign_for_a_compiled_controller_is_mainly_native():

@@ -1,0 +1,169 @@
+"""What native search costs: robot steps and worlds a second, beside the bare simulator and the Hypothesis lane.
+
+``python -m benchmarks.native`` prints a table, with ``--json`` one object; ``--document docs/search.md`` also puts it
+into that document. All rates are per second of one core's processor time, compilation left out.
+
+``lane``: units of the lane ``native`` as a campaign does them: scenes drawn, simulated, looked at; what it reports
+proved, judged by its oracle and classified. ``looks``: the same without the proofs. ``alone``: the simulator's step
+without all that, one long run in the maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of the same
+scenes through the library. ``features``: the lane in which Hypothesis draws feature layouts, one example a world.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import click
+import numpy as np
+
+from benchmarks.simulator import maze
+from benchmarks.worlds import documented
+from fuzz.config import CampaignConfig
+from fuzz.lanes.native import scenes
+from fuzz.native import evaluate
+from fuzz.unit import run_unit
+from sim import RunOptions, simulate_many
+from sim.episode import prepare
+from sim.scenario import Scenario
+from worldgen.random_streams import RandomStream
+
+__all__ = ["CONTROLLERS", "Row", "measure"]
+
+CONTROLLERS = ("benchmarks.simulator:BOUNCER", "turn-right", "turn-left", "wall-left", "vfh")
+ALONE_STEPS = 300_000
+LOOKS = 4_000  # scenes
+SAME_WORLDS = 300  # of simulate_many
+MARKS = ("<!-- table: python -m benchmarks.native --document docs/search.md -->", "<!-- end of table -->")
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one controller took; rates are per second of processor time.
+
+    Args:
+        controller: Name.
+        alone: Steps of the simulator alone.
+        looks_steps: Steps of first looks.
+        looks_worlds: Their worlds.
+        lane_steps: Steps of whole units of the lane ``native``.
+        lane_worlds: Their worlds.
+        lane_classes: Classes of proved failures in all of these units.
+        many_steps: Steps of ``simulate_many`` in the same worlds.
+        many_worlds: Its worlds.
+        features_steps: Steps of whole units of the lane ``features``.
+        features_worlds: Their worlds.
+        features_classes: Classes of proved failures in as many seconds of such units.
+    """
+
+    controller: str
+    alone: float
+    looks_steps: float
+    looks_worlds: float
+    lane_steps: float
+    lane_worlds: float
+    lane_classes: int
+    many_steps: float
+    many_worlds: float
+    features_steps: float
+    features_worlds: float
+    features_classes: int
+
+
+def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
+    begin = time.process_time()
+    return work(), time.process_time() - begin
+
+
+def _units(scenario: Scenario, lane: str, budget: float) -> tuple[float, float, int]:
+    """Steps and worlds a second of whole units, and all classes that they find; what compiles does not count."""
+    config = CampaignConfig(scenario, seed=3, families=(lane,))
+    run_unit(config, 0)
+    steps, worlds, unit, classes, begin = 0, 0, 0, set[str](), time.process_time()
+    while (taken := time.process_time() - begin) < budget:
+        unit += 1
+        result = run_unit(config, unit)
+        steps, worlds, classes = steps + result.steps, worlds + result.worlds, classes | result.failures.keys()
+    return steps / taken, worlds / taken, len(classes)
+
+
+def _alone(scenario: Scenario, rounds: int) -> float:
+    """Steps a second of one long run that nothing ends."""
+    run = prepare(maze(), scenario.controller, RunOptions("swept", ALONE_STEPS))
+    run.run(10, find_loop=False, record=False, digest=False)
+    taken = [
+        _timed(lambda: run.run(ALONE_STEPS, find_loop=False, record=False, digest=False))[1] for _ in range(rounds)
+    ]
+    return ALONE_STEPS / median(taken)
+
+
+def _looks(scenario: Scenario, rounds: int) -> tuple[float, float, float, float]:
+    """Steps and worlds a second of first looks, and of ``simulate_many`` in the same worlds."""
+    drawn, seeds = scenes(RandomStream(3), LOOKS), np.arange(LOOKS, dtype=np.uint64)
+    evaluate(drawn[:50], scenario, seeds[:50], 0.015)
+    done = [_timed(lambda: evaluate(drawn, scenario, seeds, 0.015)) for _ in range(rounds)]
+    looks, seconds = done[0][0], median(taken for _, taken in done)
+    worlds = [looks.world(n) for n in np.flatnonzero(looks.ran)[:SAME_WORLDS].tolist()]
+    simulate_many(worlds[:1], scenario.controller, steps=10, workers=1)
+    runs, taken = _timed(lambda: simulate_many(worlds, scenario.controller, steps=4000, workers=1))
+    return (
+        looks.simulated / seconds,
+        int(looks.ran.sum()) / seconds,
+        float(runs.steps.sum()) / taken,
+        len(worlds) / taken,
+    )
+
+
+def measure(controllers: tuple[str, ...], rounds: int, budget: float) -> list[Row]:
+    """Measures each controller under ``swept``, everything in turn."""
+    rows = []
+    for name in controllers:
+        scenario = Scenario(name)
+        looks_steps, looks_worlds, many_steps, many_worlds = _looks(scenario, rounds)
+        native, features = _units(scenario, "native", budget), _units(scenario, "features", budget)
+        alone = _alone(scenario, rounds)
+        rows.append(Row(name, alone, looks_steps, looks_worlds, *native, many_steps, many_worlds, *features))
+    return rows
+
+
+def _markdown(rows: list[Row]) -> str:
+    lines = [
+        "| controller | alone | looks | lane | lane / alone | simulate_many | features | worlds | features | classes "
+        "| features |",
+        "| --- |" + " ---: |" * 10,
+    ]
+    for row in rows:
+        steps = (row.alone, row.looks_steps, row.lane_steps)
+        others = (row.many_steps, row.features_steps)
+        cells = [row.controller.rpartition(":")[2].lower(), *(f"{rate / 1e6:.2f}" for rate in steps)]
+        cells += [f"{row.lane_steps / row.alone:.2f}", *(f"{rate / 1e6:.2f}" for rate in others)]
+        cells += [f"{rate:,.0f}" for rate in (row.lane_worlds, row.features_worlds)]
+        cells += [str(row.lane_classes), str(row.features_classes)]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Runs all and prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--controllers", default=",".join(CONTROLLERS), help="names, with commas between")
+    parser.add_argument("--rounds", type=int, default=3, help="of what is not a lane; the median counts (default 3)")
+    parser.add_argument("--seconds", type=float, default=10.0, help="of the processor for each lane (default 10)")
+    parser.add_argument("--document", type=Path, help="put the table into this document too")
+    arguments = parser.parse_args()
+    rows = measure(tuple(arguments.controllers.split(",")), arguments.rounds, arguments.seconds)
+    table = _markdown(rows)
+    if arguments.document is not None:
+        arguments.document.write_text(documented(arguments.document.read_text(), table, MARKS))
+    click.echo(json.dumps({"rows": [asdict(row) for row in rows]}) if arguments.json else table)
+
+
+if __name__ == "__main__":
+    main()
