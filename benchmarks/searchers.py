@@ -152,6 +152,7 @@ def _centre(index: int) -> float:
 
 SEARCHERS: dict[str, Searcher] = {
     "plan": lanes(),
+    "native": lanes("native"),
     "features": lanes("features"),
     "families": lanes(*STILL_FAMILIES),
     "boundary": lanes("boundary"),
