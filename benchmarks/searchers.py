@@ -153,6 +153,7 @@ def _centre(index: int) -> float:
 SEARCHERS: dict[str, Searcher] = {
     "plan": lanes(),
     "native": lanes("native"),
+    "archive": lanes("archive"),
     "features": lanes("features"),
     "families": lanes(*STILL_FAMILIES),
     "boundary": lanes("boundary"),
