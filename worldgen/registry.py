@@ -14,9 +14,20 @@ from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter
 
-__all__ = ["Registry", "user_code"]
+__all__ = ["Registry", "lend", "user_code"]
 
 T = TypeVar("T")
+
+_LENT: dict[str, Path] = {}
+
+
+def lend(place: str, copy: Path) -> None:
+    """From now on the file that is called ``place`` is this copy of it, from another machine."""
+    _LENT[place] = copy
+
+
+def _file(place: str) -> Path:
+    return _LENT.get(place, Path(place))
 
 
 @contextlib.contextmanager
@@ -94,12 +105,17 @@ class Registry(Generic[T]):
             self._loaded[name] = self._accept(name, thing)
         return self._loaded[name]
 
+    def forget(self, place: str) -> None:
+        """Loads what is in this file afresh when it is next asked for."""
+        for name in [name for name in self._loaded if name.rpartition(":")[0] == place]:
+            del self._loaded[name]
+
     def source(self, name: str) -> Path | None:
         """The file that defines what is called so; ``None`` where none does, or a whole package."""
         point = self.entry_points().get(name)
         place = name.rpartition(":")[0] if point is None else point.module
         if place.endswith(".py"):
-            return Path(place)
+            return _file(place)
         with user_code(f"{self.noun} {name!r}: looking for {place}"):
             found = importlib.util.find_spec(place) if place else None
         return Path(found.origin) if found is not None and found.has_location and found.origin else None
@@ -116,7 +132,7 @@ class Registry(Generic[T]):
     def _load_path(self, name: str) -> Any:
         place, _, attribute = name.rpartition(":")
         with user_code(f"{self.noun} {name!r}: loading {place}"):
-            module = _load_file(Path(place)) if place.endswith(".py") else importlib.import_module(place)
+            module = _load_file(_file(place)) if place.endswith(".py") else importlib.import_module(place)
             if hasattr(module, attribute):
                 return getattr(module, attribute)
         public = [key for key in vars(module) if not key.startswith("_")]

@@ -47,6 +47,7 @@ _BEGUN = (
 @click.option("--budget", type=Duration(), metavar="TIME", help="Search this long: 30s, 5m, 1h [default: 30s].")
 @click.option("--units", type=click.IntRange(1), help="Do this much work; the result depends on the seed alone.")
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
+@click.option("--scheduler", metavar="ADDRESS", help="Let a Dask cluster's workers do the work: tcp://host:8786.")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: the motion model's].")
 @click.option(
     "--vary",
@@ -107,6 +108,7 @@ def fuzz(
     budget: float | None,
     units: int | None,
     workers: int | None,
+    scheduler: str | None,
     resume: Path | None,
     report: Path | None,
     baseline: tuple[Path, ...],
@@ -128,13 +130,15 @@ def fuzz(
     from fuzz import ledger
     from fuzz.ci import Outputs
     from fuzz.corpus import Baseline
-    from fuzz.crews import crew_of
+    from fuzz.crews import crew_at, crew_of
     from fuzz.report import write_report
     from fuzz.session import CampaignSession
     from worldgen.files import check_output
 
     if budget is not None and units is not None:
         raise click.UsageError("give --budget or --units, not both")
+    if scheduler is not None and workers is not None:
+        raise click.UsageError("give --scheduler or --workers, not both: a cluster has its own workers")
     outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
     outputs.check()
     if report is not None:
@@ -150,7 +154,7 @@ def fuzz(
         note(
             f"goes on with the campaign in {sitting.folder.out}: seed {sitting.config.seed}, {sitting.done} units done"
         )
-    crew = crew_of(workers or os.cpu_count() or 1)
+    crew = crew_at(scheduler, sitting.config) if scheduler else crew_of(workers or os.cpu_count() or 1)
     code = CampaignSession(sitting, crew, quiet=as_json, outputs=outputs, baseline=known).run()
     if report is not None:
         write_report([sitting.folder.out], report, force=force)

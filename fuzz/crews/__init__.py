@@ -2,11 +2,29 @@
 
 Contents:
     Crew: what a campaign asks of them.
-    Alone, Processes, crew_of: here, and on this machine. fuzz.crews.cluster has Cluster.
+    Alone, Processes, crew_of: here, and on this machine.
+    crew_at: a cluster's.
     WorkersLost: raised if they end before the work does.
 """
 
+from fuzz.config import CampaignConfig
 from fuzz.crews.crew import Crew, WorkersLost
 from fuzz.crews.local import Alone, Processes, crew_of
+from worldgen.errors import InvalidParameter
 
-__all__ = ["Alone", "Crew", "Processes", "WorkersLost", "crew_of"]
+__all__ = ["Alone", "Crew", "Processes", "WorkersLost", "crew_at", "crew_of"]
+
+
+def crew_at(address: str, config: CampaignConfig) -> Crew:
+    """The workers of the Dask cluster with this scheduler.
+
+    Raises:
+        InvalidParameter: If the extra ``[dask]`` is not installed, or a file of the configuration cannot be read.
+    """
+    try:
+        from fuzz.crews.cluster import Cluster
+    except ModuleNotFoundError as error:
+        if error.name not in ("dask", "distributed"):
+            raise
+        raise InvalidParameter("--scheduler needs Dask; pip install 'worldgen[dask]', or leave it out") from error
+    return Cluster(address, config)

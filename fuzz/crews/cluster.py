@@ -1,0 +1,117 @@
+"""The workers of a Dask cluster; the only module that needs the extra ``[dask]``."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Future
+from contextlib import ExitStack, suppress
+from types import TracebackType
+from typing import ParamSpec, Self, TypeVar
+
+from distributed import Client, KilledWorker
+
+from fuzz.config import CampaignConfig
+from fuzz.crews.crew import WorkersLost
+from fuzz.crews.errand import Errand
+from worldgen.errors import InvalidParameter, WorldgenError
+from worldgen.workers import ctrl_c_held_back
+
+__all__ = ["Cluster"]
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+_PER_WORKER = 2  # units under way for each: one that it does, one that waits there
+_LOOK = 1.0  # s between two looks at which workers there are
+_TO_CONNECT = 10.0  # s
+_GONE = "the Dask scheduler at {} does not answer any more"
+
+
+class Cluster:
+    """The workers of a Dask cluster, which may come and go.
+
+    A worker that dies is the scheduler's business: it gives the work to another. Each worker is asked before its
+    first work whether its code is this one's; the files of controllers, families and oracles of one's own go along.
+
+    Args:
+        address: The scheduler's: ``tcp://host:8786``.
+        config: What the campaign looks for.
+
+    Raises:
+        InvalidParameter: If a file of the configuration cannot be read.
+    """
+
+    def __init__(self, address: str, config: CampaignConfig) -> None:
+        self._address, self._errand = address, Errand.of(config)
+        self._room, self._looked = 0, 0.0
+        self._open = ExitStack()
+
+    @property
+    def room(self) -> int:
+        """Two for each worker that there is."""
+        if time.monotonic() - self._looked > _LOOK:
+            self._room = _PER_WORKER * len(self._client.nthreads())
+            self._looked = time.monotonic()
+        return max(self._room, _PER_WORKER)  # without any worker they wait at the scheduler
+
+    def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Gives it to the scheduler."""
+        future: Future[T] = self._pool.submit(self._errand.run, work, args, kwargs)
+        return future
+
+    def listen(self) -> None:
+        """Raises ``KeyboardInterrupt`` if Ctrl-C came.
+
+        Raises:
+            WorkersLost: If the scheduler is gone.
+        """
+        self._listen()
+        if self._client.status != "running":
+            raise WorkersLost(_GONE.format(self._address))
+
+    def __enter__(self) -> Self:
+        """Connects.
+
+        Raises:
+            InvalidParameter: If no scheduler answers.
+        """
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong we say ourselves, once
+        try:
+            self._client = Client(self._address, timeout=_TO_CONNECT, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise InvalidParameter(
+                f"no Dask scheduler answers at {self._address!r} ({error}); start one, and give the address it prints"
+            ) from error
+        self._pool = self._client.get_executor(pure=False)
+        self._listen = self._open.enter_context(ctrl_c_held_back())
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        """Disconnects; what is under way is cancelled.
+
+        Raises:
+            WorkersLost: If the scheduler is gone, or work killed worker after worker.
+            InvalidParameter: If the workers' code is other than ours.
+        """
+        with self._open, suppress(OSError, RuntimeError):
+            self._pool.shutdown(wait=False)
+            self._client.close(timeout=_TO_CONNECT)
+        if error is not None and not isinstance(error, WorldgenError):
+            _retell(error, self._address)
+
+
+def _retell(error: BaseException, address: str) -> None:
+    """Raises what went wrong as a sentence, where it is not our fault."""
+    if isinstance(error, KilledWorker):
+        raise WorkersLost(
+            f"one piece of work ended as many workers as the scheduler allows, {error.allowed_failures + 1}: perhaps "
+            "the controller kills them, or they have too little memory (docs/campaigns.md)"
+        ) from error
+    if isinstance(error, CancelledError | OSError):
+        raise WorkersLost(_GONE.format(address)) from error
+    if isinstance(error, ImportError | AttributeError) or "deserialization" in str(error):
+        raise InvalidParameter(
+            f"the cluster cannot read the work ({error}); install the same worldgen for the scheduler and every worker"
+        ) from error

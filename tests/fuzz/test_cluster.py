@@ -1,0 +1,138 @@
+"""A real Dask scheduler and real workers in processes of their own; one is killed in mid-campaign."""
+
+import json
+import subprocess
+import sys
+import time
+
+import pytest
+
+from fuzz.campaign import Campaign, UnitDone
+from fuzz.config import CampaignConfig
+from fuzz.crews import WorkersLost, crew_at
+from fuzz.crews.errand import Errand
+from sim.scenario import Scenario
+from tests.helpers.command_line import worldgen
+from worldgen.errors import InvalidParameter
+from worldgen.grid_file import dumps
+
+distributed = pytest.importorskip("distributed", reason="the extra [dask]")
+
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, examples=12, epoch=4)
+UNITS = 5
+
+MINE = """
+class Mine:
+    \"\"\"Stands still.\"\"\"
+    def reset(self): return ()
+    def act(self, observation, memory):
+        from sim import Command
+        return Command(), memory
+"""
+
+
+class Dask:
+    """A scheduler and its workers, in a folder of their own where none of the test's files lie."""
+
+    def __init__(self, folder):
+        self.folder, self.file, self.processes = folder, folder / "scheduler.json", []
+        self.start("scheduler", "--port", "0", "--no-show", "--no-dashboard")
+        wait_for(self.file.is_file)
+        self.address = json.loads(self.file.read_text())["address"]
+
+    def start(self, role, *options):
+        command = [sys.executable, "-m", "dask", role, "--host", "127.0.0.1", "--scheduler-file", self.file, *options]
+        with (self.folder / f"{role}.log").open("ab") as log:
+            process = subprocess.Popen([*map(str, command)], cwd=self.folder, stdout=log, stderr=log)
+        self.processes.append(process)
+        return process
+
+    def worker(self):
+        return self.start("worker", "--nthreads", "1", "--no-nanny", "--no-dashboard")
+
+    def end(self):
+        for process in self.processes:
+            process.kill()
+            process.wait()
+
+
+def wait_for(condition):
+    deadline = time.monotonic() + 120
+    while not condition() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert condition()
+
+
+@pytest.fixture(scope="module")
+def dask(tmp_path_factory):
+    running = Dask(tmp_path_factory.mktemp("dask"))
+    running.worker()
+    yield running
+    running.end()
+
+
+def corpus(campaign, each=lambda event: None):
+    for event in campaign.run():
+        each(event)
+    return {kind: dumps(world) for kind, world in campaign.state.best.items()}, campaign.state.finds[-1].steps
+
+
+def test_a_cluster_one_of_whose_workers_is_killed_finds_the_same_as_one_process(dask):
+    doomed = dask.worker()
+    with distributed.Client(dask.address) as client:
+        client.wait_for_workers(2)
+
+    def kill_one(event):
+        if isinstance(event, UnitDone) and event.unit == 0:
+            doomed.kill()
+
+    found = corpus(Campaign(CONFIG, units=UNITS, crew=crew_at(dask.address, CONFIG)), kill_one)
+    assert doomed.wait() == -9 and found == corpus(Campaign(CONFIG, units=UNITS))
+
+
+def test_a_controller_in_a_file_of_ones_own_goes_along_to_the_workers(dask, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.py").write_text(MINE)
+    options = ("--controller", "./mine.py:Mine", "--family", "corridor", "--seed", 1, "--units", 1, "--examples", 4)
+    result = worldgen("fuzz", *options, "--scheduler", dask.address, "--out", tmp_path / "there", "--json")
+    assert result.code == 1, result.err
+    worldgen("fuzz", *options, "--workers", 1, "--out", tmp_path / "here", "--json")
+    there, here = (
+        {file.name: file.read_bytes() for file in (tmp_path / way).glob("*.grid")} for way in ["there", "here"]
+    )
+    assert there == here
+
+
+def test_a_worker_whose_code_is_another_refuses_the_work_and_says_what_differs(dask):
+    crew = crew_at(dask.address, CONFIG)
+    errand = Errand.of(CONFIG)
+    errand.setup.code["hypothesis"] = "1.0"
+    crew._errand = errand
+    with pytest.raises(InvalidParameter, match=r"has other code: hypothesis was 1.0 and is .*; install the same"):
+        corpus(Campaign(CONFIG, units=1, crew=crew))
+
+
+def test_a_scheduler_that_is_killed_ends_the_campaign_in_one_sentence(tmp_path):
+    running = Dask(tmp_path)
+    campaign = Campaign(CONFIG, units=UNITS, crew=crew_at(running.address, CONFIG))
+    running.worker()
+
+    def kill(event):
+        running.end()
+
+    with pytest.raises(WorkersLost, match="does not answer any more"):
+        corpus(campaign, kill)
+
+
+def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
+    monkeypatch.setattr("fuzz.crews.cluster._TO_CONNECT", 0.5)
+    options = ("--controller", "turn-right", "--units", 1, "--seed", 1)
+    result = worldgen("fuzz", *options, "--scheduler", "tcp://127.0.0.1:1", "--out", tmp_path / "out")
+    assert result.code == 2 and "no Dask scheduler answers at 'tcp://127.0.0.1:1'" in result.err
+
+
+def test_without_dask_the_way_to_install_it_is_said(monkeypatch):
+    monkeypatch.delitem(sys.modules, "fuzz.crews.cluster", raising=False)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InvalidParameter, match=r"pip install 'worldgen\[dask\]'"):
+        crew_at("tcp://127.0.0.1:1", CONFIG)
