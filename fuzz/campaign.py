@@ -12,7 +12,7 @@ from typing import Any, Generic, TypeVar
 from fuzz.boundary import with_boundaries
 from fuzz.config import CampaignConfig
 from fuzz.crews import Crew, crew_of
-from fuzz.ledger import Ledger, NoLedger, failure_id
+from fuzz.ledger import Ledger, NoLedger
 from fuzz.ledger.entry import Done
 from fuzz.result import Memory, UnitResult
 from fuzz.shrink import shrink
@@ -20,7 +20,7 @@ from fuzz.unit import run_unit
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import dumps
 from worldgen.workers import LISTEN
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["Campaign", "CampaignState", "Find", "Found", "Progress", "UnitDone", "shrunk_or_same"]
 
@@ -168,6 +168,7 @@ class Campaign:
         self._crew: Crew = crew or crew_of(workers)
         self._ledger: Ledger = ledger or NoLedger()
         self._candidates: dict[str, list[World]] = {}  # by class, those that are shrunk
+        self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
         self._known = [Memory(), Memory()]  # by epoch
         self._began: float | None = None  # this sitting, when it had gone through the ledger
         self._before = 0.0  # s, of earlier sittings
@@ -187,7 +188,9 @@ class Campaign:
                 while self._takes_more(crew, len(units), submitted) and (unit := self._unit(crew, submitted)):
                     units[submitted], submitted = unit, submitted + 1
                 if not units and not shrinks:
-                    return
+                    shrinks = [(job, self._shrink(crew, job)) for job in self._slid()]
+                    if not shrinks:
+                        return
                 self._wait(crew, [*(one.future for one in units.values()), *(one.future for _, one in shrinks)])
                 while merged in units and units[merged].future.done():
                     jobs = self._merge(merged, units[merged])
@@ -241,9 +244,10 @@ class Campaign:
             if few if self.config.shrink else is_news:
                 self._candidates.setdefault(kind, []).append(failure)
                 jobs.append(_Job(failure, "verdict"))
+        elites = {cell: elite for cell, elite in result.elites.items() if state.memory.is_better(cell, elite)}
+        result = replace(result, failures=kept, elites=elites)  # so that the memory is in the ledger's order, too
         if under.seconds is None:
-            elites = {cell: elite for cell, elite in result.elites.items() if state.memory.is_better(cell, elite)}
-            self._ledger.save_unit(unit, Done(replace(result, failures=kept, elites=elites), state.seconds))
+            self._ledger.save_unit(unit, Done(result, state.seconds))
         state.memory = state.memory.after(result)
         if (unit + 1) % self.config.epoch == 0:
             self._known.append(state.memory)
@@ -259,7 +263,15 @@ class Campaign:
         before = self._ledger.shrunk(job.failure, job.kept)
         if before is not None:
             return _Under(_finished(before), 0.0)
-        return _Under(crew.submit(shrunk_or_same, job.failure))
+        return _Under(crew.submit(shrunk_or_same, job.failure, job.kept))
+
+    def _slid(self) -> list[_Job]:
+        """Once all else is done: of classes whose worlds all slid into other classes the smallest failure."""
+        kinds = [
+            kind for kind in sorted(self._candidates) if kind not in self.state.best and kind not in self._kept_whole
+        ]
+        self._kept_whole.update(kinds)
+        return [_Job(min(self._candidates[kind], key=_size), "class") for kind in kinds]  # each takes a second
 
     def _kept(self, shrinks: list[tuple[_Job, _Under[World]]]) -> Iterator[Found]:
         """Takes what has been shrunk out of the list, remembers it and keeps the smallest of each class."""
@@ -275,25 +287,22 @@ class Campaign:
                 yield Found(kind, shrunk, before is not None)
 
 
-def shrunk_or_same(failure: World) -> World:
-    """The failure shrunk, with where it begins; as it was if it does not hold by shrinking's own terms."""
+def shrunk_or_same(failure: World, kept: str = "verdict") -> World:
+    """The failure shrunk, with where it begins; as it was if it does not hold by shrinking's own terms.
+
+    Args:
+        failure: As it was found.
+        kept: What shrinking keeps, as :func:`fuzz.shrink.shrink` takes it.
+    """
     try:
-        shrunk = with_boundaries(shrink(failure).world, failure)
+        return with_boundaries(shrink(failure, keep=kept).world, failure)
     except WorldgenError:
         return failure
-    return _with_detail(shrunk, original=failure_id(failure))
 
 
 def class_of(failure: World) -> str:
     """A failure's class."""
     return str(failure.failure.details["class"]) if failure.failure else ""
-
-
-def _with_detail(failure: World, **details: Value) -> World:
-    record = failure.failure
-    if record is None:
-        return failure
-    return replace(failure, failure=replace(record, details={**record.details, **details}))
 
 
 def _finished(result: T) -> Future[T]:

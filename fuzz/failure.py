@@ -9,6 +9,7 @@ wall (verdict ``tunnel``), and, where walls end nothing, it arrives (``reached``
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -26,15 +27,18 @@ from sim.outcome import BY_THE_CONTROLLER
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, WorldgenError
+from worldgen.grid_file import dumps
 from worldgen.lattice import in_cells
 from worldgen.reach import BLOCKED, REACHABLE, CheckReport, check_certificate, decide
 from worldgen.world import Cut, FailureRecord, Pose, Target, Value, World
 
 __all__ = [
+    "ID_DIGITS",
     "Replay",
     "certificate_fault",
     "certified",
     "failure_by",
+    "failure_id",
     "failure_of",
     "judge",
     "judge_asked",
@@ -45,6 +49,9 @@ __all__ = [
     "walled_off",
 ]
 
+ID_DIGITS = 16
+"""Hex digits of a failure's id."""
+
 
 @dataclass(frozen=True)
 class Replay:
@@ -54,6 +61,14 @@ class Replay:
     confirmed: bool
     reason: str
     episode: Episode | None = None
+
+
+def failure_id(failure: World) -> str:
+    """A failure's id: the first hex digits of the SHA-256 of its text, the record included.
+
+    The world's id would not do: one world may hold several failures, of other seeds for example.
+    """
+    return hashlib.sha256(dumps(failure)).hexdigest()[:ID_DIGITS]
 
 
 def certified(world: World) -> World | None:

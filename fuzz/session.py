@@ -168,8 +168,6 @@ class CampaignSession:
         except WorkersLost:
             self._save_pending()
             raise
-        for kind in self._campaign.pending():  # an earlier sitting kept it, before it was shrunk to another class
-            self._path(kind).unlink(missing_ok=True)
         return False
 
     def _watch(self) -> None:

@@ -6,8 +6,8 @@ from typing import Any
 
 from fuzz.campaign import CampaignState
 from fuzz.config import CampaignConfig
+from fuzz.failure import failure_id
 from fuzz.lanes.archive import archive_table
-from fuzz.ledger import failure_id
 from worldgen.plain_text import aligned
 
 __all__ = ["lanes_in_words", "summary_of"]

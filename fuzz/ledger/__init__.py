@@ -5,12 +5,11 @@ Contents:
     Sitting, Goal, begin, resume: opens it for a new campaign, or to go on with the same one.
     Setup, setup_of: a configuration, and the code that decides what its units find.
     Ledger, NoLedger: what a campaign needs of it; nothing at all.
-    failure_id: the name of a failure's file.
 
 ``docs/campaigns.md`` tells what a user sees.
 """
 
-from fuzz.ledger.folder import CampaignFolder, Ledger, NoLedger, failure_id
+from fuzz.ledger.folder import CampaignFolder, Ledger, NoLedger
 from fuzz.ledger.opening import Goal, Sitting, begin, resume, stored_seed
 from fuzz.ledger.setup import Setup, setup_of
 
@@ -22,7 +21,6 @@ __all__ = [
     "Setup",
     "Sitting",
     "begin",
-    "failure_id",
     "resume",
     "setup_of",
     "stored_seed",

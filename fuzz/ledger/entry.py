@@ -9,13 +9,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fuzz.ledger.setup import DIGITS, digest_of
+from fuzz.failure import ID_DIGITS
+from fuzz.ledger.setup import digest_of
 from fuzz.result import Elite, UnitResult
 from worldgen.world import World
 
 __all__ = ["Done", "read_entry", "write_entry"]
 
-_FAILURE_ID = re.compile(rf"[0-9a-f]{{{DIGITS}}}")
+_FAILURE_ID = re.compile(rf"[0-9a-f]{{{ID_DIGITS}}}")
 
 
 @dataclass(frozen=True)

@@ -15,32 +15,25 @@ import shutil
 from pathlib import Path
 from typing import Any, Protocol
 
+from fuzz.failure import ID_DIGITS, failure_id
 from fuzz.ledger.entry import Done, read_entry, write_entry
-from fuzz.ledger.setup import DIGITS, Setup
+from fuzz.ledger.setup import Setup
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files import read_text, write_bytes
 from worldgen.grid_file import dumps, loads
 from worldgen.locks import lock
 from worldgen.world import World
 
-__all__ = ["CampaignFolder", "Ledger", "NoLedger", "failure_id"]
+__all__ = ["CampaignFolder", "Ledger", "NoLedger"]
 
 _NAME = ".campaign"
 _VERSION = 1
-_SHRUNK = re.compile(rf"(?P<key>[0-9a-f]{{{DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{DIGITS}}})\.grid")
+_SHRUNK = re.compile(rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid")
 _PARTS = ("units", "failures", "shrunk")
 
 
-def failure_id(failure: World) -> str:
-    """The name of a failure's file: the first hex digits of the SHA-256 of its text, the record included.
-
-    The world's id alone would not do: one world may hold several failures, of other seeds for example.
-    """
-    return _content_name(dumps(failure))
-
-
 def _content_name(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()[:DIGITS]
+    return hashlib.sha256(data).hexdigest()[:ID_DIGITS]
 
 
 class Ledger(Protocol):

@@ -24,12 +24,10 @@ from worldgen.family import FAMILIES
 from worldgen.grid_file import dumps, loads
 from worldgen.registry import Registry
 
-__all__ = ["DIGITS", "Setup", "config_of", "digest_of", "setup_of"]
+__all__ = ["Setup", "config_of", "digest_of", "setup_of"]
 
 _OWN = ("worldgen", "sim", "fuzz")
-DIGITS = 16
-"""Hex digits of every digest here."""
-
+_DIGITS = 16  # hex, of every digest here
 _LONGEST = 60  # characters of a value in a message
 
 
@@ -78,7 +76,7 @@ def setup_of(config: CampaignConfig) -> Setup:
 def digest_of(value: Any) -> str:
     """The first hex digits of the SHA-256 of a value in JSON's types."""
     text = json.dumps(value, sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()[:DIGITS]
+    return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
 
 
 def _configuration(config: CampaignConfig) -> dict[str, Any]:
@@ -135,7 +133,7 @@ def _own_sources() -> str:
         for file in sorted(folder.rglob("*")):
             if file.is_file() and "__pycache__" not in file.parts:
                 digest.update(f"{file.relative_to(folder.parent).as_posix()}\0".encode() + file.read_bytes())
-    return digest.hexdigest()[:DIGITS]
+    return digest.hexdigest()[:_DIGITS]
 
 
 def _other_sources(config: CampaignConfig) -> Iterator[tuple[str, str]]:
@@ -173,7 +171,7 @@ def _digest_of_files(*files: Path) -> str:
     digest = hashlib.sha256()
     for file in files:
         digest.update(file.read_bytes())
-    return digest.hexdigest()[:DIGITS]
+    return digest.hexdigest()[:_DIGITS]
 
 
 def _shown(value: Any) -> str:

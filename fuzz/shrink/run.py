@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from fuzz.chance import chance_details
-from fuzz.failure import failure_by, failure_of, judge, scenario_of
+from fuzz.failure import failure_by, failure_id, failure_of, judge, scenario_of
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.order import Case, simplicity
@@ -30,7 +30,6 @@ KEEP = ("verdict", "class")
 # A simpler world may need longer until it fails than the one that it came from.
 _MORE_STEPS, _FEWEST_STEPS = 4, 2_000
 _OF_THE_OLD_WORLD = ("boundaries", "failing_seeds", "failing_share_at_least")  # details that do not hold of the new
-_DIGITS = 16  # of an id
 _NOT_CHECKED: tuple[str, ...] = ("not checked: stopped early",)
 
 Progress = Callable[[World], None]
@@ -194,7 +193,7 @@ class _Reducer:
         fresh, came = made.failure, self._failure.failure
         if fresh is None or came is None:
             return made
-        details: dict[str, Value] = {"original": world_digest(self._failure)[:_DIGITS]}
+        details: dict[str, Value] = {"original": failure_id(self._failure)}
         details |= {name: value for name, value in came.details.items() if name not in _OF_THE_OLD_WORLD}
         details |= fresh.details
         if self._still_fails.asked is None:
