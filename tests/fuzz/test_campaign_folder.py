@@ -24,9 +24,12 @@ from tests.helpers.command_line import worldgen
 from worldgen import generate
 from worldgen.errors import FormatError, OutputError
 
-CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, examples=12, epoch=1)
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, families=("features",), examples=4, epoch=1)
 UNITS = 3
-FUZZ = ("fuzz", "--controller", "turn-right", "--seed", 5, "--examples", 12, "--epoch", 1, "--workers", 1)
+FUZZ = (
+    "fuzz", "--controller", "turn-right", "--family", "features", "--seed", 5, "--examples", 4, "--epoch", 1,
+    "--workers", 1,
+)  # fmt: skip
 
 
 class Killed(BaseException):
@@ -186,7 +189,7 @@ def test_a_failure_that_is_not_whole_is_found_and_shrunk_again(part, spoil, copi
     [
         ({"seed": 6}, "seed is 5, not 6; worldgen fuzz --resume .* goes on with that one, --force begins anew"),
         ({"scenario": Scenario("turn-left")}, "scenario is .*turn-right.*, not .*turn-left"),
-        ({"examples": 13, "epoch": 2}, "epoch is 1, not 2, examples is 12, not 13"),
+        ({"examples": 13, "epoch": 2}, "epoch is 1, not 2, examples is 4, not 13"),
     ],
 )
 def test_another_campaign_is_refused_with_what_differs(change, message, copied):
@@ -234,7 +237,7 @@ def test_a_configuration_that_cannot_be_read_is_refused_in_one_sentence(text, co
 
 def test_a_configuration_with_a_strange_value_is_refused_in_one_sentence(copied):
     file = copied / ".campaign" / "campaign.json"
-    file.write_text(file.read_text().replace('"examples": 12', '"examples": "many"'))
+    file.write_text(file.read_text().replace('"examples": 4', '"examples": "many"'))
     with pytest.raises(FormatError, match="configuration cannot be read: examples is 'many'"):
         resume(copied)
 

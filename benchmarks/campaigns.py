@@ -1,0 +1,158 @@
+"""What campaigns cost, and what a billion worlds would: ``python -m benchmarks.campaigns``, ``--json`` for one object.
+
+For each lane worlds and steps a second and core, with proof and classification of what fails. For a whole campaign
+bytes a unit on disk, and what remembering a unit and shrinking a failure take. With the extra ``[dask]``: what a piece
+of work costs client and scheduler together. ``--units`` is the number of units of each lane (default 3). Times are
+the processor's, so other work on the machine counts little; before the clock starts, kernels are loaded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from fuzz.campaign import Campaign, CampaignState, shrunk_or_same
+from fuzz.config import CampaignConfig
+from fuzz.crews import crew_at
+from fuzz.lanes.plan import lanes_for
+from fuzz.ledger import Goal, begin
+from fuzz.ledger.entry import Done
+from fuzz.result import Memory, UnitResult
+from fuzz.unit import run_unit
+from sim.scenario import Scenario
+
+__all__ = ["measure", "model"]
+
+WORLDS = 1_000_000_000
+_WARM = 4  # units that are done first: by then every kernel is loaded
+_TASKS = 300  # pieces of no work for the cluster
+_SHRUNK = 10  # failures
+
+
+def lanes(config: CampaignConfig, units: int, memory: Memory) -> Iterator[dict[str, Any]]:
+    """Does units of each lane.
+
+    Returns:
+        ``lane``, ``units``, ``worlds``, ``steps``, ``rate`` (worlds a second and core) and ``step_rate``.
+    """
+    for name in lanes_for(config, memory):
+        only = CampaignConfig(config.scenario, config.seed, examples=config.examples, lanes=(name,))
+        run_unit(only, 0, memory)
+        results: list[UnitResult] = []
+        taken = _seconds(lambda only=only, results=results: _do_units(only, units, memory, results))
+        worlds, steps = sum(one.worlds for one in results), sum(one.steps for one in results)
+        row = {"lane": name, "units": units, "worlds": worlds, "steps": steps}
+        yield row | {"rate": worlds / taken, "step_rate": steps / taken}
+
+
+def _do_units(config: CampaignConfig, units: int, memory: Memory, results: list[UnitResult]) -> None:
+    results += [run_unit(config, unit, memory) for unit in range(1, units + 1)]
+
+
+def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, float]]:
+    """A campaign with its folder: what it leaves, and what parts of it take.
+
+    Returns:
+        Its state, and ``worlds_per_unit``, ``bytes_per_unit``, ``files_per_unit`` (blocks not counted), ``save_s`` for
+        a unit and ``shrink_s`` for a failure.
+    """
+    with tempfile.TemporaryDirectory() as place:
+        sitting = begin(config, Path(place) / "out", Goal(units=units))
+        campaign = Campaign(config, units=units, ledger=sitting.folder)
+        for _ in campaign.run():
+            pass
+        state, files = campaign.state, [file for file in Path(place).rglob("*") if file.is_file()]
+        found = UnitResult("features", failures=dict(list(state.memory.failures.items())[:2]))
+        save = _seconds(lambda: sitting.folder.save_unit(units, Done(found, 0.0)))
+        sitting.folder.close()
+        some = list(state.memory.failures.values())[:_SHRUNK]
+        shrink = _seconds(lambda: [shrunk_or_same(one) for one in some])
+        return state, {
+            "worlds_per_unit": state.worlds / units,
+            "bytes_per_unit": sum(file.stat().st_size for file in files) / units,
+            "files_per_unit": len(files) / units,
+            "save_s": save,
+            "shrink_s": shrink / max(len(some), 1),
+        }
+
+
+def scheduler(config: CampaignConfig) -> float | None:
+    """Seconds of client and scheduler, in one process here, for a piece of work; ``None`` without the extra."""
+    try:
+        from distributed import LocalCluster  # noqa: PLC0415 - an extra
+    except ModuleNotFoundError:
+        return None
+    with (
+        LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
+        crew_at(cluster.scheduler_address, config) as crew,
+    ):
+        crew.submit(int, 0).result()
+        return _seconds(lambda: [future.result() for future in [crew.submit(int, k) for k in range(_TASKS)]]) / _TASKS
+
+
+def model(rates: list[dict[str, Any]], costs: dict[str, float], task_s: float | None) -> list[dict[str, float | str]]:
+    """A billion worlds of each lane.
+
+    Returns:
+        ``lane``, ``core_hours``, ``units``, ``gigabytes`` and ``scheduler_hours``.
+    """
+    rows: list[dict[str, float | str]] = []
+    for one in rates:
+        units = WORLDS * one["units"] / max(one["worlds"], 1)
+        rows.append(
+            {
+                "lane": one["lane"],
+                "core_hours": WORLDS / one["rate"] / 3600 if one["rate"] else 0.0,
+                "units": units,
+                "gigabytes": units * costs["bytes_per_unit"] / 1e9,
+                "scheduler_hours": units * (task_s or 0.0) / 3600,
+            }
+        )
+    return rows
+
+
+def measure(units: int, controller: str) -> dict[str, Any]:
+    """Everything: ``lanes``, ``campaign``, ``task_s`` and ``billion``."""
+    config = CampaignConfig(Scenario(controller), seed=1)
+    state, costs = whole(config, max(units, _WARM) * 4)
+    rates = list(lanes(config, units, state.memory))
+    task_s = scheduler(config)
+    return {"lanes": rates, "campaign": costs, "task_s": task_s, "billion": model(rates, costs, task_s)}
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    before = time.process_time()
+    work()
+    return time.process_time() - before
+
+
+def main() -> None:
+    """Prints the tables, or one JSON object."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--units", type=int, default=3)
+    parser.add_argument("--controller", default="turn-right")
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    result = measure(options.units, options.controller)
+    if options.json:
+        click.echo(json.dumps(result))
+        return
+    click.echo("lane        worlds/s  steps/s   a billion worlds: core hours      units        GB  scheduler hours")
+    for rate, cost in zip(result["lanes"], result["billion"], strict=True):
+        click.echo(
+            f"{rate['lane']:<11} {rate['rate']:>8.0f} {rate['step_rate']:>8.2g} {cost['core_hours']:>29.0f} "
+            f"{cost['units']:>10.3g} {cost['gigabytes']:>9.0f} {cost['scheduler_hours']:>16.1f}"
+        )
+    click.echo(", ".join(f"{name} {value:.3g}" for name, value in result["campaign"].items()))
+    click.echo(f"a piece of work costs client and scheduler {1e3 * (result['task_s'] or 0.0):.2f} ms")
+
+
+if __name__ == "__main__":
+    main()
