@@ -43,7 +43,7 @@ def lanes(config: CampaignConfig, units: int, memory: Memory) -> Iterator[dict[s
         ``lane``, ``units``, ``worlds``, ``steps``, ``rate`` (worlds a second and core) and ``step_rate``.
     """
     for name in lanes_for(config, memory):
-        only = CampaignConfig(config.scenario, config.seed, examples=config.examples, lanes=(name,))
+        only = CampaignConfig(config.scenario, config.seed, families=(name,), examples=config.examples)
         run_unit(only, 0, memory)
         results: list[UnitResult] = []
         taken = _seconds(lambda only=only, results=results: _do_units(only, units, memory, results))

@@ -18,7 +18,7 @@ from worldgen.grid_file import dumps
 
 distributed = pytest.importorskip("distributed", reason="the extra [dask]")
 
-CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, examples=12, epoch=4)
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, families=("features",), examples=4, epoch=4)
 UNITS = 5
 
 MINE = """
