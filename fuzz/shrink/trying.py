@@ -30,6 +30,9 @@ _WANTED = {
     "timeout": Wanted(layout.LIMIT, overlap=False),
 }
 
+_AT_ONCE = 256  # edits that are handed to compiled code in one call
+_MOST_CELLS = 1_000_000  # of a world with a quick look: the flood takes 36 bytes a cell
+
 
 class Trying:
     """Tries edits.
@@ -52,7 +55,6 @@ class Trying:
         self._still_fails, self._deadline = still_fails, deadline
         whole = still_fails.asked is None and not still_fails.breach and not still_fails.kind
         self._quick_is_enough = whole and still_fails.is_proved_by_the_run
-        self._has_quick_look = still_fails.asked is None
         self._on_lattice = MOTIONS.get(still_fails.scenario.motion).kernel != THESIS
 
     def first(self, case: Case, edits: Sequence[Edit], begin: int) -> tuple[int, Case] | None:
@@ -72,7 +74,8 @@ class Trying:
                 kept = self._settled(case, edit, looked=False)
             else:
                 before = runs.trials
-                found, done = runs.first(cells[at:], _WANTED[self._still_fails.verdict], way=not case.world.is_dynamic)
+                some, wanted = cells[at : at + _AT_ONCE], _WANTED[self._still_fails.verdict]
+                found, done = runs.first(some, wanted, way=not case.world.is_dynamic)
                 self._still_fails.simulations += runs.trials - before
                 at += done
                 kept = None if found is None else self._settled(case, cells[at - 1], looked=True)
@@ -83,11 +86,14 @@ class Trying:
     def _edited_runs(self, case: Case) -> EditedRuns | None:
         """What runs edits in compiled code, if they may be run so."""
         controller, budget = self._still_fails.controller, self._still_fails.least_budget
-        if self.careful or not (self._has_quick_look and self._on_lattice):
+        if not (self._looks_quickly(case) and self._on_lattice):
             return None
         if not isinstance(controller, CompiledController):
             return None
         return EditedRuns(case.world, controller, case.scenario.options(case.world, budget))
+
+    def _looks_quickly(self, case: Case) -> bool:
+        return not self.careful and self._still_fails.asked is None and case.world.walls.size <= _MOST_CELLS
 
     def _settled(self, case: Case, edit: Edit, *, looked: bool) -> Case | None:
         """The case after an edit if it is simpler and still fails.
@@ -100,7 +106,7 @@ class Trying:
         candidate = _after(case, edit)
         if candidate is None:
             return None
-        if not self.careful and self._has_quick_look:
+        if self._looks_quickly(case):
             if not looked and not self._still_fails.seems_to_fail(*candidate):
                 return None
             if not self._still_fails.breach and not self._has_way(candidate, edit, looked=looked):

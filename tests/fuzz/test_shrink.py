@@ -270,3 +270,9 @@ def test_the_quick_look_goes_through_a_diagonal_gap_that_is_just_wide_enough(rad
     walls = np.zeros((8, 8), bool)
     walls[4:, :4] = walls[:3, 5:] = True  # their corners are the square root of two cells apart
     assert has_sure_way(World(walls, Pose(0.15, 0.15, 0.0), Target(0.65, 0.65, 0.05), robot_radius=radius)) is seen
+
+
+def test_a_world_too_large_for_a_quick_look_is_shrunk_by_the_exact_judge(monkeypatch):
+    monkeypatch.setattr("fuzz.shrink.trying._MOST_CELLS", 60)
+    small = shrink(failure())
+    assert small.left == () and replay(small.world).confirmed
