@@ -26,10 +26,11 @@ _PRIOR = {NATIVE: 24.0, ARCHIVE: 8.0, "features": 8.0, BOUNDARY: 3.0}
 """New classes that a lane is taken to bring at first, for each unit of cost; 1 for the others."""
 
 _FLOOR = 0.3  # share of the budget that is dealt out evenly
-_FAILURE = 0.03  # what a failure counts beside a class that is new
-_WORLD_COST = {NATIVE: 0.02, ARCHIVE: 0.03, "features": 1.0, SEALED: 1.0, BOUNDARY: 1.0}  # ms, beside its steps
+_FAILURE = 0.01  # what a failure counts beside a class that is new
+_WORLD_COST = {NATIVE: 0.02, ARCHIVE: 0.03, "features": 1.0, SEALED: 1.0, BOUNDARY: 0.5}  # ms, beside its steps
 _FAMILY_COST = 4.0  # ms, likewise, of a family's world
 _COMPILED_STEP, _STEP = 1e-4, 1e-2  # ms
+_PROOF = 7.0  # ms, of each failure: certified, run again, recorded, judged, classified
 _AT_FIRST = 1000.0  # ms: what a lane's expected yield weighs against what it brought
 
 _GOLDEN = 0x9E3779B97F4A7C15  # of 2**64: multiples of it lie as evenly as can be, wherever one begins or ends
@@ -79,5 +80,5 @@ def _worth(name: str, brought: LaneYield, compiled: bool) -> float:
     """New classes and failures for each second of work, beginning with what is expected of the lane."""
     found = brought.classes + _FAILURE * brought.failures
     step = _COMPILED_STEP if compiled else _STEP
-    cost = brought.worlds * _WORLD_COST.get(name, _FAMILY_COST) + brought.steps * step
+    cost = brought.worlds * _WORLD_COST.get(name, _FAMILY_COST) + brought.steps * step + brought.failures * _PROOF
     return (_PRIOR.get(name, 1.0) + found) / (_AT_FIRST + cost)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -58,6 +59,15 @@ def test_a_unit_of_the_archive_lane_is_the_same_again(epochs):
     again = run_unit(CONFIG, 2, epochs[1][2])
     assert again.elites == epochs[0][2].elites and again.steps == epochs[0][2].steps
     assert {k: dumps(w) for k, w in again.failures.items()} == {k: dumps(w) for k, w in epochs[0][2].failures.items()}
+
+
+@pytest.mark.parametrize("lane", ["archive", "boundary"])
+def test_another_process_does_a_unit_to_the_same_end(epochs, lane):
+    config = replace(CONFIG, families=(lane,))
+    with get_context("spawn").Pool(1) as pool:
+        there = pool.apply(run_unit, (config, 5, epochs[1][2]))
+    here = run_unit(config, 5, epochs[1][2])
+    assert (there.worlds, there.steps, there.met, there.elites) == (here.worlds, here.steps, here.met, here.elites)
 
 
 def test_failures_of_the_archive_lane_replay(epochs):
