@@ -21,9 +21,7 @@ __all__ = ["BOUNDARY", "search"]
 BOUNDARY = "boundary"
 
 _SPARE = 0.05  # complete controllers, too, fail in gaps as wide as the robot, mapper with 2 % to spare; with 5 % none
-_DEARER = (
-    16  # how many feature layouts are drawn in the time of one boundary: about 20 runs, most of them with one proof
-)
+_DEARER = 16  # how many feature layouts are drawn in the time of one boundary: about 20 runs, few of them with a proof
 
 
 def search(task: Task) -> None:
@@ -43,9 +41,8 @@ def search(task: Task) -> None:
             continue
         found = nearest_boundary(Looks(subject, axis, count, _SPARE), start)
         if found is not None:
-            fails = found.fails
-            world, scenario, outcome = fails.subject.world, fails.subject.scenario, fails.outcome
-            task.door.enter(world, scenario, outcome.verdict, outcome.cause, boundaries=[found.record()])
+            fails, outcome = found.fails.subject, found.fails.outcome
+            task.door.enter(fails.world, fails.scenario, outcome.verdict, outcome.cause, boundaries=[found.record()])
 
 
 def _subject(task: Task, stream: RandomStream, known: list[Subject], axis: Axis) -> Subject | None:
