@@ -47,8 +47,9 @@ LOOK_CLOSER = LOOK_CONTACT + 1  # 1 if these come nearer to the target than the 
 LOOK_AROUND = LOOK_CLOSER + 1  # solid cells that share an edge with the one that was hit; -1: none was
 LOOK_SIZE = LOOK_AROUND + 1
 
-_FEWEST_STEPS, _MOST_STEPS = 2_000, 6_000  # of a budget that the way tells: with fewer, most loops are not closed yet
-_MULTIPLE = 50  # of the time that the way takes at top speed, as for a run whose witness is known
+# The budget that the way tells: as a witness would, so that who spends it has failed, but for the longest ways.
+_FEWEST_STEPS, _MOST_STEPS = 4_000, 8_000
+_MULTIPLE = 50  # of the time that the way takes at top speed
 _WATCHED_STEPS = 600  # of a run that spent its budget
 _SLACK = 20  # lattice units: walls that are no further away than they could be and this are touched
 

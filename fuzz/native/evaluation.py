@@ -226,7 +226,7 @@ def evaluate(
         scenario: What runs; its seed and time step count for nothing.
         seeds: (n,) uint64.
         time_steps: s; (n,), or one for all.
-        budget: Steps, (n,) or one for all; without it what the way to the target suggests, 2,000 to 6,000.
+        budget: Steps, (n,) or one for all; without it what the way to the target suggests, 4,000 to 8,000.
         **robot: ``robot_radius`` (m, at most a cell) and ``robot_speed`` (m/s) of all worlds, whatever their bytes say.
 
     Raises:

@@ -119,8 +119,8 @@ def test_loops_of_one_key_reach_as_far_and_come_as_near(controller):
 
 def test_the_budget_follows_the_way_unless_it_is_given():
     own = evaluate(scenes(100), Scenario("turn-left"), np.zeros(100, np.uint64), 0.005)
-    long, short = own.ran & (own.way > 13), own.ran & (own.way < 4)
-    assert (own.budget[long] == 6000).all() and (own.budget[short] == 2000).all() and long.any() and short.any()
+    long, short = own.ran & (own.way > 17), own.ran & (own.way < 8)
+    assert (own.budget[long] == 8000).all() and (own.budget[short] == 4000).all() and long.any() and short.any()
     given_ = evaluate(scenes(9), Scenario("turn-left"), np.zeros(9, np.uint64), 0.015, 70)
     assert set(given_.budget.tolist()) <= {0, 70}
 
