@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, TypeVar
@@ -96,6 +96,7 @@ class CampaignState:
         seconds: Of all sittings together.
         verdicts: At first look.
         met: How often each class was met.
+        known: Likewise, of the classes that are no news.
         best: By class, the smallest failure, shrunk.
         memory: What the lanes brought, and what later units know of it.
         finds: In the order of units.
@@ -107,6 +108,7 @@ class CampaignState:
     seconds: float = 0.0
     verdicts: Counter[str] = field(default_factory=Counter)
     met: Counter[str] = field(default_factory=Counter)
+    known: Counter[str] = field(default_factory=Counter)
     best: dict[str, World] = field(default_factory=dict)
     memory: Memory = field(default_factory=Memory)
     finds: list[Find] = field(default_factory=list)
@@ -148,6 +150,7 @@ class Campaign:
         workers: Processes; 1 works in this one.
         crew: Who does the work, instead of processes.
         ledger: Remembers what was done, so that another campaign of the same configuration goes on with it.
+        is_known: Whether a failure is of a class that is no news: those are counted, but not shrunk and not kept.
 
     Iterating over :meth:`run` does the work. Whatever stops it, ``state.best`` and :meth:`pending` keep all
     that was found. Whatever was stopped and when, once it has gone on to as many units the state is the same.
@@ -162,12 +165,15 @@ class Campaign:
         workers: int = 1,
         crew: Crew | None = None,
         ledger: Ledger | None = None,
+        is_known: Callable[[World], bool] = lambda _: False,
     ) -> None:
+        self._is_known = is_known
         self.config, self.units, self.seconds = config, units, seconds
         self.state = CampaignState()
         self._crew: Crew = crew or crew_of(workers)
         self._ledger: Ledger = ledger or NoLedger()
         self._candidates: dict[str, list[World]] = {}  # by class, those that are shrunk
+        self._known_ones: dict[str, list[World]] = {}  # likewise, those that would be were their class no known one
         self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
         self._known = [Memory(), Memory()]  # by epoch
         self._began: float | None = None  # this sitting, when it had gone through the ledger
@@ -235,15 +241,19 @@ class Campaign:
         jobs = []
         kept: dict[str, World] = {}
         for kind, failure in sorted(result.failures.items()):
-            is_news, few = state.memory.is_news(kind, failure), len(self._candidates.get(kind, ())) < _RESTARTS
+            is_known = self._is_known(failure)
+            candidates = self._known_ones if is_known else self._candidates
+            is_news, few = state.memory.is_news(kind, failure), len(candidates.get(kind, ())) < _RESTARTS
             if is_news:
                 totals = (state.worlds, state.steps, state.seconds)
                 state.finds.append(Find(unit, result.lane, kind, failure, *totals))
             if is_news or (few and self.config.shrink):
                 kept[kind] = failure
+            if is_known:
+                state.known[kind] += result.met[kind]
             if few if self.config.shrink else is_news:
-                self._candidates.setdefault(kind, []).append(failure)
-                jobs.append(_Job(failure, "verdict"))
+                candidates.setdefault(kind, []).append(failure)
+                jobs += [] if is_known else [_Job(failure, "verdict")]
         elites = {cell: elite for cell, elite in result.elites.items() if state.memory.is_better(cell, elite)}
         result = replace(result, failures=kept, elites=elites)  # so that the memory is in the ledger's order, too
         if under.seconds is None:
@@ -280,6 +290,8 @@ class Campaign:
             shrunk = under.future.result()
             if under.seconds is None:
                 self._ledger.save_shrunk(job.failure, job.kept, shrunk)
+            if self._is_known(shrunk):  # it slid there from a class that is news, which has its turn in the end
+                continue
             kind = class_of(shrunk)
             before = self.state.best.get(kind)
             if before is None or _size(shrunk) < _size(before):

@@ -115,7 +115,7 @@ class CampaignSession:
         crew: Who does the work.
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
-        baseline: Classes that are known, so that meeting them is no failure; none if left out.
+        baseline: Failures whose classes are known: they are counted only; none if left out.
     """
 
     def __init__(
@@ -127,12 +127,17 @@ class CampaignSession:
         outputs: Outputs = NO_OUTPUTS,
         baseline: Baseline | None = None,
     ) -> None:
-        self._is_known = (baseline or Baseline()).has
+        self._baseline = baseline or Baseline()
         self._config, self._folder, self._quiet, self._outputs = sitting.config, sitting.folder, quiet, outputs
         self._out = sitting.folder.out
         goal = sitting.goal
         self._campaign = Campaign(
-            sitting.config, units=goal.units, seconds=goal.seconds, crew=crew, ledger=sitting.folder
+            sitting.config,
+            units=goal.units,
+            seconds=goal.seconds,
+            crew=crew,
+            ledger=sitting.folder,
+            is_known=self._baseline.has,
         )
         self._limit = f"{goal.seconds:g} s" if goal.units is None else counted(goal.units, "unit")
         self._unsaved: set[str] = set()
@@ -156,7 +161,7 @@ class CampaignSession:
             kept = counted(len(self._campaign.state.best), "failure")
             note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {way_on}")
             return 130
-        return 0 if all(map(self._is_known, self._campaign.state.best.values())) else 1
+        return 1 if self._campaign.state.best else 0
 
     def _search(self) -> bool:
         """Does the work; returns whether Ctrl-C stopped it."""
@@ -228,10 +233,7 @@ class CampaignSession:
         if self._quiet:
             emit_json(summary_of(self._config, state) | {"failures": self._failures()})
             return
-        new = {kind: world for kind, world in sorted(state.best.items()) if not self._is_known(world)}
-        for kind in sorted(state.best.keys() - new.keys()):
-            click.echo(f"known: {shown(kind)}")
-        for kind, world in new.items():
+        for kind, world in sorted(state.best.items()):
             click.echo(describe(world, self._path(kind), met=state.met))
         click.echo(lanes_in_words(state))
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
@@ -239,8 +241,11 @@ class CampaignSession:
             f"seed {self._config.seed}: {counted(state.units, 'unit')}, {state.worlds} worlds, {state.steps} steps "
             f"in {state.seconds:.1f} s; at first look {verdicts or 'nothing'}"
         )
-        if not new:
-            what = "new failure" if state.best else "failure"
+        if state.known:
+            often = ", ".join(f"{shown(kind)} {counted(times, 'time')}" for kind, times in sorted(state.known.items()))
+            click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
+        if not state.best:
+            what = "new failure" if state.known else "failure"
             click.echo(f"no {what} of {self._config.scenario.label()} under {self._config.scenario.motion} found")
 
     def _as_report(self) -> Report:
@@ -250,10 +255,10 @@ class CampaignSession:
         facts = {"controller": shown(scenario.label(scenario.motion, scenario.time_step)), "motion": scenario.motion}
         numbers = {"seed": self._config.seed, "units": state.units, "worlds": state.worlds, "steps": state.steps}
         facts |= {name: str(number) for name, number in numbers.items()} | {"seconds": f"{state.seconds:.1f}"}
-        findings = (
-            Finding.of(world, self._path(kind), "known" if self._is_known(world) else "new") for kind, world in best
-        )
-        return Report("fuzz", tuple(sorted(findings, key=lambda finding: not finding.fails)), facts)
+        new = [Finding.of(world, self._path(kind), "new") for kind, world in best]
+        known = sorted((key[2], path, world) for key, (path, world) in self._baseline.failures.items())
+        met = [Finding.of(world, path, "known") for kind, path, world in known if state.known[kind]]
+        return Report("fuzz", (*new, *met), facts)
 
     def _failures(self) -> list[dict[str, object]]:
         return [
@@ -261,7 +266,6 @@ class CampaignSession:
                 "file": str(self._path(kind)),
                 "verdict": world.failure.verdict if world.failure else "",
                 "class": kind,
-                "known": self._is_known(world),
                 "solid_cells": world.solid_cells,
                 "replay": replay_line(self._path(kind)),
             }

@@ -28,6 +28,7 @@ def summary_of(config: CampaignConfig, state: CampaignState) -> dict[str, Any]:
         "seconds": round(state.seconds, 3),
         "verdicts": dict(state.verdicts),
         "met": dict(state.met),
+        "known": dict(state.known),
         "lanes": [
             {
                 "lane": name,

@@ -98,7 +98,8 @@ _BEGUN = (
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="DIR|ARCHIVE",
-    help="Failures that are known: only a class that is not among them makes the exit code 1; may be repeated.",
+    help="Failures that are known: their classes are counted, but neither shrunk nor written, and only others make the "
+    "exit code 1; may be repeated.",
 )
 @output_options
 @seed_option
@@ -129,7 +130,7 @@ def fuzz(
 
     from fuzz import ledger
     from fuzz.ci import Outputs
-    from fuzz.corpus import Baseline
+    from fuzz.corpus import Baseline, read_corpus
     from fuzz.crews import crew_at, crew_of
     from fuzz.report import write_report
     from fuzz.session import CampaignSession
@@ -143,7 +144,7 @@ def fuzz(
     outputs.check()
     if report is not None:
         check_output(report, force)
-    known = Baseline.read(baseline)
+    known = read_corpus(baseline).entries
     goal = ledger.Goal(units, None if units else budget or 30.0)
     if resume is None:
         sitting = _begin(goal, force=force, **begun)
@@ -154,8 +155,9 @@ def fuzz(
         note(
             f"goes on with the campaign in {sitting.folder.out}: seed {sitting.config.seed}, {sitting.done} units done"
         )
+    was_known = Baseline.of(known, sitting.config.scenario, note)
     crew = crew_at(scheduler, sitting.config) if scheduler else crew_of(workers or os.cpu_count() or 1)
-    code = CampaignSession(sitting, crew, quiet=as_json, outputs=outputs, baseline=known).run()
+    code = CampaignSession(sitting, crew, quiet=as_json, outputs=outputs, baseline=was_known).run()
     if report is not None:
         write_report([sitting.folder.out], report, force=force)
         note(f"wrote {report}")

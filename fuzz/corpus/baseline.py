@@ -2,37 +2,78 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from fuzz.corpus.entry import Facts
-from fuzz.corpus.reading import read_corpus
+from fuzz.asked import asked_by
+from fuzz.corpus.entry import Entry, Facts
+from fuzz.failure import certificate_fault, failure_by, failure_of, scenario_of
+from sim.scenario import Scenario
+from worldgen.errors import WorldgenError
+from worldgen.grid_file import read_world
 from worldgen.world import World
 
 __all__ = ["Baseline"]
 
+_Key = tuple[str, str, str]
+
 
 @dataclass(frozen=True)
 class Baseline:
-    """Classes that are known.
+    """Failures whose classes are known.
 
     Args:
-        classes: Controller, motion model and class of each.
+        failures: By controller, motion model and class: the first file of it, and what its world is.
     """
 
-    classes: frozenset[tuple[str, str, str]] = frozenset()
+    failures: Mapping[_Key, tuple[Path, World]] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, paths: Iterable[Path]) -> Baseline:
-        """The classes of the failures in folders, archives and files.
+    def of(cls, entries: Iterable[Entry], scenario: Scenario, say: Callable[[str], None]) -> Baseline:
+        """What a controller's failures are today: each is run again, so that no old name hides a new class.
+
+        Args:
+            entries: Of a corpus; those of other controllers and motion models are passed over.
+            scenario: The campaign's.
+            say: Told of each failure that is none any more, or is of another class than its file says.
 
         Raises:
-            FormatError: If a path or a file cannot be read.
+            FormatError: If a file can no longer be read.
         """
-        return cls(frozenset(entry.facts.key for entry in read_corpus(paths).entries))
+        failures: dict[_Key, tuple[Path, World]] = {}
+        for entry in entries:
+            world = read_world(entry.path)
+            record, _ = scenario_of(world)
+            if (record.controller, record.motion) != (scenario.controller, scenario.motion):
+                continue
+            now, reason = _failure_now(world)
+            if now is None:
+                say(f"{entry.path}: {reason}, so its class {entry.facts.kind} is not known")
+                continue
+            facts = Facts.of(now, str(entry.path))
+            if facts is not None:
+                if facts.kind != entry.facts.kind:
+                    say(f"{entry.path}: stored as {entry.facts.kind}, its class is {facts.kind} now")
+                failures.setdefault(facts.key, (entry.path, now))
+        return cls(failures)
 
     def has(self, failure: World) -> bool:
         """Whether a failure is of a class that is known."""
         facts = Facts.of(failure, "the failure")
-        return facts is not None and facts.key in self.classes
+        return facts is not None and facts.key in self.failures
+
+
+def _failure_now(world: World) -> tuple[World | None, str]:
+    """The failure with a record of what happens today, or ``None`` and why there is none."""
+    record, options = scenario_of(world)
+    scenario = Scenario.of(record.controller, options)
+    fault = certificate_fault(world)
+    if fault:
+        return None, fault
+    try:
+        asked = asked_by(record.evidence)
+        now = failure_of(world, scenario, steps=options.steps) if asked is None else failure_by(world, scenario, asked)
+    except WorldgenError as error:
+        return None, f"cannot be run here ({error})"
+    return now, "does not fail any more"

@@ -1,0 +1,111 @@
+"""Known failures: counted, not kept; what they are called and whether they fail is found out anew."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from fuzz.campaign import Campaign
+from fuzz.config import CampaignConfig
+from fuzz.corpus import Baseline, read_corpus
+from sim.scenario import Scenario
+from tests.helpers.command_line import worldgen
+from worldgen import read_world, write_world
+from worldgen.world import Pose
+
+FUZZ = ("fuzz", "--controller", "turn-right", "--lane", "features", "--units", "2", "--examples", "30")
+FUZZ = (*FUZZ, "--seed", "5", "--workers", "1")
+TURN_RIGHT = Scenario("turn-right")
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """A campaign's folder, and its classes."""
+    out = tmp_path_factory.mktemp("found")
+    result = worldgen(*FUZZ, "--no-shrink", "--out", out, "--json")
+    assert result.code == 1
+    return out, sorted(one["class"] for one in json.loads(result.out)["failures"])
+
+
+def again(out, *baseline, more=()):
+    given = [*more, *(word for path in baseline for word in ("--baseline", path))]
+    result = worldgen(*FUZZ, "--out", out, "--json", *given)
+    return result, json.loads(result.out)
+
+
+def stored(folder, path, **changes):
+    """A failure's file in a folder, with another record."""
+    world = read_world(path)
+    folder.mkdir(exist_ok=True)
+    write_world(replace(world, failure=replace(world.failure, **changes)), folder / Path(path).name)
+    return folder
+
+
+def baseline_of(path, notes, scenario=TURN_RIGHT):
+    return Baseline.of(read_corpus([path]).entries, scenario, notes.append)
+
+
+def a_loop(found):
+    return next(file for file in sorted(found[0].glob("*.grid")) if read_world(file).failure.verdict == "loop")
+
+
+def test_known_classes_are_counted_but_neither_written_nor_a_failure(found, tmp_path):
+    result, summary = again(tmp_path / "out", found[0])
+    assert result.code == 0 and not summary["failures"] and not list((tmp_path / "out").glob("*.grid"))
+    assert set(found[1]) <= set(summary["known"]) and min(summary["known"].values()) > 0
+
+
+def test_a_class_that_the_baseline_has_not_is_found_still(found, tmp_path):
+    kept = sorted(found[0].glob("*.grid"))[1:]
+    result, summary = again(tmp_path / "out", *kept, more=["--no-shrink"])
+    missing = found[1][0]
+    assert result.code == 1 and [one["class"] for one in summary["failures"]] == [missing]
+    assert (tmp_path / "out" / f"{missing}.grid").is_file()
+
+
+def test_the_terminal_says_how_often_known_classes_were_met(found, tmp_path):
+    text = worldgen(*FUZZ, "--out", tmp_path / "out", "--baseline", found[0]).out
+    assert "known: " in text and f"{found[1][0]} " in text and "no new failure of turn-right under swept found" in text
+
+
+def test_a_name_of_another_time_hides_nothing_and_is_told(found, tmp_path):
+    file, notes = a_loop(found), []
+    old = stored(tmp_path / "old", file, details={**read_world(file).failure.details, "class": "loop-of-old"})
+    known = baseline_of(old, notes)
+    assert {key[2] for key in known.failures} == {file.stem} and known.has(read_world(file))
+    assert len(notes) == 1 and f"stored as loop-of-old, its class is {file.stem} now" in notes[0]
+
+
+def test_a_failure_that_is_none_any_more_is_told_and_not_known(found, tmp_path):
+    file, notes = a_loop(found), []
+    world = read_world(file)
+    there = replace(world, start=Pose(world.target.x, world.target.y, 0.0))
+    write_world(replace(there, certificate=None), tmp_path / "w.grid")
+    assert not baseline_of(tmp_path / "w.grid", notes).failures
+    assert "carries no witness" in notes[0] and f"so its class {file.stem} is not known" in notes[0]
+
+
+def test_a_controller_that_is_mended_has_no_known_failures(found, tmp_path):
+    notes = []
+    mended = stored(tmp_path / "mended", a_loop(found), controller="bug2")
+    assert not baseline_of(mended, notes, Scenario("bug2")).failures and "does not fail any more" in notes[0]
+
+
+def test_failures_of_other_controllers_and_motion_models_are_passed_over(found):
+    notes = []
+    for scenario in (Scenario("turn-left"), Scenario("turn-right", "endpoint")):
+        assert not baseline_of(found[0], notes, scenario).failures
+    assert not notes
+
+
+def test_a_new_class_that_shrinks_to_a_known_one_is_shrunk_within_its_class():
+    config = CampaignConfig(TURN_RIGHT, seed=5, families=("features",), examples=30)
+    plain = Campaign(config, units=2)
+    list(plain.run())
+    slid = {kind for kind, world in plain.state.best.items() if world.failure.details["kept"] == "class"}
+    assert slid
+    known = set(plain.state.best) - slid
+    campaign = Campaign(config, units=2, is_known=lambda world: world.failure.details["class"] in known)
+    list(campaign.run())
+    assert campaign.state.best.keys() == slid and campaign.state.known.keys() == known & plain.state.met.keys()
