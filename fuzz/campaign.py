@@ -12,7 +12,7 @@ from typing import Any, Generic, TypeVar
 from fuzz.boundary import with_boundaries
 from fuzz.config import CampaignConfig
 from fuzz.crews import Crew, crew_of
-from fuzz.ledger import Ledger, NoLedger
+from fuzz.ledger import Ledger
 from fuzz.ledger.entry import Done
 from fuzz.result import Memory, UnitResult
 from fuzz.shrink import shrink
@@ -171,7 +171,7 @@ class Campaign:
         self.config, self.units, self.seconds = config, units, seconds
         self.state = CampaignState()
         self._crew: Crew = crew or crew_of(workers)
-        self._ledger: Ledger = ledger or NoLedger()
+        self._ledger = ledger or Ledger()
         self._candidates: dict[str, list[World]] = {}  # by class, those that are shrunk
         self._known_ones: dict[str, list[World]] = {}  # likewise, those that would be were their class no known one
         self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class

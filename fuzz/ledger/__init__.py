@@ -4,12 +4,12 @@ Contents:
     CampaignFolder: the folder ``OUT/.campaign``: who writes it, and what is in it.
     Sitting, Goal, begin, resume: opens it for a new campaign, or to go on with the same one.
     Setup, setup_of: a configuration, and the code that decides what its units find.
-    Ledger, NoLedger: what a campaign needs of it; nothing at all.
+    Ledger: what a campaign needs of it; itself it remembers nothing.
 
 ``docs/campaigns.md`` tells what a user sees.
 """
 
-from fuzz.ledger.folder import CampaignFolder, Ledger, NoLedger
+from fuzz.ledger.folder import CampaignFolder, Ledger
 from fuzz.ledger.opening import Goal, Sitting, begin, resume, stored_seed
 from fuzz.ledger.setup import Setup, setup_of
 
@@ -17,7 +17,6 @@ __all__ = [
     "CampaignFolder",
     "Goal",
     "Ledger",
-    "NoLedger",
     "Setup",
     "Sitting",
     "begin",

@@ -13,7 +13,7 @@ import os
 import re
 import shutil
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from fuzz.failure import ID_DIGITS, failure_id
 from fuzz.ledger.entry import Done, read_entry, write_entry
@@ -24,7 +24,7 @@ from worldgen.grid_file import dumps, loads
 from worldgen.locks import lock
 from worldgen.world import World
 
-__all__ = ["CampaignFolder", "Ledger", "NoLedger"]
+__all__ = ["CampaignFolder", "Ledger"]
 
 _NAME = ".campaign"
 _VERSION = 1
@@ -36,41 +36,25 @@ def _content_name(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()[:ID_DIGITS]
 
 
-class Ledger(Protocol):
-    """What a campaign asks of its memory."""
+class Ledger:
+    """A campaign's memory; this one remembers nothing, for a campaign that nobody goes on with."""
 
     def unit(self, unit: int) -> Done | None:
         """A unit that was done before; ``None`` if it is to be done."""
+        return None
 
     def save_unit(self, unit: int, done: Done) -> None:
         """Keeps a unit."""
 
     def shrunk(self, failure: World, kept: str) -> World | None:
         """What a failure was shrunk to before; ``None`` if it is to be shrunk."""
+        return None
 
     def save_shrunk(self, failure: World, kept: str, shrunk: World) -> None:
         """Keeps what a failure was shrunk to."""
 
 
-class NoLedger:
-    """Remembers nothing."""
-
-    def unit(self, unit: int) -> Done | None:
-        """Nothing."""
-        return None
-
-    def save_unit(self, unit: int, done: Done) -> None:
-        """Does nothing."""
-
-    def shrunk(self, failure: World, kept: str) -> World | None:
-        """Nothing."""
-        return None
-
-    def save_shrunk(self, failure: World, kept: str, shrunk: World) -> None:
-        """Does nothing."""
-
-
-class CampaignFolder:
+class CampaignFolder(Ledger):
     """A campaign's memory in ``OUT/.campaign``, kept from other processes until :meth:`close`.
 
     Args:

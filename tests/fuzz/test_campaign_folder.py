@@ -1,5 +1,6 @@
 """A campaign's folder: whatever ends a campaign and when, it goes on to the same corpus, byte for byte."""
 
+import contextlib
 import json
 import random
 import re
@@ -7,12 +8,14 @@ import signal
 import subprocess
 import sys
 import time
+from collections import deque
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import fuzz.ledger.folder
+from fuzz.campaign import Campaign
 from fuzz.config import CampaignConfig
 from fuzz.crews import Alone
 from fuzz.ledger import CampaignFolder, Goal, begin, resume, setup_of
@@ -127,6 +130,23 @@ def test_a_finished_campaign_goes_on_to_more_units_as_if_it_had_never_stopped(co
     result = worldgen("fuzz", "--resume", copied, "--units", UNITS + 1, "--workers", 1, "--json")
     assert result.code == 1 and json.loads(result.out)["units"] == UNITS + 1
     assert left_in(copied) == left_in(tmp_path / "all")
+
+
+def test_the_whole_plan_goes_on_from_its_memory_as_if_it_had_never_stopped(tmp_path):
+    config = replace(CONFIG, families=(), examples=10, epoch=2, shrink=False)
+
+    def search(name, units):
+        sitting = begin(config, tmp_path / name, Goal(units=units))
+        campaign = Campaign(config, units=units, ledger=sitting.folder)
+        with contextlib.closing(sitting.folder):
+            deque(campaign.run(), maxlen=0)
+        return campaign.state
+
+    whole = search("whole", 10)
+    parts = [search("parts", units) for units in (3, 7, 10)][-1]
+    assert {"native", "archive"} <= whole.memory.lanes.keys() and whole.memory.elites
+    assert list(parts.memory.elites.items()) == list(whole.memory.elites.items())
+    assert (parts.memory.lanes, list(parts.best), parts.met) == (whole.memory.lanes, list(whole.best), whole.met)
 
 
 def test_the_same_command_again_does_nothing_again_and_says_the_same(copied):
