@@ -121,7 +121,7 @@ def model(rates: list[dict[str, Any]], costs: dict[str, float], task_s: float | 
 def measure(units: int, controller: str) -> dict[str, Any]:
     """Everything: ``lanes``, ``campaign``, ``task_s`` and ``billion``."""
     config = CampaignConfig(Scenario(controller), seed=1)
-    state, costs = whole(config, max(units, _WARM) * 4)
+    state, costs = whole(config, _WARM + units)
     rates = list(lanes(config, units, state.memory))
     task_s = scheduler(config)
     return {"lanes": rates, "campaign": costs, "task_s": task_s, "billion": model(rates, costs, task_s)}
