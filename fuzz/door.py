@@ -58,7 +58,7 @@ class Door:
         verdict = first_look(outcome)
         self.count(verdict, outcome.steps)
         kind = "" if verdict == "reached" else self.enter(world, scenario, verdict, outcome.cause)
-        return (self._ask(world, scenario) if self._asked else "") or kind
+        return self.ask(world, scenario) or kind
 
     def enter(self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any) -> str:
         """Proves, classifies and keeps a run that failed, if not too many of its kind came before.
@@ -86,13 +86,11 @@ class Door:
                 return self._keep(failure_of(proved, scenario, fewest_steps=self._proof_steps, **details))
         return ""
 
-    def _is_one_of_few(self, verdict: str, cause: str) -> bool:
-        self._failed[verdict, cause] += 1
-        return self._failed[verdict, cause] <= (_PROVE_HANGS_AT_MOST if verdict == "hang" else _PROVE_AT_MOST)
-
-    def _ask(self, world: World, scenario: Scenario) -> str:
-        """Lets every oracle that was asked for judge the run, with its witness's budget; the last one's class."""
+    def ask(self, world: World, scenario: Scenario) -> str:
+        """Lets every oracle that was asked for judge the run, with its witness's budget; the class of the last one."""
         kept = ""
+        if not self._asked:
+            return kept
         proved = world if world.certificate else certified(world)
         if proved is None:
             return kept
@@ -104,6 +102,10 @@ class Door:
             with contextlib.suppress(InvalidParameter):  # too long to be recorded
                 kept = self._keep(failure_by(proved, scenario, asked, found_by=self.result.lane)) or kept
         return kept
+
+    def _is_one_of_few(self, verdict: str, cause: str) -> bool:
+        self._failed[verdict, cause] += 1
+        return self._failed[verdict, cause] <= (_PROVE_HANGS_AT_MOST if verdict == "hang" else _PROVE_AT_MOST)
 
     def _keep(self, failure: World | None) -> str:
         if failure is None or failure.failure is None:

@@ -34,6 +34,7 @@ _WORK = 20_000  # steps, for each of its examples: 0.8 s where a step takes 0.1 
 _OF_EACH_KEY = 2  # looks that are proved, a second one because what is alike at first look need not be of one class
 _PROVED = 32  # of a unit at most
 _UNDECIDED = 4  # of these, at most: such a proof takes ten times the steps of a look, and a recording of them
+_ASKED = 4  # runs of one call that oracles judge, where any are asked for: each takes as long as hundreds of looks
 _SCENE_WORDS = -(-SCENE_BYTES // 8)  # of 8 bytes
 
 
@@ -52,12 +53,15 @@ def search(task: Task) -> None:
 def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
     """Looks at scenes until the unit's work is done, and hands on the smallest failures of each key.
 
+    Oracles that are asked for judge the most winding of the runs that arrive, as the door does what fails.
+
     Args:
         task: The unit.
         draw: Gives the next scenes from the unit's random numbers.
         seen: Called with what came of them, before the next are drawn.
     """
     result, few = task.door.result, Few()
+    asked: list[tuple[Looks, int]] = []
     for looks in _looks(task, draw):
         if seen is not None:
             seen(looks)
@@ -66,8 +70,19 @@ def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
         result.worlds += int(counts.sum())
         result.steps += looks.simulated
         few.add(looks)
+        if task.config.oracles:
+            asked += [(looks, n) for n in _most_winding(looks)]
     for looks, n in few.in_order():
         task.door.enter(looks.world(n), looks.scenario_of(n), str(looks.verdict[n]), f"key {looks.key[n]}")
+    for looks, n in asked:
+        task.door.ask(looks.world(n), looks.scenario_of(n))
+
+
+def _most_winding(looks: Looks) -> list[int]:
+    """Of the runs that arrived those that drove furthest for their way."""
+    arrived = np.flatnonzero(looks.ran & ~looks.failed)
+    order = np.argsort(-looks.driven[arrived] / np.maximum(looks.way[arrived], 1), kind="stable")
+    return [int(n) for n in arrived[order[:_ASKED]]]
 
 
 class Few:

@@ -5,9 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzz.failure import certified, failure_of
+from fuzz.config import CampaignConfig
+from fuzz.failure import certified, failure_of, replay
 from fuzz.features import LAYOUT_BYTES, SCENE_BYTES, decode_scene, decode_world
 from fuzz.native import evaluate
+from fuzz.unit import run_unit
 from sim import CompiledController
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
@@ -160,3 +162,10 @@ def test_what_cannot_be_looked_at_is_refused(changed, said):
     given_ = {"layouts": scenes(2), "scenario": Scenario("turn-left"), "seeds": 0, "time_steps": 0.015, **changed}
     with pytest.raises(InvalidParameter, match=said):
         evaluate(**given_)
+
+
+def test_oracles_that_are_asked_for_judge_winding_runs():
+    config = CampaignConfig(Scenario("turn-right"), seed=3, examples=20, families=("native",), oracles=("detour=3",))
+    result = run_unit(config, 0)
+    by_oracle = [world for kind, world in result.failures.items() if "detour" in kind]
+    assert by_oracle and all(replay(world).confirmed for world in by_oracle)
