@@ -45,7 +45,6 @@ __all__ = ["Limits", "Row", "controller_name", "look_for", "removable_cells", "t
 
 EXAMPLES = 1  # of a unit, so that it is known which world it was
 _FAILURES_ALONE = ("native", "archive", "boundary")  # lanes that ask no oracle about a run that arrives
-_MEASURED = 5.0  # CPU seconds over which the native lane's speed is measured
 _FLOOR_SECONDS = 60.0  # by the clock and on two cores; what is found in as many CPU seconds was found by then
 _SHRINK_SECONDS = 60.0  # by the clock; slow controllers may not be done by then
 _IDLE = 100  # units without a world, after which a searcher has no more to try
@@ -260,24 +259,14 @@ def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = No
 
 
 def floors() -> dict[str, float]:
-    """Median CPU seconds to the first proved loop of ``turn-right``; robot steps a second of the native lane."""
+    """Median CPU seconds to the first proved loop of ``turn-right``; speeds are for :mod:`benchmarks.native`."""
     seconds = []
     for seed in range(10):
         config = CampaignConfig(Scenario("turn-right"), seed=seed, examples=EXAMPLES)
         begun = time.process_time()
         next(result for result in lanes()(config) if any(kind.startswith("loop") for kind in result.failures))
         seconds.append(time.process_time() - begun)
-    found = {"first_loop_seconds": round(median(seconds[1:]), 4)}  # the first also compiles
-    if "native" in SEARCHERS:
-        units = SEARCHERS["native"](CampaignConfig(Scenario("turn-right"), seed=1))
-        next(units)
-        steps, begun = 0, time.process_time()
-        for result in units:
-            steps += result.steps
-            if (spent := time.process_time() - begun) > _MEASURED:
-                break
-        found["native_steps_per_second"] = round(steps / spent)
-    return found
+    return {"first_loop_seconds": round(median(seconds[1:]), 4)}  # the first also compiles
 
 
 # --- a table in files ---------------------------------------------------------------------------------------------
@@ -324,7 +313,7 @@ def _in_words(row: Row) -> str:
 def summary(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Per searcher: share found, and quartiles over all searches, where one without a find counts as endless."""
     found = []
-    for name in dict.fromkeys(row["searcher"] for row in rows):
+    for name in _searchers(rows):
         own = [row for row in rows if row["searcher"] == name]
         hits = [row for row in own if row["found"]]
         entry: dict[str, Any] = {"searcher": name, "searches": len(own), "found": len(hits)}
@@ -351,7 +340,7 @@ def tables(rows: Sequence[dict[str, Any]]) -> str:
     """The two tables of ``docs/finding.md``: by searcher, and by fault."""
     columns = ("found", "worlds", "thousand steps", "CPU s", "solid cells, shrunk", "1-minimal", "shrink, ms")
     lines = [f"| searcher | {' | '.join(columns)} |", "| --- |" + " ---: |" * len(columns)]
-    for entry in summary(rows):
+    for entry in summary(_done_by_all(rows)):
         thousands = [value / 1000 if value is not None else None for value in entry["steps"]]
         cells = (
             f"{entry['found']} of {entry['searches']}",
@@ -359,7 +348,7 @@ def tables(rows: Sequence[dict[str, Any]]) -> str:
             f"{entry['one_minimal']} ({entry['checked']})", _span(entry["shrink_ms"]),
         )  # fmt: skip
         lines.append(f"| `{entry['searcher']}` | {' | '.join(cells)} |")
-    searchers = list(dict.fromkeys(row["searcher"] for row in rows))
+    searchers = _searchers(rows)
     lines += ["", "| fault | " + " | ".join(searchers) + " |", "| --- |" + " ---: |" * len(searchers)]
     for fault in dict.fromkeys(row["fault"] for row in rows):
         cells = tuple(_cell([row for row in rows if (row["fault"], row["searcher"]) == (fault, s)]) for s in searchers)
@@ -367,11 +356,21 @@ def tables(rows: Sequence[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+def _done_by_all(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The searches that every searcher has done, for a table made in pieces may not be whole yet."""
+    done = {name: {(row["fault"], row["seed"]) for row in rows if row["searcher"] == name} for name in _searchers(rows)}
+    return [row for row in rows if all((row["fault"], row["seed"]) in own for own in done.values())]
+
+
+def _searchers(rows: Sequence[dict[str, Any]]) -> list[str]:
+    return list(dict.fromkeys(row["searcher"] for row in rows))
+
+
 def _cell(rows: Sequence[dict[str, Any]]) -> str:
-    """Median worlds to the find; how many searches found it where not all did."""
+    """Median worlds to the find; how many searches found it where not all did; nothing where none was done."""
     hits = [row["worlds"] for row in rows if row["found"]]
     if not hits:
-        return ""
+        return "not found" if rows else ""
     return f"{median(hits):.0f}" + (f" ({len(hits)} of {len(rows)})" if len(hits) < len(rows) else "")
 
 

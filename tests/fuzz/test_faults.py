@@ -1,12 +1,12 @@
 """Seeded faults: each has a small world in which it fails as expected and the controller without it arrives."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.finding import Limits, controller_name, look_for, removable_cells, tells
+from benchmarks.finding import Limits, Row, controller_name, look_for, removable_cells, tables, tells
 from benchmarks.searchers import SEARCHERS
 from fuzz.failure import certified, failure_of
 from fuzz.faults import FAULTS
@@ -59,3 +59,12 @@ def test_brute_force_sees_what_shrinking_left():
         steps=world.failure.parameters["steps"],
     )
     assert removable_cells(world) == 0 and removable_cells(larger) == 1
+
+
+def test_the_table_compares_what_every_searcher_has_done():
+    def row(fault, searcher, found):
+        return asdict(Row(fault, searcher, 1, Limits(1, 1.0), found, worlds=7, steps=70, seconds=0.1, wall_seconds=0.2))
+
+    text = tables([row("a", "random", True), row("b", "random", True), row("a", "plan", False)])
+    assert "| `random` | 1 of 1 | 7 (7 to 7) |" in text and "| `plan` | 0 of 1 | - (- to -) |" in text
+    assert "| `a` | 7 | not found |" in text and "| `b` | 7 |  |" in text
