@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from benchmarks.finding import Limits, Row, controller_name, look_for, removable_cells, tables, tells
-from benchmarks.searchers import SEARCHERS
 from fuzz.failure import certified, failure_of
 from fuzz.faults import FAULTS
 from sim import simulate
@@ -42,8 +41,8 @@ def test_it_says_in_one_sentence_what_is_wrong(name):
     assert fault.sentence.endswith(".") and "\n" not in fault.sentence and fault.expected and fault.base is not None
 
 
-@pytest.mark.parametrize("searcher", SEARCHERS)
-def test_every_way_of_searching_finds_a_comparison_of_floats_for_equality(searcher):
+@pytest.mark.parametrize("searcher", ["plan", "random", "genetic"])
+def test_searching_finds_a_comparison_of_floats_for_equality(searcher):
     row, world = look_for(FAULTS["bug2-leaves-by-equality"], searcher, 1, Limits(200_000, 60.0))
     assert row.found and row.solid_cells[1] <= 4 and world.failure.verdict == "loop"
     assert row.one_minimal and row.removable == 0 and row.shrunk_tells
