@@ -60,8 +60,8 @@ def whole(config: CampaignConfig, units: int) -> tuple[CampaignState, dict[str, 
     """A campaign with its folder: what it leaves, and what parts of it take.
 
     Returns:
-        Its state, and ``worlds_per_unit``, ``bytes_per_unit``, ``files_per_unit`` (blocks not counted), ``save_s`` for
-        a unit and ``shrink_s`` for a failure.
+        Its state, and ``worlds_per_unit``, ``bytes_per_unit`` and ``files_per_unit`` (upper bounds, for the first units
+        leave most), ``save_s`` for a unit and ``shrink_s`` for a failure.
     """
     with tempfile.TemporaryDirectory() as place:
         sitting = begin(config, Path(place) / "out", Goal(units=units))
