@@ -238,8 +238,8 @@ class CampaignSession:
         click.echo(lanes_in_words(state))
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
         click.echo(
-            f"seed {self._config.seed}: {counted(state.units, 'unit')}, {state.worlds} worlds, {state.steps} steps "
-            f"in {state.seconds:.1f} s; at first look {verdicts or 'nothing'}"
+            f"seed {self._config.seed}: {counted(state.units, 'unit')}, {counted(state.worlds, 'world')}, "
+            f"{counted(state.steps, 'step')} in {state.seconds:.1f} s; at first look {verdicts or 'nothing'}"
         )
         if state.known:
             often = ", ".join(f"{shown(kind)} {counted(times, 'time')}" for kind, times in sorted(state.known.items()))

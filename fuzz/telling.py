@@ -16,6 +16,7 @@ from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from sim.words import evidence_in_words
 from worldgen.cli.output import shown
+from worldgen.plain_text import counted
 from worldgen.render import draw_terminal, wants_color
 from worldgen.world import Cut, World
 
@@ -25,12 +26,20 @@ _CHANCES = {
     "part": ", some draws are lost for ever",
 }
 
-__all__ = ["describe", "replay_line", "run_to_draw"]
+__all__ = ["describe", "replay_line", "run_to_draw", "seeds_in_words"]
 
 
 def replay_line(path: Path) -> str:
     """The command that shows a failure again."""
     return f"worldgen replay {shlex.quote(str(path))}"
+
+
+def seeds_in_words(world: World) -> str:
+    """For how many seeds a failure occurs: ``39 of 40 seeds fail``; empty where its record does not say it."""
+    seeds = world.failure.details.get("failing_seeds") if world.failure else None
+    if not isinstance(seeds, list) or len(seeds) != 2:
+        return ""
+    return f"{seeds[0]} of {seeds[1]} seeds {'get there' if isinstance(world.certificate, Cut) else 'fail'}"
 
 
 def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> str:
@@ -42,10 +51,9 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     episode, words = run_to_draw(world)
     who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
     kind = str(record.details.get("class", record.verdict))
-    often = f", met {met[kind]} times" if met and met[kind] else ""
-    seeds = record.details.get("failing_seeds")
-    does = "get there" if isinstance(world.certificate, Cut) else "fail"
-    chance = f", {seeds[0]} of {seeds[1]} seeds {does}" if isinstance(seeds, list) else ""
+    often = f", met {counted(met[kind], 'time')}" if met and met[kind] else ""
+    seeds = seeds_in_words(world)
+    chance = f", {seeds}" if seeds else ""
     chance += _CHANCES.get(str(record.details.get("chance")), "")
     begins = boundaries_in_words(world)
     minimal = ", 1-minimal" if record.details.get("one_minimal") is True else ""

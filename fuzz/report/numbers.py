@@ -8,6 +8,8 @@ from typing import TypeAlias
 from fuzz.boundary import boundaries_in_words
 from fuzz.report.gather import Failure, Seen
 from fuzz.report.summary import Summary
+from fuzz.telling import seeds_in_words
+from worldgen.plain_text import counted
 from worldgen.world import Cut, FailureRecord, Value, Witness, World
 
 __all__ = ["Group", "groups"]
@@ -46,12 +48,11 @@ def _of_the_failure(failure: Failure, record: FailureRecord) -> list[Row]:
         ("seed of the run", str(record.seed)),
         ("replayed for this report", _replayed(seen)),
     ]
-    seeds = record.details.get("failing_seeds")
-    if isinstance(seeds, list) and len(seeds) == 2:
+    seeds = seeds_in_words(seen.world)
+    if seeds:
         least = record.details.get("failing_share_at_least")
         bound = f"; with 95 % confidence at least {least:.1%} of all" if isinstance(least, float) else ""
-        does = "get there" if isinstance(seen.world.certificate, Cut) else "fail"
-        rows.append(("chance", f"{seeds[0]} of {seeds[1]} seeds {does}{bound}"))
+        rows.append(("chance", f"{seeds}{bound}"))
     if "chance" in record.details:
         states = f", over {_words(record.details['states'])} states" if "states" in record.details else ""
         rows.append(("exact answer", f"{_words(record.details['chance'])}{states}"))
@@ -118,10 +119,10 @@ def _of_the_search(failure: Failure, record: FailureRecord, campaign: Summary | 
     if campaign is not None:
         kind = failure.entry.facts.kind
         if kind in campaign.met:
-            rows.append(("class met", f"{campaign.met[kind]} times"))
+            rows.append(("class met", counted(campaign.met[kind], "time")))
         first = next((find for find in campaign.found if find.kind == kind), None)
         if first is not None:
-            until = f"after {first.worlds:,} worlds, {first.steps:,} steps, {first.seconds:.3g} s"
+            until = f"in world {first.worlds:,}, after {first.steps:,} steps, {first.seconds:.3g} s"
             rows.append(("class first met", until))
     if "shrunk_from" in details:
         kept = _KEPT.get(str(details.get("kept")), "")

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.helpers.campaign_folder import CORPUS
 from tests.helpers.command_line import worldgen
 from worldgen import read_world, write_world
 
@@ -180,6 +181,15 @@ def test_an_existing_file_is_not_overwritten(failures, tmp_path):
 def test_bad_options_of_fuzz_are_one_line_and_code_2(args, message, tmp_path):
     result = worldgen(*args, "--out", tmp_path / "out")
     assert result.code == 2 and message in result.err and "Traceback" not in result.err
+
+
+@pytest.mark.parametrize(("seeds", "said"), [([39, 40], ", 39 of 40 seeds fail\n"), ([], "1-minimal\n")])
+def test_replay_shows_for_how_many_seeds_a_failure_occurs_where_its_record_says_so(tmp_path, seeds, said):
+    loop = read_world(CORPUS / "thesis-1-loop-104.grid")
+    details = {**loop.failure.details, "failing_seeds": seeds}
+    write_world(replace(loop, failure=replace(loop.failure, details=details)), tmp_path / "a.grid")
+    result = worldgen("replay", "--show", tmp_path / "a.grid")
+    assert result.code == 0 and said in result.out
 
 
 @pytest.mark.parametrize("command", ["replay", "shrink", "show", "verify"])

@@ -9,7 +9,7 @@ const PLOT = {
   top: 12,
   bottom: 40,
 };
-const UNLINKED = "failures proved. Classes without a link have none here: shrinking may have led to another class";
+const UNLINKED = "Classes without a link have no failure here: shrinking may have led to another class.";
 const AXES = { worlds: "worlds tried", steps: "steps simulated", seconds: "seconds" };
 
 function makeCampaign(section, campaigns, failures) {
@@ -42,14 +42,15 @@ function campaignPart(campaign, links, several) {
         "class",
         campaign.met,
         (kind) => linked(kind, links),
-        Object.keys(campaign.met).every((kind) => links.has(kind)) ? "failures proved" : UNLINKED,
+        (count) =>
+          `${plural(count, "failure")} proved. ${Object.keys(campaign.met).every((kind) => links.has(kind)) ? "" : UNLINKED}`,
       ),
       barChart(
         "Verdicts at first look",
         "verdict",
         campaign.verdicts,
         (verdict) => el("span", {}, verdictDot(verdict), ` ${verdict}`),
-        "worlds",
+        (count) => `${plural(count, "world")}.`,
         true,
       ),
     ),
@@ -205,13 +206,13 @@ function meter(share, verdict = null) {
   return el("span", { class: "meter", "aria-hidden": "true" }, bar);
 }
 
-function barChart(title, what, counts, nameOf, note, coloured = false) {
+function barChart(title, what, counts, nameOf, noteOf, coloured = false) {
   const rows = Object.entries(counts).sort((a, b) => b[1] - a[1] || compareText(a[0], b[0]));
   if (rows.length === 0) return null;
   const most = rows[0][1] || 1;
   return chart(
     title,
-    `${grouped(rows.reduce((sum, row) => sum + row[1], 0))} ${note}.`,
+    noteOf(rows.reduce((sum, row) => sum + row[1], 0)),
     table(
       [what, "count", ""],
       rows.map(([name, count]) => [nameOf(name), grouped(count), meter(count / most, coloured ? name : null)]),

@@ -217,7 +217,7 @@ function showState(player, parts) {
   parts.readout.replaceChildren(
     "step ",
     el("b", {}, grouped(step)),
-    ` of ${grouped(run.steps)}, ${(step * run.dt).toFixed(2)} s${momentOf(run, step)}`,
+    ` of ${grouped(run.steps)}, ${(step * run.dt).toFixed(3)} s${momentOf(run, step)}`,
   );
 }
 
