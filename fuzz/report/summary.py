@@ -136,8 +136,8 @@ class _Reader:
 
     def text(self, name: str) -> str:
         value = self._values.get(name)
-        if not isinstance(value, str):
-            raise _Fault(f"{name!r} is no text")
+        if not isinstance(value, str) or not value:
+            raise _Fault(f"{name!r} is no text, or empty")
         return value
 
     def counts(self, name: str) -> dict[str, int]:

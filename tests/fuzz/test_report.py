@@ -239,6 +239,7 @@ def test_a_campaign_writes_its_own_page(tmp_path):
         ({"seconds": "fast"}, "'seconds' is no finite number"),
         ({"seconds": 10**400}, "too large|no summary"),
         ({"controller": None}, "'controller' is no text"),
+        ({"archive": {**SUMMARY["archive"], "cells": [[0, 0, 1.0, ""]]}}, "'verdict' is no text, or empty"),
         ({"met": {"loop": 1.5}}, "'loop' is no whole number"),
         ({"lanes": {}}, "'lanes' is no list"),
         ({"found": [3]}, "an object is wanted"),
