@@ -35,15 +35,24 @@ class Outputs:
     def __bool__(self) -> bool:
         return any((self.junit, self.sarif, self.summary))
 
-    def check(self) -> None:
+    def check(self, page: Path | None = None) -> None:
         """Refuses before the work what could not be written after it.
 
+        Args:
+            page: The HTML page that is to be written as well.
+
         Raises:
-            OutputError: If a file is there, or cannot be made.
+            OutputError: If a file is there, cannot be made, or is named for two reports.
         """
-        for path, force in ((self.junit, self.force), (self.sarif, self.force), (self.summary, True)):
-            if path is not None:
-                check_output(path, force)
+        named: dict[Path, str] = {}
+        options = {"--junit": self.junit, "--sarif": self.sarif, "--report": page, "--summary": self.summary}
+        for option, path in options.items():
+            if path is None:
+                continue
+            check_output(path, self.force or option == "--summary")
+            other = named.setdefault(path.resolve(), option)
+            if other != option:
+                raise OutputError(f"{path} is named for {other} and for {option}; give each a file of its own")
 
     def write(self, report: Report) -> None:
         """Writes what was asked for.

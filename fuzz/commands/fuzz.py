@@ -134,16 +134,13 @@ def fuzz(
     from fuzz.crews import crew_at, crew_of
     from fuzz.report import write_report
     from fuzz.session import CampaignSession
-    from worldgen.files import check_output
 
     if budget is not None and units is not None:
         raise click.UsageError("give --budget or --units, not both")
     if scheduler is not None and workers is not None:
         raise click.UsageError("give --scheduler or --workers, not both: a cluster has its own workers")
     outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
-    outputs.check()
-    if report is not None:
-        check_output(report, force)
+    outputs.check(report)
     known = read_corpus(baseline).entries
     goal = ledger.Goal(units, None if units else budget or 30.0)
     if resume is None:

@@ -193,6 +193,13 @@ def test_a_report_that_is_there_is_refused_before_the_work(project):
     assert result.code == 2 and "j.xml is there already" in result.err and not Path("out").exists()
 
 
+@pytest.mark.parametrize(("one", "other"), [("--junit", "--sarif"), ("--sarif", "--report"), ("--junit", "--summary")])
+def test_two_reports_in_one_file_are_refused_before_the_work(one, other, project):
+    result = worldgen("fuzz", "--controller", "thesis-1", "--budget", "1h", "--out", "out", one, "x", other, "./x")
+    assert (result.code, Path("out").exists()) == (2, False)
+    assert f"x is named for {one} and for {other}" in result.err
+
+
 def test_fuzz_writes_what_it_found(project):
     options = ("--motion", "stepped", "--units", 1, "--examples", 40, "--seed", 1, "--workers", 1, "--out", "out")
     result = worldgen(
