@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 
 from sim.run_options import RunOptions, switch_class, switch_sets
 from sim.scenario import Scenario
@@ -43,6 +44,7 @@ class Variation:
         name, words = name.strip().replace("-", "_"), [word.strip() for word in said.split(",")]
         if not name or not equals or not all(words):
             raise InvalidParameter(f"--vary {text!r} names no values; {_EXAMPLE}")
+        _check_name(name, scenario.motion)
         found = cls(name, tuple(_value(name, word, scenario) for word in words))
         for value in found.values:
             found._check(value, scenario)
@@ -88,6 +90,16 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
         return float(word)
     except ValueError:
         raise InvalidParameter(f"--vary {name}={word}: that is no number; {_EXAMPLE}") from None
+
+
+def _check_name(name: str, motion: str) -> None:
+    known = (*_OF_THE_ROBOT, "time_step", *switch_class(motion).names())
+    if name not in known:
+        close = get_close_matches(name, known, n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        raise InvalidParameter(
+            f"--vary {name}: under {motion} nothing of that name can be varied; {hint}known: {', '.join(known)}"
+        )
 
 
 def _with_option(scenario: Scenario, name: str, value: Value) -> Scenario:

@@ -10,6 +10,7 @@ from hypothesis.database import DirectoryBasedExampleDatabase, ExampleDatabase
 
 from fuzz.config import CampaignConfig
 from worldgen.errors import OutputError
+from worldgen.grid_file import world_digest
 
 __all__ = ["DATABASE", "Failed", "exception_of", "remembered"]
 
@@ -29,7 +30,8 @@ def remembered(config: CampaignConfig, lane: str) -> ExampleDatabase:
     except OSError as error:
         raise OutputError(f"{folder}: no folder for a database can be made: {error.strerror or error}") from error
     scenario = config.scenario
-    varied = (scenario.label(), scenario.motion, config.time_steps, config.vary, lane)
+    where = world_digest(config.fixed_map) if config.fixed_map is not None and lane == "map" else ""
+    varied = (scenario.label(), scenario.motion, config.time_steps, config.vary, lane, where)
     return _Keyed(DirectoryBasedExampleDatabase(folder), f"worldgen {varied!r}".encode())
 
 

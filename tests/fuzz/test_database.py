@@ -9,6 +9,7 @@ from fuzz.lanes.database import remembered
 from fuzz.unit import run_unit
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
+from worldgen.generation import generate
 from worldgen.grid_file import dumps
 
 
@@ -43,6 +44,12 @@ def test_an_empty_database_has_nothing_to_try(config):
 def test_another_controller_does_not_read_choices_that_are_not_its_own(config):
     run_unit(config, 1)
     assert run_unit(replace(config, scenario=Scenario("turn-left")), 0).worlds == 0
+
+
+def test_another_map_does_not_read_places_of_the_first(config):
+    here, there = (generate("trap", seed=seed) for seed in (1, 2))
+    run_unit(replace(config, fixed_map=here), 1)
+    assert run_unit(replace(config, fixed_map=here), 0).worlds > run_unit(replace(config, fixed_map=there), 0).worlds
 
 
 def test_a_lane_has_its_own_failures(config):

@@ -41,11 +41,12 @@ def test_values_are_read_in_their_own_type(text, values):
         ("sensor_noise", "names no values; write NAME=VALUE"),
         ("sensor_noise=0,,1", "names no values"),
         ("sensor_nose=0", "did you mean 'sensor_noise'"),
+        ("motion=stepped", "nothing of that name can be varied; .*known: robot_radius, robot_speed, time_step"),
         ("sensor_noise=2", "outside 0 to 1"),
         ("robot_radius=-1", "give m above 0"),
         ("robot_speed=fast", "that is no number"),
         ("time_step=99", "outside 0.001 to 10 s"),
-        ("keep_going=true", "means nothing to motion 'swept'|is unknown"),
+        ("keep_going=true", "under swept nothing of that name"),
     ],
 )
 def test_what_cannot_be_varied_is_refused_with_the_way_out(text, said):
