@@ -339,6 +339,8 @@ def move_and_sense(
     robot.counts[layout.OUT_STEPS] = step
     event, count, nx, ny = _advance(arena, settings, scales, step, event, robot)
     if robot.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, robot):
+        for k in range(room.observation.size):  # what a controller wrote there would be memory that no state holds
+            room.observation[k] = math.nan
         sense(
             arena.cells, arena.headings, settings, scales, robot.state, robot.odometry, (nx, ny), step,
             room.observation,

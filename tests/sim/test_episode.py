@@ -414,3 +414,16 @@ def test_what_a_class_raises_is_told_in_one_line_of_bounded_length():
 
     error = simulate(arena(), Shouts()).evidence["error"]
     assert error.startswith("GeneratorExit: no no") and "\n" not in error and len(error) == 500
+
+
+def _jot(observation, memory, command):
+    """Goes ahead after five steps that it counts where it senses nothing."""
+    jotted = observation[layout.OBS_SIGNAL]
+    observation[layout.OBS_SIGNAL] = 1.0 if math.isnan(jotted) else jotted + 1.0
+    command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED] if jotted > 5.0 else 0.0
+
+
+def test_an_observation_is_no_memory():
+    jot = CompiledController("jot", _jot, senses=("top_speed",))
+    run = prepare(arena(), jot, RunOptions())
+    assert run.run(100, find_loop=False, record=False).path_length == 0.0  # what it counts would make a loop a lie
