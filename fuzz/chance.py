@@ -106,7 +106,7 @@ def in_words(found: Chance, seeds: Mapping[str, Value]) -> str:
 
     Args:
         found: The answer.
-        seeds: Of :func:`seeds_that_fail`, where it is undecided.
+        seeds: Of :func:`fuzz.failure.share_that_fails`, where it is undecided.
     """
     if found.chance == "undecided":
         failing = seeds.get("failing_seeds")

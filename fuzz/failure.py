@@ -46,6 +46,7 @@ __all__ = [
     "replay",
     "scenario_of",
     "seeds_that_fail",
+    "share_that_fails",
     "walled_off",
 ]
 
@@ -333,18 +334,27 @@ def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[s
 
     The controller may draw random numbers, or the simulator, for slip or a noisy sensor.
 
+    Returns:
+        Of :func:`share_that_fails`; empty for a run without randomness, and for what is not compiled.
+    """
+    controller = CONTROLLERS.get(scenario.controller)
+    if not (isinstance(controller, CompiledController) and (controller.randomised or scenario.random)):
+        return {}
+    return share_that_fails(world, scenario, count)
+
+
+def share_that_fails(world: World, scenario: Scenario, count: int) -> dict[str, Value]:
+    """How many of ``count`` seeds do not arrive, and what that shows.
+
     Where the target is walled off, it is the seeds with which the robot does arrive, regardless of walls.
 
     Returns:
-        ``failing_seeds`` as [k, n] and ``failing_share_at_least``, the lower end of the two-sided 95 %
-        interval; empty for a run without randomness.
+        ``failing_seeds`` as [k, n] and ``failing_share_at_least``, the lower end of the two-sided 95 % interval.
 
     Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated in the
     case of the binomial", Biometrika 1934.
     """
     controller = CONTROLLERS.get(scenario.controller)
-    if not (isinstance(controller, CompiledController) and (controller.randomised or scenario.random)):
-        return {}
     options, sealed = scenario.options(world), isinstance(world.certificate, Cut)
     options = regardless_of_walls(options) if sealed else options
     failing = 0

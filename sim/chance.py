@@ -36,10 +36,13 @@ from worldgen.world import World
 __all__ = ["ARRIVED", "ENDED", "UNSEEN", "Outcomes", "explore", "states_of", "why_not_explored"]
 
 ARRIVED, ENDED = -1, -2
-"""What may follow a state instead of another one: the target, or an end elsewhere, such as a command that is none."""
+"""What may follow a state instead of another one: the target, or an end elsewhere, such as a command that is none, or a
+crash."""
 
 UNSEEN = -1
 """Of the next random number: that the controller has not looked at it yet, so that any value is equally likely."""
+
+_CRASHED = -1  # how a step ended in which the controller raised an error; none of the kernel's endings
 
 Ints = npt.NDArray[np.int64]
 Following: TypeAlias = tuple[tuple[int, int], ...]
@@ -132,7 +135,7 @@ def explore(world: World, controller: str | Controller, options: RunOptions, *, 
         The states; ``None`` if there are more than ``most``.
 
     Raises:
-        InvalidParameter: If :func:`why_not_explored` says so, or the controller raises an error.
+        InvalidParameter: If :func:`why_not_explored` says so.
     """
     found = controller_of(controller)
     against = why_not_explored(found, world, options)
@@ -220,10 +223,12 @@ class _Search:
         kernel, act = _typed_outcomes(), compiled_act(self._controller.act)
         try:
             kernel(run.arena(), run.settings, run.scales, act, room, robot, states, values, after, endings, drew)
-        except Exception as error:  # raised in the compiled controller, which may raise anything
-            raise InvalidParameter(
-                f"{self._controller.name} raises {type(error).__name__} where some draws lead: {error}; mend that first"
-            ) from error
+        except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
+            if len(states) == 1:
+                return states, np.array([_CRASHED]), drew
+            half = len(states) // 2  # halved again and again, it is found out which of them raise
+            parts = self._step(states[:half], values[:half]), self._step(states[half:], values[half:])
+            after, endings, drew = (np.concatenate(both) for both in zip(*parts, strict=True))
         return after, endings, drew
 
 

@@ -32,7 +32,7 @@ def chance(
     0 if the robot arrives with probability one, or with every seed; 1 if not.
     """
     from fuzz.chance import MOST_STATES, chance_of, in_words
-    from fuzz.failure import scenario_of, seeds_that_fail
+    from fuzz.failure import scenario_of, share_that_fails
     from sim.run_options import RunOptions
     from sim.scenario import Scenario
     from worldgen.grid_file import read_world
@@ -40,16 +40,17 @@ def chance(
     world = read_world(path)
     if controller is not None:
         scenario = Scenario.parse(controller, time_step=RunOptions.time_step if time_step is None else time_step)
-    elif world.failure is not None and time_step is None:
+    elif time_step is not None:
+        raise click.UsageError("--time-step needs --controller; a failure's file names its own step")
+    elif world.failure is not None:
         record, options = scenario_of(world)
         scenario = Scenario.of(record.controller, options)
     else:
         raise click.UsageError("give --controller; only a failure's file names its own")
     found = chance_of(world, scenario.controller, scenario.options(world), most=most or MOST_STATES)
-    counted = {} if found.states else seeds_that_fail(world, scenario, seeds)
+    counted = {} if found.states else share_that_fails(world, scenario, seeds)
     if as_json:
         emit_json(found.as_dict() | counted)
     else:
         click.echo(shown(f"{scenario.label()}: {in_words(found, counted)}"))
-    fails = counted.get("failing_share_at_least", 0.0) != 0.0 if found.chance == "undecided" else found.chance != "sure"
-    raise SystemExit(int(fails))
+    raise SystemExit(int(counted["failing_seeds"] != [0, seeds] if counted else found.chance != "sure"))

@@ -29,7 +29,8 @@ KEEP = ("verdict", "class")
 
 # A simpler world may need longer until it fails than the one that it came from.
 _MORE_STEPS, _FEWEST_STEPS = 4, 2_000
-_OF_THE_OLD_WORLD = ("boundaries", "failing_seeds", "failing_share_at_least")  # details that do not hold of the new
+# Details that do not hold of the new world.
+_OF_THE_OLD_WORLD = ("boundaries", "chance", "states", "failing_seeds", "failing_share_at_least")
 _NOT_CHECKED: tuple[str, ...] = ("not checked: stopped early",)
 
 Progress = Callable[[World], None]

@@ -10,7 +10,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from fuzz.chance import Chance, chance_details, chance_of, in_words
+from fuzz.failure import certified, failure_of
 from fuzz.oracles.chance import object_to_chance
+from fuzz.shrink import shrink
 from sim import RobotOptions, simulate, simulate_many
 from sim.chance import ARRIVED, explore
 from sim.controllers.base import CompiledController
@@ -63,13 +65,42 @@ def _err(observation, memory, command):
     command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED] if low else math.nan
 
 
+def _raise(observation, memory, command):
+    """Ahead, or, as the coin falls, an error."""
+    if observation[layout.OBS_RANDOM] >= 0.5:
+        raise ValueError("no way")
+    command[layout.CMD_SPEED], command[layout.CMD_DRAW] = observation[layout.OBS_TOP_SPEED], 1.0
+
+
+def _rarely(observation, memory, command):
+    """Ahead, or, very rarely, a speed that is none."""
+    command[layout.CMD_SPEED] = (
+        math.nan if observation[layout.OBS_RANDOM] < 0.0022 else observation[layout.OBS_TOP_SPEED]
+    )
+
+
+class Flip:
+    """Ahead or not, as the first random number says; in Python, so that nobody knows that there is chance in it."""
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        from sim import Command
+
+        return Command(observation.top_speed if observation.random < 0.5 else 0.0), memory
+
+
 wander = CompiledController("wander", _wander, randomised=True, senses=SENSES, needs=COIN)
 choose = CompiledController("choose", _choose, (0.0,), randomised=True, senses=SENSES, needs=COIN)
 quarter = CompiledController("quarter", _quarter, randomised=True, senses=SENSES, needs=COIN)
 peek = CompiledController("peek", _peek, randomised=True, senses=SENSES, needs=COIN)
 err = CompiledController("err", _err, randomised=True, senses=SENSES, needs=COIN)
+raises = CompiledController("raises", _raise, randomised=True, senses=SENSES, needs=COIN)
+rarely = CompiledController("rarely", _rarely, senses=SENSES)
 unsaid = CompiledController("unsaid", _quarter)  # senses all there is, random numbers too
 free = replace(quarter, name="free", needs=RobotOptions(lattice=8))
+astray = replace(wander, name="astray", needs=RobotOptions(lattice=8))
 HERE = "tests.fuzz.test_chance"
 
 
@@ -101,7 +132,7 @@ def test_the_answer_is_the_known_one(controller, target, chance):
     assert answer(controller, hall(target)).chance == chance
 
 
-@pytest.mark.parametrize("controller", ["choose", "err"])
+@pytest.mark.parametrize("controller", ["choose", "err", "raises"])
 def test_the_draws_that_lose_all_are_named(controller):
     found = answer(controller, hall())
     assert (found.draws, found.lost_after) == ((1,), 1)
@@ -239,6 +270,7 @@ def test_a_failures_record_says_what_chance_there_was():
         ("wander", 0, {"chance": "sure"}),
         ("choose", 1, {"chance": "part", "draws": [1], "lost_after": 1}),
         ("free+lattice=2", 0, {"chance": "undecided", "failing_seeds": [0, 40]}),
+        ("Flip", 1, {"chance": "undecided", "failing_seeds": [27, 40]}),
     ],
 )
 def test_the_command_says_so(tmp_path, controller, code, keys):
@@ -247,9 +279,24 @@ def test_the_command_says_so(tmp_path, controller, code, keys):
     assert result.code == code and keys.items() <= json.loads(result.out).items()
 
 
-def test_without_a_controller_the_command_says_what_it_needs(tmp_path):
+def test_one_seed_of_many_that_fails_is_told_by_the_exit_code(tmp_path):
     write_world(hall(), tmp_path / "w.grid")
-    assert "give --controller" in worldgen("chance", tmp_path / "w.grid").err
+    told = worldgen("chance", tmp_path / "w.grid", "--controller", f"{HERE}:rarely", "--seeds", 600, "--json")
+    found = json.loads(told.out)
+    assert (found["failing_seeds"], found["failing_share_at_least"], told.code) == ([1, 600], 0.0, 1)
+
+
+@pytest.mark.parametrize(("options", "says"), [((), "give --controller"), (("--time-step", 0.1), "needs --controller")])
+def test_without_a_controller_the_command_says_what_it_needs(tmp_path, options, says):
+    write_world(hall(), tmp_path / "w.grid")
+    result = worldgen("chance", tmp_path / "w.grid", *options)
+    assert says in result.err and result.code == 2
+
+
+def test_a_shrunk_failure_has_no_answer_of_the_world_that_it_came_from():
+    failure = failure_of(certified(hall((1.05, 0.45))), Scenario(f"{HERE}:astray"), chance="sure", states=7)
+    details = shrink(failure).world.failure.details
+    assert not {"chance", "states"} & details.keys() and "failing_seeds" in details
 
 
 def test_seeds_are_told_where_all_cannot_be_looked_at():
