@@ -28,6 +28,7 @@ __all__ = [
 
 Cells = npt.NDArray[np.uint8]
 
+_MIDDLE = UNIT // 2
 _SCALE_BITS = 30  # the table holds round(cos * 2**30): 10 nm over a 10 m step
 _MOST_HALVINGS = 1000
 _POSE = (layout.OBS_X, layout.OBS_Y, layout.OBS_HEADING)
@@ -131,20 +132,33 @@ def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, h
     target's own cell is the strongest), walls and flames carry none, and the first of equals wins, rows from
     the top, columns from the left. In the thesis the target is a cell's centre; here it may be anywhere.
     """
-    ix, iy, middle = x // UNIT, y // UNIT, UNIT // 2
+    best_x, best_y = _strongest_of_nine(cells, x // UNIT, y // UNIT, target_x, target_y)
+    if best_x == target_x // UNIT and best_y == target_y // UNIT:
+        return heading_of(target_x - x, target_y - y, heading)
+    return heading_of(best_x * UNIT + _MIDDLE - x, best_y * UNIT + _MIDDLE - y, heading)
+
+
+@kernel
+def _strongest_of_nine(cells: Cells, ix: int, iy: int, target_x: int, target_y: int) -> tuple[int, int]:
+    """The cell, of the nine round (ix, iy), of which :func:`signal_heading` speaks."""
+    away_x, away_y = ix * UNIT + _MIDDLE - target_x, iy * UNIT + _MIDDLE - target_y
+    if max(abs(away_x), abs(away_y)) > 2 * UNIT and abs(away_x) != _MIDDLE and abs(away_y) != _MIDDLE:
+        # The target's cell is none of the nine, and one of them is nearer than all others: if it is free, that is it.
+        near_x = ix - (away_x > _MIDDLE) + (away_x < -_MIDDLE)
+        near_y = iy - (away_y > _MIDDLE) + (away_y < -_MIDDLE)
+        if cell_state(cells, near_x, near_y) == FREE:
+            return near_x, near_y
     best_x, best_y, best = ix, iy, -1
     for place in range(-1, 9):  # the robot's own cell first: another must be strictly stronger
         jx = ix if place < 0 else ix + place % 3 - 1
         jy = iy if place < 0 else iy + 1 - place // 3
-        dx, dy = jx * UNIT + middle - target_x, jy * UNIT + middle - target_y
+        dx, dy = jx * UNIT + _MIDDLE - target_x, jy * UNIT + _MIDDLE - target_y
         distance = dx * dx + dy * dy
         if jx == target_x // UNIT and jy == target_y // UNIT:
             distance = 0  # as in the thesis: nothing is stronger than the target's own cell
         if best < 0 or (distance < best and cell_state(cells, jx, jy) == FREE):
             best, best_x, best_y = distance, jx, jy
-    if best_x == target_x // UNIT and best_y == target_y // UNIT:
-        return heading_of(target_x - x, target_y - y, heading)
-    return heading_of(best_x * UNIT + middle - x, best_y * UNIT + middle - y, heading)
+    return best_x, best_y
 
 
 @kernel
