@@ -25,6 +25,7 @@ from tests.helpers.campaign_folder import CORPUS, LOOP, STALLED, SUMMARY, TUNNEL
 from tests.helpers.command_line import worldgen
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.grid_file import read_world, write_world
+from worldgen.world import FailureRecord
 
 
 def data_of(page):
@@ -146,6 +147,32 @@ def test_a_single_file_is_shown_with_its_campaign(page):
     assert failure["before"]["name"].endswith(".grid")
 
 
+def test_a_failure_belongs_to_the_innermost_campaign_around_it(tmp_path):
+    campaign_folder(campaign_folder(tmp_path / "outer") / "inner", met={"loop-a": 3})
+    write_report([tmp_path], tmp_path / "r.html")
+    loop = next(failure for failure in data_of(tmp_path / "r.html")["failures"] if failure["kind"] == "loop-a")
+    assert (loop["path"], loop["met"]) == (str(tmp_path / "outer" / "inner" / LOOP), 3)
+
+
+def test_of_a_failure_that_does_not_replay_nothing_is_said_but_why(tmp_path):
+    loop = read_world(CORPUS / LOOP)
+    write_world(replace(loop, failure=replace(loop.failure, trace_digest="0" * 16)), tmp_path / "a.grid")
+    write_report([tmp_path], tmp_path / "r.html")
+    (failure,) = data_of(tmp_path / "r.html")["failures"]
+    assert (failure["words"], failure["confirmed"]) == ("loop", False)
+    assert "digest" in failure["reason"]
+
+
+@pytest.mark.parametrize(("controller", "motion"), [("bug1", "swept"), ("turn-right", "stepped")])
+@pytest.mark.parametrize("signal", ["open", "blocked"])
+def test_the_floor_is_tinted_by_a_signal_that_walls_do_not_stop(tmp_path, controller, motion, signal):
+    steps = {"steps": 10, "time_step": 0.015, "signal": signal}
+    record = FailureRecord(controller, motion, 0, "timeout", "0" * 16, steps)
+    write_world(replace(read_world(CORPUS / LOOP), failure=record), tmp_path / "a.grid")
+    write_report([tmp_path], tmp_path / "r.html")
+    assert data_of(tmp_path / "r.html")["failures"][0]["now"]["sensors"]["signal"] == (signal == "open")
+
+
 def test_an_archive_is_read_like_a_folder(tmp_path):
     archive = tmp_path / "corpus.zip"
     assert worldgen("corpus", "export", CORPUS / LOOP, CORPUS / TUNNEL, "--out", archive).code == 0
@@ -186,6 +213,12 @@ def test_a_breach_is_marked_on_the_whole_way_to_the_target(tmp_path):
     run = data_of(tmp_path / "r.html")["failures"][0]["now"]["run"]
     steps = {mark["name"]: mark["step"] for mark in run["marks"]}
     assert steps["Cause"] < steps["Breach"] < steps["Arrives"] == run["steps"]
+
+
+def test_a_stall_is_marked_where_the_last_new_cell_is_entered(page):
+    stall = next(failure for failure in data_of(page)["failures"] if failure["verdict"] == "stalled")
+    last = read_world(CORPUS / STALLED).failure.evidence["last_new_cell"]
+    assert [(mark["name"], mark["step"]) for mark in stall["now"]["run"]["marks"]] == [("Last new cell", last)]
 
 
 def test_corners_inside_steps_are_kept():

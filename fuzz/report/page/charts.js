@@ -79,7 +79,10 @@ function foundChart(campaign, links) {
   const holder = el("div");
   const draw = (axis) => holder.replaceChildren(foundPlot(campaign, curve, axis));
   draw("worlds");
-  const note = `${plural(last.total, "class", "classes")}; the last new one after ${grouped(last.find.worlds)} of ${plural(campaign.worlds, "world")}.`;
+  const met = new Set(campaign.found.map((find) => find.kind)),
+    others = [...links.keys()].filter((kind) => !met.has(kind)).length;
+  const shrunk = others > 0 ? ` Shrinking led to ${plural(others, "other class", "other classes")}.` : "";
+  const note = `${plural(last.total, "class", "classes")}; the last new one after ${grouped(last.find.worlds)} of ${plural(campaign.worlds, "world")}.${shrunk}`;
   return chart(
     "Found over time",
     note,
@@ -195,7 +198,9 @@ function laneChart(campaign) {
   const best = [...campaign.lanes].sort((a, b) => b.classes - a.classes)[0];
   return chart(
     "By lane",
-    `Lane ${best.lane} was the first to find ${plural(best.classes, "class", "classes")}.`,
+    best.classes > 0
+      ? `Lane ${best.lane} was the first to find ${plural(best.classes, "class", "classes")}.`
+      : "No lane found a class.",
     table(["lane", "units", "worlds", "steps", "failures", "classes", "per M steps", ""], rows),
   );
 }
