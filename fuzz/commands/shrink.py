@@ -63,14 +63,13 @@ def shrink(
     """
     from fuzz.shrink import snippet
     from fuzz.telling import describe
-    from worldgen.errors import OutputError
+    from worldgen.files import check_output
     from worldgen.grid_file import read_world, write_world
 
     if as_snippet and as_json:
         raise click.UsageError("--snippet and --json both say what is printed; give one of them")
     target = out or path.with_name(f"{path.name.removesuffix('.gz').removesuffix('.grid')}.shrunk.grid")
-    if target.exists() and not force:
-        raise OutputError(f"{target} is there already; give --force to overwrite it, or --out another name")
+    check_output(target, force)
     result = _watched(read_world(path), seconds, keep)
     write_world(result.world, target, force=force)
     if as_json:

@@ -56,6 +56,14 @@ def test_snippet_and_json_do_not_go_together(big):
     assert result.code == 2 and "give one of them" in result.err
 
 
+@pytest.mark.parametrize(("out", "says"), [("no/such.grid", "make it first"), ("there.grid", "give --force")])
+def test_what_could_not_be_written_is_refused_before_the_work(big, tmp_path, monkeypatch, out, says):
+    (tmp_path / "there.grid").touch()
+    monkeypatch.setattr("fuzz.shrink.shrink", lambda *args, **options: pytest.fail("it has begun"))
+    result = worldgen("shrink", big, "--out", tmp_path / out)
+    assert result.code == 2 and says in result.err
+
+
 def run_pytest(folder):
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "ignore", "."]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False).stdout
