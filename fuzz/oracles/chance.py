@@ -33,12 +33,17 @@ def object_to_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace
 
 
 def _object_to_closure(outcomes: Outcomes) -> str:
+    """Objects unless nothing follows a state but states, and earlier ones lead to each but the first."""
+    known = {0}
     for number, entry in enumerate(outcomes.following):
         values = sorted(value for value, _ in entry)
         if values not in ([UNSEEN], list(range(outcomes.coin))):
             return f"state {number} says what follows the values {values}, of {outcomes.coin}"
         if not all(after in (ARRIVED, ENDED) or 0 <= after < len(outcomes.states) for _, after in entry):
             return f"state {number} is followed by one that was not looked at"
+        if number not in known:
+            return f"no state before it leads to state {number}"
+        known.update(after for _, after in entry)
     return "" if len(outcomes.following) == len(outcomes.states) else "not all states say what follows them"
 
 

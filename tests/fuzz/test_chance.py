@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -65,6 +66,11 @@ def _err(observation, memory, command):
     command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED] if low else math.nan
 
 
+def _waver(observation, memory, command):
+    """Stands, and takes another number unless this one is low: what it does looks alike, but not what it has seen."""
+    command[layout.CMD_DRAW] = 1.0 if observation[layout.OBS_RANDOM] >= 0.5 else 0.0
+
+
 def _raise(observation, memory, command):
     """Ahead, or, as the coin falls, an error."""
     if observation[layout.OBS_RANDOM] >= 0.5:
@@ -96,6 +102,7 @@ choose = CompiledController("choose", _choose, (0.0,), randomised=True, senses=S
 quarter = CompiledController("quarter", _quarter, randomised=True, senses=SENSES, needs=COIN)
 peek = CompiledController("peek", _peek, randomised=True, senses=SENSES, needs=COIN)
 err = CompiledController("err", _err, randomised=True, senses=SENSES, needs=COIN)
+waver = CompiledController("waver", _waver, randomised=True, senses=SENSES, needs=COIN)
 raises = CompiledController("raises", _raise, randomised=True, senses=SENSES, needs=COIN)
 rarely = CompiledController("rarely", _rarely, senses=SENSES)
 unsaid = CompiledController("unsaid", _quarter)  # senses all there is, random numbers too
@@ -139,18 +146,21 @@ def test_the_draws_that_lose_all_are_named(controller):
     assert "lost for ever, the soonest after 1 steps with the draws 1 (" in in_words(found, {})
 
 
-def test_a_number_that_is_not_used_up_stays():
-    found = explored(peek, hall())
-    assert {face for face in found.faces.tolist() if face >= 0} == {0, 1}
+@pytest.mark.parametrize(("controller", "faces"), [(peek, {0, 1}), (waver, {0})])
+def test_a_number_that_is_not_used_up_stays(controller, faces):
+    found = explored(controller, hall())
+    assert {face for face in found.faces.tolist() if face >= 0} == faces
 
 
 def test_a_robot_on_a_lattice_ends_its_steps_on_it_and_in_no_wall():
     world = World(np.eye(9, dtype=bool)[::-1], Pose(0.25, 0.25, 0.3), Target(0.85, 0.85, 0.03))
+    walls = shapely.union_all([shapely.box(k / 10, 0.8 - k / 10, (k + 1) / 10, 0.9 - k / 10) for k in range(9)])
     plain = CompiledController("plain", _quarter, randomised=True, senses=SENSES)
     trace = simulate(world, plain, record=True, steps=300, lattice=8).trace
     units = np.stack([trace.x, trace.y])[:, 1:] / world.cell_size * 8
     on = np.abs(units - np.rint(units)) < 1e-9
     assert on.mean() > 0.9 and trace.bump.any()
+    assert shapely.distance(shapely.points(trace.x, trace.y), walls).min() > world.robot_radius - 1e-9
 
 
 @pytest.mark.parametrize("value", [1, 3, 2048])
@@ -241,6 +251,21 @@ def test_the_check_refuses_states_that_are_not_closed():
 def test_the_check_refuses_ranks_that_lead_nowhere():
     outcomes = explored(wander, hall((1.05, 0.45)))
     assert "lower rank" in object_to_chance(replace(outcomes, ranks=(1,) * len(outcomes.ranks)), "sure", [])
+
+
+def test_the_check_refuses_an_end_elsewhere_where_arrival_is_said_to_be_sure():
+    assert "may end elsewhere" in object_to_chance(explored(err, hall()), "sure", [])
+
+
+def test_the_check_refuses_a_loss_that_has_a_way_out():
+    outcomes = explored(wander, hall())
+    assert "a way leads out" in object_to_chance(replace(outcomes, ranks=(*outcomes.ranks[:-1], 0)), "part", [])
+
+
+def test_the_check_refuses_states_to_which_nothing_leads():
+    outcomes = explored(wander, hall())
+    more = replace(outcomes, following=(*outcomes.following, ((-1, 0),)), states=np.concatenate([outcomes.states] * 2))
+    assert "no state before it leads" in object_to_chance(more, "sure", [])
 
 
 def test_the_check_refuses_a_run_that_leaves_the_states():
