@@ -19,6 +19,7 @@ from fuzz.report import write_report
 from fuzz.report.runs import MOST_STEPS, SHARE, drawn_run
 from fuzz.report.streams import bits, numbers
 from fuzz.report.summary import read_summary
+from fuzz.report.worlds import drawn_world
 from sim.episode import Episode, simulate
 from sim.trace import Trace
 from tests.helpers.campaign_folder import CORPUS, LOOP, STALLED, SUMMARY, TUNNEL, campaign_folder, renamed
@@ -92,6 +93,8 @@ def test_numbers_say_lane_chance_and_how_often_the_class_was_met(page):
     assert groups["Search"]["class met"] == "17 times"
     assert groups["Failure"]["chance"].startswith("39 of 40 seeds fail")
     assert groups["Run"]["period"] == "104 steps (1.56 s)"
+    driven, witness = (float(text.split()[0]) for text in (groups["Run"]["way driven"], groups["World"]["witness"]))
+    assert float(groups["Run"]["way over witness"]) == pytest.approx(driven / witness, rel=0.01)
 
 
 def test_an_exact_answer_is_among_the_numbers(tmp_path):
@@ -200,6 +203,20 @@ def test_a_long_run_is_thinned_but_for_the_period_of_its_loop():
     assert {0, 40_000} <= kept
     assert len(kept) <= MOST_STEPS + 4
     assert run["thinned"] > 1
+
+
+def test_a_long_run_is_thinned_but_for_what_leads_to_a_breach_and_follows():
+    breach = replace(long_loop(40_000, 0, 1), verdict="tunnel", evidence={"step": 20_000, "cell": [1, 2]})
+    kept = {at // SHARE for at in decoded(drawn_run(breach, 0.1)["at"])}
+    assert set(range(19_800, 20_200)) <= kept
+    assert len(kept) <= MOST_STEPS + 4
+
+
+def test_a_world_that_is_too_large_is_not_drawn(monkeypatch):
+    world = read_world(CORPUS / LOOP)
+    assert drawn_world(world)["width"] == world.width
+    monkeypatch.setattr("fuzz.report.worlds.MOST_CELLS", world.width * world.height - 1)
+    assert drawn_world(world) is None
 
 
 def test_no_step_of_a_short_run_is_left_out():
