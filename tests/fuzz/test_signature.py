@@ -122,6 +122,7 @@ ROOM = world_of("#######", "#.....#", "#.S...#", "#...G.#", "#######")
         (("S....", ".....", "###..", "###..", "....G"), (1.5, 3.4), "wall"),
         (("S....", ".....", "###..", "###..", "....G"), (3.28, 3.28), "corner"),
         (("S....", ".....", "###..", "#....", "....G"), (1.4, 1.6), "nook"),
+        (("S....", ".....", "###..", "#....", "....G"), (1.41, 1.6), "nook"),  # robots stop a little short of a wall
         (("S....", ".....", ".....", ".....", "....G"), (0.4, 2.5), "wall"),
         (("S....", ".....", ".....", ".....", "....G"), (0.4, 0.4), "nook"),
     ],
@@ -170,10 +171,23 @@ ISLAND = world_of("S.......", "........", "........", "........", "...#....", ".
         ([1, 3], None, "loop-2bump-post-round-near-closer"),
         ([], None, "loop-free-bend-swing-near-closer"),
         ([], [0.0, 1.6, 3.1, -1.6, 0.0], "loop-free-bend-turn-near-closer"),
+        ([], [0.0, math.pi, 0.0, math.pi, 0.0], "loop-free-bend-swing-near-closer"),  # half a turn has no side
     ],
 )
 def test_a_loop_is_called_after_its_touches_and_its_shape(bumps, headings, name):
     assert failure_class(ISLAND, looping(trace_of(CIRCLE, bumps, headings))) == name
+
+
+def test_what_was_touched_in_the_first_half_of_a_stalled_run_is_not_in_its_class():
+    trace = trace_of([*CIRCLE, *[CIRCLE[0]] * 4], bumps=[1])
+    assert failure_class(ISLAND, Episode("stalled", 8, 8.0, 1.0, 1, "", {}, trace)) == "stalled-free-bend-spot"
+
+
+@pytest.mark.parametrize(("state", "kind"), [(CellState.SOLID, "post"), (CellState.BURNING, "wall")])
+def test_walls_count_as_they_are_when_the_world_has_come_to_rest(state, kind):
+    world = world_of("S....", ".....", ".....", ".....", "....G", timeline=[Event(1.0, 2, 2, state)])
+    found = contacts(world, trace_of([(2.0, 4.5), (2.5, 1.6)], bumps=[1]), 0, 1)
+    assert [contact.kind for contact in found] == [kind]
 
 
 def test_a_loop_no_nearer_to_the_target_than_the_start_is_away():
