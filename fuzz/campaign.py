@@ -27,6 +27,8 @@ __all__ = ["Campaign", "CampaignState", "Find", "Found", "Progress", "UnitDone",
 T = TypeVar("T")
 
 _RESTARTS = 6  # failures of one class that are shrunk; the smallest result stays
+_SEARCH = 0.75  # share of the time after which no more is searched while failures wait to be shrunk
+_TO_SHRINK = 5.0  # s, at least, after the last unit; a quarter of the time if that is more
 
 
 @dataclass(frozen=True)
@@ -134,10 +136,12 @@ class _Job:
     Args:
         failure: As it was found.
         kept: What shrinking keeps.
+        before: How many failures of its class have their turn before it.
     """
 
     failure: World
-    kept: str
+    kept: str = "verdict"
+    before: int = 0
 
 
 class Campaign:
@@ -146,7 +150,8 @@ class Campaign:
     Args:
         config: What to look for.
         units: Amount of work; the corpus then depends on the seed alone.
-        seconds: Stop handing out work after this time; ignored if ``units`` is given.
+        seconds: Stop handing out work after this time; ignored if ``units`` is given. What was not shrunk until then
+            is pending.
         workers: Processes; 1 works in this one.
         crew: Who does the work, instead of processes.
         ledger: Remembers what was done, so that another campaign of the same configuration goes on with it.
@@ -176,51 +181,95 @@ class Campaign:
         self._known_ones: dict[str, list[World]] = {}  # likewise, those that would be were their class no known one
         self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
         self._known = [Memory(), Memory()]  # by epoch
+        self._jobs: list[_Job] = []  # that wait for a worker
+        self._next = 0  # unit
         self._began: float | None = None  # this sitting, when it had gone through the ledger
+        self._searched = 0.0  # s, of this sitting, when the last unit was merged
         self._before = 0.0  # s, of earlier sittings
 
     def pending(self) -> dict[str, World]:
-        """Failures by class that are proved but not shrunk yet; of use after an interruption."""
+        """Failures by class that are proved but not shrunk yet; of use after an interruption, or when time is up."""
         best = self.state.best
         return {kind: min(worlds, key=_size) for kind, worlds in self._candidates.items() if kind not in best}
 
     def run(self) -> Generator[Progress, None, None]:
         """Does the campaign, or what is left of it."""
-        submitted, merged = 0, 0
+        merged = 0
         units: dict[int, _Under[UnitResult]] = {}
         shrinks: list[tuple[_Job, _Under[World]]] = []
         with self._crew as crew:
             while True:
-                while self._takes_more(crew, len(units), submitted) and (unit := self._unit(crew, submitted)):
-                    units[submitted], submitted = unit, submitted + 1
+                self._hand_out(crew, units, shrinks)
                 if not units and not shrinks:
-                    shrinks = [(job, self._shrink(crew, job)) for job in self._slid()]
-                    if not shrinks:
+                    self._queue(self._slid(), shrinks)
+                    if not shrinks and (not self._jobs or self._is_over()):
                         return
+                    continue
                 self._wait(crew, [*(one.future for one in units.values()), *(one.future for _, one in shrinks)])
                 while merged in units and units[merged].future.done():
-                    jobs = self._merge(merged, units[merged])
+                    self._queue(self._merge(merged, units[merged]), shrinks)
                     yield UnitDone(merged, self.state, units.pop(merged).seconds is not None)
                     merged += 1
-                    for job in jobs:
-                        shrinks.append((job, self._shrink(crew, job)))
-                        yield from self._kept(shrinks)
+                    yield from self._kept(shrinks)
                 yield from self._kept(shrinks)
 
-    def _takes_more(self, crew: Crew, under_way: int, unit: int) -> bool:
-        """Whether a worker is free for a unit, and what the unit is to know is known."""
-        return under_way < crew.room and unit // self.config.epoch < len(self._known)
+    def _hand_out(
+        self, crew: Crew, units: dict[int, _Under[UnitResult]], shrinks: list[tuple[_Job, _Under[World]]]
+    ) -> None:
+        """Gives each free worker something to do.
+
+        The first failure of each class is shrunk before more is searched, the others after it, or when most of the time
+        is gone. What order it is done in changes nothing of the result, but for what an end of the time leaves.
+        """
+        while len(units) + len(shrinks) < crew.room:
+            job, unit = self._next_job(self._is_over(_SEARCH)), None
+            if job is None:
+                unit = self._unit(crew, self._next)
+            if unit is not None:
+                units[self._next], self._next = unit, self._next + 1
+                continue
+            job = job or self._next_job(any_of_class=True)
+            if job is None:
+                return
+            shrinks.append((job, _Under(crew.submit(shrunk_or_same, job.failure, job.kept))))
+
+    def _next_job(self, any_of_class: bool) -> _Job | None:
+        """A failure to be shrunk, those first that are first of their class; ``None`` when there is no more time."""
+        if self._is_over():
+            return None
+        job = min(self._jobs, key=lambda one: one.before, default=None)
+        if job is None or (job.before and not any_of_class):
+            return None
+        self._jobs.remove(job)
+        return job
+
+    def _queue(self, jobs: list[_Job], shrinks: list[tuple[_Job, _Under[World]]]) -> None:
+        """Puts what is to be shrunk with what waits; with what is done if it needs no work."""
+        for job in jobs:
+            done = self._ledger.shrunk(job.failure, job.kept) if self.config.shrink else job.failure
+            if done is None:
+                self._jobs.append(job)
+            else:
+                shrinks.append((job, _Under(_finished(done), 0.0)))
+
+    def _is_over(self, share: float = 1.0) -> bool:
+        """Whether so much of the time is gone; some of it is always left to shrink what the last units found."""
+        if self.units is not None or self.seconds is None:
+            return False
+        until = share * self.seconds
+        return self._sat() >= (until if share < 1.0 else max(until, self._searched + max(_TO_SHRINK, until / 4)))
 
     def _unit(self, crew: Crew, unit: int) -> _Under[UnitResult] | None:
-        """Begins a unit, or takes it from the ledger; ``None`` if the campaign has done enough."""
-        if self.units is not None and unit >= self.units:
+        """Begins a unit, or takes it from the ledger; ``None`` if it knows too little yet, or there were enough."""
+        if unit // self.config.epoch >= len(self._known) or (self.units is not None and unit >= self.units):
             return None
         done = self._ledger.unit(unit)
         if done is not None:
+            self._before = max(self._before, done.seconds)
             return _Under(_finished(done.result), done.seconds)
         if self._began is None:
             self._began = time.monotonic()
-        if self.units is None and self.seconds is not None and time.monotonic() - self._began >= self.seconds:
+        if self.units is None and self.seconds is not None and self._sat() >= self.seconds:
             return None
         return _Under(crew.submit(run_unit, self.config, unit, self._known[unit // self.config.epoch]))
 
@@ -232,7 +281,8 @@ class Campaign:
     def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_Job]:
         """Adds a unit's result and remembers it; returns what is to be shrunk, the same for any timing."""
         state, result = self.state, under.future.result()
-        state.seconds = self._clock() if under.seconds is None else under.seconds
+        self._searched = self._sat()
+        state.seconds = self._before + self._searched if under.seconds is None else under.seconds
         state.units = unit + 1
         state.worlds += result.worlds
         state.steps += result.steps
@@ -252,8 +302,8 @@ class Campaign:
             if is_known:
                 state.known[kind] += result.met[kind]
             if few if self.config.shrink else is_news:
+                jobs += [] if is_known else [_Job(failure, before=len(candidates.get(kind, ())))]
                 candidates.setdefault(kind, []).append(failure)
-                jobs += [] if is_known else [_Job(failure, "verdict")]
         elites = {cell: elite for cell, elite in result.elites.items() if state.memory.is_better(cell, elite)}
         result = replace(result, failures=kept, elites=elites)  # so that the memory is in the ledger's order, too
         if under.seconds is None:
@@ -263,17 +313,9 @@ class Campaign:
             self._known.append(state.memory)
         return jobs
 
-    def _clock(self) -> float:
-        """Seconds of all sittings."""
-        return self._before + (0.0 if self._began is None else time.monotonic() - self._began)
-
-    def _shrink(self, crew: Crew, job: _Job) -> _Under[World]:
-        if not self.config.shrink:
-            return _Under(_finished(job.failure), 0.0)
-        before = self._ledger.shrunk(job.failure, job.kept)
-        if before is not None:
-            return _Under(_finished(before), 0.0)
-        return _Under(crew.submit(shrunk_or_same, job.failure, job.kept))
+    def _sat(self) -> float:
+        """Seconds of this sitting."""
+        return 0.0 if self._began is None else time.monotonic() - self._began
 
     def _slid(self) -> list[_Job]:
         """Once all else is done: of classes whose worlds all slid into other classes the smallest failure."""

@@ -194,7 +194,13 @@ class CampaignSession:
                     f"{counted(len(state.best), 'class', 'classes')}",
                 )
         self._goes_on = False
-        self._save()
+        if (late := len(self._save_pending())) and self._config.shrink:
+            kinds, units = len(self._campaign.state.best), self._campaign.state.units
+            note(
+                f"{late} of {counted(kinds, 'class', 'classes')} {'is' if late == 1 else 'are'} as found, for the time "
+                f"was over before shrinking was: worldgen fuzz --resume {shlex.quote(str(self._out))} --units {units} "
+                "does the rest"
+            )
 
     def _see(self, event: Progress) -> None:
         if isinstance(event, Found):
@@ -216,14 +222,15 @@ class CampaignSession:
             self._folder.save_summary(summary_of(self._config, self._campaign.state))
             self._summarised = time.monotonic()
 
-    def _save_pending(self) -> None:
+    def _save_pending(self) -> dict[str, World]:
         """What was proved but not shrunk yet is kept as it is; nothing where not even the earlier is gone through."""
         if self._goes_on:
-            return
+            return {}
         pending = self._campaign.pending()
         self._campaign.state.best |= pending
         self._unsaved |= pending.keys()
         self._save()
+        return pending
 
     def _path(self, kind: str) -> Path:
         return self._out / f"{kind}.grid"
@@ -267,6 +274,7 @@ class CampaignSession:
                 "verdict": world.failure.verdict if world.failure else "",
                 "class": kind,
                 "solid_cells": world.solid_cells,
+                "shrunk": world.failure is not None and "shrunk_from" in world.failure.details,
                 "replay": replay_line(self._path(kind)),
             }
             for kind, world in sorted(self._campaign.state.best.items())

@@ -44,7 +44,9 @@ _BEGUN = (
     "may be repeated.",
 )
 @click.option("--world", type=click.Path(path_type=Path), help="Keep this map; vary start, target and radius.")
-@click.option("--budget", type=Duration(), metavar="TIME", help="Search this long: 30s, 5m, 1h [default: 30s].")
+@click.option(
+    "--budget", type=Duration(), metavar="TIME", help="Search and shrink this long: 30s, 5m, 1h [default: 30s]."
+)
 @click.option("--units", type=click.IntRange(1), help="Do this much work; the result depends on the seed alone.")
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes [default: one a core].")
 @click.option("--scheduler", metavar="ADDRESS", help="Let a Dask cluster's workers do the work: tcp://host:8786.")

@@ -10,7 +10,9 @@ import sys
 import time
 from collections import deque
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -164,6 +166,29 @@ def test_a_campaign_whose_seed_was_drawn_is_found_again_by_the_same_command(copi
 def test_a_time_counts_anew(copied):
     result = worldgen("fuzz", "--resume", copied, "--budget", "0.01s", "--workers", 1, "--json")
     assert result.code == 1 and json.loads(result.out)["units"] > UNITS
+
+
+def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_later(
+    whole, tmp_path, monkeypatch, capsys
+):
+    clock = SimpleNamespace(monotonic=count().__next__)  # a second for each look at it
+    with monkeypatch.context() as at_once:
+        at_once.setattr("fuzz.campaign.time", clock)
+        at_once.setattr("fuzz.campaign._TO_SHRINK", 0.0)
+        run(begin(CONFIG, tmp_path / "out", Goal(seconds=6.0)))
+    said = capsys.readouterr()
+    failures = json.loads(said.out)["failures"]
+    assert failures and not all(one["shrunk"] for one in failures)
+    assert "as found, for the time was over" in said.err and "--units 2 does the rest" in said.err
+    run(resume(tmp_path / "out", Goal(units=UNITS)))
+    assert left_in(tmp_path / "out") == left_in(whole)
+
+
+def test_the_seconds_of_all_sittings_are_added_up(copied):
+    file = copied / ".campaign" / "summary.json"
+    before = json.loads(file.read_text())["seconds"]
+    run(resume(copied, Goal(units=UNITS + 1)))
+    assert json.loads(file.read_text())["seconds"] > before
 
 
 def spoil_text(file):
