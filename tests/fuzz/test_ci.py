@@ -125,6 +125,14 @@ def test_a_failure_stands_at_its_controllers_source(controller, uri, line, proje
     assert (place["artifactLocation"]["uri"], place["region"]["startLine"]) == (uri, line)
 
 
+def test_a_file_that_does_not_replay_stands_at_itself(project):
+    (project / "mine.py").write_text(SOURCE)
+    stale = finding(LOOP, "not confirmed", controller="./mine.py:Robot")
+    [result] = read_sarif(sarif(report(stale), project))["results"]
+    uri = result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+    assert uri == f"failures/{LOOP.name}"
+
+
 @pytest.mark.parametrize(
     "controller", ["thesis-1", "./gone.py:Robot", "no.such:thing", "json:loads", "", "cmd:false", "cmd:'"]
 )
