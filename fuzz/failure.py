@@ -155,14 +155,15 @@ def failure_of(
         world: A world that carries a witness; or a cut, for a breach.
         scenario: What runs in it.
         fewest_steps: Budget to give at least, for verdicts that the run itself proves; ``stalled`` and
-            ``timeout`` always speak of the witness's budget.
+            ``timeout`` always speak of the witness's budget, also of a robot that arrives after it.
         steps: The budget itself, for verdicts that the run itself proves.
         **details: What else to note.
     """
     options = scenario.options(world)
     longer = replace(options, steps=steps or max(options.steps, fewest_steps))
     episode, wrong = judge(world, scenario.controller, longer)
-    if episode.verdict in ("stalled", "timeout") and longer != options:
+    late = episode.verdict == "reached" and episode.steps > options.steps
+    if longer != options and (late or episode.verdict in ("stalled", "timeout")):
         episode, wrong = judge(world, scenario.controller, options)
     else:
         options = longer

@@ -59,7 +59,7 @@ def test_fuzz_prints_one_json_object(tmp_path):
     result = worldgen(*FUZZ, "--out", tmp_path / "f", "--json")
     summary = json.loads(result.out)
     assert {"seed", "worlds", "steps", "seconds", "failures"} <= set(summary) and result.code == 1
-    assert set(summary["failures"][0]) == {"file", "verdict", "class", "solid_cells", "replay"}
+    assert set(summary["failures"][0]) == {"file", "verdict", "class", "solid_cells", "shrunk", "replay"}
 
 
 def test_equal_seeds_and_units_give_equal_files(failures, tmp_path):

@@ -93,3 +93,10 @@ def test_what_a_campaign_varies_is_one_thing_for_a_unit():
         assert len(made) <= 1
         seen |= made
     assert len(seen) > 1
+
+
+@pytest.mark.parametrize("controller", ["turn-random", "random-walk"])
+def test_a_robot_that_wanders_until_after_its_budget_has_failed(controller):
+    result = run_unit(CampaignConfig(Scenario(controller), seed=1, examples=25, families=("native",)), 0)
+    assert result.failures and all(kind.startswith(("timeout", "stalled")) for kind in result.failures)
+    assert all(replay(failure).confirmed for failure in result.failures.values())
