@@ -285,9 +285,8 @@ def compiled_act(act: Act) -> Any:
             )
     except NumbaError as error:
         name = getattr(act, "__name__", repr(act))
-        first = str(error).strip().splitlines()
         raise InvalidParameter(
-            f"controller function {name} does not compile: {first[-1] if first else error}; "
+            f"controller function {name} does not compile: {_reason(error)}; "
             "write it with numbers and arrays only, or bring it as a Python class"
         ) from error
     if any("_random_state" in code for code in compiled.inspect_llvm().values()):
@@ -296,3 +295,11 @@ def compiled_act(act: Act) -> Any:
             "no seed of a run decides; use observation[OBS_RANDOM], and say command[CMD_DRAW] = 1.0"
         )
     return compiled
+
+
+def _reason(error: NumbaError) -> str:
+    """What numba says, without the stages that it was in; with the call that it does not know, if that is it."""
+    lines = (line.strip() for line in str(error).splitlines())
+    said = [line for line in lines if line and not line.startswith(("Failed in", "During:", "- Resolution"))]
+    with_call = len(said) > 1 and said[1].startswith(">>>")
+    return " ".join(said[: 2 if with_call else 1])

@@ -301,6 +301,14 @@ def test_a_function_that_numba_cannot_compile_is_refused():
         simulate(arena(), CompiledController("bad", act))
 
 
+def test_what_numba_does_not_know_is_named():
+    def act(observation, memory, command):
+        command[0] = float(observation[0] > 1.0)
+
+    with pytest.raises(InvalidParameter, match=r"does not compile: No implementation .* >>> float\(bool\); write"):
+        simulate(arena(), CompiledController("bad", act))
+
+
 PINNED = (1500, "8bbf36a0d28ce3da")
 
 
