@@ -12,6 +12,8 @@ from worldgen.world import World
 
 __all__ = ["CampaignConfig"]
 
+_SLOWER = 8  # a step in Python takes microseconds
+
 
 @dataclass(frozen=True)
 class CampaignConfig:
@@ -45,6 +47,7 @@ class CampaignConfig:
     epoch: int = 16
 
     @property
-    def is_compiled(self) -> bool:
-        """Whether the controller is compiled, so that runs take microseconds."""
-        return isinstance(CONTROLLERS.get(self.scenario.controller), CompiledController)
+    def slower(self) -> int:
+        """How much less a unit does than for a quick compiled controller, whose steps take nanoseconds."""
+        controller = CONTROLLERS.get(self.scenario.controller)
+        return 1 if isinstance(controller, CompiledController) and not controller.slow else _SLOWER

@@ -10,16 +10,13 @@ from fuzz.asked import Asked, Trial
 from fuzz.config import CampaignConfig
 from fuzz.failure import certified, failure_by, failure_of, walled_off
 from fuzz.result import UnitResult
-from sim.controllers import CONTROLLERS, CompiledController, ProcessController
+from sim.controllers import CONTROLLERS, ProcessController
 from sim.outcome import Outcome
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
-__all__ = ["SLOWER", "Door", "first_look"]
-
-SLOWER = 8
-"""How much less a unit does for a Python controller: its steps take microseconds, not nanoseconds."""
+__all__ = ["Door", "first_look"]
 
 _PROOF_STEPS = 60_000  # budget in which a failing run may close its loop
 _PROVE_AT_MOST = 24  # failing runs of one verdict and cause that a unit proves and classifies; the rest it counts
@@ -39,7 +36,7 @@ class Door:
         self._asked = [Asked.parse(text) for text in config.oracles]
         self._failed: Counter[tuple[str, str]] = Counter()
         controller = CONTROLLERS.get(config.scenario.controller)
-        self._proof_steps = _PROOF_STEPS if isinstance(controller, CompiledController) else _PROOF_STEPS // SLOWER
+        self._proof_steps = _PROOF_STEPS // config.slower
         if isinstance(controller, ProcessController):  # of which no loop can be proved
             self._proof_steps = 0
 

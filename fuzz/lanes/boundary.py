@@ -8,7 +8,6 @@ it does not. Two neighbouring values with different outcomes bring one failure, 
 from __future__ import annotations
 
 from fuzz.boundary import AXES, Axis, Look, Looks, Subject, nearest_boundary, subject_of
-from fuzz.door import SLOWER
 from fuzz.failure import certified
 from fuzz.features import LAYOUT_BYTES, decode_world
 from fuzz.lanes.task import Task
@@ -33,7 +32,7 @@ def search(task: Task) -> None:
     def count(look: Look) -> None:
         task.door.count(look.outcome.verdict, look.outcome.steps)
 
-    for _ in range(max(task.config.examples // (_DEARER * (1 if task.config.is_compiled else SLOWER)), 1)):
+    for _ in range(max(task.config.examples // (_DEARER * task.config.slower), 1)):
         axis = AXES[stream.choice(tuple(AXES))]
         subject = _subject(task, stream, known, axis)
         start = None if subject is None else axis.index(subject)

@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from hypothesis.database import ExampleDatabase, ReadOnlyDatabase
 
 from fuzz.config import CampaignConfig
-from fuzz.door import SLOWER
 from fuzz.failure import regardless_of_walls
 from fuzz.features import decode_world
 from fuzz.lanes.database import Failed, exception_of, remembered
@@ -71,7 +70,7 @@ def can_breach(scenario: Scenario) -> bool:
 def search(task: Task) -> None:
     """Runs worlds as Hypothesis draws them, and hands on what does not arrive."""
     config = task.config
-    share = (1 if task.lane in (*LAYOUT_LANES, "map") else _DEARER) * (1 if config.is_compiled else SLOWER)
+    share = (1 if task.lane in (*LAYOUT_LANES, "map") else _DEARER) * config.slower
     database = remembered(config, task.lane) if config.database else None
     explore(
         lane_scenarios(config, task.lane),

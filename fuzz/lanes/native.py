@@ -125,14 +125,14 @@ def _looks(task: Task, draw: Draw) -> Iterator[Looks]:
     world, scenario = applied(values, decode_scene(bytes(SCENE_BYTES)), config.scenario)
     robot = {name: getattr(world, name) for name in values if name in ("robot_radius", "robot_speed")}
     times = np.array([scenario.time_step] if "time_step" in values else config.time_steps)
-    dear, work, count = 1 + robot_for(task.controller, scenario.robot).beams, 0, 0  # a beam takes as long as a step
+    beams, work, count = robot_for(task.controller, scenario.robot).beams, 0, 0  # each takes as long as a step
     while work < _WORK * config.examples and count < _SCENES * config.examples:
-        drawn = draw(stream)
+        drawn = draw(stream)[:: config.slower]
         numbers = stream.bits(len(drawn))
         steps = times[(numbers >> np.uint64(32)) % np.uint64(len(times))]
         looks = evaluate(drawn, scenario, numbers & np.uint64(2**32 - 1), steps, **robot)
         yield looks
-        work, count = work + looks.simulated * dear, count + len(drawn)
+        work, count = work + looks.simulated * (1 + beams) * config.slower, count + len(drawn)
 
 
 def scenes(stream: RandomStream, count: int) -> npt.NDArray[np.uint8]:

@@ -56,7 +56,7 @@ def planned_lane(config: CampaignConfig, unit: int, memory: Memory) -> str:
         return DATABASE
     names = lanes_for(config, memory)
     point = unit * _GOLDEN % 2**64 / 2**64
-    for name, share in zip(names, lane_shares(names, memory, compiled=config.is_compiled), strict=True):
+    for name, share in zip(names, lane_shares(names, memory, compiled=config.slower == 1), strict=True):
         point -= share
         if point < 0.0:
             return name

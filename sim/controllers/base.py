@@ -148,6 +148,7 @@ class CompiledController:
             back to a state, so no loop is proved.
         needs: Options of the robot without which it cannot work, such as ``RobotOptions(beams=36)``; a run that says
             otherwise has its way.
+        slow: Whether a step takes tens of microseconds, as one in Python does; a campaign then does less in a unit.
 
     Raises:
         InvalidParameter: If there is no such sense, ``needs`` are no options, or the start speed is below 0 or nan.
@@ -161,6 +162,7 @@ class CompiledController:
     randomised: bool = False
     senses: tuple[str, ...] = DEFAULT_SENSES
     needs: RobotOptions = _PLAIN
+    slow: bool = False
 
     def __post_init__(self) -> None:
         check_declared(self.name, self.senses, self.needs)

@@ -100,3 +100,11 @@ def test_a_robot_that_wanders_until_after_its_budget_has_failed(controller):
     result = run_unit(CampaignConfig(Scenario(controller), seed=1, examples=25, families=("native",)), 0)
     assert result.failures and all(kind.startswith(("timeout", "stalled")) for kind in result.failures)
     assert all(replay(failure).confirmed for failure in result.failures.values())
+
+
+def test_a_unit_does_less_for_a_controller_that_says_it_is_slow(monkeypatch):
+    quick, slow = (CampaignConfig(Scenario(name)) for name in ("turn-right", "dynamic-window"))
+    assert (quick.slower, slow.slower) == (1, 8)
+    steps = run_unit(CONFIG, 0).steps
+    monkeypatch.setattr(CampaignConfig, "slower", slow.slower)
+    assert 0 < run_unit(CONFIG, 0).steps < steps / 4

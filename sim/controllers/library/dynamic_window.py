@@ -167,7 +167,7 @@ def dynamic_window_robot(tuned: DynamicWindow, name: str = "dynamic-window") -> 
     def act(observation: Floats, memory: Floats, command: Floats) -> None:
         drive(observation, memory, command, np.zeros((observation.size - layout.OBS_SIZE, 2)), tuned)
 
-    return CompiledController(name, act, (0.0, 0.0), senses=SENSES, needs=NEEDS)
+    return CompiledController(name, act, (0.0, 0.0), senses=SENSES, needs=NEEDS, slow=True)
 
 
 dynamic_window = dynamic_window_robot(DynamicWindow())
