@@ -84,7 +84,7 @@ def read_entry(text: str, unit: int, setup: str, failure: Callable[[str], World]
             elites=dict(_elite(*one) for one in entry["elites"]),
         )
         return Done(result, float(entry["seconds"]))
-    except (AttributeError, KeyError, RecursionError, TypeError) as error:
+    except (AttributeError, KeyError, OverflowError, RecursionError, TypeError) as error:
         raise ValueError(f"it is no entry of a ledger: {error}") from error
 
 

@@ -52,12 +52,12 @@ def stored_seed(out: Path) -> int | None:
     try:
         stored = CampaignFolder.stored_in(out)
         return None if stored is None else int(stored[0].configuration["seed"])
-    except (FormatError, KeyError, TypeError, ValueError):
+    except (FormatError, KeyError, OverflowError, TypeError, ValueError):
         return None
 
 
 def begin(config: CampaignConfig, out: Path, goal: Goal, *, force: bool = False) -> Sitting:
-    """Begins a campaign in a folder, or goes on with the same one.
+    """Begins a campaign in a folder, or goes on with the same one; one that did nothing yet makes room for another.
 
     Args:
         config: What to look for.
@@ -77,7 +77,7 @@ def begin(config: CampaignConfig, out: Path, goal: Goal, *, force: bool = False)
         )
     setup, folder = setup_of(config), CampaignFolder(out)
     try:
-        if force:
+        if force or not folder.units_done():
             folder.forget()
         stored = CampaignFolder.stored_in(out)  # again, for another process may have begun
         if stored is not None:
@@ -107,7 +107,7 @@ def resume(out: Path, goal: Goal | None = None) -> Sitting:
     try:
         config = config_of(setup.configuration)
         wanted = goal or _goal(before)
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
         raise FormatError(
             f"its configuration cannot be read: {error}; name another folder, or begin anew with --force",
             source=str(out),

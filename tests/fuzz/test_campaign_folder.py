@@ -20,7 +20,7 @@ import fuzz.ledger.folder
 from fuzz.campaign import Campaign
 from fuzz.config import CampaignConfig
 from fuzz.crews import Alone
-from fuzz.ledger import CampaignFolder, Goal, begin, resume, setup_of
+from fuzz.ledger import CampaignFolder, Goal, begin, resume, setup_of, stored_seed
 from fuzz.ledger.setup import config_of
 from fuzz.session import CampaignSession
 from fuzz.variation import Variation
@@ -252,6 +252,14 @@ def test_a_controller_that_was_changed_is_noticed(tmp_path):
         resume(tmp_path / "out")
 
 
+def test_a_campaign_that_did_nothing_makes_room_for_another(tmp_path):
+    begin(CONFIG, tmp_path, Goal(units=UNITS)).folder.close()
+    other = replace(CONFIG, seed=6)
+    begin(other, tmp_path, Goal(units=UNITS)).folder.close()
+    stored = CampaignFolder.stored_in(tmp_path)
+    assert stored is not None and stored[0] == setup_of(other)
+
+
 def test_force_begins_anew(copied, tmp_path):
     run(begin(replace(CONFIG, seed=6), copied, Goal(units=1), force=True))
     run(begin(replace(CONFIG, seed=6), tmp_path / "fresh", Goal(units=1)))
@@ -280,11 +288,19 @@ def test_a_configuration_that_cannot_be_read_is_refused_in_one_sentence(text, co
         resume(copied)
 
 
-def test_a_configuration_with_a_strange_value_is_refused_in_one_sentence(copied):
+@pytest.mark.parametrize(
+    ("here", "strange", "said"),
+    [
+        ('"examples": 4', '"examples": "many"', "examples is 'many'"),
+        ('"seed": ', '"seed": 1e999, "was": ', "cannot convert float infinity"),
+    ],
+)
+def test_a_configuration_with_a_strange_value_is_refused_in_one_sentence(here, strange, said, copied):
     file = copied / ".campaign" / "campaign.json"
-    file.write_text(file.read_text().replace('"examples": 4', '"examples": "many"'))
-    with pytest.raises(FormatError, match="configuration cannot be read: examples is 'many'"):
+    file.write_text(file.read_text().replace(here, strange))
+    with pytest.raises(FormatError, match=f"configuration cannot be read: {said}"):
         resume(copied)
+    stored_seed(copied)  # without an error
 
 
 def test_a_second_writer_is_refused(copied):
