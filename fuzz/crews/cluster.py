@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import time
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
@@ -23,10 +24,19 @@ __all__ = ["Cluster"]
 P = ParamSpec("P")
 T = TypeVar("T")
 
+_ADDRESS = re.compile(r"([a-z]+://)?[^\s/]+:[0-9]{1,5}")  # Dask itself leaves half a client behind for any other
 _PER_WORKER = 2  # units under way for each: one that it does, one that waits there
 _LOOK = 1.0  # s between two looks at which workers there are
 _TO_CONNECT = 10.0  # s
 _GONE = "the Dask scheduler at {} does not answer any more"
+
+
+class _Client(Client):  # type: ignore[misc] # it has no types
+    """A client that nobody waits for who could not make it."""
+
+    def __del__(self) -> None:
+        if self.status == "running":
+            self.close()
 
 
 class Cluster:
@@ -40,10 +50,15 @@ class Cluster:
         config: What the campaign looks for.
 
     Raises:
-        InvalidParameter: If a file of the configuration cannot be read.
+        InvalidParameter: If the address is none, or a file of the configuration cannot be read.
     """
 
     def __init__(self, address: str, config: CampaignConfig) -> None:
+        if not _ADDRESS.fullmatch(address):
+            raise InvalidParameter(
+                f"--scheduler {address!r} is no address; give the one that the scheduler prints, "
+                "such as tcp://host:8786"
+            )
         self._address, self._errand = address, Errand.of(config)
         self._room, self._looked = 0, 0.0
         self._open = ExitStack()
@@ -79,8 +94,8 @@ class Cluster:
         """
         logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong we say ourselves, once
         try:
-            self._client = Client(self._address, timeout=_TO_CONNECT, set_as_default=False)
-        except (OSError, ValueError) as error:
+            self._client = _Client(self._address, timeout=_TO_CONNECT, set_as_default=False)
+        except (MemoryError, OSError, ValueError) as error:  # a server of another kind may seem to send exabytes
             raise InvalidParameter(
                 f"no Dask scheduler answers at {self._address!r} ({error}); start one, and give the address it prints"
             ) from error

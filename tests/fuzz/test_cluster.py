@@ -131,6 +131,12 @@ def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
     assert result.code == 2 and "no Dask scheduler answers at 'tcp://127.0.0.1:1'" in result.err
 
 
+@pytest.mark.parametrize("address", ["nonsense", "tcp://host", "http://host:8786/status", "host:port"])
+def test_what_is_no_address_is_refused_before_anything_is_asked(address):
+    with pytest.raises(InvalidParameter, match="is no address; give the one that the scheduler prints"):
+        crew_at(address, CampaignConfig(Scenario("turn-right")))
+
+
 def test_without_dask_the_way_to_install_it_is_said(monkeypatch):
     monkeypatch.delitem(sys.modules, "fuzz.crews.cluster", raising=False)
     monkeypatch.setitem(sys.modules, "distributed", None)
