@@ -21,6 +21,7 @@ from fuzz.corpus import Baseline
 from fuzz.crews import Crew, WorkersLost
 from fuzz.failure import certified
 from fuzz.lanes import check_lane
+from fuzz.lanes.database import DATABASE
 from fuzz.lanes.drawn import TIME_STEPS
 from fuzz.ledger import Sitting
 from fuzz.summary import lanes_in_words, summary_of
@@ -161,7 +162,17 @@ class CampaignSession:
             kept = counted(len(self._campaign.state.best), "failure")
             note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {way_on}")
             return 130
+        self._check_that_anything_ran()
         return 1 if self._campaign.state.best else 0
+
+    def _check_that_anything_ran(self) -> None:
+        """Raises if no world could be run: a build must not take that for a controller without failures."""
+        state = self._campaign.state
+        if state.worlds == 0 and state.memory.lanes.keys() - {DATABASE}:
+            raise InvalidParameter(
+                f"no world was run in {counted(state.units, 'unit')}: the robot fits none of them; give it a smaller "
+                "radius, or other families"
+            )
 
     def _search(self) -> bool:
         """Does the work; returns whether Ctrl-C stopped it."""

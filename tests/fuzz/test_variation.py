@@ -94,3 +94,11 @@ def test_the_command_line_varies_and_its_failures_replay(tmp_path):
     found = worldgen("fuzz", *varied, "--units", 1, "--examples", 60, "--seed", 4, "--workers", 1, "--out", tmp_path)
     assert found.code == 1
     assert worldgen("replay", tmp_path).code == 0
+
+
+def test_a_campaign_in_which_no_world_could_be_run_is_no_success(tmp_path):
+    ended = worldgen(
+        "fuzz", "--controller", "turn-right", "--vary", "robot_radius=50", "--units", 1, "--lane", "features",
+        "--examples", 5, "--workers", 1, "--out", tmp_path,
+    )  # fmt: skip
+    assert ended.code == 2 and "no world was run in 1 unit" in ended.err
