@@ -93,7 +93,8 @@ class Registry(Generic[T]):
         Raises:
             InvalidParameter: If nothing is called so, or what is found is no such thing.
         """
-        if name not in self._loaded:
+        key = _identity(name)
+        if key not in self._loaded:
             point = self.entry_points().get(name)
             if point is not None:
                 with user_code(f"{self.noun} {name!r}: loading {point.value}"):
@@ -102,13 +103,14 @@ class Registry(Generic[T]):
                 thing = self._load_path(name)
             else:
                 raise InvalidParameter(self._unknown(name))
-            self._loaded[name] = self._accept(name, thing)
-        return self._loaded[name]
+            self._loaded[key] = self._accept(name, thing)
+        return self._loaded[key]
 
     def forget(self, place: str) -> None:
         """Loads what is in this file afresh when it is next asked for."""
-        for name in [name for name in self._loaded if name.rpartition(":")[0] == place]:
-            del self._loaded[name]
+        file = _identity(f"{place}:").rpartition(":")[0]
+        for key in [key for key in self._loaded if key.rpartition(":")[0] == file]:
+            del self._loaded[key]
 
     def source(self, name: str) -> Path | None:
         """The file that defines what is called so; ``None`` where none does, or a whole package."""
@@ -139,6 +141,12 @@ class Registry(Generic[T]):
         raise InvalidParameter(
             f"{self.noun} {name!r}: {place} has no {attribute!r}; it has {', '.join(public) or 'nothing'}"
         )
+
+
+def _identity(name: str) -> str:
+    """The name, with the whole path of a file: what ``./mine.py:Robot`` is hangs on the folder that one is in."""
+    place, colon, attribute = name.rpartition(":")
+    return f"{_file(place).expanduser().resolve()}{colon}{attribute}" if place.endswith(".py") else name
 
 
 def _load_file(path: Path) -> Any:

@@ -10,6 +10,7 @@ from worldgen import InvalidParameter, generate, write_world
 from worldgen.family import FAMILIES
 
 EXITS_IN_INIT = "import sys\nclass Mine:\n    def __init__(self):\n        sys.exit(0)\n"
+STANDS = "class Mine:\n    def reset(self): return ()\n    def act(self, o, m): return o, m\n"
 HIDES = "def __getattr__(name):\n    raise OSError('not today')\n"
 PROPERTY = "class Mine:\n    @property\n    def senses(self):\n        raise OSError('not today')\n"
 
@@ -56,3 +57,15 @@ def test_a_command_does_not_end_well_because_a_controller_exits(tmp_path):
     command = [sys.executable, "-m", "worldgen", "run", "w.grid", "--controller", "./mine.py:Mine"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 2 and "ends Python (SystemExit: 0)" in done.stderr
+
+
+def test_one_relative_name_in_two_folders_is_two_controllers(tmp_path, monkeypatch):
+    found = []
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        folder.mkdir()
+        (folder / "mine.py").write_text(
+            "class Mine:\n    def reset(self): return ()\n    def act(self, o, m): return o, m\n"
+        )
+        monkeypatch.chdir(folder)
+        found.append(CONTROLLERS.get("./mine.py:Mine"))
+    assert found[0] is not found[1] and CONTROLLERS.get("./mine.py:Mine") is found[1]
