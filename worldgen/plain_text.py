@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-__all__ = ["GAP", "aligned", "counted", "shown", "shown_lines"]
+__all__ = ["GAP", "aligned", "counted", "shown", "shown_lines", "value_in_words"]
 
 GAP = "  "  # between two columns
 
@@ -42,3 +42,12 @@ def shown(text: object) -> str:
 def shown_lines(text: str) -> str:
     """The same for a text of several lines, which stay so."""
     return "\n".join(map(shown, text.split("\n")))
+
+
+def value_in_words(value: object) -> str:
+    """A value of a file's header, lists and tables in it included, on one line; numbers with six digits."""
+    if isinstance(value, list):
+        return ", ".join(map(value_in_words, value))
+    if isinstance(value, dict):
+        return "; ".join(f"{name} {value_in_words(item)}" for name, item in value.items())
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

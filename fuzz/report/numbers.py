@@ -9,7 +9,7 @@ from fuzz.boundary import boundaries_in_words
 from fuzz.report.gather import Failure, Seen
 from fuzz.report.summary import Summary
 from fuzz.telling import seeds_in_words
-from worldgen.plain_text import counted
+from worldgen.plain_text import counted, value_in_words
 from worldgen.world import Cut, FailureRecord, Value, Witness, World
 
 __all__ = ["Group", "groups"]
@@ -32,8 +32,8 @@ def groups(failure: Failure, record: FailureRecord, campaigns: list[Summary]) ->
         ("Run", _of_the_run(failure.seen, record)),
         ("World", _of_the_world(failure.seen.world)),
         ("Search", _of_the_search(failure, record, campaign)),
-        ("Options", [(name, _words(value)) for name, value in record.parameters.items()]),
-        ("Evidence", [(name, _words(value)) for name, value in record.evidence.items()]),
+        ("Options", [(name, value_in_words(value)) for name, value in record.parameters.items()]),
+        ("Evidence", [(name, value_in_words(value)) for name, value in record.evidence.items()]),
     ]
     return [group for group in found if group[1]]
 
@@ -54,8 +54,8 @@ def _of_the_failure(failure: Failure, record: FailureRecord) -> list[Row]:
         bound = f"; with 95 % confidence at least {least:.1%} of all" if isinstance(least, float) else ""
         rows.append(("chance", f"{seeds}{bound}"))
     if "chance" in record.details:
-        states = f", over {_words(record.details['states'])} states" if "states" in record.details else ""
-        rows.append(("exact answer", f"{_words(record.details['chance'])}{states}"))
+        states = f", over {value_in_words(record.details['states'])} states" if "states" in record.details else ""
+        rows.append(("exact answer", f"{value_in_words(record.details['chance'])}{states}"))
     begins = boundaries_in_words(seen.world)
     if begins:
         rows.append(("boundary", begins))
@@ -115,7 +115,7 @@ def _of_the_search(failure: Failure, record: FailureRecord, campaign: Summary | 
     details = record.details
     rows = []
     if "found_by" in details:
-        rows.append(("found by lane", _words(details["found_by"])))
+        rows.append(("found by lane", value_in_words(details["found_by"])))
     if campaign is not None:
         kind = failure.entry.facts.kind
         if kind in campaign.met:
@@ -126,17 +126,11 @@ def _of_the_search(failure: Failure, record: FailureRecord, campaign: Summary | 
             rows.append(("class first met", until))
     if "shrunk_from" in details:
         kept = _KEPT.get(str(details.get("kept")), "")
-        rows.append(("shrunk from", f"{_words(details['shrunk_from'])} solid cells" + (f", {kept}" if kept else "")))
+        rows.append(
+            ("shrunk from", f"{value_in_words(details['shrunk_from'])} solid cells" + (f", {kept}" if kept else ""))
+        )
     return rows + _others(details)
 
 
 def _others(details: Mapping[str, Value]) -> list[Row]:
-    return [(name.replace("_", " "), _words(value)) for name, value in details.items() if name not in _SAID]
-
-
-def _words(value: Value) -> str:
-    if isinstance(value, list):
-        return ", ".join(map(_words, value))
-    if isinstance(value, dict):
-        return "; ".join(f"{name} {_words(item)}" for name, item in value.items())
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return [(name.replace("_", " "), value_in_words(value)) for name, value in details.items() if name not in _SAID]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import html
 
+from worldgen.plain_text import value_in_words
 from worldgen.render.caption import facts, printable
 from worldgen.render.frame import DEFAULT_PIXELS
 from worldgen.render.overlay import Trail
 from worldgen.render.scene import compose
 from worldgen.render.svg import svg_element
-from worldgen.world import Value, Witness, World
+from worldgen.world import Witness, World
 
 __all__ = ["draw_html"]
 
@@ -87,7 +88,7 @@ def _known(world: World) -> list[tuple[str, str]]:
     made = world.provenance
     if made is not None:
         rows.append(("made by", f"{made.family}, version {made.version}, seed {made.seed}"))
-        rows += [(f"{made.family}: {key}", _words(value)) for key, value in made.params.items()]
+        rows += [(f"{made.family}: {key}", value_in_words(value)) for key, value in made.params.items()]
     failure = world.failure
     if failure is not None:
         rows.append(
@@ -98,13 +99,5 @@ def _known(world: World) -> list[tuple[str, str]]:
         )
         rows.append(("trace digest", failure.trace_digest))
         for words in (failure.evidence, failure.parameters, failure.details):
-            rows += [(key, _words(value)) for key, value in words.items()]
+            rows += [(key, value_in_words(value)) for key, value in words.items()]
     return rows
-
-
-def _words(value: Value) -> str:
-    if isinstance(value, list):
-        return ", ".join(map(_words, value))
-    if isinstance(value, dict):
-        return "; ".join(f"{key} {_words(item)}" for key, item in value.items())
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
