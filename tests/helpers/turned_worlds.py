@@ -1,11 +1,10 @@
 """A world turned by quarters and mirrored, witness and all."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 
-from worldgen.timeline import Timeline
+from fuzz.asked import worlds
 from worldgen.world import Pose, Target, Witness, World
 
 __all__ = ["mirrored", "scaled", "turned"]
@@ -13,32 +12,18 @@ __all__ = ["mirrored", "scaled", "turned"]
 
 def mirrored(world: World) -> World:
     """Left and right swapped."""
-    wide = world.width * world.cell_size
-    line, proof = world.timeline, world.certificate
+    wide, proof = world.width * world.cell_size, world.certificate
     assert isinstance(proof, Witness)
-    return replace(
-        world,
-        walls=world.walls[:, ::-1],
-        start=Pose(_across(wide, world.start.x), world.start.y, math.pi - world.start.heading),
-        target=replace(world.target, x=_across(wide, world.target.x)),
-        timeline=Timeline(line.times, world.width - 1 - line.ix, line.iy, line.states),
-        certificate=replace(proof, x=np.array([_across(wide, x) for x in proof.x])),
-    )
+    witness = replace(proof, x=np.array([_across(wide, x) for x in proof.x]))
+    return replace(worlds.mirrored(world), certificate=witness)
 
 
 def turned(world: World) -> World:
     """Turned by a quarter, counter-clockwise."""
-    high = world.height * world.cell_size
-    line, proof = world.timeline, world.certificate
+    high, proof = world.height * world.cell_size, world.certificate
     assert isinstance(proof, Witness)
-    return replace(
-        world,
-        walls=world.walls.T[:, ::-1],
-        start=Pose(_across(high, world.start.y), world.start.x, world.start.heading + math.pi / 2),
-        target=Target(_across(high, world.target.y), world.target.x, world.target.radius),
-        timeline=Timeline(line.times, world.height - 1 - line.iy, line.ix, line.states),
-        certificate=replace(proof, x=np.array([_across(high, y) for y in proof.y]), y=proof.x),
-    )
+    witness = replace(proof, x=np.array([_across(high, y) for y in proof.y]), y=proof.x)
+    return replace(worlds.turned(world), certificate=witness)
 
 
 def _across(side: float, value: float) -> float:
