@@ -8,6 +8,7 @@ Contents:
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable
 
 from fuzz.boundary import is_bounded
@@ -50,8 +51,16 @@ def check_lane(name: str, scenario: Scenario) -> None:
     Raises:
         InvalidParameter: If it does not fit.
     """
-    if name not in (boundary.BOUNDARY, native.NATIVE, archive.ARCHIVE, *drawn.LAYOUT_LANES):
+    own = (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, *drawn.LAYOUT_LANES)
+    if ":" in name or name.endswith(".toml"):
         FAMILIES.get(name)
+    elif name not in (known := (*own, *FAMILIES.names())):
+        close = difflib.get_close_matches(name, known, n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        raise InvalidParameter(
+            f"no lane and no family is called {name!r}; {hint}lanes: {', '.join(own)}; families: "
+            f"{', '.join(FAMILIES.names())}; your own family: package.module:name, ./file.py:name or ./recipe.toml"
+        )
     if name == drawn.SEALED and not drawn.can_breach(scenario):
         raise InvalidParameter(
             f"family {name!r} has walled-off targets, which only a robot reaches that goes on past a wall: take "

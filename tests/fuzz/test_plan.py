@@ -68,3 +68,8 @@ def test_named_families_are_all_that_is_drawn_from():
 def test_a_lane_that_does_not_fit_is_refused(lane, controller, message):
     with pytest.raises(InvalidParameter, match=message):
         check_lane(lane, Scenario(controller))
+
+
+def test_a_misspelt_lane_is_told_the_lanes():
+    with pytest.raises(InvalidParameter, match=r"called 'natve'; did you mean 'native'\? lanes: native, archive"):
+        check_lane("natve", Scenario("turn-right"))
