@@ -11,7 +11,7 @@ from worldgen.cli.output import force_option, note
 __all__ = ["demo"]
 
 _SEED = 7
-_SECONDS = 8.0
+_UNITS, _EXAMPLES = 3, 200  # some ten seconds, all of it shrunk
 
 
 @click.command()
@@ -37,21 +37,22 @@ def demo(out: Path, controller: str, motion: str, force: bool) -> None:
     out.mkdir(parents=True, exist_ok=True)
     _world_and_run(out, controller)
     failures = out / "failures"
-    _say(f"worldgen fuzz --controller {controller} --motion {motion} --budget {_SECONDS:g}s --seed 1 --out {failures}")
+    amount = f"--units {_UNITS} --examples {_EXAMPLES} --seed 1"
+    _say(f"worldgen fuzz --controller {controller} --motion {motion} {amount} --out {failures}")
     config = configure(
         controller=controller,
         motion=motion,
         families=(),
         fixed_map=None,
         time_step=None,
-        examples=200,
+        examples=_EXAMPLES,
         seed=1,
     )
-    sitting = begin(config, failures, Goal(seconds=_SECONDS), force=True)
+    sitting = begin(config, failures, Goal(units=_UNITS), force=True)
     code = CampaignSession(sitting, crew_of(os.cpu_count() or 1)).run()
     if code not in (0, 1):
         raise SystemExit(code)
-    _draw_failures(failures)
+    _replay_and_draw(failures)
     page = out / "report.html"
     _say(f"worldgen report {failures} --out {page}")
     write_report([failures], page, force=True)
@@ -80,9 +81,9 @@ def _world_and_run(out: Path, controller: str) -> None:
     note(f"{episode.verdict} after {episode.steps} steps; wrote {picture}")
 
 
-def _draw_failures(folder: Path) -> None:
-    from fuzz.failure import scenario_of
-    from sim import simulate
+def _replay_and_draw(folder: Path) -> None:
+    from fuzz.failure import replay
+    from fuzz.telling import run_to_draw
     from sim.picture import trail_of
     from worldgen.cli.output import write_bytes
     from worldgen.grid_file import read_world
@@ -90,10 +91,8 @@ def _draw_failures(folder: Path) -> None:
 
     _say(f"worldgen replay {folder}")
     for path in sorted(folder.glob("*.grid")):
-        world = read_world(path)
-        record, options = scenario_of(world)
-        episode = simulate(world, record.controller, options, record=True)
-        title = f"{record.controller}, {record.motion}: {record.verdict}"
-        picture = path.with_suffix(".png")
-        write_bytes(picture, draw_png(world, trail=trail_of(episode), title=title), force=True)
-        note(f"{path.name}: {episode.verdict}; drawn in {picture}")
+        world, picture = read_world(path), path.with_suffix(".png")
+        again, episode = replay(world), run_to_draw(world)[0]
+        write_bytes(picture, draw_png(world, trail=trail_of(episode), title=path.stem), force=True)
+        said = "confirmed" if again.confirmed else f"not confirmed: {again.reason}"
+        note(f"{path.name}: {again.verdict} {said}; drawn in {picture}")
