@@ -5,15 +5,22 @@ from __future__ import annotations
 import functools
 import importlib
 import inspect
-import math
 import re
-import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from worldgen.errors import InvalidParameter
+from worldgen.parameters import (
+    Parameter,
+    check_at_least,
+    check_between,
+    check_choice,
+    check_declared,
+    check_positive,
+    parameters_of,
+)
 from worldgen.random_streams import RandomStream
 from worldgen.registry import Registry
 from worldgen.world import Value, World
@@ -52,45 +59,6 @@ _TAKEN = (
     "tries",
     "workers",
 )
-_INT64 = 2**63  # a file holds no larger whole number
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One parameter of a family, as its function declares it.
-
-    Args:
-        name: Name in Python; on the command line with dashes.
-        default: Its type is the parameter's type: bool, int, float or str.
-        choices: The words allowed, from a ``Literal`` annotation; empty if there is none.
-        help: Its entry in the docstring's ``Args``, on one line.
-    """
-
-    name: str
-    default: bool | int | float | str
-    choices: tuple[str, ...] = ()
-    help: str = ""
-
-    def accept(self, value: Value, family_name: str) -> Value:
-        """The value, as a float where the default is one.
-
-        Raises:
-            InvalidParameter: If it has another type than the default, or is none of the choices.
-        """
-        kind = type(self.default)
-        if kind is float and type(value) is int:
-            value = float(value)
-        if type(value) is not kind:
-            raise InvalidParameter(
-                f"{family_name}: {self.name}={value!r} is a {type(value).__name__}; give a {kind.__name__}"
-            )
-        if isinstance(value, int) and not -_INT64 <= value < _INT64:
-            raise InvalidParameter(f"{family_name}: {self.name} is a number of more than 64 bits; give a smaller one")
-        if isinstance(value, float) and not math.isfinite(value):
-            raise InvalidParameter(f"{family_name}: {self.name}={value} is not finite; give a finite number")
-        if self.choices:
-            check_choice(self.name, str(value), self.choices)
-        return value
 
 
 @dataclass(frozen=True)
@@ -119,17 +87,7 @@ class Family:
         Raises:
             InvalidParameter: If an annotation names what cannot be found at run time.
         """
-        try:
-            hints = typing.get_type_hints(self.build)
-        except NameError as error:
-            raise InvalidParameter(
-                f"family {self.name!r}: {error}; import what its annotations name outside TYPE_CHECKING"
-            ) from error
-        notes = _argument_notes(self.build.__doc__ or "")
-        return tuple(
-            Parameter(name, parameter.default, _choices(hints.get(name)), notes.get(name, ""))
-            for name, parameter in list(inspect.signature(self.build).parameters.items())[1:]
-        )
+        return parameters_of(self.build, f"family {self.name!r}")
 
     @property
     def description(self) -> str:
@@ -179,30 +137,9 @@ class Family:
             )
 
 
-def _choices(hint: Any) -> tuple[str, ...]:
-    return typing.get_args(hint) if typing.get_origin(hint) is typing.Literal else ()
-
-
-def _argument_notes(docstring: str) -> dict[str, str]:
-    """The entries of a Google-style ``Args`` section, each on one line."""
-    section = re.search(r"^Args:\n((?:[ ]+.*\n?|\n)+)", inspect.cleandoc(docstring), re.MULTILINE)
-    if section is None:
-        return {}
-    entries = re.split(r"^ {4}(\w+): ", section.group(1), flags=re.MULTILINE)[1:]
-    return {name: " ".join(note.split()) for name, note in zip(entries[::2], entries[1::2], strict=True)}
-
-
 def _check_signature(name: str, build: Build) -> None:
+    check_declared(build, f"family {name!r}", _TAKEN)
     for parameter in list(inspect.signature(build).parameters.values())[1:]:
-        if parameter.kind is not inspect.Parameter.KEYWORD_ONLY or parameter.name in _TAKEN:
-            raise InvalidParameter(
-                f"family {name!r}: parameter {parameter.name!r} must stand after *, "
-                f"and be called none of {', '.join(_TAKEN)}"
-            )
-        if type(parameter.default) not in (bool, int, float, str):
-            raise InvalidParameter(
-                f"family {name!r}: parameter {parameter.name!r} needs a default that is a bool, int, float or str"
-            )
         if parameter.name == MARGIN and type(parameter.default) is not float:
             raise InvalidParameter(
                 f"family {name!r}: {MARGIN} is the margin in seconds that the witness gets; give it a default that is "
@@ -287,55 +224,6 @@ class FamilyRegistry(Registry[Family]):
 
 RECIPE = "recipe:"  # begins the name of every family that a recipe makes
 FAMILIES = FamilyRegistry("worldgen.families", "family", _accept)
-
-
-def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> None:
-    """Refuses a parameter below its minimum.
-
-    Raises:
-        InvalidParameter: Naming value, rule and way out.
-    """
-    if not value >= minimum:
-        raise InvalidParameter(
-            f"{name}={_shown(value, unit)} is below {_shown(minimum, unit)}; give at least {_shown(minimum)}"
-        )
-
-
-def check_between(name: str, value: float, low: float, high: float, unit: str = "") -> None:
-    """Refuses a parameter outside [low, high].
-
-    Raises:
-        InvalidParameter: Naming value, rule and way out.
-    """
-    if not low <= value <= high:
-        raise InvalidParameter(
-            f"{name}={_shown(value, unit)} is outside {_shown(low)} to {_shown(high, unit)}; give one between"
-        )
-
-
-def check_positive(name: str, value: float, unit: str = "") -> None:
-    """Refuses zero, less than zero, and what is no finite number.
-
-    Raises:
-        InvalidParameter: Naming value and rule.
-    """
-    if not (math.isfinite(value) and value > 0.0):
-        raise InvalidParameter(f"{name}={_shown(value, unit)} is not a finite number above 0; give one")
-
-
-def _shown(value: float, unit: str = "") -> str:
-    number = str(value) if isinstance(value, int) else f"{value:g}"
-    return f"{number} {unit}" if unit else number
-
-
-def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
-    """Refuses a word that is not one of the choices.
-
-    Raises:
-        InvalidParameter: Naming value and choices.
-    """
-    if value not in choices:
-        raise InvalidParameter(f"{name}={value!r} is not one of {', '.join(choices)}; give one of these")
 
 
 def stream_for(seed: int, family_name: str, attempt: int) -> RandomStream:

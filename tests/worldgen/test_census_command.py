@@ -227,7 +227,7 @@ def test_ctrl_c_leaves_the_table_of_what_came_before(generator, monkeypatch):
 
 WRONG = [
     (["none"], "no map could be judged; the first reason: none: cannot be read: No such file"),
-    (["EMPTY"], "holds no map; a census takes MovingAI octile map"),
+    (["EMPTY"], "holds no map; `worldgen formats` lists"),
     (["EMPTY/words.md"], "no map could be judged; the first reason: words.md: is no map that is known"),
     (["GEN:maps", "--radius", "0"], "radius=0 m is outside"),
     (["GEN:maps", "--radius", "1e10"], "radius=1e+10 m is outside"),

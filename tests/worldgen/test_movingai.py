@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop import RobotOptions, import_world, read_map, read_movingai, read_scenario
+from worldgen.interop import RobotOptions, import_world, read_map, read_scenario
+from worldgen.interop.movingai import read_movingai
 from worldgen.world import MAX_SIDE
 
 MAPS = importlib.resources.files("corpora") / "maps"

@@ -10,9 +10,9 @@ from hypothesis.extra import numpy as hnp
 from PIL import Image
 
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop import occupancy, read_ros_map
+from worldgen.interop import read_map
 from worldgen.interop.grey_image import GreyImage, read_grey_image
-from worldgen.interop.ros_map import RosMetadata
+from worldgen.interop.ros import RosMetadata, occupancy, read_ros_map
 
 KEYS = {
     "image": "m.pgm", "resolution": "0.05", "origin": "[-1.5, 2.25, 0.0]", "negate": "0",
@@ -119,15 +119,15 @@ def test_resolution_and_origin_are_kept(pair):
 def test_unknown_cells_are_solid_unless_asked_otherwise(pair):
     path = pair(pgm([[0, 205, 254]]))
     assert read_ros_map(path).walls.tolist() == [[True, True, False]]
-    assert read_ros_map(path, "free").walls.tolist() == [[True, False, False]]
+    assert read_ros_map(path, unknown="free").walls.tolist() == [[True, False, False]]
     with pytest.raises(InvalidParameter, match="unknown='maybe' is not one of solid, free"):
-        read_ros_map(path, "maybe")
+        read_map(path, "ros+unknown=maybe")
 
 
 def test_raw_values_are_parted_by_the_thresholds(pair):
     path = pair(pgm([[0, 19, 20, 64, 65, 100, 101]]), mode="raw")
     assert read_ros_map(path).walls.tolist() == [[False, False, True, True, True, True, True]]
-    assert read_ros_map(path, "free").walls.tolist() == [[False, False, False, False, True, True, False]]
+    assert read_ros_map(path, unknown="free").walls.tolist() == [[False, False, False, False, True, True, False]]
 
 
 def test_grey_205_taken_as_free_is_warned_of(pair):

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
-from worldgen.interop.text_map import cell_centre
+from worldgen.interop.text import cell_centre
 from worldgen.lattice import UNIT, lattice_to_metres
 from worldgen.random_streams import RandomStream
 from worldgen.reach.lattice_graph import build_graph

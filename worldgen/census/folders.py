@@ -9,11 +9,11 @@ from pathlib import Path
 from worldgen.census.case import CensusMap, Ends, Refused
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.interop.foreign_map import ForeignMap
-from worldgen.interop.formats import FORMATS, ReadOptions, find_format, looks_like_a_map
 from worldgen.interop.movingai import read_scenario, scenario_contents
+from worldgen.interop.recognising import find_format, looks_like_a_map, read_map
 from worldgen.lattice import UNIT, lattice_to_metres
 from worldgen.random_streams import RandomStream
-from worldgen.world import Pose, Target
+from worldgen.world import Pose, Target, Value
 
 __all__ = ["FolderMaps", "folder_maps"]
 
@@ -38,7 +38,7 @@ class FolderMaps:
     passed_over: int
     pairs: int
     seed: int
-    options: ReadOptions = field(default_factory=ReadOptions)
+    options: Mapping[str, Value] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.files)
@@ -51,8 +51,9 @@ class FolderMaps:
     def _read(self, name: str, path: Path) -> Iterator[CensusMap | Refused]:
         try:
             known = find_format(path)
-            kept = {option: getattr(self.options, option) for option in known.options}
-            found = known.read(path, ReadOptions(**kept))
+            takes = {option.name for option in known.read_options}
+            kept = {name: value for name, value in self.options.items() if name in takes}
+            found = read_map(path, options=kept)
             ends = _own_ends(found)
         except WorldgenError as error:
             yield Refused(name, _without_name(error, path))
@@ -81,7 +82,7 @@ class FolderMaps:
 
 
 def folder_maps(
-    paths: Sequence[Path], *, pairs: int = 1, seed: int = 0, options: ReadOptions | None = None
+    paths: Sequence[Path], *, pairs: int = 1, seed: int = 0, options: Mapping[str, Value] | None = None
 ) -> FolderMaps:
     """What there is to judge in files and folders; the files themselves are read one by one, when it is iterated.
 
@@ -110,11 +111,12 @@ def folder_maps(
         else:
             passed_over += 1
     if not files:
-        known = "; ".join(known.files for known in FORMATS.values())
-        raise InvalidParameter(f"{', '.join(map(str, paths))}: holds no map; a census takes {known}")
+        raise InvalidParameter(
+            f"{', '.join(map(str, paths))}: holds no map; `worldgen formats` lists what a map can be"
+        )
     by_map = {name: tuple(found) for name, found in scenarios.items()}
     named_files = tuple((name, path) for path, name in files.items())
-    return FolderMaps(named_files, by_map, tuple(refused), passed_over, pairs, seed, options or ReadOptions())
+    return FolderMaps(named_files, by_map, tuple(refused), passed_over, pairs, seed, options or {})
 
 
 def _walk(paths: Sequence[Path]) -> Iterator[tuple[str, Path, bool]]:
@@ -138,7 +140,9 @@ def _own_ends(found: ForeignMap) -> tuple[Ends, ...]:
     height, width = (side * found.cell_size for side in found.walls.shape)
     if not (0.0 <= found.start[0] <= width and 0.0 <= found.start[1] <= height):
         return ()  # the thesis's program starts where a map of 3 x 3 cells has no place
-    return (Ends(Pose(*found.start), Target(*found.target)),)
+    half = lattice_to_metres(UNIT // 2, found.cell_size)
+    x, y, radius = (*found.target, half)[:3]
+    return (Ends(Pose(*found.start), Target(x, y, radius)),)
 
 
 def _problem(files: Sequence[tuple[Path, int]], number: int) -> tuple[Path, int]:

@@ -104,7 +104,6 @@ def _maps(
     """The maps of all sources: files and folders together, so that scenarios find their maps, then generators."""
     from worldgen.census import folder_maps, generated_maps
     from worldgen.family import check_between
-    from worldgen.interop import ReadOptions
     from worldgen.interop.foreign_map import CELL_SIZES
     from worldgen.world import DEFAULT_CELL_SIZE
 
@@ -116,7 +115,8 @@ def _maps(
         raise InvalidParameter("option is for a generator, and none is named; name one as ./file.py:function")
     found: list[FolderMaps | GeneratedMaps] = []
     if paths:
-        files = folder_maps(paths, pairs=what.pairs, seed=what.seed, options=ReadOptions(cell_size, unknown))
+        asked = {name: value for name, value in (("cell_size", cell_size), ("unknown", unknown)) if value is not None}
+        files = folder_maps(paths, pairs=what.pairs, seed=what.seed, options=asked)
         if files.passed_over:
             note(f"{files.passed_over} other files are no maps")
         found.append(files)

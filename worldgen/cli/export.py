@@ -3,21 +3,39 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.cli.output import emit_json, force_option, json_option, note
+
+if TYPE_CHECKING:
+    from worldgen import interop
 
 __all__ = ["export"]
 
 
-EXAMPLES = "\b\n  worldgen export w.grid --to thesis --out old.gex"
+EXAMPLES = (
+    "\b\n  worldgen export w.grid --to ros --out office.yaml\n"
+    "  worldgen export w.grid --to movingai --out arena.map\n"
+    "  worldgen export fire.grid --to thesis+noise=on --at 0 --out old.gex"
+)
 
 
 @click.command(epilog=EXAMPLES)
 @click.argument("path", type=click.Path(path_type=Path))
-@click.option("--to", "name", metavar="FORMAT", required=True, help="thesis, package.module:name, or ./file.py:name.")
+@click.option(
+    "--to",
+    "name",
+    metavar="FORMAT[+OPTION=VALUE]",
+    help="What to write, as `worldgen formats` lists it; by the ending of --out if left out.",
+)
 @click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The file to write.")
+@click.option("--at", type=float, metavar="SECONDS", help="Of a world that changes: its cells at this time, for ever.")
+@click.option(
+    "--origin", metavar="X,Y", help="Where the grid's lower-left corner lies, m.  [default: as imported, or 0,0]"
+)
+@click.option("--sidecar/--no-sidecar", default=True, help="Keep what the format has no room for in a file beside it.")
 @click.option(
     "--noise/--no-noise",
     default=None,
@@ -25,23 +43,66 @@ EXAMPLES = "\b\n  worldgen export w.grid --to thesis --out old.gex"
 )
 @force_option
 @json_option
-def export(path: Path, name: str, out: Path, noise: bool | None, force: bool, as_json: bool) -> None:
+def export(
+    path: Path,
+    name: str | None,
+    out: Path,
+    at: float | None,
+    origin: str | None,
+    sidecar: bool,
+    noise: bool | None,
+    force: bool,
+    as_json: bool,
+) -> None:
     """Write a world in another program's format.
 
-    PATH is a .grid file. What the format cannot hold is an error; what it leaves out is said on stderr.
+    PATH is a .grid file. What the format cannot hold is an error; what it leaves out is said on stderr, and kept
+    in a sidecar (OUT.worldgen.toml), from which `worldgen import` takes it again.
     """
-    import hashlib
-
     from worldgen import interop
     from worldgen.grid_file import read_world
 
-    exported = interop.export_world(read_world(path), name, interop.ExportOptions(noise))
-    write_bytes(out, exported.data, force=force)
-    for sentence in exported.notes:
+    export = interop.export_world(
+        read_world(path),
+        name or interop.guess_format(out.name),
+        file=out.name,
+        options={} if noise is None else {"noise": "on" if noise else "off"},
+        at=at,
+        origin=None if origin is None else _origin(origin),
+        sidecar=sidecar,
+    )
+    interop.write_export(export, out, force=force)
+    kept = f" (it is in {export.sidecar})" if export.sidecar else ""
+    for sentence in export.lost:
+        note(f"{sentence}{kept}")
+    for sentence in export.notes:
         note(sentence)
     if as_json:
-        digest = hashlib.sha256(exported.data).hexdigest()
-        size, notes = len(exported.data), list(exported.notes)
-        emit_json({"file": str(out), "format": name, "bytes": size, "sha256": digest, "notes": notes})
+        emit_json(_as_json(out, export))
     else:
-        click.echo(f"{out}: {len(exported.data)} bytes for {name}")
+        for number, (file, data) in enumerate(export.files.items()):
+            click.echo(f"{out if number == 0 else out.with_name(file)}: {len(data)} bytes for {export.format.name}")
+
+
+def _origin(text: str) -> tuple[float, float]:
+    from worldgen.errors import InvalidParameter
+    from worldgen.interop import parse_point
+
+    point = parse_point("origin", text, "YAW")
+    if len(point) != 2:
+        raise InvalidParameter(f"origin={text[:60]!r} has three numbers; give X,Y alone: worlds are not turned")
+    return point[0], point[1]
+
+
+def _as_json(out: Path, export: interop.Export) -> dict[str, object]:
+    import hashlib
+
+    return {
+        "file": str(out),
+        "format": export.format.name,
+        "bytes": len(export.data),
+        "sha256": hashlib.sha256(export.data).hexdigest(),
+        "files": [str(out if number == 0 else out.with_name(name)) for number, name in enumerate(export.files)],
+        "lost": list(export.lost),
+        "notes": list(export.notes),
+    }

@@ -23,7 +23,10 @@ EXAMPLES = (
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--out", "-o", type=click.Path(path_type=Path), required=True, help="The .grid file to write.")
 @click.option(
-    "--from", "name", metavar="FORMAT", help="movingai, ros, thesis, grid, npy or text; recognised if left out."
+    "--from",
+    "name",
+    metavar="FORMAT[+OPTION=VALUE]",
+    help="What PATH is, as `worldgen formats` lists it; recognised if left out.",
 )
 @click.option("--radius", type=float, help="Robot's radius, m.  [default: 0.7 cells; 0.4 with --scen]")
 @click.option("--speed", type=float, help="Robot's top speed, m/s.  [default: 2.0]")
@@ -54,10 +57,9 @@ def import_map(
 ) -> None:
     """Read a foreign map and place start and target.
 
-    PATH is a MovingAI octile map (.map), a ROS map_server file (.yaml beside its .pgm or .png), a map
-    of the thesis's simulator (.gex), a .grid, whose places it keeps unless told otherwise, a NumPy array
-    (.npy), or a drawing (.txt). Start and target that are not given are placed far apart in the largest
-    region the robot can drive through.
+    PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI, worlds of robot
+    simulators, pictures, drawings, a .grid, whose places it keeps unless told otherwise. Start and target that
+    are given neither here nor in the file are placed far apart in the largest region the robot can drive through.
     """
     from worldgen import interop
     from worldgen.grid_file import write_world
@@ -67,7 +69,8 @@ def import_map(
         None if target is None else interop.parse_point("target", target, "RADIUS"),
         radius, speed, scen, row, seed,
     )  # fmt: skip
-    imported = interop.import_world(path, robot, name=name, options=interop.ReadOptions(cell_size, unknown))
+    asked = {option: value for option, value in (("cell_size", cell_size), ("unknown", unknown)) if value is not None}
+    imported = interop.import_world(path, robot, name=name, options=asked)
     write_world(imported.world, out, force=force)
     for sentence in imported.notes:
         note(sentence)

@@ -18,7 +18,7 @@ from worldgen.compose.piece import Piece
 from worldgen.errors import GenerationFailed, InvalidParameter, InvalidWorld, WorldgenError
 from worldgen.family import FAMILIES, Family, check_choice, family
 from worldgen.generation import generate
-from worldgen.interop.formats import read_map
+from worldgen.interop.recognising import read_map
 from worldgen.lattice import in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.rows import flip_rows
@@ -93,8 +93,8 @@ def read(path: str | PathLike[str]) -> Piece:
         return of_world(found.world)
     marks: dict[str, Mark] = {}
     if found.target is not None:
-        x, y, radius = (in_cells(value, found.cell_size) for value in found.target)
-        marks[TARGET] = Mark(x, y, radius=radius)
+        x, y, *radius = (in_cells(value, found.cell_size) for value in found.target)
+        marks[TARGET] = Mark(x, y, radius=radius[0] if radius else _HALF)
     return Piece(found.walls, np.ones_like(found.walls), frozen(marks), cell_size=found.cell_size)
 
 

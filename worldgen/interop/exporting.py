@@ -1,83 +1,203 @@
-"""Exporters by name: a world becomes a file of some other program."""
+"""A world becomes files of some other program, with a sidecar for what its format has no room for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
 
-from worldgen.errors import InvalidParameter
-from worldgen.registry import Registry
-from worldgen.world import World
+import numpy as np
 
-__all__ = ["EXPORTERS", "ExportOptions", "Exported", "Exporter", "export_world"]
+from worldgen.errors import InvalidParameter, InvalidWorld, OutputError
+from worldgen.files import check_output, write_bytes
+from worldgen.interop.format import FORMATS, HELD, Destination, Format, decimal, split_options
+from worldgen.interop.sidecar import SUFFIX, sidecar_text
+from worldgen.lattice import radius_in_cells
+from worldgen.timeline import CellState, Timeline
+from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_SPEED, Value, World
 
+__all__ = ["Export", "export_world", "frozen_at", "guess_format", "origin_of", "write_export"]
 
-@dataclass(frozen=True)
-class ExportOptions:
-    """What can be asked of an exporter.
-
-    Args:
-        noise: Whether the thesis's noise filter goes over the map; where left out, as the imported file had it.
-    """
-
-    noise: bool | None = None
+_USUAL_RADIUS = Fraction(7, 10)  # cells; what import takes where nothing is said
 
 
 @dataclass(frozen=True)
-class Exported:
-    """A file's contents.
+class Export:
+    """A world in a foreign format.
 
     Args:
-        data: Its bytes.
-        notes: Sentences on what the format does not hold, or its program does not take.
+        format: The format.
+        files: Contents by name; the first is the file that was asked for; the sidecar, if there is one, the last.
+        lost: Sentences on what the file itself does not hold.
+        sidecar: Name of the sidecar that holds it; None where nothing is lost, or none was wanted.
+        notes: Sentences on what else is worth knowing.
     """
 
-    data: bytes
+    format: Format
+    files: Mapping[str, bytes]
+    lost: tuple[str, ...] = ()
+    sidecar: str | None = None
     notes: tuple[str, ...] = ()
 
-
-@dataclass(frozen=True)
-class Exporter:
-    """A foreign format that a world can be written in; register it in the group ``worldgen.exporters``.
-
-    Args:
-        name: As ``export --to`` takes it.
-        suffix: Usual ending of its files.
-        summary: One line for people.
-        export: Makes the file.
-        options: Names of the :class:`ExportOptions` that mean something to it.
-    """
-
-    name: str
-    suffix: str
-    summary: str
-    export: Callable[[World, ExportOptions], Exported]
-    options: tuple[str, ...] = ()
+    @property
+    def data(self) -> bytes:
+        """Contents of the file that was asked for."""
+        return next(iter(self.files.values()))
 
 
-def _accept(name: str, thing: Any) -> Exporter:
-    if not isinstance(thing, Exporter):
-        raise InvalidParameter(f"exporter {name!r} is {thing!r}, not an Exporter; make one of it")
-    return thing
-
-
-EXPORTERS: Registry[Exporter] = Registry("worldgen.exporters", "exporter", _accept)
-
-
-def export_world(world: World, name: str, options: ExportOptions | None = None) -> Exported:
+def export_world(
+    world: World,
+    name: str,
+    *,
+    file: str | None = None,
+    options: Mapping[str, Value | None] | None = None,
+    at: float | None = None,
+    origin: tuple[float, float] | None = None,
+    sidecar: bool = True,
+) -> Export:
     """A world in a foreign format.
 
     Args:
         world: The world.
-        name: A registered exporter, ``package.module:name``, or ``./file.py:name``.
-        options: What can be asked of it.
+        name: A registered format, ``package.module:name``, or ``./file.py:name``, with ``+option=value`` if you like.
+        file: Name of the file to be, without folder; ``world`` and the format's usual ending where left out.
+        options: What can be asked of the format; they win over those behind the name.
+        at: Time, s, whose cells are exported, of a world that changes.
+        origin: x and y, m, of the grid's lower-left corner in the file's frame; where left out, what the map said
+            that the world was imported from, else 0.
+        sidecar: Whether what the file does not hold goes into a sidecar.
 
     Raises:
-        InvalidParameter: If there is no such exporter, or an option means nothing to it.
+        InvalidParameter: If there is no such format, it is only read, or an option means nothing to it.
         InvalidWorld: If the format cannot hold the world.
     """
-    exporter, options = EXPORTERS.get(name), options or ExportOptions()
-    if options.noise is not None and "noise" not in exporter.options:
-        raise InvalidParameter(f"noise means nothing to {exporter.name}; leave it out")
-    return exporter.export(world, options)
+    plain, worded = split_options(name)
+    known = FORMATS.get(plain)
+    if known.write is None:
+        raise InvalidParameter(f"{known.name} is read, not written; give another format")
+    given = known.accept({**worded, **(options or {})}, out=True)
+    still = world if at is None else frozen_at(world, at)
+    if still.is_dynamic and not known.changes:
+        raise InvalidWorld(
+            f"the world changes {len(world.timeline)} times, and {known.name} files stand still; give --at 0 for the "
+            "cells at that time, or another format"
+        )
+    destination = Destination(file or f"world{known.suffixes[0]}", origin_of(world) if origin is None else origin)
+    written = known.write(still, destination, **given)
+    missing = dict(_missing(still, known, destination)) | dict(written.altered)
+    files = dict(written.files)
+    beside = f"{destination.name}{SUFFIX}" if missing and sidecar else None
+    if beside is not None:
+        files[beside] = sidecar_text(still, destination, missing)
+    notes = (*written.notes, *_notes(world, at, destination))
+    return Export(known, files, tuple(dict.fromkeys(missing.values())), beside, notes)
+
+
+def _missing(world: World, known: Format, destination: Destination) -> Iterator[tuple[str, str]]:
+    """What the format has no room for, where ``import`` would not take the same value by itself."""
+    radius, speed, cell_size = world.robot_radius, world.robot_speed, world.cell_size
+    as_usual = {
+        "robot_radius": radius_in_cells(world) == _USUAL_RADIUS,
+        "robot_speed": speed == DEFAULT_ROBOT_SPEED,
+        "cell_size": cell_size == DEFAULT_CELL_SIZE,
+        "origin": destination.origin == (0.0, 0.0),
+    }
+    values = {
+        "start": f" ({world.start.x:g}, {world.start.y:g}) m",
+        "heading": f" {world.start.heading:g} rad",
+        "target": f" ({world.target.x:g}, {world.target.y:g}) m",
+        "target_radius": f" {world.target.radius:g} m",
+        "robot_radius": f" {radius:g} m",
+        "robot_speed": f" {speed:g} m/s",
+        "cell_size": f" {cell_size:g} m",
+        "origin": f" ({destination.origin[0]:g}, {destination.origin[1]:g}) m",
+    }
+    for name, words in HELD.items():
+        if name not in known.holds and not as_usual.get(name, False):
+            yield name, f"{words},{values[name]}, is not stored"
+
+
+def _notes(world: World, at: float | None, destination: Destination) -> Iterator[str]:
+    if at is not None and world.is_dynamic:
+        yield f"the world's {len(world.timeline)} changes are not stored; the file has the cells at {at:g} s"
+    if world.failure is not None:
+        yield f"the failure's record ({world.failure.outcome}) is not stored; it stays in the .grid"
+    if destination.origin != (0.0, 0.0):
+        x, y = destination.origin
+        yield f"the world's (0, 0) is ({decimal(x)}, {decimal(y)}) m where the file has coordinates"
+
+
+def origin_of(world: World) -> tuple[float, float]:
+    """X and y, m, of the grid's lower-left corner in the frame of the map that the world was imported from; else 0."""
+    made = world.provenance
+    origin = made.params.get("origin") if made is not None and made.family == "import" else None
+    if isinstance(origin, list) and len(origin) == 2 and all(isinstance(value, int | float) for value in origin):
+        x, y = (float(value) for value in origin if isinstance(value, int | float))
+        return x, y
+    return 0.0, 0.0
+
+
+def frozen_at(world: World, time: float) -> World:
+    """The world as it stands at a time, for ever; what burns then is solid, for no robot may touch it.
+
+    Args:
+        world: The world.
+        time: s, 0 or later.
+
+    Raises:
+        InvalidParameter: If the time is negative or no number.
+    """
+    if not (0.0 <= time < float("inf")):
+        raise InvalidParameter(f"at={time:g} is no time; give seconds from 0 on")
+    walls = world.walls.copy()
+    line = world.timeline
+    for when, ix, iy, state in zip(line.times, line.ix, line.iy, line.states, strict=True):
+        if when > time:
+            break
+        walls[iy, ix] = state != CellState.FREE
+    same = np.array_equal(walls, world.walls) and not world.is_dynamic
+    return world if same else replace(world, walls=walls, timeline=Timeline(), certificate=None, failure=None)
+
+
+def guess_format(file: str) -> str:
+    """The name of the one format whose files end like this.
+
+    Raises:
+        InvalidParameter: If none or several do.
+    """
+    lower = file.lower()
+    writable = [known for known in map(FORMATS.get, FORMATS) if known.write is not None]
+    found = sorted(known.name for known in writable if lower.endswith(known.suffixes))
+    usual = [known.name for known in writable if lower.endswith(known.suffixes[0])]
+    if len(found) > 1 and len(usual) == 1:
+        found = usual
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise InvalidParameter(f"{file}: files of several formats end so: {', '.join(found)}; say which with --to")
+    names = ", ".join(known.name for known in writable)
+    raise InvalidParameter(f"{file}: no format's files end so; say which with --to: {names}")
+
+
+def write_export(export: Export, out: Path, *, force: bool) -> None:
+    """Writes all files of an export; none if one of them is in the way.
+
+    Args:
+        export: As made for a file of that name.
+        out: Path of the file that was asked for; the others go beside it.
+        force: Whether to overwrite what is there.
+
+    Raises:
+        OutputError: If a file is there and ``force`` is not set, or cannot be written.
+    """
+    paths = [out if number == 0 else out.with_name(name) for number, name in enumerate(export.files)]
+    if len(set(paths)) < len(paths):
+        raise OutputError(f"{out}: a file beside it would have the same name; give another name")
+    for path in paths:
+        check_output(path, force)
+    for path, data in zip(paths[::-1], list(export.files.values())[::-1], strict=True):
+        write_bytes(path, data, force=force)  # what was asked for comes last: it names the others
+    stale = out.with_name(out.name + SUFFIX)
+    if force and export.sidecar is None and stale.is_file():
+        stale.unlink()  # of the file that was overwritten

@@ -41,8 +41,11 @@ class ForeignMap:
         notes: Sentences worth knowing.
         warnings: Sentences that point at a likely mistake.
         world: The world, where the format holds a whole one.
-        start: x, y, m, and heading, rad, that the format implies; taken where the robot is clear there.
-        target: x, y and radius, m, where the file has them.
+        start: x, y, m, and the heading, rad, if the file has it; taken where the robot is clear there.
+        target: x, y and, if the file has it, radius, m.
+        robot_radius: m, where the file has it.
+        robot_speed: m/s, where the file has it.
+        origin: x and y, m, of the grid's lower-left corner in the file's frame.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -51,8 +54,11 @@ class ForeignMap:
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     world: World | None = None
-    start: tuple[float, float, float] | None = None
-    target: tuple[float, float, float] | None = None
+    start: tuple[float, ...] | None = None
+    target: tuple[float, ...] | None = None
+    robot_radius: float | None = None
+    robot_speed: float | None = None
+    origin: tuple[float, float] = (0.0, 0.0)
 
 
 def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:

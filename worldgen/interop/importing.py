@@ -11,9 +11,9 @@ from pathlib import Path
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap
-from worldgen.interop.formats import ReadOptions, read_map
 from worldgen.interop.movingai import read_scenario
 from worldgen.interop.place import heading_towards, is_clear, place
+from worldgen.interop.recognising import read_map
 from worldgen.lattice import exact
 from worldgen.reach import Decision, decide
 from worldgen.timeline import Timeline
@@ -85,14 +85,14 @@ def import_world(
     robot: RobotOptions | None = None,
     *,
     name: str | None = None,
-    options: ReadOptions | None = None,
+    options: Mapping[str, Value | None] | None = None,
 ) -> Imported:
     """Reads a map, puts a robot, a start and a target in it, and decides whether the target can be reached.
 
     Args:
         path: A file of any known format.
         robot: Robot, start and target.
-        name: The format; recognised where left out.
+        name: The format, with ``+option=value`` if you like; recognised where left out.
         options: What the file leaves open.
 
     Raises:
@@ -103,6 +103,8 @@ def import_world(
     robot = robot or RobotOptions()
     found = read_map(path, name, options)
     params = dict(found.params)
+    if found.origin != (0.0, 0.0):
+        params["origin"] = list(found.origin)
     robot, notes = _at_programs_start(_complete(_with_scenario(robot, found, params), found), found)
     world, warnings = _place(robot, found)
     decision = decide(world)
@@ -134,8 +136,8 @@ def _complete(robot: RobotOptions, found: ForeignMap) -> RobotOptions:
         target = target or (old.target.x, old.target.y, old.target.radius)
     target = target or found.target
     usual = float(_RADIUS_IN_CELLS * exact(found.cell_size))
-    radius = _first(robot.radius, old.robot_radius if old else usual)
-    speed = _first(robot.speed, old.robot_speed if old else DEFAULT_ROBOT_SPEED)
+    radius = _first(robot.radius, old.robot_radius if old else found.robot_radius, usual)
+    speed = _first(robot.speed, old.robot_speed if old else found.robot_speed, DEFAULT_ROBOT_SPEED)
     check_between("radius", radius, 1e-9, 1e9, "m")
     check_between("speed", speed, 1e-6, 1e6, "m/s")
     return replace(robot, start=start, target=target, radius=radius, speed=speed)
@@ -145,14 +147,14 @@ def _at_programs_start(robot: RobotOptions, found: ForeignMap) -> tuple[RobotOpt
     """Options with the start that the format implies, if none is given and the robot fits there; else why not."""
     if robot.start is not None or robot.seed is not None or found.start is None:
         return robot, ()
-    x, y, _ = found.start
+    x, y = found.start[:2]
     if is_clear(found.walls, found.cell_size, robot.radius or 0.0, (x, y)):  # _complete has set the radius
         return replace(robot, start=found.start), ()
-    return robot, (f"the program's own start ({x:g}, {y:g}) m is not clear for the robot; it starts elsewhere",)
+    return robot, (f"the map's own start ({x:g}, {y:g}) m is not clear for the robot; it starts elsewhere",)
 
 
-def _first(value: float | None, otherwise: float) -> float:
-    return otherwise if value is None else value
+def _first(*values: float | None) -> float:
+    return next(value for value in values if value is not None)
 
 
 def _place(robot: RobotOptions, found: ForeignMap) -> tuple[World, tuple[str, ...]]:

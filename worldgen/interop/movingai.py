@@ -16,11 +16,12 @@ import numpy.typing as npt
 from worldgen.errors import FormatError
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
+from worldgen.interop.format import Format
 from worldgen.lattice import UNIT, lattice_to_metres
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
-__all__ = ["BLOCKED", "PASSABLE", "Scenario", "read_movingai", "read_scenario", "scenario_contents"]
+__all__ = ["BLOCKED", "PASSABLE", "Scenario", "movingai", "read_movingai", "read_scenario", "scenario_contents"]
 
 # Swamp can be entered from plain ground; water cannot, so for a robot that starts on ground it is a wall.
 PASSABLE = b".GS"
@@ -37,7 +38,7 @@ _TABLE[list(PASSABLE)] = 0
 _TABLE[list(BLOCKED)] = 1
 
 
-def read_movingai(path: Path, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
+def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
     """A map of ``type octile``.
 
     Args:
@@ -243,3 +244,13 @@ def _centre(column: int, row_from_top: int, height: int, cell_size: float) -> tu
     half = UNIT // 2
     x, y = column * UNIT + half, (height - 1 - row_from_top) * UNIT + half
     return lattice_to_metres(x, cell_size), lattice_to_metres(y, cell_size)
+
+
+movingai = Format(
+    "movingai",
+    "MovingAI octile map, .map",
+    (".map",),
+    re.compile(rb"type\s"),
+    read_movingai,
+    client="MovingAI benchmarks, HOG2",
+)

@@ -110,7 +110,7 @@ def unloadable(size: int) -> str | None:
     return f"the thesis's program does not load {size} x {size} cells: it takes even sizes of {low} to {high}"
 
 
-def read_thesis_map(path: Path, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
+def read_thesis_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
     """A map that the thesis's program saved.
 
     Args:

@@ -6,6 +6,7 @@ Source: the format as numpy.lib.format documents it, versions 1 to 3.
 from __future__ import annotations
 
 import io
+import re
 import warnings
 from pathlib import Path
 from typing import Any
@@ -15,13 +16,14 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded
+from worldgen.interop.format import Format
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
-__all__ = ["read_numpy_map"]
+__all__ = ["npy", "read_numpy_map"]
 
 
-def read_numpy_map(path: Path, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
+def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
     """An array of two axes, bool or whole numbers; True and 1 are solid; row 0 is the top row, as NumPy prints it.
 
     Args:
@@ -75,3 +77,13 @@ def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
             source=source,
         )
     return cells.astype(np.bool_)
+
+
+npy = Format(
+    "npy",
+    "NumPy array of cells, .npy",
+    (".npy",),
+    re.compile(rb"\x93NUMPY"),
+    read_numpy_map,
+    client="NumPy",
+)

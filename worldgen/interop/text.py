@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,12 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
+from worldgen.interop.format import Format
 from worldgen.lattice import UNIT, lattice_to_metres
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
-__all__ = ["cell_centre", "read_text_map"]
+__all__ = ["cell_centre", "read_text_map", "text"]
 
 _SOLID, _FREE, _START, _TARGET = b"#", b". ", b"S", b"GE"
 _BAD = 2
@@ -22,7 +24,7 @@ _TABLE[list(_FREE + _START + _TARGET)] = 0
 _TABLE[list(_SOLID)] = 1
 
 
-def read_text_map(path: Path, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
+def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
     """A drawing: ``#`` solid, ``.`` or space free, ``S`` the start, ``G`` or ``E`` the target; the top row first.
 
     The start is its cell's centre, the target the disc inscribed in its cell.
@@ -86,3 +88,14 @@ def _place(
         return None
     row, column = (int(index) for index in found[0])
     return cell_centre(column, drawn.shape[0] - 1 - row, cell_size)
+
+
+text = Format(
+    "text",
+    "drawing with a character a cell, .txt",
+    (".txt",),
+    re.compile(rb"[ .SGE]*#[# .SGE]*\r?\n[# .SGE]+(\r?\n|\Z)"),
+    read_text_map,
+    holds=frozenset({"start", "heading", "target", "target_radius"}),
+    client="people",
+)

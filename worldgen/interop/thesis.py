@@ -3,40 +3,67 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 
 from worldgen.errors import InvalidWorld
-from worldgen.interop.exporting import Exported, Exporter, ExportOptions
+from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.java_stream import write_ints
-from worldgen.interop.thesis_map import MAX_SIZE, MIN_SIZE, filtered, program_start, signal, unloadable
+from worldgen.interop.thesis_map import (
+    MAX_SIZE,
+    MIN_SIZE,
+    filtered,
+    program_start,
+    read_thesis_map,
+    signal,
+    unloadable,
+)
 from worldgen.lattice import heading_to_lattice, in_cells, metres_to_lattice, radius_in_cells
 from worldgen.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, World
+from worldgen.world import World
 
-__all__ = ["thesis"]
+__all__ = ["thesis", "write_thesis_map"]
 
 _ROBOT_CELLS = 0.7  # 14 px across
 _SPEED_CELLS = 20.0  # cells/s: 0.2 px/ms
 
 
-def _export(world: World, options: ExportOptions) -> Exported:
-    """The map file.
+def write_thesis_map(
+    world: World, destination: Destination, *, noise: Literal["as-imported", "on", "off"] = "as-imported"
+) -> Exported:
+    """The map file, with the cells at time 0.
+
+    Args:
+        world: A square with walls all round.
+        destination: Where it goes.
+        noise: Whether the map goes through the program's noise filter; ``as-imported``: if the imported map had.
 
     Raises:
         InvalidWorld: If the world is no square of a size that fits, its border is open, or its target lies in a wall.
     """
     _check_shape(world)
     column, row = _target_cell(world)
-    noise = _had_noise(world) if options.noise is None else options.noise
     values = signal(flip_rows(world.walls), (column, row))
-    if noise:
+    if noise == "on" or (noise == "as-imported" and _had_noise(world)):
         values = filtered(values, (column, row))
-    return Exported(write_ints(values.ravel()), tuple(_losses(world, column, row)))
+    why = unloadable(world.width)
+    altered = dict(_altered(world, column, row))
+    return Exported({destination.name: write_ints(values.ravel())}, altered, (why,) if why else ())
 
 
-thesis = Exporter("thesis", ".gex", "map of the thesis's simulator", _export, ("noise",))
+thesis = Format(
+    "thesis",
+    "map of the thesis's simulator, .gex",
+    (".gex",),
+    re.compile(rb"\xac\xed"),
+    read_thesis_map,
+    write_thesis_map,
+    holds=frozenset({"start", "heading", "target", "target_radius", "robot_radius", "robot_speed"}),
+    client="the thesis's simulator",
+)
 
 
 def _had_noise(world: World) -> bool:
@@ -75,25 +102,22 @@ def _target_cell(world: World) -> tuple[int, int]:
     return ix, world.height - 1 - iy
 
 
-def _losses(world: World, column: int, row: int) -> Iterator[str]:
+def _altered(world: World, column: int, row: int) -> Iterator[tuple[str, str]]:
     """What the file does not say and its program would have otherwise."""
-    centre = (2 * column + 1, 2 * (world.height - row) - 1, 1)
-    target = (world.target.x, world.target.y, world.target.radius)
-    if any(2 * in_cells(value, world.cell_size) != halves for value, halves in zip(target, centre, strict=True)):
-        yield f"the target is stored as the whole cell in column {column}, row {row} from the top"
+    centre = (2 * column + 1, 2 * (world.height - row) - 1)
+    x, y = (2 * in_cells(value, world.cell_size) for value in (world.target.x, world.target.y))
+    if x != centre[0] or y != centre[1] or 2 * in_cells(world.target.radius, world.cell_size) != 1:
+        sentence = f"the target is stored as the whole cell in column {column}, row {row} from the top"
+        yield "target", sentence
+        yield "target_radius", sentence
     own, start = program_start(world.width, world.cell_size), world.start
     places = [metres_to_lattice(value, world.cell_size) for value in (own.x, start.x, own.y, start.y)]
     turned = heading_to_lattice(start.heading) != heading_to_lattice(own.heading)
     if places[::2] != places[1::2] or turned:
-        yield "the start pose is not stored; the program starts at 35, 35 px, 3.5 cells from the left and the top"
+        sentence = "the start pose is not stored; the program starts at 35, 35 px, 3.5 cells from the left and the top"
+        yield "start", sentence
+        yield "heading", sentence
     if float(radius_in_cells(world)) != _ROBOT_CELLS:
-        yield "the robot's radius is not stored; the program's robot has 0.7 cells"
+        yield "robot_radius", "the robot's radius is not stored; the program's robot has 0.7 cells"
     if float(in_cells(world.robot_speed, world.cell_size)) != _SPEED_CELLS:
-        yield "the robot's speed is not stored; the program's robot drives 20 cells a second"
-    if world.cell_size != DEFAULT_CELL_SIZE:
-        yield f"the cell size of {world.cell_size:g} m is not stored; give import --cell-size {world.cell_size!r}"
-    if world.is_dynamic:
-        yield f"the timeline of {len(world.timeline)} changes is not stored; the file has the cells at time 0"
-    why = unloadable(world.width)
-    if why:
-        yield why
+        yield "robot_speed", "the robot's speed is not stored; the program's robot drives 20 cells a second"

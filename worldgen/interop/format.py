@@ -1,0 +1,179 @@
+"""What a foreign format is: a name, how its files are known, and how they are read and written."""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import PurePath
+from typing import Any
+
+from worldgen.errors import InvalidParameter
+from worldgen.interop.foreign_map import ForeignMap
+from worldgen.lattice import exact
+from worldgen.parameters import Parameter, check_declared, parameters_of
+from worldgen.registry import Registry
+from worldgen.world import Value
+
+__all__ = ["FORMATS", "HELD", "Destination", "Exported", "Format", "decimal", "split_options"]
+
+HELD = {
+    "start": "the start",
+    "heading": "the robot's heading at the start",
+    "target": "the target",
+    "target_radius": "the target's radius",
+    "robot_radius": "the robot's radius",
+    "robot_speed": "the robot's speed",
+    "cell_size": "the cell size",
+    "origin": "the origin",
+}
+"""What a world has beside its cells, and a file may have no room for, in words for messages."""
+
+
+@dataclass(frozen=True)
+class Destination:
+    """Where a world is written to.
+
+    Args:
+        name: Name of the file, without folder.
+        origin: x and y, m, of the grid's lower-left corner in the file's frame: what an imported map said, mostly 0.
+    """
+
+    name: str
+    origin: tuple[float, float] = (0.0, 0.0)
+
+    def companion(self, ending: str) -> str:
+        """Name of a file beside it, ``office.pgm`` beside ``office.yaml``."""
+        return f"{PurePath(self.name).stem}{ending}"
+
+    def x(self, value: float) -> str:
+        """An x of the world, m, in the file's frame: an exact decimal."""
+        return decimal(value, self.origin[0])
+
+    def y(self, value: float) -> str:
+        """A y of the world, m, in the file's frame: an exact decimal."""
+        return decimal(value, self.origin[1])
+
+
+def decimal(value: float, shift: float = 0.0) -> str:
+    """A sum of two numbers as their shortest decimals say them, exactly, without exponent."""
+    total = exact(value) + exact(shift)
+    places = next(n for n in range(2000) if (total * 10**n).denominator == 1)  # both are decimals: there is one
+    sign, digits = "-" if total < 0 else "", str(abs(int(total * 10**places))).rjust(places + 1, "0")
+    return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What is to be written.
+
+    Args:
+        files: Contents by name; the first is the file that was asked for, others lie beside it.
+        altered: What of :data:`HELD` this file holds otherwise than the world has it, with a sentence how;
+            the true value goes into the sidecar.
+        notes: Sentences on what else gets lost, or what the other program does with the file.
+    """
+
+    files: Mapping[str, bytes]
+    altered: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    @property
+    def data(self) -> bytes:
+        """Contents of the file that was asked for."""
+        return next(iter(self.files.values()))
+
+
+@dataclass(frozen=True)
+class Format:
+    """A foreign format; register it in the group ``worldgen.formats``.
+
+    ``read`` and ``write`` declare what can be asked of them as families do: keyword-only parameters with plain
+    defaults, which become ``--from NAME+option=value`` and ``--to NAME+option=value``.
+
+    Args:
+        name: As ``--from`` and ``--to`` take it.
+        summary: What its files are, in a few words.
+        suffixes: Endings of file names, lower case, the usual one first.
+        magic: Matches the beginning (4096 bytes) of its files' contents and of few others.
+        read: ``read(path, *, ...) -> ForeignMap``; None if worlds only go out.
+        write: ``write(world, destination, *, ...) -> Exported``; None if they only come in.
+        holds: What of :data:`HELD` its files have room for.
+        changes: Whether its files hold worlds that change with time.
+        client: The programs that read it, in a few words.
+    """
+
+    name: str
+    summary: str
+    suffixes: tuple[str, ...]
+    magic: re.Pattern[bytes] | None = None
+    read: Callable[..., ForeignMap] | None = None
+    write: Callable[..., Exported] | None = None
+    holds: frozenset[str] = frozenset()
+    changes: bool = False
+    client: str = ""
+
+    def __post_init__(self) -> None:
+        unknown = sorted(self.holds - HELD.keys())
+        if unknown or not self.suffixes:
+            raise InvalidParameter(
+                f"format {self.name!r}: holds {', '.join(unknown) or 'nothing wrong'}, suffixes {self.suffixes}; it "
+                f"needs a suffix, and holds some of {', '.join(HELD)}"
+            )
+        for function, positional in ((self.read, 1), (self.write, 2)):
+            if function is not None:
+                check_declared(function, f"format {self.name!r}", positional=positional)
+
+    @property
+    def direction(self) -> str:
+        """``both``, ``in`` or ``out``."""
+        return "both" if self.read and self.write else "in" if self.read else "out"
+
+    @functools.cached_property
+    def read_options(self) -> tuple[Parameter, ...]:
+        """What can be asked of ``read``."""
+        return parameters_of(self.read, f"format {self.name!r}") if self.read else ()
+
+    @functools.cached_property
+    def write_options(self) -> tuple[Parameter, ...]:
+        """What can be asked of ``write``."""
+        return parameters_of(self.write, f"format {self.name!r}") if self.write else ()
+
+    def accept(self, given: Mapping[str, Value | None], *, out: bool) -> dict[str, Value]:
+        """Options as given, their types checked; words from the command line are parsed.
+
+        Args:
+            given: By name; of a word on the command line, the text behind ``=``, None without one.
+            out: Whether they are for ``write``.
+
+        Raises:
+            InvalidParameter: If an option means nothing to the format, or is no value of its type.
+        """
+        known = {parameter.name: parameter for parameter in (self.write_options if out else self.read_options)}
+        accepted = {}
+        for name, value in given.items():
+            if name not in known:
+                has = f"it has {', '.join(known)}" if known else "it has no options"
+                raise InvalidParameter(
+                    f"{name} means nothing to {self.name} on the way {'out' if out else 'in'}; {has}; leave it out"
+                )
+            word = value is None or (isinstance(value, str) and not isinstance(known[name].default, str))
+            accepted[name] = known[name].parse(value, self.name) if word else known[name].accept(value, self.name)  # type: ignore[arg-type]
+        return accepted
+
+
+def split_options(text: str) -> tuple[str, dict[str, str | None]]:
+    """The name and the options of ``ros+mode=scale+negate``; dashes in an option's name count as underscores."""
+    name, *words = text.split("+")
+    parts = [word.partition("=") for word in words]
+    return name, {option.strip().replace("-", "_"): value if equals else None for option, equals, value in parts}
+
+
+def _accept(name: str, thing: Any) -> Format:
+    if not isinstance(thing, Format):
+        raise InvalidParameter(f"format {name!r} is {thing!r}, not a Format; make one of worldgen.interop")
+    return thing
+
+
+FORMATS: Registry[Format] = Registry("worldgen.formats", "format", _accept)

@@ -1,0 +1,125 @@
+"""Which format a file is of, and reading it, with what its sidecar says."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.family import check_between
+from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, read_bounded
+from worldgen.interop.format import FORMATS, Format, split_options
+from worldgen.interop.sidecar import read_sidecar, with_sidecar
+from worldgen.world import Value
+
+__all__ = ["find_format", "looks_like_a_map", "read_map", "readable_formats"]
+
+_HEAD = 4096  # bytes looked at to recognise a file
+_COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", ".gz")  # of much that is no map
+_OURS = "worldgen.interop."
+
+
+def readable_formats(*, plug_ins: bool = True) -> Iterator[Format]:
+    """Formats that can be read, in order of their names, those of plug-ins last."""
+    points = FORMATS.entry_points()
+    for ours in (True, False) if plug_ins else (True,):
+        for name in sorted(points):
+            if points[name].value.startswith(_OURS) == ours:
+                known = FORMATS.get(name)
+                if known.read is not None:
+                    yield known
+
+
+def find_format(path: Path, name: str | None = None) -> Format:
+    """The format of a file: as said, or by its contents, or by the ending of its name.
+
+    Raises:
+        InvalidParameter: If no format has that name, or it can only be written.
+        FormatError: If the file is none that is known, or might be of several formats.
+    """
+    if name is not None:
+        known = FORMATS.get(name)
+        if known.read is None:
+            raise InvalidParameter(f"{known.name} is written, not read; give a file of another format")
+        return known
+    head = _head(path)
+    found = _by_contents(path, head)
+    if found:
+        return _only(found, path)
+    if path.suffix.lower() == ".scen" or re.match(rb"version\s+1", head):
+        raise FormatError("a scenario file has no map; give the .map file, and this one with --scen", source=str(path))
+    by_name = [known for known in readable_formats() if path.suffix.lower() in known.suffixes]
+    if by_name:
+        return _only(by_name, path)
+    raise FormatError(
+        "is no map that is known; `worldgen formats` lists those that are; if it is one, say which with --from",
+        source=str(path),
+    )
+
+
+def _only(found: list[Format], path: Path) -> Format:
+    if len(found) > 1:
+        names = ", ".join(known.name for known in found)
+        raise FormatError(f"might be of several formats: {names}; say which with --from", source=str(path))
+    return found[0]
+
+
+def _by_contents(path: Path, head: bytes) -> list[Format]:
+    """Formats whose beginning matches; of several, those that the file's ending fits too; ours before plug-ins'."""
+    found: list[Format] = []
+    for plug_ins in (False, True):
+        found = [known for known in readable_formats(plug_ins=plug_ins) if known.magic and known.magic.match(head)]
+        if found:
+            break
+    named = [known for known in found if path.suffix.lower() in known.suffixes]
+    return named or found
+
+
+def looks_like_a_map(path: Path) -> bool:
+    """Whether a file among others is worth reading as a map: by its contents, or by an ending that only maps have."""
+    suffix = ".grid" if path.name.lower().endswith(".grid.gz") else path.suffix.lower()
+    if suffix not in _COMMON and any(suffix in known.suffixes for known in readable_formats()):
+        return True
+    try:
+        return bool(_by_contents(path, _head(path)))
+    except FormatError:
+        return False
+
+
+def _head(path: Path) -> bytes:
+    try:
+        if path.is_file():
+            with path.open("rb") as stream:
+                return stream.read(_HEAD)
+    except (OSError, ValueError):
+        pass
+    return read_bounded(path, _HEAD)  # says what is wrong with the file
+
+
+def read_map(path: Path, name: str | None = None, options: Mapping[str, Value | None] | None = None) -> ForeignMap:
+    """Reads a map of any known format; what its sidecar says, the file does not.
+
+    Args:
+        path: The file.
+        name: Format, with ``+option=value`` if you like; recognised where left out.
+        options: What the file leaves open; they win over those behind the name.
+
+    Raises:
+        FormatError: If the file or its sidecar breaks the format's rules, or is of no known format.
+        InvalidParameter: If the format is unknown, or an option means nothing to it.
+    """
+    format_name, worded = (None, {}) if name is None else split_options(name)
+    known = find_format(path, format_name)
+    given = known.accept({**worded, **(options or {})}, out=False)
+    sidecar = read_sidecar(path)
+    takes_cell_size = any(option.name == "cell_size" for option in known.read_options)
+    if takes_cell_size and sidecar is not None and "cell_size" in sidecar.values:
+        given.setdefault("cell_size", sidecar.values["cell_size"][0])
+    cell_size = given.get("cell_size")
+    if isinstance(cell_size, float):
+        check_between("cell_size", cell_size, *CELL_SIZES, "m")
+    if known.read is None:  # find_format has refused it
+        raise InvalidParameter(f"{known.name} is not read")
+    found = known.read(path, **given)
+    return found if sidecar is None else with_sidecar(found, sidecar)

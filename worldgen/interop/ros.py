@@ -1,0 +1,231 @@
+"""ROS map_server maps: a YAML file of a few keys, and a picture whose grey says how occupied a cell is.
+
+Source: the map_server of ROS navigation2 (``map_io.cpp``) and its documentation.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.family import check_choice
+from worldgen.interop.companion import companion
+from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, digest, read_bounded
+from worldgen.interop.format import Format
+from worldgen.interop.grey_image import GreyImage, read_grey_image
+from worldgen.interop.yaml_table import YamlTable, read_yaml
+from worldgen.lattice import exact
+from worldgen.rows import flip_rows
+from worldgen.world import Value
+
+__all__ = [
+    "FREE",
+    "OCCUPIED",
+    "UNKNOWN",
+    "RosMetadata",
+    "occupancy",
+    "read_metadata",
+    "read_ros_map",
+    "ros",
+    "solid_cells",
+]
+
+FREE, OCCUPIED, UNKNOWN = 0, 100, -1  # values of a nav_msgs/OccupancyGrid
+MODES = ("trinary", "scale", "raw")
+_UNKNOWN_GREY = 205  # what map savers write for unknown
+_MAX_YAML_BYTES = 64 << 10
+_REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
+
+
+@dataclass(frozen=True)
+class RosMetadata:
+    """What the YAML file says.
+
+    Args:
+        image: The picture's path.
+        resolution: Side of a cell, m.
+        origin: x and y in m of the lower-left corner in the map's frame; the yaw must be 0.
+        occupied_thresh: Occupancy, 0 to 1, from which on a cell is occupied.
+        free_thresh: Occupancy up to which a cell is free.
+        negate: Whether white is occupied.
+        mode: ``trinary``, ``scale`` or ``raw``.
+    """
+
+    image: Path
+    resolution: float
+    origin: tuple[float, float]
+    occupied_thresh: float
+    free_thresh: float
+    negate: bool = False
+    mode: str = "trinary"
+
+
+def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> ForeignMap:
+    """A map_server pair.
+
+    Args:
+        path: The YAML file; it names the picture.
+        unknown: What cells are that are neither occupied nor free: ``solid`` or ``free``.
+
+    Raises:
+        FormatError: If the YAML file or the picture breaks a rule, with the line where there is one.
+    """
+    text = read_bounded(path, _MAX_YAML_BYTES)
+    metadata = read_metadata(text, path)
+    picture = read_bounded(metadata.image)
+    image = read_grey_image(picture, str(metadata.image))
+    cells = occupancy(image, metadata)
+    solid, unsure = solid_cells(cells, metadata)
+    notes = []
+    if unsure.any():
+        notes.append(
+            f"{np.count_nonzero(unsure)} of {unsure.size} cells are neither occupied nor free; "
+            f"they are taken as {unknown}"
+        )
+    walls = solid | unsure if unknown == "solid" else solid
+    x, y = metadata.origin
+    if x != 0.0 or y != 0.0:
+        notes.append(f"the world's (0, 0) is the map's ({x:g}, {y:g}) m; add that to compare with ROS")
+    params: dict[str, Value] = {
+        "format": "ros", "source": path.name, "sha256": digest(text), "image": metadata.image.name,
+        "image_sha256": digest(picture), "mode": metadata.mode, "origin": [x, y], "unknown": unknown,
+    }  # fmt: skip
+    warnings = tuple(_warnings(image, metadata))
+    return ForeignMap(flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=metadata.origin)
+
+
+def occupancy(image: GreyImage, metadata: RosMetadata) -> npt.NDArray[np.int8]:
+    """The values that map_server would publish.
+
+    Returns:
+        (height, width) int8, top row first: -1 unknown, 0 free to 100 occupied.
+    """
+    levels = [_level(value, image.maximum, metadata) for value in range(image.maximum + 1)]
+    cells: npt.NDArray[np.int8] = np.array(levels, np.int8)[image.values]
+    if image.opaque is not None and metadata.mode != "raw":
+        cells[~image.opaque] = UNKNOWN
+    return cells
+
+
+def _level(value: int, maximum: int, metadata: RosMetadata) -> int:
+    """Occupancy of one grey value. Thresholds are decimals and count exactly, both inclusive."""
+    if metadata.mode == "raw":
+        byte = math.floor(Fraction(255 * value, maximum) + Fraction(1, 2))
+        return byte if byte <= OCCUPIED else UNKNOWN
+    filled = Fraction(value if metadata.negate else maximum - value, maximum)
+    occupied, free = exact(metadata.occupied_thresh), exact(metadata.free_thresh)
+    if filled >= occupied:
+        return OCCUPIED
+    if filled <= free:
+        return FREE
+    return round(100 * (filled - free) / (occupied - free)) if metadata.mode == "scale" else UNKNOWN
+
+
+def solid_cells(
+    cells: npt.NDArray[np.int8], metadata: RosMetadata
+) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    """Which cells are surely occupied, and which are neither that nor surely free.
+
+    In mode ``raw`` the thresholds part the published values; else 100 is occupied and 0 is free.
+    """
+    if metadata.mode != "raw":
+        solid = cells == OCCUPIED
+        return solid, ~solid & (cells != FREE)
+    solid = cells >= math.ceil(100 * exact(metadata.occupied_thresh))
+    free = (cells >= 0) & (cells <= math.floor(100 * exact(metadata.free_thresh)))
+    return solid, ~solid & ~free
+
+
+def _warnings(image: GreyImage, metadata: RosMetadata) -> list[str]:
+    found = []
+    if image.maximum == 255 and metadata.mode != "raw" and not metadata.negate:
+        taken_as_free = _level(_UNKNOWN_GREY, 255, metadata) == FREE
+        if taken_as_free and (image.values == _UNKNOWN_GREY).any():
+            found.append(
+                f"grey {_UNKNOWN_GREY}, which map savers write for unknown cells, counts as free because "
+                f"free_thresh is {metadata.free_thresh:g}; set it to 0.196 if those cells are unknown"
+            )
+    if image.maximum == 1:
+        found.append("the picture's maximum is 1: ROS itself misreads such PGM files, black comes out free")
+    return found
+
+
+def read_metadata(text: bytes, path: Path) -> RosMetadata:
+    """Checks the YAML file's keys.
+
+    Args:
+        text: The file.
+        path: Where it lies; the picture must lie in the same folder or below it.
+
+    Raises:
+        FormatError: If it is no YAML, a key is missing or wrong, the map is turned, or the picture's
+            path leads out of the folder.
+    """
+    source = str(path)
+    table = read_yaml(text, source, "a ROS map has `image: map.pgm` and the like")
+    missing = [key for key in _REQUIRED if key not in table]
+    if missing:
+        raise FormatError(
+            f"{', '.join(missing)} missing; a ROS map has the keys {', '.join(_REQUIRED)}, and may have mode",
+            source=source,
+        )
+    resolution = table.number("resolution")
+    occupied, free = table.number("occupied_thresh"), table.number("free_thresh")
+    if not CELL_SIZES[0] <= resolution <= CELL_SIZES[1]:
+        least, most = CELL_SIZES
+        message = f"resolution is {resolution:g}; it is the side of a pixel, {least:g} to {most:g} m"
+        raise table.fault("resolution", message)
+    if not 0.0 <= free < occupied <= 1.0:
+        message = f"free_thresh {free:g}, occupied_thresh {occupied:g}; the rule is 0 <= free < occupied <= 1"
+        raise table.fault("free_thresh", message)
+    return RosMetadata(
+        _image(table, path), resolution, _origin(table), occupied, free, table.truth("negate"), _mode(table)
+    )
+
+
+def _image(table: YamlTable, path: Path) -> Path:
+    try:
+        return companion(path, "image", table.word("image"))
+    except InvalidParameter as error:
+        raise table.fault("image", str(error)) from error
+
+
+def _origin(table: YamlTable) -> tuple[float, float]:
+    numbers = table.numbers("origin") or []
+    if len(numbers) != 3:
+        raise table.fault("origin", "origin must be three numbers, [x m, y m, yaw rad]")
+    x, y, yaw = numbers
+    if yaw != 0.0:
+        message = f"the map is turned by {yaw:g} rad; only yaw 0 is read; turn the picture and write 0"
+        raise table.fault("origin", message)
+    return x, y
+
+
+def _mode(table: YamlTable) -> str:
+    if "mode" not in table:
+        return MODES[0]
+    mode = table.word("mode").lower()
+    try:
+        check_choice("mode", mode, MODES)
+    except InvalidParameter as error:
+        raise table.fault("mode", str(error)) from error
+    return mode
+
+
+ros = Format(
+    "ros",
+    "ROS map_server, .yaml with .pgm or .png",
+    (".yaml", ".yml"),
+    re.compile(rb"(?s).*?(?m:^)image[ \t]*:"),
+    read_ros_map,
+    holds=frozenset({"cell_size", "origin"}),
+    client="ROS map_server, Nav2",
+)

@@ -1,0 +1,155 @@
+"""The sidecar of an exported file: what its format has no room for, in a small TOML file beside it.
+
+``maze.map`` has ``maze.map.worldgen.toml``. Only what the file itself does not hold is in there, so that an edit
+of the file counts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from worldgen.errors import FormatError
+from worldgen.grid_file.header import Header
+from worldgen.grid_file.toml_text import value_text
+from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded, shown
+from worldgen.interop.format import HELD, Destination
+from worldgen.world import Value, World
+
+__all__ = ["SUFFIX", "Sidecar", "read_sidecar", "sidecar_text", "with_sidecar"]
+
+SUFFIX = ".worldgen.toml"
+_VERSION = 1
+_MOST_BYTES = 64 << 10
+_PAIRS = ("start", "target", "origin")
+_LENGTHS = ("target_radius", "robot_radius", "robot_speed", "cell_size")  # above 0
+_SIZE = "size"
+
+
+@dataclass(frozen=True)
+class Sidecar:
+    """What a sidecar says.
+
+    Args:
+        name: Name of its file.
+        sha256: Of its bytes.
+        size: Width and height, in cells, of the map that it is for.
+        values: By the names of :data:`~worldgen.interop.format.HELD`: m, rad, m/s; two numbers of a point.
+    """
+
+    name: str
+    sha256: str
+    size: tuple[int, int]
+    values: Mapping[str, tuple[float, ...]]
+
+
+def sidecar_text(world: World, destination: Destination, missing: Collection[str]) -> bytes:
+    """The sidecar's contents.
+
+    Args:
+        world: The world that was exported.
+        destination: Where it was written.
+        missing: Names of :data:`~worldgen.interop.format.HELD` that the file does not hold.
+    """
+    values: dict[str, Value] = {
+        "start": [world.start.x, world.start.y],
+        "heading": world.start.heading,
+        "target": [world.target.x, world.target.y],
+        "target_radius": world.target.radius,
+        "robot_radius": world.robot_radius,
+        "robot_speed": world.robot_speed,
+        "cell_size": world.cell_size,
+        "origin": list(destination.origin),
+    }
+    kept: dict[str, Value] = {"worldgen": _VERSION, _SIZE: [world.width, world.height]}
+    kept |= {name: value for name, value in values.items() if name in missing}
+    lines = [f"# What {destination.name!r} has no room for; m, rad, m/s, from the grid's lower-left corner, y up."]
+    lines += [f"{name} = {value_text(value, name)}" for name, value in kept.items()]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def read_sidecar(path: Path) -> Sidecar | None:
+    """The sidecar beside a file; None where there is none.
+
+    Args:
+        path: The map's file.
+
+    Raises:
+        FormatError: If it is no sidecar, with the line at fault.
+    """
+    beside = path.with_name(path.name + SUFFIX)
+    try:
+        if not beside.exists():
+            return None
+    except (OSError, ValueError):
+        return None
+    data, source = read_bounded(beside, _MOST_BYTES), str(beside)
+    try:
+        header = Header(data.decode("utf-8-sig"), 1, source, "the sidecar")
+    except UnicodeDecodeError as error:
+        raise FormatError("is no UTF-8 text; delete it, or export the world again", source=source) from error
+    known = ("worldgen", _SIZE, *HELD)
+    for key in header.data:
+        if key not in known:
+            raise header.fault(f"{shown(key)} is no key of a sidecar; it has {', '.join(known)}", key)
+    if header.data.get("worldgen") != _VERSION:
+        raise header.fault(f"worldgen = {_VERSION} must say the sidecar's version; export the world again", "worldgen")
+    size = _numbers(header, _SIZE)
+    values = {key: _numbers(header, key) for key in HELD if key in header.data}
+    return Sidecar(beside.name, digest(data), (int(size[0]), int(size[1])), values)
+
+
+def _numbers(header: Header, key: str) -> tuple[float, ...]:
+    """The numbers of a key, as many as it must have, finite, lengths above 0."""
+    value = header.data.get(key)
+    items = value if isinstance(value, list) else [value]
+    count = 2 if key in (*_PAIRS, _SIZE) else 1
+    numbers = tuple(float(item) for item in items if isinstance(item, int | float) and not isinstance(item, bool))
+    if len(items) != count or len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise header.fault(
+            f"{key} must be {'two finite numbers in brackets' if count == 2 else 'a finite number'}", key
+        )
+    if key in (*_LENGTHS, _SIZE) and min(numbers) <= 0:
+        raise header.fault(f"{key} must be above 0", key)
+    return numbers
+
+
+def with_sidecar(found: ForeignMap, sidecar: Sidecar) -> ForeignMap:
+    """The map with what its file could not hold; as it is, with a warning, where the sidecar is another map's."""
+    height, width = found.walls.shape
+    if (width, height) != sidecar.size:
+        warning = (
+            f"{sidecar.name} is of a map of {sidecar.size[0]} x {sidecar.size[1]} cells, not {width} x {height}; "
+            "it was passed over; delete it, or export the world again"
+        )
+        return replace(found, warnings=(*found.warnings, warning))
+    values = sidecar.values
+    start = _joined(values.get("start"), values.get("heading"), found.start)
+    target = _joined(values.get("target"), values.get("target_radius"), found.target)
+    said = ", ".join(HELD[name] for name in values)
+    return replace(
+        found,
+        start=start,
+        target=target,
+        robot_radius=next(_firsts(values, "robot_radius"), found.robot_radius),
+        robot_speed=next(_firsts(values, "robot_speed"), found.robot_speed),
+        origin=(values["origin"][0], values["origin"][1]) if "origin" in values else found.origin,
+        params={**found.params, "sidecar_sha256": sidecar.sha256},
+        notes=(*found.notes, f"{sidecar.name} says {said}"),
+    )
+
+
+def _joined(
+    point: tuple[float, ...] | None, third: tuple[float, ...] | None, own: tuple[float, ...] | None
+) -> tuple[float, ...] | None:
+    """A point of the sidecar's or the file's own, with the sidecar's third number or the file's own."""
+    if point is None and own is None:
+        return None
+    rest = third or (own[2:] if own else ())
+    return (*(point or (own or ())[:2]), *rest)
+
+
+def _firsts(values: Mapping[str, tuple[float, ...]], name: str) -> Iterator[float]:
+    return iter(values.get(name, ()))

@@ -1,0 +1,185 @@
+"""YAML read as nodes: no value is built, no tag obeyed, nothing grows, and every fault has its line."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import yaml
+
+from worldgen.errors import FormatError
+from worldgen.interop.foreign_map import shown
+
+__all__ = ["YamlTable", "read_yaml"]
+
+_MAX_DEPTH = 8
+_NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
+_TRUTH = {
+    "0": False,
+    "false": False,
+    "no": False,
+    "off": False,
+    "1": True,
+    "true": True,
+    "yes": True,
+    "on": True,
+}
+
+
+class _Entry(NamedTuple):
+    """One value, with the line of its key."""
+
+    node: yaml.Node
+    line: int
+
+
+class YamlTable:
+    """Keys with their values, as words and numbers; asked for what is not so, it raises with the line.
+
+    Args:
+        node: The mapping.
+        source: The file's name for messages.
+
+    Raises:
+        FormatError: If a key is given twice.
+    """
+
+    def __init__(self, node: yaml.MappingNode, source: str) -> None:
+        self.source, self.line = source, node.start_mark.line + 1
+        self._entries: dict[str, _Entry] = {}
+        for key, value in node.value:
+            line = key.start_mark.line + 1
+            name = key.value if isinstance(key, yaml.ScalarNode) else "a list or mapping"
+            if name in self._entries:
+                raise FormatError(f"{shown(name)} is given twice; keep one", line=line, source=source)
+            self._entries[name] = _Entry(value, line)
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._entries
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def fault(self, key: str, message: str) -> FormatError:
+        """An error at the line of a key."""
+        return FormatError(message, line=self._entries[key].line, source=self.source)
+
+    def word(self, key: str) -> str:
+        """The one value of a key, as written.
+
+        Raises:
+            FormatError: If it is a list, a table, or empty.
+        """
+        node = self._entries[key].node
+        if not isinstance(node, yaml.ScalarNode) or not node.value:
+            raise self.fault(key, f"{key} must be one value on its line, not a list and not empty")
+        return str(node.value)
+
+    def number(self, key: str) -> float:
+        """The finite number of a key.
+
+        Raises:
+            FormatError: If it is none.
+        """
+        word = self.word(key)
+        value = _parse_number(word)
+        if value is None:
+            raise self.fault(key, f"{key} is {shown(word)}, no finite number; write one like 0.05")
+        return value
+
+    def truth(self, key: str) -> bool:
+        """The yes or no of a key.
+
+        Raises:
+            FormatError: If it is neither.
+        """
+        word = self.word(key)
+        if word.lower() not in _TRUTH:
+            raise self.fault(key, f"{key} is {shown(word)}; write 0 or 1")
+        return _TRUTH[word.lower()]
+
+    def words(self, key: str) -> list[str] | None:
+        """The list of a key, of single values as written; None where it is something else."""
+        node = self._entries[key].node
+        items = node.value if isinstance(node, yaml.SequenceNode) else None
+        if items is None or not all(isinstance(item, yaml.ScalarNode) for item in items):
+            return None
+        return [str(item.value) for item in items]
+
+    def numbers(self, key: str) -> list[float] | None:
+        """The list of a key, of finite numbers; None where it is something else."""
+        numbers = [_parse_number(word) for word in self.words(key) or ("",)]
+        return None if None in numbers else [number for number in numbers if number is not None]
+
+    def tables(self, key: str) -> list[YamlTable]:
+        """The tables of a key: one, or a list of them.
+
+        Raises:
+            FormatError: If it is something else.
+        """
+        node = self._entries[key].node
+        items = node.value if isinstance(node, yaml.SequenceNode) else [node]
+        tables = [item for item in items if isinstance(item, yaml.MappingNode)]
+        if len(tables) < len(items):
+            raise self.fault(key, f"{key} must have keys of its own, `name: value`, indented below it")
+        return [YamlTable(item, self.source) for item in tables]
+
+
+def read_yaml(text: bytes, source: str, example: str) -> YamlTable:
+    """The top level of a file.
+
+    Args:
+        text: The file.
+        source: Its name for messages.
+        example: What such a file has, for messages: "a ROS map has `image: map.pgm` and the like".
+
+    Raises:
+        FormatError: If it is no YAML, no table, or has anchors, aliases, or lists nested too deep.
+    """
+    root = _compose(text, source)
+    if not isinstance(root, yaml.MappingNode):
+        raise FormatError(f"holds no keys; {example}", line=1, source=source)
+    return YamlTable(root, source)
+
+
+def _parse_number(word: str) -> float | None:
+    value = float(word) if _NUMBER.fullmatch(word) else math.nan
+    return value if math.isfinite(value) else None
+
+
+def _compose(text: bytes, source: str) -> yaml.Node | None:
+    """The file as nodes only: no value is built, no tag obeyed."""
+    try:
+        decoded = text.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = text.count(b"\n", 0, error.start) + 1
+        raise FormatError("is not UTF-8 text; give the map's YAML file", line=line, source=source) from error
+    try:
+        _refuse_tricks(decoded, source)
+        return yaml.compose(decoded, Loader=yaml.SafeLoader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = 1 if mark is None else mark.line + 1
+        message = f"is no YAML: {error.problem or error.context}; write `key: value` lines"
+        raise FormatError(message, line=line, source=source) from error
+    except FormatError:
+        raise
+    except (yaml.YAMLError, ValueError, OverflowError) as error:  # a forbidden character, raw or as an escape
+        line = decoded.count("\n", 0, getattr(error, "position", 0)) + 1
+        raise FormatError("has a character that YAML forbids; remove it", line=line, source=source) from error
+
+
+def _refuse_tricks(text: str, source: str) -> None:
+    """Refuses what makes a small YAML file large or deep, before a tree is built."""
+    depth = 0
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        line = 1 if event.start_mark is None else event.start_mark.line + 1
+        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
+            raise FormatError(
+                "anchors and aliases (& and *) are not read; write the value out", line=line, source=source
+            )
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if depth > _MAX_DEPTH:
+            raise FormatError(f"lists nested deeper than {_MAX_DEPTH}; flatten them", line=line, source=source)

@@ -1,0 +1,200 @@
+"""Parameters as functions declare them: keyword-only, with a plain default that gives the type."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+import typing
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from typing import Any
+
+from worldgen.errors import InvalidParameter
+from worldgen.world import Value
+
+__all__ = [
+    "Parameter",
+    "check_at_least",
+    "check_between",
+    "check_choice",
+    "check_declared",
+    "check_positive",
+    "parameters_of",
+]
+
+_INT64 = 2**63  # a file holds no larger whole number
+_PLAIN = (bool, int, float, str)
+_SWITCH = {"on": True, "true": True, "yes": True, "1": True, "off": False, "false": False, "no": False, "0": False}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a family or a format, as its function declares it.
+
+    Args:
+        name: Name in Python; on the command line with dashes.
+        default: Its type is the parameter's type: bool, int, float or str.
+        choices: The words allowed, from a ``Literal`` annotation; empty if there is none.
+        help: Its entry in the docstring's ``Args``, on one line.
+    """
+
+    name: str
+    default: bool | int | float | str
+    choices: tuple[str, ...] = ()
+    help: str = ""
+
+    def accept(self, value: Value, owner: str) -> Value:
+        """The value, as a float where the default is one.
+
+        Raises:
+            InvalidParameter: If it has another type than the default, or is none of the choices.
+        """
+        kind = type(self.default)
+        if kind is float and type(value) is int:
+            value = float(value)
+        if type(value) is not kind:
+            raise InvalidParameter(
+                f"{owner}: {self.name}={value!r} is a {type(value).__name__}; give a {kind.__name__}"
+            )
+        if isinstance(value, int) and not -_INT64 <= value < _INT64:
+            raise InvalidParameter(f"{owner}: {self.name} is a number of more than 64 bits; give a smaller one")
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InvalidParameter(f"{owner}: {self.name}={value} is not finite; give a finite number")
+        if self.choices:
+            check_choice(self.name, str(value), self.choices)
+        return value
+
+    def parse(self, text: str | None, owner: str) -> Value:
+        """The value that a word says: ``+mode=scale``, ``+negate`` or ``+negate=on``.
+
+        Args:
+            text: The word; None where nothing but the name was said.
+            owner: What the parameter belongs to, for messages.
+
+        Raises:
+            InvalidParameter: If the word is no value of the parameter's type, or is missing.
+        """
+        kind = type(self.default)
+        if kind is bool:
+            if text is not None and text.lower() not in _SWITCH:
+                raise InvalidParameter(f"{owner}: {self.name}={text[:40]!r} is neither on nor off; write one of these")
+            return text is None or _SWITCH[text.lower()]
+        if not text:
+            example = self.choices[-1] if self.choices else self.default
+            raise InvalidParameter(f"{owner}: {self.name} needs a value; write {self.name}={example}")
+        try:
+            return self.accept(kind(text), owner)
+        except ValueError as error:
+            if isinstance(error, InvalidParameter):
+                raise
+            number = "whole number" if kind is int else "number"
+            raise InvalidParameter(f"{owner}: {self.name}={text[:40]!r} is no {number}; write one") from error
+
+
+def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, ...]:
+    """The keyword-only parameters of a function, in order of declaration.
+
+    Args:
+        function: As :func:`check_declared` accepts it.
+        owner: What it belongs to, for messages.
+
+    Raises:
+        InvalidParameter: If an annotation names what cannot be found at run time.
+    """
+    try:
+        hints = typing.get_type_hints(function)
+    except NameError as error:
+        raise InvalidParameter(f"{owner}: {error}; import what its annotations name outside TYPE_CHECKING") from error
+    notes = _argument_notes(function.__doc__ or "")
+    return tuple(
+        Parameter(name, parameter.default, _choices(hints.get(name)), notes.get(name, ""))
+        for name, parameter in inspect.signature(function).parameters.items()
+        if parameter.kind is inspect.Parameter.KEYWORD_ONLY
+    )
+
+
+def check_declared(
+    function: Callable[..., Any], owner: str, taken: Collection[str] = (), *, positional: int = 1
+) -> None:
+    """Refuses a function whose parameters do not all stand after ``*`` with a plain default.
+
+    Args:
+        function: The function.
+        owner: What it belongs to, for messages.
+        taken: Names that mean something else.
+        positional: How many parameters come before.
+
+    Raises:
+        InvalidParameter: Naming the first parameter at fault.
+    """
+    for parameter in list(inspect.signature(function).parameters.values())[positional:]:
+        if parameter.kind is not inspect.Parameter.KEYWORD_ONLY or parameter.name in taken:
+            but = f", and be called none of {', '.join(taken)}" if taken else ""
+            raise InvalidParameter(f"{owner}: parameter {parameter.name!r} must stand after *{but}")
+        if type(parameter.default) not in _PLAIN:
+            raise InvalidParameter(
+                f"{owner}: parameter {parameter.name!r} needs a default that is a bool, int, float or str"
+            )
+
+
+def _choices(hint: Any) -> tuple[str, ...]:
+    return typing.get_args(hint) if typing.get_origin(hint) is typing.Literal else ()
+
+
+def _argument_notes(docstring: str) -> dict[str, str]:
+    """The entries of a Google-style ``Args`` section, each on one line."""
+    section = re.search(r"^Args:\n((?:[ ]+.*\n?|\n)+)", inspect.cleandoc(docstring), re.MULTILINE)
+    if section is None:
+        return {}
+    entries = re.split(r"^ {4}(\w+): ", section.group(1), flags=re.MULTILINE)[1:]
+    return {name: " ".join(note.split()) for name, note in zip(entries[::2], entries[1::2], strict=True)}
+
+
+def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> None:
+    """Refuses a parameter below its minimum.
+
+    Raises:
+        InvalidParameter: Naming value, rule and way out.
+    """
+    if not value >= minimum:
+        raise InvalidParameter(
+            f"{name}={_shown(value, unit)} is below {_shown(minimum, unit)}; give at least {_shown(minimum)}"
+        )
+
+
+def check_between(name: str, value: float, low: float, high: float, unit: str = "") -> None:
+    """Refuses a parameter outside [low, high].
+
+    Raises:
+        InvalidParameter: Naming value, rule and way out.
+    """
+    if not low <= value <= high:
+        raise InvalidParameter(
+            f"{name}={_shown(value, unit)} is outside {_shown(low)} to {_shown(high, unit)}; give one between"
+        )
+
+
+def check_positive(name: str, value: float, unit: str = "") -> None:
+    """Refuses zero, less than zero, and what is no finite number.
+
+    Raises:
+        InvalidParameter: Naming value and rule.
+    """
+    if not (math.isfinite(value) and value > 0.0):
+        raise InvalidParameter(f"{name}={_shown(value, unit)} is not a finite number above 0; give one")
+
+
+def _shown(value: float, unit: str = "") -> str:
+    number = str(value) if isinstance(value, int) else f"{value:g}"
+    return f"{number} {unit}" if unit else number
+
+
+def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
+    """Refuses a word that is not one of the choices.
+
+    Raises:
+        InvalidParameter: Naming value and choices.
+    """
+    if value not in choices:
+        raise InvalidParameter(f"{name}={value!r} is not one of {', '.join(choices)}; give one of these")
