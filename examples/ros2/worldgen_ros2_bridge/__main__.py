@@ -1,0 +1,54 @@
+"""``python -m worldgen_ros2_bridge``: what ``worldgen fuzz --controller 'cmd:...'`` starts; see README.md."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from worldgen_ros2_bridge.lockstep import Bridge, Settings, serve
+from worldgen_ros2_bridge.messages import grid_of
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m worldgen_ros2_bridge", description="Drive worldgen's robot over ROS 2."
+    )
+    parser.add_argument(
+        "--map", type=Path, help=".grid file to publish as /map, with the origin of the map it came from"
+    )
+    parser.add_argument("--beam-range", type=float, default=Settings.beam_range, help="the run's +beam_range, m")
+    parser.add_argument("--beam-field", type=float, default=Settings.beam_field, help="the run's +beam_field, rad")
+    parser.add_argument("--timeout", type=float, default=Settings.timeout, help="s of real time to wait for a command")
+    parser.add_argument(
+        "--keep", type=float, default=Settings.keep, help="s of simulated time for which a command holds"
+    )
+    parser.add_argument("--stamped", action="store_true", help="/cmd_vel is a TwistStamped")
+    parser.add_argument("--reset", action="append", default=[], metavar="SERVICE", help="std_srvs/Trigger to call")
+    return parser.parse_args()
+
+
+def main() -> None:
+    """Serves the protocol on stdin and stdout until stdin ends."""
+    given = _arguments()
+    grid = grid_of(given.map.read_text(encoding="utf-8")) if given.map else None
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # whatever else prints, prints to stderr
+    import rclpy  # noqa: PLC0415 - slow, and --help needs none
+
+    from worldgen_ros2_bridge.node import RosPorts  # noqa: PLC0415 - likewise
+
+    rclpy.init(args=[])
+    node = rclpy.create_node("worldgen_bridge")
+    try:
+        ports = RosPorts(node, stamped=given.stamped, reset_services=tuple(given.reset))
+        settings = Settings(given.beam_range, given.beam_field, given.timeout, given.keep)
+        serve(Bridge(ports, grid, settings), sys.stdin, answers)
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

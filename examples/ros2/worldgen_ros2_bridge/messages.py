@@ -1,0 +1,139 @@
+"""Worldgen's numbers as ROS 2 messages have them: grids, scans, poses, time. Knows neither rclpy nor worldgen.
+
+Both use metres, radians, x to the right, y up and headings counter-clockwise from +x (REP 103); what
+differs is said here.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass
+
+__all__ = [
+    "FREE", "OCCUPIED", "Grid", "Pose", "Scan", "Twist", "between", "composed", "grid_of", "inverse", "pose_in_map",
+    "quaternion", "scan_of", "stamp", "twist_between",
+]  # fmt: skip
+
+FREE, OCCUPIED = 0, 100
+"""Of nav_msgs/OccupancyGrid; -1, unknown, never comes of a world."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A place, m, and a heading, rad."""
+
+    x: float
+    y: float
+    heading: float
+
+
+@dataclass(frozen=True)
+class Twist:
+    """m/s along the heading, rad/s counter-clockwise."""
+
+    speed: float = 0.0
+    turn_rate: float = 0.0
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A nav_msgs/OccupancyGrid: ``data`` row by row from the lowest y, ``origin`` the lower left corner."""
+
+    width: int
+    height: int
+    resolution: float
+    origin: Pose
+    data: list[int]
+
+
+@dataclass(frozen=True)
+class Scan:
+    """A sensor_msgs/LaserScan, counter-clockwise from ``angle_min``; what nothing returned is infinite (REP 117)."""
+
+    angle_min: float
+    angle_max: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    ranges: list[float]
+
+
+def grid_of(text: str) -> Grid:
+    """The map in a ``.grid`` file; of an imported ROS map with the origin that it had.
+
+    Args:
+        text: The file's contents, ``docs/grid-format.md``; the cells are those at time 0.
+
+    Raises:
+        ValueError: If it is none.
+    """
+    head, found, cells = text.partition("\n%cells\n")
+    magic, _, header = head.partition("\n")
+    if not found or not magic.startswith("%worldgen-grid 1"):
+        raise ValueError("this is no .grid file of version 1")
+    table = tomllib.loads(header)
+    lines = cells.splitlines()
+    end = next((k for k, line in enumerate(lines) if line.startswith("%")), len(lines))
+    rows = lines[:end][::-1]  # the file has the top row first, an OccupancyGrid the bottom row
+    if not rows or any(len(row) != len(rows[0]) for row in rows):
+        raise ValueError("its rows of cells differ in length")
+    x, y = table.get("provenance", {}).get("params", {}).get("origin", (0.0, 0.0))
+    data = [OCCUPIED if cell == "#" else FREE for row in rows for cell in row]
+    return Grid(len(rows[0]), len(rows), float(table["cell_size"]), Pose(float(x), float(y), 0.0), data)
+
+
+def scan_of(beams: list[float], beam_range: float, field: float = 0.0) -> Scan:
+    """Range beams as a scan in the frame of the robot's base.
+
+    Args:
+        beams: Distances, m, counter-clockwise, as the observation has them.
+        beam_range: Longest distance that a beam measures, m, the run's ``+beam_range``; a beam says it of nothing.
+        field: Angle from the first beam to the last, rad, about the heading, the run's ``+beam_field``; with 0 the
+            beams stand evenly all round, the first ahead, and none twice.
+    """
+    between_beams = field / max(len(beams) - 1, 1) if field else 2.0 * math.pi / max(len(beams), 1)
+    first = -0.5 * field
+    ranges = [distance if distance < beam_range else math.inf for distance in beams]
+    return Scan(first, first + between_beams * max(len(beams) - 1, 0), between_beams, 0.0, beam_range, ranges)
+
+
+def quaternion(heading: float) -> tuple[float, float, float, float]:
+    """x, y, z, w of a turn about z."""
+    return 0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading)
+
+
+def stamp(seconds: float) -> tuple[int, int]:
+    """Seconds and nanoseconds of a builtin_interfaces/Time, to the nearest nanosecond."""
+    total = round(seconds * 1e9)
+    return total // 10**9, total % 10**9
+
+
+def composed(first: Pose, then: Pose) -> Pose:
+    """The pose ``then``, told in the frame of ``first``, in the frame in which ``first`` is told."""
+    cos, sin = math.cos(first.heading), math.sin(first.heading)
+    x, y = first.x + cos * then.x - sin * then.y, first.y + sin * then.x + cos * then.y
+    return Pose(x, y, math.remainder(first.heading + then.heading, 2.0 * math.pi))
+
+
+def inverse(pose: Pose) -> Pose:
+    """The other frame's origin, as ``pose`` sees it."""
+    cos, sin = math.cos(pose.heading), math.sin(pose.heading)
+    return Pose(-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.heading)
+
+
+def between(parent: Pose, child: Pose) -> Pose:
+    """``child`` in the frame of ``parent``, both told in one frame."""
+    return composed(inverse(parent), child)
+
+
+def pose_in_map(pose: Pose, grid: Grid | None) -> Pose:
+    """A pose of the world in the frame ``map``, whose grid need not begin at 0."""
+    return pose if grid is None else Pose(pose.x + grid.origin.x, pose.y + grid.origin.y, pose.heading)
+
+
+def twist_between(before: Pose, after: Pose, seconds: float) -> Twist:
+    """The mean velocity between two poses, in the frame of the base as nav_msgs/Odometry wants it."""
+    x, y = after.x - before.x, after.y - before.y
+    ahead = math.cos(after.heading) * x + math.sin(after.heading) * y  # the robot turns first, then drives
+    return Twist(ahead / seconds, math.remainder(after.heading - before.heading, 2.0 * math.pi) / seconds)

@@ -1,0 +1,174 @@
+"""The part that needs rclpy: a node that publishes what the robot senses and hears what the driver commands.
+
+Written for ROS 2 Jazzy and later. It decides nothing: what stands in a message is in ``messages``, when
+which is sent in ``lockstep``.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import rclpy
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped, TwistStamped
+from geometry_msgs.msg import Twist as TwistMessage
+from nav_msgs.msg import OccupancyGrid, Odometry
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Bool, Float32
+from std_srvs.srv import Trigger
+from tf2_ros import TransformBroadcaster
+
+from worldgen_ros2_bridge.lockstep import Situation
+from worldgen_ros2_bridge.messages import Grid, Pose, Scan, Twist, quaternion, stamp
+
+__all__ = ["RosPorts"]
+
+MAP, ODOM, BASE = "map", "odom", "base_link"
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, reliability=ReliabilityPolicy.RELIABLE)
+"""As map_server publishes a map: who subscribes later gets it too."""
+
+
+class RosPorts:
+    """Topics ``/clock /map /tf /odom /scan /goal_pose /signal /signal_heading /bump`` out, ``/cmd_vel`` in.
+
+    Args:
+        node: Made by the caller, who has called ``rclpy.init``.
+        stamped: Whether ``/cmd_vel`` is a TwistStamped, as with Nav2's ``enable_stamped_cmd_vel``; one whose stamp is
+            older than the step is not heard.
+        reset_services: Of type std_srvs/Trigger, called at the start of each episode.
+        reset_timeout: s of real time that one of them may take.
+    """
+
+    def __init__(
+        self, node: Node, *, stamped: bool = False, reset_services: tuple[str, ...] = (), reset_timeout: float = 10.0
+    ) -> None:
+        self._node, self._stamped, self._reset_timeout = node, stamped, reset_timeout
+        self._clock = node.create_publisher(Clock, "/clock", 10)
+        self._map = node.create_publisher(OccupancyGrid, "/map", LATCHED)
+        self._goal = node.create_publisher(PoseStamped, "/goal_pose", LATCHED)
+        self._odom = node.create_publisher(Odometry, "/odom", 10)
+        self._scan = node.create_publisher(LaserScan, "/scan", qos_profile_sensor_data)
+        self._signal = node.create_publisher(Float32, "/signal", 10)
+        self._signal_heading = node.create_publisher(Float32, "/signal_heading", 10)
+        self._bump = node.create_publisher(Bool, "/bump", 10)
+        self._transforms = TransformBroadcaster(node)
+        node.create_subscription(TwistStamped if stamped else TwistMessage, "/cmd_vel", self._hear, 1)
+        self._resets = [node.create_client(Trigger, name) for name in reset_services]
+        self._heard: Twist | None = None
+        self._now, self._goal_is_due = 0.0, True
+
+    def begin(self, grid: Grid | None) -> None:
+        """Publishes the map and has the driver reset.
+
+        Raises:
+            RuntimeError: If a reset service does not answer, or says that it failed.
+        """
+        self._goal_is_due = True
+        if grid is not None:
+            self._map.publish(_occupancy_grid(grid, self._now))
+        for client in self._resets:
+            if not client.wait_for_service(timeout_sec=self._reset_timeout):
+                raise RuntimeError(f"there is no service {client.srv_name}")
+            future = client.call_async(Trigger.Request())
+            rclpy.spin_until_future_complete(self._node, future, timeout_sec=self._reset_timeout)
+            if not future.done() or not future.result().success:
+                raise RuntimeError(f"service {client.srv_name} did not reset")
+
+    def publish(self, situation: Situation) -> None:
+        """Publishes a step; the clock first, the scan last, for drivers act upon it."""
+        self._drop_what_is_late()
+        self._now = situation.time
+        self._clock.publish(Clock(clock=_time(situation.time)))
+        self._transforms.sendTransform(_transform(MAP, ODOM, situation.odom_in_map, situation.time))
+        self._transforms.sendTransform(_transform(ODOM, BASE, situation.odometry, situation.time))
+        if self._goal_is_due:
+            self._goal.publish(_pose_stamped(situation.target, situation.time))
+            self._goal_is_due = False
+        self._signal.publish(Float32(data=float(situation.signal)))
+        self._signal_heading.publish(Float32(data=float(situation.signal_heading)))
+        self._bump.publish(Bool(data=bool(situation.bump)))
+        self._odom.publish(_odometry(situation))
+        if situation.scan is not None:
+            self._scan.publish(_laser_scan(situation.scan, situation.time))
+
+    def wait(self, seconds: float) -> Twist | None:
+        """The first command that comes; None if none does."""
+        end = time.monotonic() + seconds
+        while self._heard is None and (left := end - time.monotonic()) > 0.0:
+            rclpy.spin_once(self._node, timeout_sec=left)
+        return self._heard
+
+    def _drop_what_is_late(self) -> None:
+        rclpy.spin_once(self._node, timeout_sec=0.0)
+        self._heard = None
+
+    def _hear(self, message: Any) -> None:
+        if self._stamped:
+            sent = message.header.stamp
+            if (sent.sec, sent.nanosec) < stamp(self._now):
+                return
+            message = message.twist
+        if message.linear.y:
+            self._node.get_logger().warning(
+                "linear.y of /cmd_vel is left out: the robot cannot drive sideways", once=True
+            )
+        self._heard = Twist(float(message.linear.x), float(message.angular.z))
+
+
+def _time(seconds: float) -> Time:
+    sec, nanosec = stamp(seconds)
+    return Time(sec=sec, nanosec=nanosec)
+
+
+def _quaternion(heading: float) -> Quaternion:
+    x, y, z, w = quaternion(heading)
+    return Quaternion(x=x, y=y, z=z, w=w)
+
+
+def _occupancy_grid(grid: Grid, now: float) -> OccupancyGrid:
+    message = OccupancyGrid()
+    message.header.frame_id, message.header.stamp = MAP, _time(now)
+    message.info.map_load_time = _time(now)
+    message.info.resolution, message.info.width, message.info.height = grid.resolution, grid.width, grid.height
+    message.info.origin.position.x, message.info.origin.position.y = grid.origin.x, grid.origin.y
+    message.info.origin.orientation = _quaternion(grid.origin.heading)
+    message.data = grid.data
+    return message
+
+
+def _transform(parent: str, child: str, pose: Pose, now: float) -> TransformStamped:
+    message = TransformStamped()
+    message.header.frame_id, message.header.stamp, message.child_frame_id = parent, _time(now), child
+    message.transform.translation.x, message.transform.translation.y = pose.x, pose.y
+    message.transform.rotation = _quaternion(pose.heading)
+    return message
+
+
+def _pose_stamped(pose: Pose, now: float) -> PoseStamped:
+    message = PoseStamped()
+    message.header.frame_id, message.header.stamp = MAP, _time(now)
+    message.pose.position.x, message.pose.position.y = pose.x, pose.y
+    message.pose.orientation = _quaternion(pose.heading)
+    return message
+
+
+def _odometry(situation: Situation) -> Odometry:
+    message, pose = Odometry(), situation.odometry
+    message.header.frame_id, message.header.stamp, message.child_frame_id = ODOM, _time(situation.time), BASE
+    message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
+    message.pose.pose.orientation = _quaternion(pose.heading)
+    message.twist.twist.linear.x, message.twist.twist.angular.z = situation.twist.speed, situation.twist.turn_rate
+    return message
+
+
+def _laser_scan(scan: Scan, now: float) -> LaserScan:
+    message = LaserScan()
+    message.header.frame_id, message.header.stamp = BASE, _time(now)
+    message.angle_min, message.angle_max = scan.angle_min, scan.angle_max
+    message.angle_increment, message.ranges = scan.angle_increment, scan.ranges
+    message.range_min, message.range_max = scan.range_min, scan.range_max
+    return message
