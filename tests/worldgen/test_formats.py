@@ -1,14 +1,132 @@
 """What holds for every registered format; each has tests of its own beside this."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from tests.helpers.command_line import worldgen
 from worldgen.cli.main import cli
-from worldgen.interop import FORMATS
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, OutputError
+from worldgen.family import FAMILIES
+from worldgen.generation import generate
+from worldgen.grid_file import read_world, write_world
+from worldgen.interop import (
+    FORMATS,
+    Destination,
+    Exported,
+    Format,
+    export_world,
+    find_format,
+    guess_format,
+    import_world,
+    read_map,
+    write_export,
+)
+from worldgen.interop.exporting import frozen_at, origin_of
+from worldgen.interop.format import decimal
+from worldgen.timeline import CellState, Timeline
+from worldgen.world import Pose, Target, World
 
 PAGE = (Path(__file__).parents[2] / "docs" / "formats.md").read_text()
+BOTH_WAYS = [name for name in FORMATS if FORMATS.get(name).direction == "both"]
+WRITTEN = [name for name in FORMATS if FORMATS.get(name).write is not None]
+# Families have these sizes; a micromouse's maze and the thesis's maps ask for odd and for even ones.
+SIZES = (13, 16)
+
+
+def room(**changes):
+    """A closed room of 6 x 6 cells that every format takes but the micromouse's."""
+    walls = np.ones((6, 6), np.bool_)
+    walls[1:-1, 1:-1] = False
+    return replace(World(walls, Pose(0.15, 0.15), Target(0.45, 0.45, 0.05), robot_radius=0.04), **changes)
+
+
+@st.composite
+def family_worlds(draw):
+    """A world of any family, its other numbers as odd as a file may have to hold them."""
+    size = draw(st.sampled_from(SIZES))
+    world = generate(draw(st.sampled_from(FAMILIES.names())), draw(st.integers(0, 3)), size=size)
+    return replace(
+        world,
+        start=replace(world.start, heading=draw(st.floats(-3.2, 3.2) | st.sampled_from([0.0, np.pi / 2, -np.pi]))),
+        target=replace(world.target, radius=draw(st.floats(0.01, 1.0))),
+        robot_speed=draw(st.floats(0.1, 30.0)),
+    )
+
+
+origins = st.tuples(*[st.sampled_from([0.0, -10.0, 1.25]) | st.floats(-1e4, 1e4)] * 2)
+
+
+def back(folder, world, name, **options):
+    """The world that comes back from a file, and the map as its file has it."""
+    export = export_world(world, name, **options)
+    path = write_export(export, folder, force=True)[0]
+    assert find_format(path).name == name
+    return import_world(path).world, read_map(path)
+
+
+@pytest.mark.parametrize("name", BOTH_WAYS)
+@settings(max_examples=20)
+@given(family_worlds(), origins)
+def test_import_after_export_is_the_same_world(name, tmp_path, world, origin):
+    try:
+        again, found = back(tmp_path, world, name, origin=origin, at=0.0)
+    except InvalidWorld as refusal:
+        assert len(str(refusal)) > 20  # the thesis's maps are closed squares, a micromouse's maze has posts
+        return
+    assert np.array_equal(again.walls, frozen_at(world, 0.0).walls)
+    assert again.start == world.start and again.target == world.target
+    for number in ("cell_size", "robot_radius", "robot_speed"):
+        assert getattr(again, number) == getattr(world, number)
+    assert found.origin == origin == origin_of(again)
+
+
+@pytest.mark.parametrize("name", BOTH_WAYS)
+def test_without_the_sidecar_the_cells_come_back(name, tmp_path):
+    for size in SIZES:
+        world = replace(generate("maze", 1, size=size), certificate=None)
+        try:
+            export = export_world(world, name, sidecar=False)
+        except InvalidWorld:
+            continue
+        path = write_export(export, tmp_path)[0]
+        assert not list(tmp_path.glob("*.worldgen.toml"))
+        assert np.array_equal(read_map(path).walls, world.walls)
+        return
+    pytest.fail(f"{name} takes no maze")
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_a_world_that_changes_is_written_as_such_or_refused_until_a_time_is_given(name):
+    changing = room(timeline=Timeline.of([(1.0, 3, 3, CellState.SOLID)]))
+    if FORMATS.get(name).changes:
+        assert export_world(changing, name).data != export_world(room(), name).data
+    else:
+        with pytest.raises(InvalidWorld, match=r"the world changes 1 times, and .* stand still; give --at 0"):
+            export_world(changing, name)
+    still = _or_none(changing, name, at=0.5)
+    if still is not None:
+        assert still.data == export_world(room(), name).data
+        assert "the world's 1 changes are not stored; the file has the cells at 0.5 s" in still.notes
+
+
+def _or_none(world, name, **options):
+    try:
+        return export_world(world, name, **options)
+    except InvalidWorld:
+        return None
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_the_same_world_is_the_same_bytes(name):
+    export = _or_none(generate("maze", 1, size=13), name)
+    if export is not None:
+        assert export.files == export_world(generate("maze", 1, size=13), name).files
 
 
 @pytest.mark.parametrize("name", FORMATS.names())
@@ -21,3 +139,141 @@ def test_the_table_of_formats_has_a_row_with_way_and_command(name):
 def test_the_page_names_every_option_of_export():
     options = [word for known in cli.get_command(None, "export").params for word in known.opts if word[:2] == "--"]
     assert [word for word in options if f"`{word}`" not in PAGE] == []
+
+
+def test_the_pages_own_format_works(tmp_path):
+    code = re.search(r"```python\n(.*?)```", PAGE, re.DOTALL)[1]
+    (tmp_path / "count.py").write_text(code)
+    write_world(room(), tmp_path / "w.grid")
+    name = f"{tmp_path / 'count.py'}:count+letter=o"
+    assert worldgen("export", tmp_path / "w.grid", "--to", name, "--out", tmp_path / "n.txt").code == 0
+    assert (tmp_path / "n.txt").read_text() == "o" * 20
+
+
+def test_an_edit_of_the_file_counts_and_the_sidecar_is_for_the_rest(tmp_path):
+    export = export_world(room(robot_speed=3.0), "thesis")
+    write_export(export, tmp_path)
+    sidecar = tmp_path / "world.gex.worldgen.toml"
+    sidecar.write_text(sidecar.read_text().replace("robot_speed = 3.0", "robot_speed = 4.5"))
+    assert import_world(tmp_path / "world.gex").world.robot_speed == 4.5
+
+
+def test_a_sidecar_of_another_map_is_passed_over_with_a_warning(tmp_path):
+    write_export(export_world(room(), "thesis"), tmp_path)
+    sidecar = tmp_path / "world.gex.worldgen.toml"
+    sidecar.write_text(sidecar.read_text().replace("size = [6, 6]", "size = [7, 6]"))
+    imported = import_world(tmp_path / "world.gex")
+    assert "a map of 7 x 6 cells, not 6 x 6; it was passed over" in imported.warnings[0]
+    assert imported.world.robot_radius != 0.04
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("worldgen = 2\nsize = [6, 6]\n", ":1: worldgen = 1 must say the sidecar's version"),
+        ("worldgen = 1\n", "size must be two finite numbers"),
+        ("worldgen = 1\nsize = [6, 6]\nstart = [1]\n", ":3: start must be two finite numbers"),
+        ("worldgen = 1\nsize = [6, 6]\nheading = nan\n", ":3: heading must be a finite number"),
+        ("worldgen = 1\nsize = [6, 6]\nrobot_radius = 0\n", ":3: robot_radius must be above 0"),
+        ("worldgen = 1\nsize = [6, 6]\nspeed = 1\n", ":3: 'speed' is no key of a sidecar"),
+        ("worldgen = [[[\n", "is not TOML"),
+    ],
+)
+def test_a_sidecar_with_a_fault_is_refused_with_its_line(tmp_path, text, message):
+    write_export(export_world(room(), "thesis"), tmp_path)
+    (tmp_path / "world.gex.worldgen.toml").write_text(text)
+    with pytest.raises(FormatError, match=re.escape(message)):
+        read_map(tmp_path / "world.gex")
+
+
+def test_what_lies_in_the_way_is_overwritten_only_when_forced_and_then_with_its_sidecar(tmp_path):
+    write_export(export_world(room(), "thesis"), tmp_path)
+    before = (tmp_path / "world.gex").read_bytes()
+    (tmp_path / "world.gex").unlink()
+    with pytest.raises(OutputError, match=r"world.gex.worldgen.toml is there already; give --force"):
+        write_export(export_world(room(), "thesis"), tmp_path)
+    assert not (tmp_path / "world.gex").exists()
+    write_export(export_world(room(), "thesis", sidecar=False), tmp_path, force=True)
+    assert (tmp_path / "world.gex").read_bytes() == before and not (tmp_path / "world.gex.worldgen.toml").exists()
+
+
+def test_the_origin_of_an_imported_map_is_where_its_exports_lie(tmp_path):
+    imported = import_world(Path(__file__).parents[2] / "corpora" / "maps" / "mrpt-uwb-demo.yaml").world
+    made = replace(imported.provenance, params={**imported.provenance.params, "origin": [-7.5, 2.25]})
+    assert origin_of(replace(imported, provenance=made)) == (-7.5, 2.25)
+    assert origin_of(replace(imported, provenance=None)) == (0.0, 0.0)
+
+
+def test_at_a_time_what_burns_is_solid_and_later_changes_are_not_there_yet():
+    line = Timeline.of([(1.0, 2, 2, CellState.BURNING), (2.0, 2, 2, CellState.FREE), (2.0, 0, 0, CellState.FREE)])
+    world = room(timeline=line)
+    solid = [bool(frozen_at(world, time).walls[2, 2]) for time in (0.0, 1.0, 1.9, 2.0)]
+    assert solid == [False, True, True, False] and not frozen_at(world, 2.0).walls[0, 0]
+    with pytest.raises(InvalidParameter, match="at=-1 is no time"):
+        frozen_at(world, -1.0)
+
+
+@given(st.floats(-1e12, 1e12), st.floats(-1e12, 1e12))
+def test_coordinates_in_files_are_exact_sums_of_decimals(value, shift):
+    from fractions import Fraction
+
+    assert Fraction(decimal(value, shift)) == Fraction(repr(value)) + Fraction(repr(shift))
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("thesys", "no format is called 'thesys'; did you mean 'thesis'"),
+        ("grid", "grid is read, not written"),
+        ("thesis+nois=on", "nois means nothing to thesis on the way out; it has noise"),
+        ("thesis+noise=maybe", "noise='maybe' is not one of as-imported, on, off"),
+        ("thesis+noise", "thesis: noise needs a value; write noise=off"),
+        ("worldgen.world:World", "is .*, not a Format"),
+    ],
+)
+def test_a_wrong_format_or_option_is_one_sentence(name, message):
+    with pytest.raises(InvalidParameter, match=message):
+        export_world(room(), name)
+
+
+def test_a_format_is_guessed_from_the_ending_of_the_file():
+    assert guess_format("old.GEX") == "thesis"
+    with pytest.raises(InvalidParameter, match="no format's files end so; say which with --to"):
+        guess_format("w.doc")
+
+
+def test_a_format_that_declares_its_options_wrongly_is_refused():
+    def write(world, to, letter):
+        return Exported({to.name: b""})
+
+    with pytest.raises(InvalidParameter, match=r"format 'x': parameter 'letter' must stand after \*"):
+        Format("x", "x", (".x",), write=write)
+    with pytest.raises(InvalidParameter, match="holds colour, suffixes"):
+        Format("x", "x", (".x",), holds=frozenset({"colour"}))
+
+
+def test_export_says_on_stderr_what_the_file_does_not_hold_and_where_it_is(tmp_path):
+    write_world(room(), tmp_path / "w.grid")
+    done = worldgen("export", tmp_path / "w.grid", "--out", tmp_path / "w.gex", "--origin", "1,2")
+    assert done.code == 0 and "the robot's radius is not stored" in done.err
+    assert "the origin, (1, 2) m, is not stored (it is in w.gex.worldgen.toml)" in done.err
+    assert str(tmp_path / "w.gex.worldgen.toml") in done.out
+    assert worldgen("import", tmp_path / "w.gex", "--out", tmp_path / "again.grid").code == 0
+    assert read_world(tmp_path / "again.grid").provenance.params["origin"] == [1.0, 2.0]
+
+
+@pytest.mark.parametrize("name", FORMATS.names())
+def test_formats_says_what_can_be_asked_of_each(name):
+    known = FORMATS.get(name)
+    shown = worldgen("formats", name)
+    assert shown.code == 0 and shown.out.startswith(f"{name} ({known.direction}): ")
+    for flag, options in (("--from", known.read_options), ("--to", known.write_options)):
+        assert all(f"{flag} {name}+{option.name}=" in shown.out and option.help for option in options)
+
+
+def test_destinations_name_companions_and_shift_coordinates():
+    destination = Destination("office.yaml", (0.1, -3.0))
+    assert destination.companion(".pgm") == "office.pgm"
+    assert (destination.x(0.2), destination.y(1.25)) == ("0.3", "-1.75")
+    with pytest.raises(InvalidParameter, match="a file of that name goes beside it"):
+        destination.companion(".yaml")

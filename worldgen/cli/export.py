@@ -23,7 +23,7 @@ EXAMPLES = (
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("path", type=click.Path(path_type=Path))
+@click.argument("world", type=click.Path(path_type=Path))
 @click.option(
     "--to",
     "name",
@@ -44,7 +44,7 @@ EXAMPLES = (
 @force_option
 @json_option
 def export(
-    path: Path,
+    world: Path,
     name: str | None,
     out: Path,
     at: float | None,
@@ -56,14 +56,14 @@ def export(
 ) -> None:
     """Write a world in another program's format.
 
-    PATH is a .grid file. What the format cannot hold is an error; what it leaves out is said on stderr, and kept
+    WORLD is a .grid file. What the format cannot hold is an error; what it leaves out is said on stderr, and kept
     in a sidecar (OUT.worldgen.toml), from which `worldgen import` takes it again.
     """
     from worldgen import interop
     from worldgen.grid_file import read_world
 
     export = interop.export_world(
-        read_world(path),
+        read_world(world),
         name or interop.guess_format(out.name),
         file=out.name,
         options={} if noise is None else {"noise": "on" if noise else "off"},
@@ -71,17 +71,17 @@ def export(
         origin=None if origin is None else _origin(origin),
         sidecar=sidecar,
     )
-    interop.write_export(export, out, force=force)
+    paths = interop.write_export(export, out.parent, force=force)
     kept = f" (it is in {export.sidecar})" if export.sidecar else ""
     for sentence in export.lost:
         note(f"{sentence}{kept}")
     for sentence in export.notes:
         note(sentence)
     if as_json:
-        emit_json(_as_json(out, export))
+        emit_json(_as_json(paths, export))
     else:
-        for number, (file, data) in enumerate(export.files.items()):
-            click.echo(f"{out if number == 0 else out.with_name(file)}: {len(data)} bytes for {export.format.name}")
+        for path, data in zip(paths, export.files.values(), strict=True):
+            click.echo(f"{path}: {len(data)} bytes for {export.format.name}")
 
 
 def _origin(text: str) -> tuple[float, float]:
@@ -94,15 +94,15 @@ def _origin(text: str) -> tuple[float, float]:
     return point[0], point[1]
 
 
-def _as_json(out: Path, export: interop.Export) -> dict[str, object]:
+def _as_json(paths: list[Path], export: interop.Export) -> dict[str, object]:
     import hashlib
 
     return {
-        "file": str(out),
+        "file": str(paths[0]),
         "format": export.format.name,
         "bytes": len(export.data),
         "sha256": hashlib.sha256(export.data).hexdigest(),
-        "files": [str(out if number == 0 else out.with_name(name)) for number, name in enumerate(export.files)],
+        "files": [str(path) for path in paths],
         "lost": list(export.lost),
         "notes": list(export.notes),
     }

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from worldgen.errors import InvalidParameter, InvalidWorld, OutputError
+from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files import check_output, write_bytes
 from worldgen.interop.format import FORMATS, HELD, Destination, Format, decimal, split_options
 from worldgen.interop.sidecar import SUFFIX, sidecar_text
@@ -180,24 +180,26 @@ def guess_format(file: str) -> str:
     raise InvalidParameter(f"{file}: no format's files end so; say which with --to: {names}")
 
 
-def write_export(export: Export, out: Path, *, force: bool) -> None:
+def write_export(export: Export, folder: Path, *, force: bool = False) -> list[Path]:
     """Writes all files of an export; none if one of them is in the way.
 
     Args:
-        export: As made for a file of that name.
-        out: Path of the file that was asked for; the others go beside it.
-        force: Whether to overwrite what is there.
+        export: As made.
+        folder: Where to.
+        force: Whether to overwrite what is there; the sidecar of an overwritten file goes with it.
+
+    Returns:
+        The paths, first that of the file that was asked for.
 
     Raises:
         OutputError: If a file is there and ``force`` is not set, or cannot be written.
     """
-    paths = [out if number == 0 else out.with_name(name) for number, name in enumerate(export.files)]
-    if len(set(paths)) < len(paths):
-        raise OutputError(f"{out}: a file beside it would have the same name; give another name")
+    paths = [folder / name for name in export.files]
     for path in paths:
         check_output(path, force)
     for path, data in zip(paths[::-1], list(export.files.values())[::-1], strict=True):
         write_bytes(path, data, force=force)  # what was asked for comes last: it names the others
-    stale = out.with_name(out.name + SUFFIX)
-    if force and export.sidecar is None and stale.is_file():
-        stale.unlink()  # of the file that was overwritten
+    stale = paths[0].with_name(paths[0].name + SUFFIX)
+    if export.sidecar is None and stale.is_file():
+        stale.unlink()
+    return paths

@@ -44,8 +44,15 @@ class Destination:
     origin: tuple[float, float] = (0.0, 0.0)
 
     def companion(self, ending: str) -> str:
-        """Name of a file beside it, ``office.pgm`` beside ``office.yaml``."""
-        return f"{PurePath(self.name).stem}{ending}"
+        """Name of a file beside it, ``office.pgm`` beside ``office.yaml``.
+
+        Raises:
+            InvalidParameter: If that is the file's own name.
+        """
+        beside = f"{PurePath(self.name).stem}{ending}"
+        if beside == self.name:
+            raise InvalidParameter(f"{self.name}: a file of that name goes beside it; let it end in something else")
+        return beside
 
     def x(self, value: float) -> str:
         """An x of the world, m, in the file's frame: an exact decimal."""

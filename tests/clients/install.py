@@ -1,0 +1,54 @@
+"""``python -m tests.clients.install [NAME ...]``: makes the environments of the clients, all or the named ones."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.clients.environments import BARE_PACKAGES, FOLDER, PACKAGES
+
+_PROBLEM = "could not be installed; its tests will be skipped"
+
+
+def install(name: str) -> bool:
+    """Makes one environment anew unless it is there; whether it is there now."""
+    folder = FOLDER / name
+    done = folder / "installed"
+    packages = PACKAGES.get(name) or BARE_PACKAGES[name]
+    if done.is_file() and done.read_text() == "\n".join(packages):
+        return True
+    shutil.rmtree(folder, ignore_errors=True)
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    bare = ["--no-deps"] if name in BARE_PACKAGES else []
+    python = folder / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
+    made = _ran(sys.executable, "-m", "venv", folder) and _ran(
+        python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--prefer-binary", *bare, *packages
+    )
+    if made:
+        done.write_text("\n".join(packages))
+    else:
+        shutil.rmtree(folder, ignore_errors=True)
+    return made
+
+
+def _ran(*words: str | Path) -> bool:
+    return subprocess.run([str(word) for word in words], check=False, timeout=900).returncode == 0
+
+
+def main(names: list[str]) -> int:
+    """Installs them one after the other; 1 if one is missing in the end."""
+    known = [*PACKAGES, *BARE_PACKAGES]
+    strange = sorted(set(names) - set(known))
+    if strange:
+        print(f"no client is called {', '.join(strange)}; there are {', '.join(known)}", file=sys.stderr)
+        return 2
+    missing = [name for name in names or known if not install(name)]
+    for name in missing:
+        print(f"{name} {_PROBLEM}", file=sys.stderr)
+    return 1 if missing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
