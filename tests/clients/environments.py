@@ -16,33 +16,9 @@ from pathlib import Path
 
 import pytest
 
-REPOSITORY = Path(__file__).parents[2]
-SCRIPTS = Path(__file__).parent / "scripts"
-FOLDER = Path(os.environ.get("WORLDGEN_CLIENTS") or REPOSITORY / "build" / "clients")
+from tests.clients.install import FOLDER, PROGRAMS
 
-# name: what pip installs; packages of one client stand together, clients never share an environment
-PACKAGES = {
-    "irsim": ["ir-sim>=2.12"],
-    "minigrid": ["minigrid>=3.0"],
-    "mujoco": ["mujoco>=3.2"],
-    "pogema": ["pogema==1.4.0"],
-    "pointmaze": ["gymnasium-robotics>=1.4", "mujoco>=3.2"],
-    "pybullet": ["pybullet>=3.2.7"],
-    "usd": ["usd-core>=25.5"],
-}
-# name: the packages without what they depend on, for what they ask for cannot be had together
-BARE_PACKAGES = {"pogema-toolbox": ["pogema-toolbox"]}
-# program: what brings it on Debian
-PROGRAMS = {
-    "admesh": "admesh",
-    "assimp": "assimp-utils",
-    "chromium": "chromium",
-    "g++": "g++ pkg-config libignition-physics-dev libignition-physics5-dartsim-plugin5",
-    "ign": "ignition-tools sdformat-sdf",
-    "ogrinfo": "gdal-bin",
-    "rsvg-convert": "librsvg2-bin",
-    "tmxrasterizer": "tiled",
-}
+SCRIPTS = Path(__file__).parent / "scripts"
 
 
 @dataclass(frozen=True)

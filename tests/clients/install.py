@@ -1,14 +1,42 @@
-"""``python -m tests.clients.install [NAME ...]``: makes the environments of the clients, all or the named ones."""
+"""``python -m tests.clients.install [NAME ...]``: makes the environments of the clients, all or the named ones.
+
+With ``--programs`` it prints the names of the Debian packages that bring the others.
+"""
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-from tests.clients.environments import BARE_PACKAGES, FOLDER, PACKAGES
+REPOSITORY = Path(__file__).parents[2]
+FOLDER = Path(os.environ.get("WORLDGEN_CLIENTS") or REPOSITORY / "build" / "clients")
 
+# name: what pip installs; packages of one client stand together, clients never share an environment
+PACKAGES = {
+    "irsim": ["ir-sim>=2.12"],
+    "minigrid": ["minigrid>=3.0"],
+    "mujoco": ["mujoco>=3.2"],
+    "pogema": ["pogema==1.4.0"],
+    "pointmaze": ["gymnasium-robotics>=1.4", "mujoco>=3.2"],
+    "pybullet": ["pybullet>=3.2.7"],
+    "usd": ["usd-core>=25.5"],
+}
+# name: the packages without what they depend on, for what they ask for cannot be had together
+BARE_PACKAGES = {"pogema-toolbox": ["pogema-toolbox"]}
+# program: what brings it on Debian
+PROGRAMS = {
+    "admesh": "admesh",
+    "assimp": "assimp-utils",
+    "chromium": "chromium",
+    "g++": "g++ pkg-config libignition-physics-dev libignition-physics5-dartsim-plugin5",
+    "ign": "ignition-tools sdformat-sdf",
+    "ogrinfo": "gdal-bin",
+    "rsvg-convert": "librsvg2-bin",
+    "tmxrasterizer": "tiled",
+}
 _PROBLEM = "could not be installed; its tests will be skipped"
 
 
@@ -39,6 +67,9 @@ def _ran(*words: str | Path) -> bool:
 
 def main(names: list[str]) -> int:
     """Installs them one after the other; 1 if one is missing in the end."""
+    if names == ["--programs"]:
+        print(*sorted(set(" ".join(PROGRAMS.values()).split())))
+        return 0
     known = [*PACKAGES, *BARE_PACKAGES]
     strange = sorted(set(names) - set(known))
     if strange:
