@@ -1,10 +1,11 @@
-"""What pytest and Hypothesis load by themselves; light, for they load it in every project of an environment.
+"""What other programs load: light, for pytest and Hypothesis load it in every project of an environment.
 
 Contents:
     for_pytest: worlds as test parameters, stored failures as tests, failure sections.
     for_hypothesis: ``World`` for ``st.from_type``.
+    for_gymnasium: environments for reinforcement learning, which ``worldgen.gym`` registers.
 
-Both stand outside ``fuzz`` so that a project with a folder of that name, which hides the package, still starts.
+All stand outside ``fuzz`` so that a project with a folder of that name, which hides the package, still starts.
 
 PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
 """

@@ -1,0 +1,348 @@
+"""The Gymnasium environments: what the checker asks, what seeds promise, what is refused."""
+
+import subprocess
+import sys
+import warnings
+from dataclasses import replace
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
+
+import worldgen.gym
+from sim import RobotOptions, simulate
+from tests.sim.test_batch import burning
+from tests.sim.test_episode import arena
+from worldgen import InvalidParameter, Pose, Target, World, generate, read_world, write_world
+from worldgen.difficulty import measure
+from worldgen.timeline import CellState, Event, Timeline
+from worldgen_plugins.for_gymnasium import Interface, NavigateEnv, NavigateVectorEnv
+
+PLAIN = ("target_direction", "target_distance", "bump")
+ALL = (*PLAIN, "bump_direction", "signal", "signal_direction", "heading", "position", "odometry", "beams")
+TRAPS = {"family": "trap", "params": {"size": 16}, "pool": 5, "sensors": PLAIN}
+
+
+def make(**options):
+    return gymnasium.make(worldgen.gym.ENVIRONMENT, **options)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"actions": "discrete", "distance": "way"},
+        {"reverse": True, "sensors": ALL, "observation": "dict", "robot": {"sensor_noise": 0.5, "slip": 0.2}},
+    ],
+    ids=["usual", "discrete", "dict"],
+)
+def test_the_checker_has_nothing_to_say(options):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(make(pool=3, **options).unwrapped)
+
+
+def test_the_name_alone_finds_the_module():
+    code = "import gymnasium as g; print(g.make('worldgen.gym:worldgen/Navigate-v0').spec.max_episode_steps)"
+    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout + done.stderr == "1000\n"
+
+
+def test_registering_imports_no_simulator():
+    code = "import worldgen.gym, sys; print(sorted({'numba', 'sim', 'fuzz', 'worldgen_plugins'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout + done.stderr == "[]\n"
+
+
+def test_without_gymnasium_the_import_says_how_to_get_it():
+    code = "import sys; sys.modules['gymnasium'] = None; import worldgen.gym"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stderr.endswith("which is not installed; pip install 'worldgen[gym]'\n")
+
+
+def played(env, seed, steps=150):
+    env.action_space.seed(seed)
+    told = [env.reset(seed=seed)]
+    for _ in range(steps):
+        told.append(env.step(env.action_space.sample()))
+        if told[-1][2] or told[-1][3]:
+            told.append(env.reset())
+    return [[part.tobytes() if isinstance(part, np.ndarray) else part for part in one] for one in told]
+
+
+def test_seeds_decide_worlds_and_states_to_the_bit():
+    options = {**TRAPS, "robot": {"slip": 0.3}, "max_episode_steps": 40}
+    assert played(make(**options), 7) == played(make(**options), 7)
+    assert played(make(**options), 7) != played(make(**options), 8)
+
+
+def test_episodes_are_in_different_worlds_of_the_pool():
+    env = make(**TRAPS)
+    told = [env.reset(seed=3 if k == 0 else None)[1]["world"] for k in range(40)]
+    assert set(told) == {0, 1, 2, 3, 4}
+    assert env.unwrapped.world == generate("trap", seed=told[-1], size=16)
+
+
+def assert_same(one, other):
+    assert type(one) is type(other)
+    if isinstance(one, dict):
+        assert one.keys() == other.keys()
+        for name in one:
+            assert_same(one[name], other[name])
+    elif one.dtype == object:
+        for left, right in zip(one, other, strict=True):
+            assert (left is None and right is None) or left.tobytes() == right.tobytes()
+    else:
+        assert one.dtype == other.dtype and one.tobytes() == other.tobytes()
+
+
+def files(tmp_path):
+    """Worlds of different sizes, one of which burns, and one where the robot is there at once."""
+    there = World(np.zeros((5, 9), bool), Pose(0.25, 0.25, 0.0), Target(0.25, 0.2, 0.1))
+    worlds = [generate("trap", seed=1, size=12), burning(), there, generate("maze", seed=2, size=14)]
+    for k, world in enumerate(worlds):
+        write_world(world, tmp_path / f"{k}.grid")
+    return str(tmp_path)
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+@pytest.mark.parametrize("actions", ["continuous", "discrete"])
+def test_the_vector_environment_is_the_single_ones_to_the_bit(mode, actions, tmp_path):
+    common = {"worlds": files(tmp_path), "sensors": ALL, "robot": {"odometry_noise": 0.1}, "actions": actions}
+    name, common = worldgen.gym.ENVIRONMENT, {**common, "max_episode_steps": 60}
+    ours = gymnasium.make_vec(name, 6, "vector_entry_point", autoreset_mode=mode, **common)
+    theirs = gymnasium.make_vec(name, 6, "sync", vector_kwargs={"autoreset_mode": mode}, **common)
+    assert ours.metadata["autoreset_mode"] is theirs.metadata["autoreset_mode"] is mode
+    assert ours.observation_space == theirs.observation_space and ours.action_space == theirs.action_space
+    ours.action_space.seed(5)
+    for one, other in zip(ours.reset(seed=11), theirs.reset(seed=11), strict=True):
+        assert_same(one, other)
+    for _ in range(400):
+        actions = ours.action_space.sample()
+        for one, other in zip(ours.step(actions), theirs.step(actions), strict=True):
+            assert_same(one, other)
+
+
+def test_the_next_step_is_the_usual_mode_and_a_thousand_steps_the_usual_limit():
+    env = gymnasium.make_vec(worldgen.gym.ENVIRONMENT, 3, "vector_entry_point", world=arena(), sensors=PLAIN)
+    assert env.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+    env.reset(seed=1)
+    stand = np.zeros((3, 2), np.float32)
+    over = [env.step(stand)[3].all() for _ in range(1001)]
+    assert over == [False] * 999 + [True, False]
+
+
+def test_without_autoreset_a_mask_says_who_begins_again():
+    env = NavigateVectorEnv(3, max_episode_steps=2, autoreset_mode="Disabled", **TRAPS)
+    first, _ = env.reset(seed=4)
+    ahead = np.ones((3, 2), np.float32)
+    env.step(ahead)
+    last = env.step(ahead)[0]
+    with pytest.raises(gymnasium.error.ResetNeeded, match="the episode of robot 0 is over"):
+        env.step(ahead)
+    again, told = env.reset(seed=[4, None, 9], options={"reset_mask": np.array([True, False, True])})
+    assert (again[0] == first[0]).all() and (again[1] == last[1]).all() and told["_world"].tolist() == [1, 0, 1]
+
+
+def test_what_is_returned_is_not_changed_later():
+    env = NavigateVectorEnv(4, **TRAPS)
+    env.reset(seed=0)
+    told = [env.step(env.action_space.sample()) for _ in range(3)]
+    kept = [[part.copy() for part in one[:4]] for one in told]
+    told[-1][0][:] = 7.0
+    env.step(env.action_space.sample())
+    assert all(
+        (a == b).all() for one, two in zip(told[:-1], kept, strict=False) for a, b in zip(one, two, strict=False)
+    )
+
+
+@pytest.mark.parametrize("form", [lambda path: path, str, read_world], ids=["path", "text", "world"])
+def test_a_reset_takes_another_world_or_file_and_keeps_it(form, tmp_path):
+    env, other = make(**TRAPS).unwrapped, arena()
+    write_world(other, tmp_path / "w.grid")
+    env.reset(seed=1)
+    assert env.world != other
+    env.reset(options={"world": form(tmp_path / "w.grid")})
+    env.reset()
+    assert env.world == other
+    env.reset(options={"family": "trap", "params": {"size": 16}})
+    assert env.world.provenance.family == "trap"
+
+
+def test_a_curriculum_asks_for_harder_worlds():
+    env = NavigateEnv(family="trap", params={"size": 20}, difficulty=(0.1, 0.3), pool=2, sensors=PLAIN)
+    for low, high in ((0.1, 0.3), (0.5, 0.9)):
+        env.reset(seed=1, options={"difficulty": (low, high)})
+        assert low <= measure(env.world).difficulty <= high
+
+
+def test_the_reward_is_what_the_document_says():
+    reward = {"progress": 3.0, "time": -0.5, "contact": -2.0, "reached": 10.0}
+    env = NavigateEnv(world=arena(), sensors=("target_distance", "bump"), extent=100.0, reward=reward)
+    far = env.reset(seed=0)[0][0] * 100.0
+    for _ in range(40):
+        (near, bump), got, *_ = env.step(np.array([0.0, 1.0], np.float32))
+        assert got == pytest.approx(3.0 * (far - near * 100.0) - 0.5 * 0.015 - 2.0 * bump, abs=1e-4)
+        far = near * 100.0
+    assert bump == 1.0
+
+
+def test_arriving_and_burning_end_an_episode():
+    env = NavigateEnv(world=World(np.zeros((9, 20), bool), Pose(0.45, 0.45, 0.0), Target(1.2, 0.45, 0.1)))
+    env.reset(seed=0)
+    told = [env.step(np.array([0.0, 1.0], np.float32)) for _ in range(25)]
+    end = next(k for k, one in enumerate(told) if one[2])
+    assert told[end][4] == {"is_success": True} and told[end][1] > 1.0 and not told[end - 1][4]["is_success"]
+    fire = Timeline.of([Event(0.1, 3, 3, CellState.BURNING)])
+    env = NavigateEnv(world=replace(arena(), timeline=fire), reward={"burned": -50.0})
+    env.reset(seed=0)
+    told = [env.step(np.zeros(2, np.float32)) for _ in range(6)]
+    assert [one[2] for one in told] == [False] * 5 + [True]
+    assert told[5][1] < -49.0 and told[5][4] == {"is_success": False}
+
+
+def test_the_shortest_way_leads_round_the_walls():
+    walls = np.zeros((20, 30), bool)
+    walls[:16, 15] = True
+    world = World(walls, Pose(1.2, 0.3, 0.0), Target(2.0, 0.3, 0.1))
+    away = {}
+    for distance in ("straight", "way"):
+        env = NavigateEnv(world=world, distance=distance, sensors=PLAIN)
+        env.reset(seed=0)
+        away[distance] = float(env._lockstep.crew.distance[0])
+    assert away["straight"] == pytest.approx(0.8) and 2.8 < away["way"] < 3.2
+
+
+@pytest.mark.parametrize("render_mode", ["rgb_array", "ansi"])
+def test_frames_show_the_way_so_far(render_mode):
+    env = gymnasium.make_vec(
+        worldgen.gym.ENVIRONMENT, 2, "vector_entry_point", world=arena(), sensors=PLAIN, render_mode=render_mode
+    )
+    single = make(world=arena(), sensors=PLAIN, render_mode=render_mode)
+    env.reset(seed=0)
+    single.reset(seed=0)
+    before = single.render()
+    for _ in range(30):
+        env.step(np.tile(np.array([0.0, 1.0], np.float32), (2, 1)))
+        single.step(np.array([0.0, 1.0], np.float32))
+    assert not np.array_equal(before, single.render())
+    assert all(np.array_equal(frame, single.render()) for frame in env.render())
+
+
+def test_a_policy_as_a_controller_sees_and_does_what_the_environment_does():
+    own = Interface(sensors=ALL, turn_rate=9.0, reverse=True, extent=3.0, robot=RobotOptions(beams=7, beam_noise=0.1))
+
+    class Policy:
+        senses, needs, seen = own.senses, own.needs, []
+
+        def reset(self):
+            return ()
+
+        def act(self, observation, memory):
+            self.seen.append(own.observe(observation))
+            return own.command(turns(self.seen[-1]), observation), memory
+
+    world = generate("trap", seed=1)
+    env = NavigateEnv(world=world, sensors=ALL, turn_rate=9.0, reverse=True, extent=3.0, robot={**own.needs.changed()})
+    seen, told = env.reset(seed=2)
+    simulate(world, Policy(), steps=101, seed=told["run_seed"], time_step=0.015)
+    for other in Policy.seen[:100]:
+        assert seen.tobytes() == other.tobytes()
+        seen = env.step(turns(seen))[0]
+
+
+def turns(seen):
+    return np.array([np.clip(3.0 * seen[1] - 0.7 * seen[3], -1, 1), 0.9 - 1.2 * seen[3]], np.float32)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"sensor": ()}, r"no option is called 'sensor'; did you mean sensors\? known"),
+        ({"sensors": ("radar",)}, "no sensor is called 'radar'; there are bump"),
+        ({"sensors": "bump"}, "is no list of names"),
+        ({"sensors": ("bump", "bump")}, "give at least one, and none twice"),
+        ({"actions": "both"}, "neither 'continuous' nor 'discrete'"),
+        ({"actions": "discrete", "reverse": True}, "reverse=True goes with continuous actions"),
+        ({"observation": "flat"}, "neither 'box' nor 'dict'"),
+        ({"distance": "air"}, "neither 'straight' nor 'way'"),
+        ({"turn_rate": 0}, "turn_rate=0 is no number of rad/s above 0"),
+        ({"extent": np.nan}, "extent=nan is no number of m above 0"),
+        ({"robot": 3}, "robot=3 is no RobotOptions"),
+        ({"robot": {"wings": 2}}, "option 'wings' is unknown"),
+        ({"time_step": 0.0}, "time_step=0.0 s is outside 0.001 to 10 s"),
+        ({"reward": {"joy": 1}}, "no part of the reward is called 'joy'"),
+        ({"reward": {"time": np.nan}}, "time=nan is no number"),
+        ({"family": "labyrinth"}, "labyrinth"),
+        ({"family": "maze", "world": arena()}, "world and family are given; give one of them"),
+        ({"world": arena(), "pool": 3}, "pool is for a family, and world is given"),
+        ({"world": 3}, "world=3 is neither a World nor a path"),
+        ({"worlds": []}, "is no folder, archive or list of worlds"),
+        ({"pool": 0}, "pool=0 is outside 1 to 1000000"),
+        ({"params": 3}, "params=3 is no dict"),
+        ({"difficulty": (0.6, 0.2)}, "is no range within 0 to 1"),
+        ({"difficulty": 0.5}, "is no range within 0 to 1"),
+        ({"render_mode": "human"}, "render_mode='human' is unknown"),
+    ],
+    ids=str,
+)
+def test_options_that_mean_nothing_are_refused_in_a_sentence(options, message):
+    with pytest.raises(InvalidParameter, match=message):
+        NavigateEnv(**options)
+
+
+def test_changing_worlds_have_no_shortest_way():
+    with pytest.raises(InvalidParameter, match="needs worlds that do not change"):
+        NavigateEnv(world=burning(), distance="way").reset()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"num_envs": 0}, "num_envs=0 is outside 1"),
+        ({"autoreset_mode": "Never"}, "there are 'NextStep', 'SameStep', 'Disabled'"),
+        ({"max_episode_steps": 2.5}, "max_episode_steps=2.5 is no whole number"),
+    ],
+    ids=str,
+)
+def test_options_of_the_vector_environment_are_checked_likewise(options, message):
+    with pytest.raises(InvalidParameter, match=message):
+        NavigateVectorEnv(**options)
+
+
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [(np.array([np.nan, 0.0]), "is nan"), (np.zeros(3), r"shape \(1, 3\)"), (np.array(["a", "b"]), "<U1")],
+    ids=str,
+)
+def test_actions_that_are_none_are_refused(action, message):
+    env = NavigateEnv(world=arena(), sensors=PLAIN)
+    with pytest.raises(gymnasium.error.ResetNeeded, match="call reset"):
+        env.step(action)
+    env.reset(seed=0)
+    with pytest.raises(InvalidParameter, match=message):
+        env.step(action)
+
+
+@pytest.mark.parametrize(("action", "message"), [(5, "there are 0 to 4"), (-1, "there are 0 to 4"), (0.5, "float64")])
+def test_discrete_actions_that_are_none_are_refused(action, message):
+    env = NavigateEnv(world=arena(), sensors=PLAIN, actions="discrete")
+    env.reset(seed=0)
+    with pytest.raises(InvalidParameter, match=message):
+        env.step(action)
+
+
+def test_resets_that_mean_nothing_are_refused():
+    env = NavigateVectorEnv(2, **TRAPS)
+    with pytest.raises(InvalidParameter, match="no reset option is called 'word'; did you mean world"):
+        env.reset(options={"word": arena()})
+    env.reset(seed=0)
+    mask = np.array([True, False])
+    with pytest.raises(InvalidParameter, match="cannot change the worlds of all"):
+        env.reset(options={"world": arena(), "reset_mask": mask})
+    with pytest.raises(InvalidParameter, match="no array of 2 booleans"):
+        env.reset(options={"reset_mask": ~(mask | True)})
+    with pytest.raises(InvalidParameter, match="one for each of 2 robots"):
+        env.reset(seed=[1])

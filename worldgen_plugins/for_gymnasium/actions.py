@@ -1,0 +1,35 @@
+"""Actions as they come, checked and in the form that the kernel takes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import InvalidParameter
+from worldgen_plugins.for_gymnasium.interface import CHOICES, Interface
+
+__all__ = ["checked_actions"]
+
+
+def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArray[Any]:
+    """(n,) int64 or (n, 2) float32, in C order; numbers beyond the bounds are as good as the bounds.
+
+    Raises:
+        InvalidParameter: If they are of another shape or type, nan, or no number of a discrete action.
+    """
+    given = np.asarray(actions)
+    if interface.actions == "discrete":
+        if given.shape != (count,) or given.dtype.kind not in "iu":
+            raise InvalidParameter(f"actions of shape {given.shape}, {given.dtype}: give {count} whole numbers")
+        if given.min() < 0 or given.max() >= len(CHOICES):
+            raise InvalidParameter(f"actions from {given.min()} to {given.max()}: there are 0 to {len(CHOICES) - 1}")
+        return np.ascontiguousarray(given, np.int64)
+    if given.shape != (count, 2) or given.dtype.kind not in "fiu":
+        raise InvalidParameter(
+            f"actions of shape {given.shape}, {given.dtype}: give the shares of turn rate and top speed for {count}"
+        )
+    if np.isnan(given.sum()) and np.isnan(given).any():
+        raise InvalidParameter("an action is nan; give shares of turn rate and top speed, -1 to 1")
+    return np.ascontiguousarray(given, np.float32)

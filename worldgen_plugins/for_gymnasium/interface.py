@@ -1,0 +1,188 @@
+"""What an environment shows of a robot's senses, and how its actions become commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sim import Command, Observation
+from sim.robot_options import RobotOptions
+from worldgen.errors import InvalidParameter
+from worldgen_plugins.for_gymnasium.kernels import layout as at
+from worldgen_plugins.for_gymnasium.kernels.navigate import encode
+
+__all__ = ["CHOICES", "DEFAULT_BEAMS", "SENSORS", "Interface"]
+
+Floats = npt.NDArray[np.float64]
+Singles = npt.NDArray[np.float32]
+
+DEFAULT_BEAMS = 16
+MOST_TURN_RATE = 1e6  # rad/s
+
+
+class Sensor(NamedTuple):
+    """A sensor of the environment.
+
+    Args:
+        code: Its number in the kernel.
+        low: Least value of each of its numbers.
+        high: Greatest value.
+        senses: What of the simulator's observation it looks at.
+    """
+
+    code: int
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    senses: tuple[str, ...]
+
+
+def _direction(code: int, *senses: str) -> Sensor:
+    return Sensor(code, (-1.0, -1.0), (1.0, 1.0), (*senses, "heading"))
+
+
+SENSORS: Mapping[str, Sensor] = {
+    "bump": Sensor(at.BUMP, (0.0,), (1.0,), ("bump",)),
+    "bump_direction": _direction(at.BUMP_DIRECTION, "bump", "bump_bearing"),
+    "signal": Sensor(at.SIGNAL, (0.0,), (1.0,), ("signal",)),
+    "signal_direction": _direction(at.SIGNAL_DIRECTION, "signal_heading"),
+    "target_direction": _direction(at.TARGET_DIRECTION, "target_heading"),
+    "target_distance": Sensor(at.TARGET_DISTANCE, (0.0,), (1.0,), ("target_distance",)),
+    "heading": _direction(at.HEADING),
+    "position": Sensor(at.POSITION, (0.0, 0.0), (1.0, 1.0), ("x", "y")),
+    "odometry": Sensor(at.ODOMETRY, (-1.0,) * 4, (1.0,) * 4, ("odometry_x", "odometry_y", "odometry_heading")),
+    "beams": Sensor(at.BEAMS, (0.0,), (1.0,), ("beams",)),
+}
+"""Every sensor; of ``beams`` there are as many as the robot has."""
+
+CHOICES = ((0.0, 1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (-1.0, 0.0))
+"""The discrete actions, as shares of the turn rate and of the top speed.
+
+Ahead; ahead to the left; ahead to the right; left on the spot; right on the spot.
+"""
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Sensors and actions of an environment; a controller that has the same sees what was seen in training.
+
+    Args:
+        sensors: Names in :data:`SENSORS`, in the order in which they stand in an observation.
+        actions: ``continuous``, or ``discrete`` for the five of :data:`CHOICES`.
+        turn_rate: rad/s, what an action turns at most.
+        reverse: Whether continuous actions may drive backwards.
+        extent: m, which distances and positions are given as shares of; what is farther is as far as that.
+        robot: The robot's dynamics and sensors; with ``beams`` among the sensors it has 16 unless this says otherwise.
+
+    Raises:
+        InvalidParameter: If a name is unknown or a value is out of range.
+    """
+
+    sensors: tuple[str, ...] = ("target_direction", "target_distance", "bump", "beams")
+    actions: str = "continuous"
+    turn_rate: float = 2.0 * math.pi
+    reverse: bool = False
+    extent: float = 10.0
+    robot: RobotOptions | Mapping[str, Any] = field(default_factory=RobotOptions)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sensors", _names(self.sensors))
+        if self.actions not in ("continuous", "discrete"):
+            raise InvalidParameter(f"actions={self.actions!r} is neither 'continuous' nor 'discrete'; give one of them")
+        if not isinstance(self.reverse, bool):
+            raise InvalidParameter(f"reverse={self.reverse!r} is neither True nor False; give one of them")
+        if self.reverse and self.actions == "discrete":
+            raise InvalidParameter("reverse=True goes with continuous actions; leave it out, or actions='discrete'")
+        for name, most, unit in (("turn_rate", MOST_TURN_RATE, "rad/s"), ("extent", 1e6, "m")):
+            object.__setattr__(self, name, positive(name, getattr(self, name), most, unit))
+        object.__setattr__(self, "robot", self._robot())
+
+    def _robot(self) -> RobotOptions:
+        robot = self.robot
+        if not isinstance(robot, RobotOptions):
+            if not isinstance(robot, Mapping):
+                raise InvalidParameter(f"robot={robot!r} is no RobotOptions; give some, or a dict: {{'slip': 0.1}}")
+            robot = RobotOptions.of(robot)
+        if "beams" in self.sensors and robot.beams == 0:
+            return RobotOptions.of({**robot.changed(), "beams": DEFAULT_BEAMS})
+        return robot
+
+    @property
+    def needs(self) -> RobotOptions:
+        """The robot, as a controller declares it."""
+        return self._robot()
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        """The names of what it looks at, as a controller declares them."""
+        found = dict.fromkeys(sense for name in self.sensors for sense in SENSORS[name].senses)
+        return tuple(found)
+
+    @property
+    def codes(self) -> npt.NDArray[np.int64]:
+        """(k,) the sensors as the kernel knows them."""
+        return np.array([SENSORS[name].code for name in self.sensors], np.int64)
+
+    @property
+    def choices(self) -> Floats:
+        """(m, 2) the discrete actions; none for continuous ones."""
+        return np.array(CHOICES if self.actions == "discrete" else (), np.float64).reshape(-1, 2)
+
+    def rules(self) -> Floats:
+        """(RULE_SIZE,) what this decides of the rules; zeros for the rest."""
+        rules = np.zeros(at.RULE_SIZE)
+        rules[at.RULE_EXTENT], rules[at.RULE_BEAM_RANGE] = self.extent, self.needs.beam_range
+        rules[at.RULE_TURN_RATE], rules[at.RULE_SLOWEST] = self.turn_rate, -1.0 if self.reverse else 0.0
+        return rules
+
+    def bounds(self) -> dict[str, tuple[Singles, Singles]]:
+        """Least and greatest values of each sensor's numbers."""
+        found = {}
+        for name in self.sensors:
+            low, high = (np.array(numbers, np.float32) for numbers in SENSORS[name][1:3])
+            if name == "beams":
+                low, high = low.repeat(self.needs.beams), high.repeat(self.needs.beams)
+            elif name == "signal":
+                high += np.float32(self.needs.sensor_noise)
+            found[name] = (low, high)
+        return found
+
+    def observe(self, observation: Observation) -> Singles:
+        """What the environment would have shown, from what a controller sees: (size,) float32."""
+        seen = np.array([*observation[:-1], *observation.beams], np.float64)
+        out = np.empty(sum(len(low) for low, _ in self.bounds().values()), np.float32)
+        encode(seen, self.codes, self.rules(), out)
+        return out
+
+    def command(self, action: Any, observation: Observation) -> Command:
+        """The command that an action is, for a robot whose top speed is the observation's."""
+        turn, speed = CHOICES[int(action)] if self.actions == "discrete" else (float(action[0]), float(action[1]))
+        turn, speed = min(max(turn, -1.0), 1.0), min(max(speed, -1.0 if self.reverse else 0.0), 1.0)
+        return Command(speed * observation.top_speed, turn * self.turn_rate)
+
+
+def positive(name: str, value: object, most: float, unit: str) -> float:
+    """A number above 0.
+
+    Raises:
+        InvalidParameter: If it is none, or above ``most``.
+    """
+    if not isinstance(value, int | float | np.number) or isinstance(value, bool) or not 0.0 < value <= most:
+        raise InvalidParameter(f"{name}={value!r} is no number of {unit} above 0 and at most {most:g}; give one")
+    return float(value)
+
+
+def _names(sensors: object) -> tuple[str, ...]:
+    if isinstance(sensors, str) or not isinstance(sensors, tuple | list):
+        raise InvalidParameter(f"sensors={sensors!r} is no list of names; write one: ('target_direction', 'bump')")
+    names = tuple(sensors)
+    unknown = [name for name in names if name not in SENSORS]
+    if unknown:
+        raise InvalidParameter(f"no sensor is called {unknown[0]!r}; there are {', '.join(SENSORS)}")
+    if not names or len(set(names)) != len(names):
+        raise InvalidParameter(f"sensors={sensors!r}: give at least one, and none twice")
+    return names

@@ -1,0 +1,169 @@
+"""The options of both environments, checked."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypedDict
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.robot_options import RobotOptions
+from sim.run_options import DEFAULT_TIME_STEP, RunOptions
+from worldgen.errors import InvalidParameter
+from worldgen.family import Family
+from worldgen.world import Value, World
+from worldgen_plugins.for_gymnasium.interface import Interface
+from worldgen_plugins.for_gymnasium.kernels import layout as at
+from worldgen_plugins.for_gymnasium.supply import SOURCES, Supply
+
+__all__ = ["REWARD", "Options", "Rules", "resolve", "sources_in"]
+
+REWARD: Mapping[str, float] = {"progress": 1.0, "time": -0.1, "contact": -0.01, "reached": 1.0, "burned": -1.0}
+"""What is rewarded: a metre nearer to the target, a second, a step that a wall stopped or bent, and the two ends."""
+
+_PLACES = {
+    "progress": at.RULE_PROGRESS,
+    "time": at.RULE_TIME,
+    "contact": at.RULE_CONTACT,
+    "reached": at.RULE_REACHED,
+    "burned": at.RULE_BURNED,
+}
+_INTERFACE = ("sensors", "actions", "turn_rate", "reverse", "extent", "robot")
+
+
+class Options(TypedDict, total=False):
+    """Keywords of both environments.
+
+    Args:
+        world: The only world, or its file.
+        worlds: Worlds, or files, or a folder or archive of them.
+        family: Name of a family, whose worlds have rising seeds.
+        params: The family's parameters.
+        difficulty: Least and greatest difficulty of the family's worlds, 0 to 1.
+        pool: How many worlds of the family there are; each episode is in one of them.
+        pool_seed: Seed of the first.
+        sensors: As of :class:`worldgen_plugins.for_gymnasium.Interface`, and likewise down to ``robot``.
+        actions: ``continuous`` or ``discrete``.
+        turn_rate: rad/s.
+        reverse: Whether actions may drive backwards.
+        extent: m.
+        robot: The robot's dynamics and sensors.
+        observation: ``box`` for one flat array, ``dict`` for one for each sensor.
+        time_step: s.
+        reward: What of :data:`REWARD` is otherwise.
+        distance: By what progress is measured: ``straight``, or ``way`` for the shortest way.
+    """
+
+    world: World | str | Path | None
+    worlds: Sequence[World | str | Path] | str | Path | None
+    family: str | Family | None
+    params: Mapping[str, Value] | None
+    difficulty: tuple[float, float] | None
+    pool: int | None
+    pool_seed: int | None
+    sensors: Sequence[str]
+    actions: str
+    turn_rate: float
+    reverse: bool
+    extent: float
+    robot: RobotOptions | Mapping[str, Value]
+    observation: str
+    time_step: float
+    reward: Mapping[str, float]
+    distance: str
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What an episode is, apart from its world.
+
+    Args:
+        interface: Sensors and actions.
+        observation: ``box`` or ``dict``.
+        time_step: s.
+        reward: What is rewarded, all of :data:`REWARD`.
+        by_way: Whether progress is measured by the shortest way.
+    """
+
+    interface: Interface
+    observation: str = "box"
+    time_step: float = DEFAULT_TIME_STEP
+    reward: Mapping[str, float] = field(default_factory=lambda: REWARD)
+    by_way: bool = False
+
+    def numbers(self, limit: int, autoreset: int) -> npt.NDArray[np.float64]:
+        """(RULE_SIZE,) the rules as the kernels know them.
+
+        Args:
+            limit: Steps until an episode is cut off; 0 for never.
+            autoreset: ``NEXT_STEP``, ``SAME_STEP`` or ``DISABLED``.
+        """
+        rules = self.interface.rules()
+        for name, place in _PLACES.items():
+            rules[place] = self.reward[name]
+        rules[at.RULE_LIMIT], rules[at.RULE_AUTORESET] = limit, autoreset
+        return rules
+
+    def run_options(self) -> RunOptions:
+        """The same as options of a run of the simulator."""
+        return RunOptions("swept", 1, self.time_step, robot=self.interface.needs)
+
+
+def resolve(options: Mapping[str, Any]) -> tuple[Rules, Supply]:
+    """Rules and worlds from the keywords of an environment.
+
+    Raises:
+        InvalidParameter: If one is unknown or out of range.
+    """
+    known = tuple(Options.__annotations__)
+    _check_names(options, known, "option")
+    told = {name: options[name] for name in _INTERFACE if name in options}
+    look = options.get("observation", "box")
+    if look not in ("box", "dict"):
+        raise InvalidParameter(f"observation={look!r} is neither 'box' nor 'dict'; give one of them")
+    distance = options.get("distance", "straight")
+    if distance not in ("straight", "way"):
+        raise InvalidParameter(f"distance={distance!r} is neither 'straight' nor 'way'; give one of them")
+    rules = Rules(
+        Interface(**told), look, options.get("time_step", DEFAULT_TIME_STEP), _reward(options.get("reward", {})),
+        distance == "way",
+    )  # fmt: skip
+    rules.run_options()  # refuses a time step that is out of range
+    return rules, Supply({name: options[name] for name in SOURCES if name in options})
+
+
+def sources_in(options: Mapping[str, Any] | None, *others: str) -> dict[str, Any]:
+    """What the options of a reset say of worlds.
+
+    Args:
+        options: The options.
+        *others: Names that may be there, too.
+
+    Raises:
+        InvalidParameter: If one is unknown.
+    """
+    given = {} if options is None else options
+    _check_names(given, (*SOURCES, *others), "reset option")
+    return {name: given[name] for name in SOURCES if name in given}
+
+
+def _check_names(given: Mapping[str, Any], known: Sequence[str], what: str) -> None:
+    for name in given:
+        if name not in known:
+            near = difflib.get_close_matches(str(name), known, 1)
+            hint = f"did you mean {near[0]}? " if near else ""
+            raise InvalidParameter(f"no {what} is called {name!r}; {hint}known: {', '.join(known)}")
+
+
+def _reward(given: object) -> dict[str, float]:
+    if not isinstance(given, Mapping):
+        raise InvalidParameter(f"reward={given!r} is no dict; write one such as {{'time': -0.2}}")
+    _check_names(given, tuple(REWARD), "part of the reward")
+    for name, value in given.items():
+        if not isinstance(value, int | float) or isinstance(value, bool) or not abs(value) <= 1e9:
+            raise InvalidParameter(f"reward: {name}={value!r} is no number within 1e9 of 0; give one")
+    return {**REWARD, **{name: float(value) for name, value in given.items()}}

@@ -1,0 +1,48 @@
+"""Frames of an episode, by the code that draws all pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from worldgen.errors import InvalidParameter
+from worldgen.render import Mark, Trail, draw_terminal
+from worldgen.world import World
+
+__all__ = ["RENDER_MODES", "check_render_mode", "frame_of"]
+
+RENDER_MODES = ("rgb_array", "ansi")
+_PIXELS = 480  # of a map's longer side
+_COLUMNS = 200
+
+
+def check_render_mode(mode: object) -> str | None:
+    """The render mode; ``None`` for no pictures.
+
+    Raises:
+        InvalidParameter: If it is unknown.
+    """
+    if mode is None or mode in RENDER_MODES:
+        return None if mode is None else str(mode)
+    raise InvalidParameter(f"render_mode={mode!r} is unknown; there are {', '.join(RENDER_MODES)}, and None")
+
+
+def frame_of(world: World, places: Sequence[tuple[float, float]], mode: str) -> Any:
+    """A frame: (height, width, 3) uint8 for ``rgb_array``, text for ``ansi``.
+
+    Args:
+        world: The episode's.
+        places: Where the robot has been, m, the last one last.
+        mode: Of :data:`RENDER_MODES`.
+    """
+    x, y = np.array(places, np.float64).T
+    trail = Trail(x, y, None, [Mark(float(x[-1]), float(y[-1]), "end")])
+    if mode == "ansi":
+        return draw_terminal(world, trail=trail, width=_COLUMNS, color=False)
+    from worldgen.render.png import draw_parts
+    from worldgen.render.scene import compose
+
+    scene = compose(world, trail, signal=True, witness=False, title="", pixels=_PIXELS)
+    return np.array(draw_parts(scene.primitives, scene.frame, (scene.width, scene.height)))

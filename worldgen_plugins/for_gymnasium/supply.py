@@ -1,0 +1,124 @@
+"""Where the worlds of episodes come from: given ones, or a family's, as hard as is wished."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from sim.run_options import whole
+from worldgen.difficulty.expression import parse
+from worldgen.difficulty.search import TRIES, Search, found
+from worldgen.errors import InvalidParameter
+from worldgen.family import FAMILIES, Family
+from worldgen.generation import stream
+from worldgen.grid_file import read_world
+from worldgen.world import World
+from worldgen.world_files import read_worlds
+
+__all__ = ["DEFAULT_FAMILY", "DEFAULT_POOL", "SOURCES", "Supply"]
+
+DEFAULT_FAMILY = "trap"
+DEFAULT_POOL = 64
+MOST_POOL = 1_000_000
+MAX_SEED = 2**64 - 1
+
+SOURCES = ("world", "worlds", "family", "params", "difficulty", "pool", "pool_seed")
+"""The options that say where worlds come from."""
+
+
+class Supply:
+    """A fixed number of worlds, each made or read when it is first asked for.
+
+    Args:
+        options: What is given of :data:`SOURCES`; see :class:`worldgen_plugins.for_gymnasium.options.Options`.
+
+    Raises:
+        InvalidParameter: If what is given does not go together, or is out of range.
+        FormatError: If a file is no world.
+    """
+
+    def __init__(self, options: Mapping[str, Any]) -> None:
+        given = {name: value for name, value in options.items() if value is not None}
+        named = [name for name in ("world", "worlds", "family") if name in given]
+        if len(named) > 1:
+            raise InvalidParameter(f"{' and '.join(named)} are given; give one of them")
+        fixed = named and named[0] != "family"
+        stray = [name for name in ("params", "difficulty", "pool", "pool_seed") if fixed and name in given]
+        if stray:
+            raise InvalidParameter(f"{stray[0]} is for a family, and {named[0]} is given; leave one of them out")
+        self.options: dict[str, Any] = given
+        self._made: list[World] = []
+        self._more: Iterator[World] = iter(())
+        if fixed:
+            self._made = _read_one(given["world"]) if named == ["world"] else _read_all(given["worlds"])
+            self._count = len(self._made)
+        else:
+            self._count = whole("pool", given.get("pool", DEFAULT_POOL), 1, MOST_POOL)
+            self._more = _of_family(given, self._count)
+
+    def changed(self, options: Mapping[str, Any]) -> Supply:
+        """The supply with other options; those of a family stay what they are unless they are named.
+
+        A world, or worlds, take the place of a family, and a family theirs.
+        """
+        if not options:
+            return self
+        if "world" in options or "worlds" in options:
+            return Supply(options)
+        kept = {name: value for name, value in self.options.items() if name not in ("world", "worlds")}
+        if "family" in options:
+            kept = {name: value for name, value in kept.items() if name != "params"}
+        return Supply({**kept, **options})
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, index: int) -> World:
+        while len(self._made) <= index:
+            self._made.append(next(self._more))
+        return self._made[index]
+
+    def all(self) -> Sequence[World]:
+        """All worlds, made if they are not yet."""
+        return [self[k] for k in range(len(self))]
+
+
+def _read_one(given: object) -> list[World]:
+    if isinstance(given, World):
+        return [given]
+    if isinstance(given, str | Path):
+        return [read_world(Path(given))]
+    raise InvalidParameter(f"world={given!r} is neither a World nor a path; give one of them")
+
+
+def _read_all(given: object) -> list[World]:
+    if isinstance(given, str | Path):
+        return [world for _, world in read_worlds([Path(given)])]
+    if not isinstance(given, Sequence) or not given:
+        raise InvalidParameter(f"worlds={given!r} is no folder, archive or list of worlds; give one")
+    return [world for one in given for world in ([one] if isinstance(one, World) else _read_all(str(one)))]
+
+
+def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
+    """Worlds of rising seeds; with a difficulty, different ones that a search finds."""
+    name, params = given.get("family", DEFAULT_FAMILY), given.get("params", {})
+    if not isinstance(params, Mapping):
+        raise InvalidParameter(f"params={params!r} is no dict; write one such as {{'size': 30}}")
+    if not isinstance(name, str | Family):
+        raise InvalidParameter(f"family={name!r} is no family's name; give one such as 'maze'")
+    family = name if isinstance(name, Family) else FAMILIES.find(name, params)
+    seed = whole("pool_seed", given.get("pool_seed", 0), 0, MAX_SEED)
+    if "difficulty" not in given:
+        return stream(family, seed, count, **params)
+    low, high = _range(given["difficulty"])
+    search = Search(family, parse(f"{low!r} <= difficulty <= {high!r}"), seed, params)
+    return (one.world for one in found(search, count, TRIES))
+
+
+def _range(given: object) -> tuple[float, float]:
+    pair = tuple(given) if isinstance(given, tuple | list) else ()
+    numbers = [float(one) for one in pair if isinstance(one, int | float) and not isinstance(one, bool)]
+    if len(pair) != 2 or len(numbers) != 2 or not 0.0 <= numbers[0] < numbers[1] <= 1.0:
+        raise InvalidParameter(f"difficulty={given!r} is no range within 0 to 1; write one such as (0.2, 0.4)")
+    return numbers[0], numbers[1]

@@ -1,0 +1,226 @@
+"""The vector environment: many robots, one compiled call for a step of all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Unpack
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+
+from sim.run_options import whole
+from worldgen.errors import InvalidParameter
+from worldgen_plugins.for_gymnasium.actions import checked_actions
+from worldgen_plugins.for_gymnasium.interface import Interface
+from worldgen_plugins.for_gymnasium.kernels import layout as at
+from worldgen_plugins.for_gymnasium.kernels.navigate import Told
+from worldgen_plugins.for_gymnasium.lockstep import Lockstep
+from worldgen_plugins.for_gymnasium.options import Options, resolve, sources_in
+from worldgen_plugins.for_gymnasium.picture import RENDER_MODES, check_render_mode, frame_of
+from worldgen_plugins.for_gymnasium.single import seed_of
+from worldgen_plugins.for_gymnasium.spaces import action_space, observation_space, shown
+
+__all__ = ["NavigateVectorEnv"]
+
+Bools = npt.NDArray[np.bool_]
+
+MAX_ENVS = 1_000_000
+MAX_STEPS = 100_000_000
+_MODES = {
+    AutoresetMode.NEXT_STEP: at.NEXT_STEP,
+    AutoresetMode.SAME_STEP: at.SAME_STEP,
+    AutoresetMode.DISABLED: at.DISABLED,
+}
+_MASK = "reset_mask"
+
+
+class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
+    """Many robots that are to reach the targets of their worlds.
+
+    Robot i with seed s is, to the bit, the single environment with seed s + i.
+
+    Args:
+        num_envs: Robots.
+        max_episode_steps: Steps until an episode is cut off; 0 or ``None`` for never.
+        autoreset_mode: When the next episode begins: ``NextStep``, ``SameStep`` or ``Disabled``.
+        render_mode: ``rgb_array``, ``ansi`` or ``None``.
+        **options: As of the single environment.
+
+    Raises:
+        WorldgenError: If an option is unknown or out of range, or a world cannot be read or made.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        max_episode_steps: int | None = None,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        **options: Unpack[Options],
+    ) -> None:
+        self._rules, self._supply = resolve(options)
+        self.num_envs = whole("num_envs", num_envs, 1, MAX_ENVS)
+        limit = whole("max_episode_steps", max_episode_steps or 0, 0, MAX_STEPS)
+        self._mode = _mode_of(autoreset_mode)
+        self.render_mode = check_render_mode(render_mode)
+        self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": 30, "autoreset_mode": self._mode}
+        self.single_observation_space = observation_space(self._rules)
+        self.single_action_space = action_space(self._rules.interface)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._lockstep = Lockstep(self._rules, self.num_envs, limit, _MODES[self._mode])
+        self._places: list[list[tuple[float, float]]] = [[] for _ in range(self.num_envs)]
+        self._seen: npt.NDArray[np.float32] | None = None
+
+    @property
+    def interface(self) -> Interface:
+        """Sensors and actions, for a controller that is to have the same."""
+        return self._rules.interface
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begins an episode of each robot; see :meth:`worldgen_plugins.for_gymnasium.single.NavigateEnv.reset`.
+
+        Args:
+            seed: Of the first robot; the others have the next ones. Or one for each.
+            options: Where worlds come from, from now on. ``reset_mask``, (n,) bool, says whose episodes begin.
+        """
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        which = _mask_of(options, self.num_envs)
+        supply = self._supply.changed(sources_in(options, _MASK))
+        if supply is not self._supply or not self._lockstep.worlds:
+            if self._seen is not None and not which.all():
+                raise InvalidParameter("a reset of some robots cannot change the worlds of all; leave reset_mask out")
+            self._lockstep.load(supply.all())
+            self._supply = supply
+        self._number_episodes(_seeds_of(seed, self.num_envs), which)
+        told = self._lockstep.begin_many(which)
+        if self._seen is not None:
+            told.observation[~which] = self._seen[~which]
+        self._seen = told.observation
+        self._note_places(which)
+        return shown(self._rules, told.observation.copy()), self._of_worlds(which)
+
+    def _number_episodes(self, seeds: Sequence[int | None], which: Bools) -> None:
+        """Gives each robot whose episode begins its seed, and its episode its number."""
+        crew = self._lockstep.crew
+        for robot in np.flatnonzero(which).tolist():
+            seed = seeds[robot]
+            if seed is not None or self._seen is None:
+                generator, _ = gymnasium.utils.seeding.np_random(seed)
+                crew.seed[robot], crew.episode[robot] = seed_of(generator), 0
+            else:
+                crew.episode[robot] += 1
+
+    def step(self, actions: Any) -> tuple[Any, npt.NDArray[np.float64], Bools, Bools, dict[str, Any]]:
+        """One step of each robot.
+
+        The information ``is_success`` says who has arrived. Where an episode begins, ``world`` and ``run_seed`` are
+        there too, and with ``SameStep`` ``final_obs`` and ``final_info`` of the episode before.
+
+        Raises:
+            gymnasium.error.ResetNeeded: Before the first reset; with ``Disabled``, if an episode is over.
+            InvalidParameter: If the actions are none.
+        """
+        crew = self._lockstep.crew
+        if self._seen is None:
+            raise gymnasium.error.ResetNeeded("no episode has begun; call reset() before step()")
+        if self._mode is AutoresetMode.DISABLED and crew.over.any():
+            over = int(np.flatnonzero(crew.over)[0])
+            raise gymnasium.error.ResetNeeded(f"the episode of robot {over} is over; reset it, with reset_mask")
+        told = self._lockstep.step(checked_actions(self.interface, actions, self.num_envs))
+        self._seen = told.observation
+        if self.render_mode is not None:
+            self._note_places(told.began)
+        information = self._information(told)
+        seen = shown(self._rules, told.observation.copy())
+        return seen, told.reward, told.terminated, told.truncated, information
+
+    def render(self) -> tuple[Any, ...] | None:
+        """A frame for each robot; ``None`` without a render mode.
+
+        Raises:
+            gymnasium.error.ResetNeeded: Before the first reset.
+        """
+        if self.render_mode is None:
+            gymnasium.logger.warn('render() without a render mode shows nothing; make_vec(..., render_mode="ansi")')
+            return None
+        if self._seen is None:
+            raise gymnasium.error.ResetNeeded("no episode has begun; call reset() before render()")
+        worlds, crew = self._lockstep.worlds, self._lockstep.crew
+        return tuple(
+            frame_of(worlds[world], places, self.render_mode)
+            for world, places in zip(crew.world.tolist(), self._places, strict=True)
+        )
+
+    def _information(self, told: Told) -> dict[str, Any]:
+        """What Gymnasium's own vector environments would make of the single ones' information."""
+        if self._mode is AutoresetMode.SAME_STEP:
+            information: dict[str, Any] = {}
+            if told.began.any():
+                information = self._finals(told)
+            running = ~told.began
+            if running.any():
+                information |= {"is_success": told.reached & running, "_is_success": running}
+        else:
+            running = ~told.began
+            information = {"is_success": told.reached, "_is_success": running} if running.any() else {}
+        return information | self._of_worlds(told.began) if told.began.any() else information
+
+    def _finals(self, told: Told) -> dict[str, Any]:
+        """Last observation and information of the episodes that were followed by the next in the same step."""
+        last = np.full(self.num_envs, None, dtype=object)
+        for robot in np.flatnonzero(told.began).tolist():
+            last[robot] = shown(self._rules, told.last[robot].copy())
+        ended = told.began
+        final = {"is_success": told.reached & ended, "_is_success": ended.copy()}
+        return {"final_obs": last, "_final_obs": ended.copy(), "final_info": final, "_final_info": ended.copy()}
+
+    def _of_worlds(self, which: Bools) -> dict[str, Any]:
+        """In which worlds episodes begin, and with which seeds of their runs."""
+        crew = self._lockstep.crew
+        return {
+            "world": np.where(which, crew.world, 0), "_world": which.copy(),
+            "run_seed": np.where(which, crew.run, 0), "_run_seed": which.copy(),
+        }  # fmt: skip
+
+    def _note_places(self, began: Bools) -> None:
+        if self.render_mode is None:
+            return
+        for robot, fresh in enumerate(began.tolist()):
+            places = self._places[robot]
+            if fresh:
+                places.clear()
+            places.append(self._lockstep.place_of(robot))
+
+
+def _mode_of(mode: object) -> AutoresetMode:
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        names = ", ".join(repr(one.value) for one in AutoresetMode)
+        raise InvalidParameter(f"autoreset_mode={mode!r} is unknown; there are {names}") from None
+
+
+def _seeds_of(seed: object, count: int) -> Sequence[int | None]:
+    if seed is None:
+        return [None] * count
+    if isinstance(seed, int):
+        return range(seed, seed + count)
+    seeds = list(seed) if isinstance(seed, Sequence) else []
+    if len(seeds) != count:
+        raise InvalidParameter(f"seed={seed!r}: give one number, or one for each of {count} robots")
+    return seeds
+
+
+def _mask_of(options: dict[str, Any] | None, count: int) -> Bools:
+    mask = None if options is None else options.get(_MASK)
+    if mask is None:
+        return np.ones(count, np.bool_)
+    if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (count,) or not mask.any():
+        raise InvalidParameter(f"reset_mask is no array of {count} booleans of which one is true; give one")
+    return mask
