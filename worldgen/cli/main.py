@@ -78,6 +78,7 @@ _SUMMARY = {
     "compare": "Run controllers in many worlds and print one table of times, failures, best and worst.",
     "chance": "Say whether a random controller arrives with probability one, never, or in part.",
     "check-family": "Check what every family promises, over a family of your own.",
+    "check-scenarios": "Check that MovingAI problems have the shortest path that their file says.",
     "compose": "Make worlds of parts, by a recipe: a trap in a maze, a fire in one wing.",
     "corpus": "Look at saved failures, compare and merge folders of them, and keep them small.",
     "demo": "Make a world, run a robot in it, find and draw the smallest worlds in which it fails.",

@@ -6,6 +6,7 @@ Source: Nathan Sturtevant, "Benchmarks for Grid-Based Pathfinding", 2012, and mo
 from __future__ import annotations
 
 import re
+from array import array
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
@@ -21,21 +22,34 @@ from worldgen.lattice import UNIT, lattice_to_metres
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
-__all__ = ["BLOCKED", "PASSABLE", "Scenario", "movingai", "read_movingai", "read_scenario", "scenario_contents"]
+__all__ = [
+    "BLOCKED",
+    "GROUND",
+    "PASSABLE",
+    "Problems",
+    "Scenario",
+    "movingai",
+    "read_movingai",
+    "read_problems",
+    "read_scenario",
+    "read_terrain",
+    "scenario_contents",
+]
 
 # Swamp can be entered from plain ground; water cannot, so for a robot that starts on ground it is a wall.
 PASSABLE = b".GS"
 BLOCKED = b"@OTW"
+GROUND, OUTSIDE, WATER, TREES = 0, 1, 2, 3  # who is on ground, on water or among trees stays there
 _FIRST_ROW = 5  # line of the first row, after type, height, width and map
 _MAX_SCENARIO_LINE = 4096  # bytes; nine short fields
 _MAX_SCENARIO_BYTES = 64 << 20
 _MAX_SCENARIOS = 1_000_000  # a file; the benchmark's largest have some ten thousand
 _LENGTH = re.compile(rb"[0-9]{1,20}(\.[0-9]{0,20})?([eE][+-]?[0-9]{1,2})?")
-_BAD = 2
+_BAD = 255
 
 _TABLE = np.full(256, _BAD, np.uint8)
-_TABLE[list(PASSABLE)] = 0
-_TABLE[list(BLOCKED)] = 1
+for _letters, _terrain in ((PASSABLE, GROUND), (b"@O", OUTSIDE), (b"W", WATER), (b"T", TREES)):
+    _TABLE[list(_letters)] = _terrain
 
 
 def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
@@ -49,13 +63,28 @@ def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
         FormatError: If the header is not the format's, or rows do not match it, with the line.
     """
     data = read_bounded(path)
-    walls = flip_rows(_parse(data, str(path)))
+    walls = flip_rows(_parse(data, str(path)) != GROUND)
     params: dict[str, Value] = {"format": "movingai", "source": path.name, "sha256": digest(data)}
     return ForeignMap(walls, cell_size, params)
 
 
-def _parse(data: bytes, source: str) -> npt.NDArray[np.bool_]:
-    """Solid cells, top row first."""
+def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
+    """What a map's cells are: (height, width), top row first, of ``GROUND``, ``OUTSIDE``, ``WATER`` and ``TREES``.
+
+    The benchmark's problems may begin on water or among trees; their paths stay there, as those on ground stay on
+    ground.
+
+    Args:
+        path: The ``.map`` file.
+
+    Raises:
+        FormatError: As :func:`read_movingai`.
+    """
+    return _parse(read_bounded(path), str(path))
+
+
+def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
+    """Terrain, top row first."""
     head = data.split(b"\n", _FIRST_ROW - 1)
     lines = [line.removesuffix(b"\r") for line in head]
     kind = _words(lines, 1, "type", source)
@@ -93,7 +122,7 @@ def _size(word: bytes, key: str, number: int, source: str) -> int:
     return int(word)
 
 
-def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.bool_]:
+def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.uint8]:
     # The header's sizes bound the split, so a file of line ends alone takes no more than its own size.
     rows = [row.removesuffix(b"\r") for row in body.split(b"\n", height)]
     rest = rows.pop() if len(rows) > height else b""
@@ -112,8 +141,7 @@ def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.b
     if (cells == _BAD).any():
         row_index, column = divmod(int(np.argmax(cells == _BAD)), width)
         _wrong_character(rows[row_index], row_index, column, source)
-    solid: npt.NDArray[np.bool_] = cells == 1
-    return solid
+    return cells
 
 
 def _wrong_row(row: bytes, index: int, count: int, width: int, height: int, source: str) -> NoReturn:
@@ -219,8 +247,69 @@ def scenario_contents(path: Path) -> tuple[str, int]:
     rows = [line for line in lines[1:] if line.strip()]
     if not rows:
         raise FormatError("has no problem; give a scenario file with some", source=source)
-    name = _fields(rows[0].removesuffix(b"\r"), 2, source)[1].decode("utf-8", "backslashreplace")
-    return name.replace("\\", "/").rpartition("/")[2], len(rows)
+    return _map_name(_fields(rows[0].removesuffix(b"\r"), 2, source)[1]), len(rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Problems:
+    """All problems of a scenario file.
+
+    Args:
+        map_name: File name of the map that all are for.
+        version: As the file has it.
+        size: Width and height, cells, of the map that they were made on.
+        starts: (n, 2) column and row, row 0 the top one.
+        goals: (n, 2) likewise.
+        published: (n,) lengths of the benchmark's shortest paths.
+    """
+
+    map_name: str
+    version: str
+    size: tuple[int, int]
+    starts: npt.NDArray[np.int64]
+    goals: npt.NDArray[np.int64]
+    published: npt.NDArray[np.float64]
+
+
+def read_problems(path: Path) -> Problems:
+    """A scenario file whole.
+
+    Args:
+        path: The ``.scen`` file.
+
+    Raises:
+        FormatError: If a line is no problem, has a cell outside its map, or is for another map or another size of it
+            than the first.
+    """
+    source = str(path)
+    map_name, _ = scenario_contents(path)
+    lines = read_bounded(path, _MAX_SCENARIO_BYTES).split(b"\n", _MAX_SCENARIOS)
+    numbers, published = array("q"), array("d")  # as lists of objects they take five times the file
+    for number, line in enumerate(lines[1:], 2):
+        if not line.strip():
+            continue
+        fields = _fields(line.removesuffix(b"\r"), number, source)
+        name = _map_name(fields[1])
+        if name != map_name:
+            message = f"a problem of {shown(name)} among those of {shown(map_name)}; give a file for each map"
+            raise FormatError(message, line=number, source=source)
+        row = [int(field) for field in fields[2:8]]
+        check_sides(row[0], row[1], line=number, source=source)
+        if numbers and row[:2] != list(numbers[:2]):
+            message = f"{row[0]} x {row[1]} cells among problems for {numbers[0]} x {numbers[1]}; give a file for each"
+            raise FormatError(message, line=number, source=source)
+        if max(row[2], row[4]) >= row[0] or max(row[3], row[5]) >= row[1]:
+            message = f"cells {tuple(row[2:4])} to {tuple(row[4:])} do not lie in the map of {row[0]} x {row[1]} cells"
+            raise FormatError(f"{message} that the line names; correct the line", line=number, source=source)
+        numbers.extend(row)
+        published.append(float(fields[8]))
+    table = np.array(numbers, np.int64).reshape(-1, 3, 2)
+    version = lines[0].split()[1].decode()
+    return Problems(map_name, version, (numbers[0], numbers[1]), table[:, 1], table[:, 2], np.array(published))
+
+
+def _map_name(field: bytes) -> str:
+    return field.decode("utf-8", "backslashreplace").replace("\\", "/").rpartition("/")[2]
 
 
 def _fields(line: bytes, number: int, source: str) -> list[bytes]:

@@ -1,0 +1,68 @@
+"""Shortest octile paths, against a plain search and against the benchmark's published lengths."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from tests.helpers.octile_twin import octile_length
+from worldgen.interop.octile import OctileMap, _search, _search_compiled
+
+
+def drawn(*rows):
+    return np.array([[letter == "#" for letter in row] for row in rows])
+
+
+def solve(walls, start, goal):
+    return tuple(OctileMap(walls).lengths(np.array([start]), np.array([goal]))[0])
+
+
+@st.composite
+def questions(draw):
+    shape = draw(st.tuples(st.integers(1, 9), st.integers(1, 9)))
+    walls = draw(hnp.arrays(bool, shape, elements=st.booleans(), fill=st.just(False)))
+    cells = st.tuples(st.integers(0, shape[1] - 1), st.integers(0, shape[0] - 1))
+    return walls, draw(cells), draw(cells)
+
+
+@given(questions())
+def test_the_path_is_as_long_as_a_plain_searchs(question):
+    assert solve(*question) == octile_length(*question)
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.1, 0.25, 0.35, 0.45]))
+def test_many_questions_on_noise_are_answered_as_one_by_one(seed, density):
+    rng = np.random.default_rng(seed)
+    walls = rng.random((13, 17)) < density
+    starts, goals = rng.integers(0, 13, (2, 8, 2))
+    found = OctileMap(walls).lengths(starts, goals)
+    expected = [octile_length(walls, tuple(a), tuple(b)) for a, b in zip(starts.tolist(), goals.tolist(), strict=True)]
+    assert found.tolist() == [list(counts) for counts in expected]
+
+
+def test_a_diagonal_move_needs_both_cells_beside_it():
+    assert solve(drawn("..", ".."), (0, 0), (1, 1)) == (0, 1)
+    assert solve(drawn(".#", ".."), (0, 0), (1, 1)) == (2, 0)
+    assert solve(drawn(".#", "#."), (0, 0), (1, 1)) == (-1, -1)
+
+
+def test_the_compiled_search_gives_what_its_text_gives():
+    rng = np.random.default_rng(5)
+    walls = rng.random((40, 40)) < 0.3
+    asked = OctileMap(walls)
+    free = np.argwhere(~walls)[:, ::-1]
+    starts, goals = free[rng.integers(0, len(free), (2, 60))]
+    found = asked.lengths(starts, goals)  # more than the interpreter is asked to do
+    joined = found[:, 0] >= 0
+    ends = [(1 + cells[joined, 1]) * 42 + 1 + cells[joined, 0] for cells in (starts, goals)]
+    answers = np.empty((int(joined.sum()), 2), np.int64)
+    _search(asked._jumps, asked._steps, 42, *ends, answers)
+    assert np.array_equal(answers, found[joined])
+    assert _search_compiled.__wrapped__ is _search
+
+
+@pytest.mark.parametrize(("start", "goal"), [((0, 1), (1, 1)), ((1, 1), (0, 0))])
+def test_an_end_in_a_wall_has_no_path(start, goal):
+    assert solve(drawn("..", ".#"), start, goal) == (-1, -1)
