@@ -6,6 +6,7 @@ import functools
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import PurePath
 from typing import Any
 
@@ -16,7 +17,7 @@ from worldgen.parameters import Parameter, check_declared, parameters_of
 from worldgen.registry import Registry
 from worldgen.world import Value
 
-__all__ = ["FORMATS", "HELD", "Destination", "Exported", "Format", "decimal", "split_options"]
+__all__ = ["FORMATS", "HELD", "Destination", "Exported", "Format", "decimal", "decimal_text", "split_options"]
 
 HELD = {
     "start": "the start",
@@ -65,9 +66,13 @@ class Destination:
 
 def decimal(value: float, shift: float = 0.0) -> str:
     """A sum of two numbers as their shortest decimals say them, exactly, without exponent."""
-    total = exact(value) + exact(shift)
-    places = next(n for n in range(2000) if (total * 10**n).denominator == 1)  # both are decimals: there is one
-    sign, digits = "-" if total < 0 else "", str(abs(int(total * 10**places))).rjust(places + 1, "0")
+    return decimal_text(exact(value) + exact(shift))
+
+
+def decimal_text(value: Fraction) -> str:
+    """A fraction that is a decimal, exactly, without exponent."""
+    places = next(n for n in range(2000) if (value * 10**n).denominator == 1)  # sums and halves of decimals are some
+    sign, digits = "-" if value < 0 else "", str(abs(int(value * 10**places))).rjust(places + 1, "0")
     return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)
 
 
