@@ -20,6 +20,7 @@ from worldgen.world import World
 __all__ = ["mjcf", "write_mjcf"]
 
 _THIN = "0.001"  # half the thickness of what only marks a place, m
+_MASS = "0.5"  # of each of the robot's two bodies, kg: one slides, the other turns on it
 
 
 def write_mjcf(
@@ -84,11 +85,8 @@ def _surroundings(parts: Scene, height: float) -> Iterator[str]:
     size = f"{text(floor.half_x)} {text(floor.half_y)} 1"
     yield f'    <geom name="floor" type="plane" pos="{place} 0" size="{size}" rgba="0.9 0.9 0.9 1"/>'
     for number, box in enumerate(parts.still):
-        yield f'    <geom name="wall_{number}" {_box(box, text(half))} size="{_size(box, height)}" rgba="0.3 0.3 0.35 1"/>'
-
-
-def _box(box: Box, z: str) -> str:
-    return f'type="box" pos="{text(box.x)} {text(box.y)} {z}"'
+        at = f'type="box" pos="{text(box.x)} {text(box.y)} {text(half)}"'
+        yield f'    <geom name="wall_{number}" {at} size="{_size(box, height)}" rgba="0.3 0.3 0.35 1"/>'
 
 
 def _size(box: Box, height: float) -> str:
@@ -123,15 +121,17 @@ def _robot(world: World, destination: Destination, height: float, timestep: floa
     yield f'    <body name="robot" pos="{x} {y} {text(half)}">'
     yield f'      <joint name="robot_x" type="slide" axis="1 0 0" ref="{x}"/>'
     yield f'      <joint name="robot_y" type="slide" axis="0 1 0" ref="{y}"/>'
+    yield f'      <inertial pos="0 0 0" mass="{_MASS}" diaginertia="0.001 0.001 0.001"/>'
     yield f'      <body name="robot_disc" euler="0 0 {heading}">'
     yield f'        <joint name="robot_heading" type="hinge" axis="0 0 1" ref="{heading}"/>'
     size = f"{decimal(world.robot_radius)} {text(half / 2)}"
     yield (
-        f'        <geom name="robot" type="cylinder" size="{size}" mass="1" condim="1" priority="1" '
+        f'        <geom name="robot" type="cylinder" size="{size}" mass="{_MASS}" condim="1" priority="1" '
         f'solref="{stiff} 1" rgba="0.1 0.4 0.9 1"/>'
     )
-    nose = decimal(world.robot_radius / 2)
-    yield f'        <site name="robot_front" type="sphere" pos="{nose} 0 {text(half / 2)}" size="{nose}" rgba="1 1 1 1"/>'
+    nose = text(exact(world.robot_radius) / 2)
+    front = f'type="sphere" pos="{nose} 0 {text(half / 2)}" size="{nose}"'
+    yield f'        <site name="robot_front" {front} rgba="1 1 1 1"/>'
     yield "      </body>"
     yield "    </body>"
 

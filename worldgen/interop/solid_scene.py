@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 from collections.abc import Iterator
@@ -10,6 +11,7 @@ from fractions import Fraction
 from pathlib import PurePath
 
 import numpy as np
+import numpy.typing as npt
 
 from worldgen.interop.boxes import closing_boxes, merged_boxes
 from worldgen.interop.format import Destination, decimal_text
@@ -82,13 +84,17 @@ def scene(world: World, destination: Destination) -> Scene:
     """
     size = exact(world.cell_size)
     corner = (exact(destination.origin[0]), exact(destination.origin[1]))
-    line = world.timeline
-    solid = world.walls.copy()
-    solid[line.iy, line.ix] = False
-    boxes = np.concatenate([merged_boxes(solid), closing_boxes(world)])
+    always, states = _always_solid(world), _states(world)
+    boxes = np.concatenate([merged_boxes(always), closing_boxes(world)])
     still = tuple(_box(rows, size, corner) for rows in boxes.tolist())
+    bodies = [
+        body
+        for (iy, ix), by_time in sorted(states.items())
+        if not always[iy, ix]
+        for body in _bodies(ix, iy, by_time, _box((ix, iy, ix + 1, iy + 1), size, corner))
+    ]
     floor = _box((-1, -1, world.width + 1, world.height + 1), size, corner)
-    return Scene(still, tuple(_bodies(world, size, corner)), floor)
+    return Scene(still, tuple(bodies), floor)
 
 
 def _box(cells: tuple[int, int, int, int], size: Fraction, corner: tuple[Fraction, Fraction]) -> Box:
@@ -97,19 +103,31 @@ def _box(cells: tuple[int, int, int, int], size: Fraction, corner: tuple[Fractio
     return Box(x, y, size * (right - left) / 2, size * (high - low) / 2)
 
 
-def _bodies(world: World, size: Fraction, corner: tuple[Fraction, Fraction]) -> Iterator[Body]:
-    """Bodies in order of their cells, rows from the lowest y."""
+def _states(world: World) -> dict[tuple[int, int], dict[float, CellState]]:
+    """Of every cell that the timeline names, by row and column, its states from a time on; of one time the last."""
     states: dict[tuple[int, int], dict[float, CellState]] = {}
     for time, ix, iy, state in world.timeline:
         start = CellState.SOLID if world.walls[iy, ix] else CellState.FREE
-        states.setdefault((iy, ix), {0.0: start})[time + 0.0] = state  # the last of one time counts
-    for (iy, ix), by_time in sorted(states.items()):
-        box = _box((ix, iy, ix + 1, iy + 1), size, corner)
-        for kind, word in ((CellState.SOLID, "cell"), (CellState.BURNING, "fire")):
-            there = [(time, state == kind) for time, state in by_time.items()]
-            changes = tuple(now for before, now in zip(there, there[1:], strict=False) if before[1] != now[1])
-            if there[0][1] or changes:
-                yield Body(f"{word}_{ix}_{iy}", box, kind == CellState.BURNING, there[0][1], changes)
+        states.setdefault((iy, ix), {0.0: start})[time + 0.0] = state
+    return states
+
+
+def _always_solid(world: World) -> npt.NDArray[np.bool_]:
+    line = world.timeline
+    solid, later = world.walls.copy(), line.times > 0
+    solid[line.iy[~later], line.ix[~later]] = line.states[~later] == CellState.SOLID
+    opened = later & (line.states != CellState.SOLID)
+    solid[line.iy[opened], line.ix[opened]] = False
+    return solid
+
+
+def _bodies(ix: int, iy: int, by_time: dict[float, CellState], box: Box) -> Iterator[Body]:
+    """What a cell is at some times, but not at all."""
+    for kind, word in ((CellState.SOLID, "cell"), (CellState.BURNING, "fire")):
+        there = [(time, state == kind) for time, state in by_time.items()]
+        changes = tuple(now for before, now in itertools.pairwise(there) if before[1] != now[1])
+        if there[0][1] or changes:
+            yield Body(f"{word}_{ix}_{iy}", box, kind == CellState.BURNING, there[0][1], changes)
 
 
 def events_file(model: str, bodies: tuple[Body, ...], height: float) -> bytes:
@@ -121,8 +139,8 @@ def events_file(model: str, bodies: tuple[Body, ...], height: float) -> bytes:
         height: Of the walls, m; what is not there is parked with its upper side half of that below the floor.
 
     Returns:
-        JSON: ``model`` is that name; ``bodies`` has x and y, m, by name; ``events`` has time, s, name, z, m, in order of time; those of time
-        0 come first, one a body.
+        JSON: ``model`` is that name; ``bodies`` has x and y, m, by name; ``events`` has time, s, name, z, m, in order
+        of time; those of time 0 come first, one a body.
     """
     heights = {True: exact(height) / 2, False: -exact(height)}
     events = [(0.0, body.name, body.shown) for body in bodies]

@@ -1,0 +1,1 @@
+"""Scripts that go out beside worlds that change; each is a program of its own, and worldgen imports none of them."""
