@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from fractions import Fraction
 from typing import NamedTuple
 
 import yaml
@@ -16,6 +17,8 @@ __all__ = ["YamlTable", "read_yaml"]
 
 _MAX_DEPTH = 8
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
+_EXACT = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?")
+_NULL = ("", "~", "null", "none")
 _TRUTH = {
     "0": False,
     "false": False,
@@ -112,6 +115,37 @@ class YamlTable:
         """The list of a key, of finite numbers; None where it is something else."""
         numbers = [_parse_number(word) for word in self.words(key) or ("",)]
         return None if None in numbers else [number for number in numbers if number is not None]
+
+    def is_null(self, key: str) -> bool:
+        """Whether a key is there with nothing behind it, or with ``null``."""
+        node = self._entries[key].node
+        return isinstance(node, yaml.ScalarNode) and node.value.lower() in _NULL
+
+    def fraction(self, key: str) -> Fraction:
+        """The number of a key, exactly as its digits say.
+
+        Raises:
+            FormatError: If it is none.
+        """
+        word = self.word(key)
+        if not _EXACT.fullmatch(word):
+            raise self.fault(key, f"{key} is {shown(word)}, no number; write one like 0.05")
+        return Fraction(word)
+
+    def rows(self, key: str) -> list[list[Fraction]]:
+        """The lists of numbers of a key, exactly; a single list counts as one row.
+
+        Raises:
+            FormatError: If it is something else.
+        """
+        node = self._entries[key].node
+        items = node.value if isinstance(node, yaml.SequenceNode) else [node]
+        nested = [item.value for item in items if isinstance(item, yaml.SequenceNode)]
+        rows = nested if nested and len(nested) == len(items) else [items]
+        words = [[item.value if isinstance(item, yaml.ScalarNode) else "" for item in row] for row in rows]
+        if not all(row and all(map(_EXACT.fullmatch, row)) for row in words):
+            raise self.fault(key, f"{key} must be a list of numbers, [1.5, 2, 0], or a list of such lists")
+        return [[Fraction(word) for word in row] for row in words]
 
     def tables(self, key: str) -> list[YamlTable]:
         """The tables of a key: one, or a list of them.

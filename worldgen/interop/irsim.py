@@ -1,0 +1,153 @@
+"""Worlds of IR-SIM: a YAML file with the robot, its goal, and walls as rectangles or as a picture.
+
+IR-SIM tests collisions at the ends of its steps only, against what it calls obstacles; its world has no border of its
+own. Source: IR-SIM 2.12, ``world/world.py`` and ``object_base.py``.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+from worldgen.family import check_between
+from worldgen.interop.boxes import closing_boxes, merged_boxes
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
+from worldgen.interop.irsim_world import read_irsim
+from worldgen.interop.raster import Box, natural_cell_size
+from worldgen.lattice import exact
+from worldgen.rows import flip_rows
+from worldgen.world import World
+
+__all__ = ["irsim", "write_irsim"]
+
+_TURN_RATE = "6.2832"  # rad/s; a world of ours has no limit, IR-SIM's usual 1 is slow for a robot of 2 m/s
+_LIDAR = "[{type: lidar2d, range_max: 10, angle_range: 6.283185307179586, number: 257}]"  # the last beam is the first
+
+
+def write_irsim(
+    world: World,
+    destination: Destination,
+    *,
+    walls: Literal["boxes", "image"] = "boxes",
+    robot: Literal["diff", "omni"] = "diff",
+    lidar: bool = False,
+    step_time: float = 0.1,
+) -> Exported:
+    """The YAML file, and with ``walls=image`` the picture that it names.
+
+    Args:
+        world: The world.
+        destination: Where it goes.
+        walls: Whether the walls are rectangles, or pixels of an obstacle map.
+        robot: IR-SIM's kinematics.
+        lidar: Whether the robot has a lidar: 257 beams all round, the last as the first, 10 m.
+        step_time: Length of IR-SIM's step, s.
+    """
+    check_between("step_time", step_time, 1e-6, 1e3, "s")
+    drawn = merged_boxes(world.walls) if walls == "boxes" else np.zeros((0, 4), np.int64)
+    boxes = np.concatenate([drawn, closing_boxes(world)])
+    files: dict[str, bytes] = {}
+    picture = destination.companion(".png") if walls == "image" else None
+    lines = [*_world(world, destination, picture, step_time), *_robot(world, destination, robot, lidar)]
+    lines += _obstacles(world, destination, boxes)
+    files[destination.name] = ("\n".join(lines) + "\n").encode()
+    if picture is not None:
+        files[picture] = _png(world)
+    return Exported(files, dict(_altered(world, boxes, picture)), tuple(_notes(world, picture, step_time)))
+
+
+def _world(world: World, destination: Destination, picture: str | None, step_time: float) -> Iterator[str]:
+    side = exact(world.cell_size)
+    yield "# A world of worldgen for IR-SIM; m, rad, s."
+    yield "world:"
+    yield f"  width: {decimal_text(world.width * side)}"
+    yield f"  height: {decimal_text(world.height * side)}"
+    yield f"  offset: [{destination.x(0.0)}, {destination.y(0.0)}]"
+    yield f"  step_time: {decimal(step_time)}"
+    yield f"  sample_time: {decimal(step_time)}"
+    yield "  control_mode: auto"
+    yield "  collision_mode: stop"
+    if picture is not None:
+        yield f"  obstacle_map: {_quoted(picture)}"
+        yield "  mdownsample: 1"
+
+
+def _quoted(name: str) -> str:
+    return "'" + name.replace("'", "''") + "'"
+
+
+def _robot(world: World, destination: Destination, kinematics: str, lidar: bool) -> Iterator[str]:
+    start, target, speed = world.start, world.target, decimal(world.robot_speed)
+    other = _TURN_RATE if kinematics == "diff" else speed
+    yield "robot:"
+    yield f"  - kinematics: {{name: {kinematics}}}"
+    yield f"    shape: {{name: circle, radius: {decimal(world.robot_radius)}}}"
+    yield f"    state: [{destination.x(start.x)}, {destination.y(start.y)}, {decimal(start.heading)}]"
+    yield f"    goal: [{destination.x(target.x)}, {destination.y(target.y)}, 0]"
+    yield f"    goal_threshold: {decimal(target.radius)}"
+    yield f"    vel_min: [-{speed}, -{other}]"
+    yield f"    vel_max: [{speed}, {other}]"
+    if lidar:
+        yield f"    sensors: {_LIDAR}"
+
+
+def _obstacles(world: World, destination: Destination, boxes: npt.NDArray[np.int64]) -> Iterator[str]:
+    """The boxes, those of one size together."""
+    if len(boxes):
+        yield "obstacle:"
+    side, x, y = exact(world.cell_size), *map(exact, destination.origin)
+    sizes: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    for left, low, right, high in boxes.tolist():
+        sizes.setdefault((right - left, high - low), []).append((left + right, low + high))
+    for (length, width), centres in sorted(sizes.items()):
+        yield f"  - number: {len(centres)}"
+        yield "    distribution: {name: manual}"
+        shape = f"length: {decimal_text(length * side)}, width: {decimal_text(width * side)}"
+        yield f"    shape: {{name: rectangle, {shape}}}"
+        yield "    state:"
+        for twice_x, twice_y in centres:
+            yield f"      - [{decimal_text(twice_x * side / 2 + x)}, {decimal_text(twice_y * side / 2 + y)}, 0]"
+
+
+def _png(world: World) -> bytes:
+    stream = io.BytesIO()
+    Image.fromarray(np.where(flip_rows(world.walls), 0, 255).astype(np.uint8)).save(stream, "PNG")
+    return stream.getvalue()
+
+
+def _altered(world: World, boxes: npt.NDArray[np.int64], picture: str | None) -> Iterator[tuple[str, str]]:
+    """The cell size, where the walls fit larger cells too."""
+    side = exact(world.cell_size)
+    sides = (Box(*(Fraction(value) * side for value in box)) for box in boxes.tolist())
+    if picture is None and natural_cell_size(world.width * side, world.height * side, sides) != side:
+        yield "cell_size", f"the cell size, {world.cell_size:g} m, is not stored; the walls fit larger cells too"
+
+
+def _notes(world: World, picture: str | None, step_time: float) -> Iterator[str]:
+    step = world.robot_speed * step_time
+    if step > world.cell_size:
+        yield (
+            f"at {world.robot_speed:g} m/s IR-SIM moves {step:g} m a step and looks for collisions at its end only: "
+            f"the robot can pass walls of {world.cell_size:g} m; a smaller step_time helps"
+        )
+    if picture is not None:
+        yield f"IR-SIM looks for {picture} in the folder where it runs, not beside the YAML file"
+
+
+irsim = Format(
+    "irsim",
+    "IR-SIM world, .yaml",
+    (".yaml", ".yml"),
+    re.compile(rb"(?s)(?!.*?(?m:^)image[ \t]*:)(.*\n)?world[ \t]*:[ \t]*(#[^\n]*)?\r?\n"),
+    read_irsim,
+    write_irsim,
+    holds=frozenset(HELD),
+    client="IR-SIM",
+)

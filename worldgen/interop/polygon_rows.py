@@ -1,0 +1,54 @@
+"""Polygons cut into the rows of a grid, with shapely."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+__all__ = ["cut_into_rows", "prepared", "row_pieces"]
+
+TOUCH = 1e-6  # cells; what reaches less far into a cell only touches it: coordinates are rounded
+_LINE = 1e-3  # cells; half the width that lines get, for they stop robots too
+
+
+def prepared(points: npt.NDArray[np.float64]) -> Any:
+    """A valid shape of (n, 2) corners, in cells; of two corners, a thin wall along their line."""
+    shape = shapely.make_valid(shapely.Polygon(points) if len(points) > 2 else shapely.LineString(points))
+    if shape.area < TOUCH:
+        shape = shapely.buffer(shape, _LINE)
+    shapely.prepare(shape)
+    return shape
+
+
+def cut_into_rows(shape: Any, rows: slice, columns: slice) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Which cells of each row the shape reaches into, and which it leaves partly free.
+
+    Args:
+        shape: In cells.
+        rows: Of the grid.
+        columns: Likewise.
+
+    Returns:
+        Two arrays (n, 3) int64 of row, first and end column, from the first row and column.
+    """
+    bands = shapely.box(
+        columns.start, np.arange(rows.start, rows.stop), columns.stop, np.arange(rows.start, rows.stop) + 1
+    )
+    inside, outside = shapely.intersection(shape, bands), shapely.difference(bands, shape)
+    return row_pieces(inside, columns), row_pieces(outside, columns)
+
+
+def row_pieces(parts: npt.NDArray[np.object_], columns: slice) -> npt.NDArray[np.int64]:
+    """Row, first and end column of each piece of a row; slivers are passed over."""
+    pieces, index = shapely.get_parts(parts, return_index=True)
+    pieces, inner = shapely.get_parts(pieces, return_index=True)  # what lies in collections
+    bounds = shapely.bounds(pieces)
+    keep = (shapely.area(pieces) > TOUCH**2) & (bounds[:, 3] - bounds[:, 1] > TOUCH)
+    first = np.floor(bounds[keep, 0] + TOUCH).astype(np.int64)
+    end = np.ceil(bounds[keep, 2] - TOUCH).astype(np.int64)
+    width = columns.stop - columns.start
+    found = [index[inner][keep], np.clip(first - columns.start, 0, width), np.clip(end - columns.start, 0, width)]
+    return np.stack(found, axis=1)
