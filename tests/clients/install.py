@@ -22,6 +22,7 @@ PACKAGES = {
     "pogema": ["pogema==1.4.0"],
     "pointmaze": ["gymnasium-robotics>=1.4", "mujoco>=3.2"],
     "pybullet": ["pybullet>=3.2.7"],
+    "trimesh": ["trimesh>=4.5", "rtree>=1.0"],
     "usd": ["usd-core>=25.5"],
 }
 # name: the packages without what they depend on, for what they ask for cannot be had together

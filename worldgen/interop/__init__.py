@@ -7,8 +7,9 @@ Contents:
     export_world, write_export: the way back (``exporting``).
     place: start and target for a map that has none (``place``).
 
-What a file has no room for lies beside it (``sidecar``). Shared by the formats: merged boxes (``boxes``), pictures
-(``grey_image``), YAML (``yaml_table``), files that a map names (``companion``).
+What a file has no room for lies beside it (``sidecar``). Shared by the formats: merged boxes (``boxes``,
+``mesh_boxes``), polygons (``polygons``), coordinates (``grid_lines``), pictures (``grey_image``), YAML
+(``yaml_table``), files that a map names (``companion``).
 """
 
 from worldgen.interop.exporting import Export, export_world, guess_format, write_export

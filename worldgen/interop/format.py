@@ -15,9 +15,19 @@ from worldgen.interop.foreign_map import ForeignMap
 from worldgen.lattice import exact
 from worldgen.parameters import Parameter, check_declared, parameters_of
 from worldgen.registry import Registry
-from worldgen.world import Value
+from worldgen.world import Value, World
 
-__all__ = ["FORMATS", "HELD", "Destination", "Exported", "Format", "decimal", "decimal_text", "split_options"]
+__all__ = [
+    "FORMATS",
+    "HELD",
+    "Destination",
+    "Exported",
+    "Format",
+    "decimal",
+    "decimal_text",
+    "held_values",
+    "split_options",
+]
 
 HELD = {
     "start": "the start",
@@ -186,6 +196,20 @@ def _accept(name: str, thing: Any) -> Format:
     if not isinstance(thing, Format):
         raise InvalidParameter(f"format {name!r} is {thing!r}, not a Format; make one of worldgen.interop")
     return thing
+
+
+def held_values(world: World, destination: Destination) -> dict[str, Value]:
+    """What :data:`HELD` names, of a world: m, rad, m/s; two numbers of a point, from the grid's lower-left corner."""
+    return {
+        "start": [world.start.x, world.start.y],
+        "heading": world.start.heading,
+        "target": [world.target.x, world.target.y],
+        "target_radius": world.target.radius,
+        "robot_radius": world.robot_radius,
+        "robot_speed": world.robot_speed,
+        "cell_size": world.cell_size,
+        "origin": list(destination.origin),
+    }
 
 
 FORMATS: Registry[Format] = Registry("worldgen.formats", "format", _accept)

@@ -15,7 +15,7 @@ from worldgen.errors import FormatError
 from worldgen.grid_file.header import Header
 from worldgen.grid_file.toml_text import value_text
 from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded, shown
-from worldgen.interop.format import HELD, Destination
+from worldgen.interop.format import HELD, Destination, held_values
 from worldgen.world import Value, World
 
 __all__ = ["SUFFIX", "Sidecar", "read_sidecar", "sidecar_text", "with_sidecar"]
@@ -53,16 +53,7 @@ def sidecar_text(world: World, destination: Destination, missing: Collection[str
         destination: Where it was written.
         missing: Names of :data:`~worldgen.interop.format.HELD` that the file does not hold.
     """
-    values: dict[str, Value] = {
-        "start": [world.start.x, world.start.y],
-        "heading": world.start.heading,
-        "target": [world.target.x, world.target.y],
-        "target_radius": world.target.radius,
-        "robot_radius": world.robot_radius,
-        "robot_speed": world.robot_speed,
-        "cell_size": world.cell_size,
-        "origin": list(destination.origin),
-    }
+    values = held_values(world, destination)
     kept: dict[str, Value] = {"worldgen": _VERSION, _SIZE: [world.width, world.height]}
     kept |= {name: value for name, value in values.items() if name in missing}
     lines = [f"# What {destination.name!r} has no room for; m, rad, m/s, from the grid's lower-left corner, y up."]

@@ -1,0 +1,51 @@
+"""Where the lines between cells lie in a file's frame, exactly."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from worldgen.errors import InvalidWorld
+from worldgen.interop.foreign_map import CELL_SIZES
+from worldgen.interop.format import Destination
+from worldgen.lattice import exact
+from worldgen.world import World
+
+__all__ = ["GridLines", "in_degrees"]
+
+_FINEST = Fraction(1, 1000)  # of a cell: by no more may rounding move a wall
+
+
+class GridLines:
+    """Exact coordinates, m, of the lines between cells, in a file's frame; from -1 to one beyond the grid.
+
+    Args:
+        world: Whose grid it is.
+        destination: Says the frame.
+        bits: Of a coordinate's significand, in the file or the programs that read it: 24 for float32.
+
+    Raises:
+        InvalidWorld: If cells are too small or large to be told in m, or so far from the frame's origin that rounding
+            moves a line by more than a thousandth of a cell.
+    """
+
+    def __init__(self, world: World, destination: Destination, *, bits: int = 53) -> None:
+        if not CELL_SIZES[0] <= world.cell_size <= CELL_SIZES[1]:
+            raise InvalidWorld(
+                f"cells of {world.cell_size:g} m; a file in metres has cells of {CELL_SIZES[0]:g} to {CELL_SIZES[1]:g} "
+                "m; export a world with such"
+            )
+        cell, (x, y) = exact(world.cell_size), (exact(value) for value in destination.origin)
+        self.x = {ix: ix * cell + x for ix in range(-1, world.width + 2)}
+        self.y = {iy: iy * cell + y for iy in range(-1, world.height + 2)}
+        furthest = max(abs(end) for axis in (self.x, self.y) for end in (axis[-1], max(axis.values())))
+        if furthest / 2**bits > _FINEST * cell:
+            raise InvalidWorld(
+                f"cells of {world.cell_size:g} m around ({destination.origin[0]:g}, {destination.origin[1]:g}) m need "
+                f"more than the {bits} bits that a coordinate has here; give --origin 0,0"
+            )
+
+
+def in_degrees(heading: float) -> float:
+    """An angle in degrees, within a turn, of one in radians."""
+    return math.degrees(math.fmod(heading, 2.0 * math.pi))
