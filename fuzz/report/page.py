@@ -1,4 +1,4 @@
-"""Puts the page together: its text, style and script from ``page/``, and the data as JSON."""
+"""Puts the page together: its text, style and script from ``page/``, the player's, and the data as JSON."""
 
 from __future__ import annotations
 
@@ -13,16 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.corpus import Entry
+from fuzz.player import drawn_run, drawn_world, script, sensors_of, style
 from fuzz.report.gather import Seen, Subject, gather, look_at
 from fuzz.report.numbers import groups
-from fuzz.report.runs import drawn_run
 from fuzz.report.summary import Summary
-from fuzz.report.worlds import drawn_world
 from fuzz.telling import replay_line
 from sim.controllers import CONTROLLERS
-from sim.controllers.base import robot_for
-from sim.motion import MOTIONS
-from sim.motion.base import THESIS
 from sim.run_options import RunOptions
 from worldgen.errors import FormatError
 from worldgen.files import check_output, write_bytes
@@ -135,17 +131,9 @@ def _drawn(seen: Seen, record: FailureRecord | None) -> dict[str, Any]:
 
 
 def _sensors(record: FailureRecord, side: float) -> dict[str, Any]:
-    """The range beams, in cells and rad, and whether the floor may be tinted by a signal that walls do not stop."""
+    """What of the robot's sensors is drawn."""
     options = RunOptions.of(record.motion, record.seed, record.parameters)
-    if MOTIONS.get(record.motion).kernel == THESIS:
-        return {"beams": 0, "signal": options.thesis.signal == "open"}
-    robot = robot_for(CONTROLLERS.get(record.controller), options.robot)
-    return {
-        "beams": robot.beams,
-        "range": min(robot.beam_range / side, 1e6),
-        "field": robot.beam_field,
-        "signal": robot.signal == "open",
-    }
+    return sensors_of(CONTROLLERS.get(record.controller), options, side)
 
 
 def _campaign(summary: Summary) -> dict[str, Any]:
@@ -156,16 +144,16 @@ def _campaign(summary: Summary) -> dict[str, Any]:
 def _page(title: str, data: dict[str, Any]) -> bytes:
     """The page, which lets a browser run this very script and use this style, and load nothing at all."""
     folder = files("fuzz.report") / "page"
-    style = (folder / "style.css").read_text("utf-8")
+    styles = style() + (folder / "style.css").read_text("utf-8")
     names = sorted(part.name for part in folder.iterdir() if part.name.endswith(".js"))  # start.js comes last
-    parts = [(folder / name).read_text("utf-8") for name in names]
-    script = "(() => {\n'use strict';\n" + "\n".join(parts) + "\n})();\n"
+    parts = [script(), *((folder / name).read_text("utf-8") for name in names)]
+    scripts = "(() => {\n'use strict';\n" + "\n".join(parts) + "\n})();\n"
     filled = {
         "POLICY": "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; "
-        f"script-src {_source(script)}; style-src {_source(style)}",
+        f"script-src {_source(scripts)}; style-src {_source(styles)}",
         "TITLE": html.escape(title.encode("utf-8", "replace").decode("utf-8")),
-        "STYLE": style,
-        "SCRIPT": script,
+        "STYLE": styles,
+        "SCRIPT": scripts,
         "DATA": json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
     }
     text = (folder / "page.html").read_text("utf-8")

@@ -15,11 +15,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fuzz.player.runs import MOST_STEPS, SHARE, drawn_run
+from fuzz.player.streams import bits, numbers
+from fuzz.player.worlds import drawn_world
 from fuzz.report import write_report
-from fuzz.report.runs import MOST_STEPS, SHARE, drawn_run
-from fuzz.report.streams import bits, numbers
 from fuzz.report.summary import read_summary
-from fuzz.report.worlds import drawn_world
 from sim.episode import Episode, simulate
 from sim.trace import Trace
 from tests.helpers.campaign_folder import CORPUS, LOOP, STALLED, SUMMARY, TUNNEL, campaign_folder, renamed
@@ -215,7 +215,7 @@ def test_a_long_run_is_thinned_but_for_what_leads_to_a_breach_and_follows():
 def test_a_world_that_is_too_large_is_not_drawn(monkeypatch):
     world = read_world(CORPUS / LOOP)
     assert drawn_world(world)["width"] == world.width
-    monkeypatch.setattr("fuzz.report.worlds.MOST_CELLS", world.width * world.height - 1)
+    monkeypatch.setattr("fuzz.player.worlds.MOST_CELLS", world.width * world.height - 1)
     assert drawn_world(world) is None
 
 
@@ -312,9 +312,10 @@ def test_a_file_that_is_no_summary_is_refused(tmp_path, text):
         read_summary(tmp_path)
 
 
-def test_the_page_s_parts_are_shipped():
+@pytest.mark.parametrize(("package", "part"), [("fuzz.report", "page.html"), ("fuzz.player", "player.css")])
+def test_the_page_s_parts_are_shipped(package, part):
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
-    patterns = project["tool"]["setuptools"]["package-data"]["fuzz.report"]
-    parts = [part.name for part in (files("fuzz.report") / "page").iterdir()]
-    assert "page.html" in parts
+    patterns = project["tool"]["setuptools"]["package-data"][package]
+    parts = [part.name for part in (files(package) / "page").iterdir()]
+    assert part in parts
     assert all(any(fnmatch(f"page/{name}", pattern) for pattern in patterns) for name in parts)

@@ -101,14 +101,6 @@ function named(table) {
   return Object.entries(table).map(([name, [words]]) => [name, words]);
 }
 
-function choice(pairs, chosen, change) {
-  return el(
-    "select",
-    { onchange: change },
-    pairs.map(([value, words]) => el("option", { value, selected: value === chosen }, words)),
-  );
-}
-
 function verdictChips(failures, wanted, refresh) {
   const counts = new Map();
   for (const { verdict } of failures) counts.set(verdict, (counts.get(verdict) || 0) + 1);

@@ -4,26 +4,9 @@ const data = JSON.parse(byId("data").textContent);
 const views = { overview: byId("overview"), campaign: byId("campaign"), detail: byId("detail") };
 const page = { overview: null, detail: null, id: "", scroll: 0 };
 
-function setTheme(theme) {
-  document.documentElement.dataset.theme = theme;
-  byId("theme").textContent = theme === "dark" ? "Light" : "Dark";
-  byId("theme").setAttribute("aria-label", theme === "dark" ? "Use light colours" : "Use dark colours");
-  redraw();
-}
-
 function redraw() {
   if (page.overview) page.overview.redraw();
   if (page.detail) page.detail.redraw();
-}
-
-function toggleTheme() {
-  setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
-}
-
-function followSystem() {
-  const dark = matchMedia("(prefers-color-scheme: dark)");
-  setTheme(dark.matches ? "dark" : "light");
-  dark.addEventListener("change", () => setTheme(dark.matches ? "dark" : "light"));
 }
 
 function showTotals() {
@@ -96,8 +79,7 @@ function start() {
   if (data.failures.length > 0) page.overview = makeOverview(views.overview, data.failures);
   else views.overview.append(el("p", { class: "quiet" }, "No failure was found."));
   if (data.campaigns.length > 0) makeCampaign(views.campaign, data.campaigns, data.failures);
-  followSystem();
-  byId("theme").addEventListener("click", toggleTheme);
+  followSystem(byId("theme"), redraw);
   byId("show-keys").addEventListener("click", showKeys);
   addEventListener("hashchange", route);
   addEventListener("keydown", onKey);

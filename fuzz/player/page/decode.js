@@ -1,10 +1,10 @@
-// Numbers and bits as fuzz/report/streams.py writes them; worlds and runs made ready to draw, once each.
+// Numbers and bits as fuzz/player/streams.py writes them; worlds and runs made ready to draw, once each.
 
-function bytesOf(text) {
+export function bytesOf(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }
 
-function numbersOf(text) {
+export function numbersOf(text) {
   const values = [];
   let value = 0,
     rate = 0,
@@ -23,23 +23,23 @@ function numbersOf(text) {
   return Float64Array.from(values);
 }
 
-function bitsOf(text, count) {
+export function bitsOf(text, count) {
   const bytes = bytesOf(text);
   return Uint8Array.from({ length: count }, (_, k) => (bytes[k >> 3] >> (k & 7)) & 1);
 }
 
-const UNIT = 1024; // lattice units a cell
-const TURN = 65536; // heading units a turn
-const SHARE = 256; // parts of a step
-const SOLID = 1,
+export const UNIT = 1024; // lattice units a cell
+export const TURN = 65536; // heading units a turn
+export const SHARE = 256; // parts of a step
+export const SOLID = 1,
   BURNING = 2; // 0: free
 
-function opened(thing, open) {
+export function opened(thing, open) {
   if (!thing.open) Object.defineProperty(thing, "open", { value: open(thing) });
   return thing.open;
 }
 
-function openWorld(world) {
+export function openWorld(world) {
   return opened(world, () => {
     const witness = world.witness;
     return {
@@ -61,7 +61,7 @@ function openWorld(world) {
   });
 }
 
-function openRun(run) {
+export function openRun(run) {
   return opened(run, () => {
     const at = numbersOf(run.at).map((value) => value / SHARE);
     return {
@@ -75,7 +75,7 @@ function openRun(run) {
 }
 
 // The cells at a time: free, solid or burning. The array is the same one at every call.
-function cellsAt(world, ms) {
+export function cellsAt(world, ms) {
   const open = openWorld(world);
   if (!open.events) return open.cells;
   const { ms: times, ix, iy, state } = open.events;
@@ -90,12 +90,12 @@ function cellsAt(world, ms) {
   return open.now;
 }
 
-function stateAt(cells, world, ix, iy) {
+export function stateAt(cells, world, ix, iy) {
   return ix < 0 || iy < 0 || ix >= world.width || iy >= world.height ? SOLID : cells[iy * world.width + ix];
 }
 
 // The last row that is not later than a step.
-function rowAt(run, step) {
+export function rowAt(run, step) {
   const at = openRun(run).at;
   let low = 0,
     high = at.length - 1;
@@ -107,7 +107,14 @@ function rowAt(run, step) {
   return low;
 }
 
-function poseAt(run, step) {
+// The step of a run that stands for a step beyond its end: a loop goes round for ever, another run stays where it is.
+export function stepWithin(run, step) {
+  if (step <= run.steps || !run.loop) return Math.min(step, run.steps);
+  const [entry, period] = run.loop;
+  return entry + ((step - entry) % period);
+}
+
+export function poseAt(run, step) {
   const open = openRun(run);
   const row = rowAt(run, step),
     next = Math.min(row + 1, open.at.length - 1);
@@ -118,7 +125,7 @@ function poseAt(run, step) {
 }
 
 // The wall cells that the robot touches, each with the step in which it first did: those nearest to its disc at a bump.
-function touchedCells(world, run) {
+export function touchedCells(world, run) {
   const open = openRun(run);
   if (open.touched) return open.touched;
   open.touched = new Map();
@@ -133,7 +140,7 @@ function touchedCells(world, run) {
   return open.touched;
 }
 
-function nearestWalls(cells, world, x, y) {
+export function nearestWalls(cells, world, x, y) {
   const reach = Math.min(40, Math.ceil(world.radius) + 1),
     found = [];
   let least = world.radius + 0.5;

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from fuzz.report.streams import bits, numbers
+from fuzz.player.streams import bits, numbers
 from worldgen.lattice import UNIT
 from worldgen.world import Cut, Witness, World
 
-__all__ = ["MOST_CELLS", "drawn_world"]
+__all__ = ["MOST_CELLS", "drawn_certificate", "drawn_world"]
 
 MOST_CELLS = 1 << 22  # of a world that is drawn: 700 kB in the page
 
@@ -44,11 +44,12 @@ def drawn_world(world: World) -> dict[str, Any] | None:
         }
         if world.is_dynamic
         else None,
-        **_certificate(world),
+        **drawn_certificate(world),
     }
 
 
-def _certificate(world: World) -> dict[str, Any]:
+def drawn_certificate(world: World) -> dict[str, Any]:
+    """A world's witness in columns, ms and lattice units, or its cut; nothing where it has neither."""
     proof = world.certificate
     if isinstance(proof, Witness):
         across, up = (np.rint(values / world.cell_size * UNIT) for values in (proof.x, proof.y))

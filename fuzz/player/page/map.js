@@ -1,13 +1,17 @@
 // Draws a world and a run on a canvas. Lengths are in cells; y grows upwards.
 
+import { BURNING, SOLID, cellsAt, openRun, openWorld, poseAt, rowAt, stepWithin, touchedCells } from "./decode.js";
+import { grouped, plural } from "./dom.js";
+import { beamHeadings, castBeam } from "./rays.js";
+
 const RIM = 0.4; // cells of the solid outside that are drawn around a world, if that is not too wide
 
-function palette() {
+export function palette() {
   const style = getComputedStyle(document.documentElement);
   return new Proxy({}, { get: (_, name) => style.getPropertyValue(`--${name}`).trim() });
 }
 
-function fitView(world, width, height) {
+export function fitView(world, width, height) {
   const edge = 2 * edgeOf(width);
   return {
     x: world.width / 2,
@@ -17,16 +21,16 @@ function fitView(world, width, height) {
 }
 
 // Pixels around a world that is shown whole.
-function edgeOf(width) {
+export function edgeOf(width) {
   return width < 400 ? 9 : 16;
 }
 
-function rimOf(pen) {
+export function rimOf(pen) {
   return Math.min(edgeOf(pen.width) - 3, Math.max(2, Math.round(RIM * pen.scale)));
 }
 
 // Sets the canvas to its place on the page and returns a pen that speaks in cells.
-function penFor(canvas, view, world) {
+export function penFor(canvas, view, world) {
   const ratio = window.devicePixelRatio || 1;
   const width = canvas.clientWidth,
     height = canvas.clientHeight;
@@ -57,8 +61,10 @@ function penFor(canvas, view, world) {
      step            time, in steps
      show            { trail, witness, sensors, signal, touched }: which of them
      sensors         the robot's, or null
+     colour          of this robot, where there are several: the name of one in the palette
+     others          the others: { run, colour }
      whole           the whole way is drawn as driven, as in small pictures */
-function drawScene(canvas, scene, view = null) {
+export function drawScene(canvas, scene, view = null) {
   const { world, run } = scene;
   const pen = penFor(canvas, view, world);
   if (pen.width === 0) return;
@@ -67,8 +73,9 @@ function drawScene(canvas, scene, view = null) {
   drawGround(pen, world, cells, scene);
   if (scene.show.witness) drawProof(pen, world, ms);
   drawTarget(pen, world);
-  const pose = run && poseAt(run, scene.step);
+  const pose = run && poseAt(run, stepWithin(run, scene.step));
   if (run && scene.show.sensors && scene.sensors) drawSenses(pen, scene, cells, pose);
+  for (const other of scene.others || []) drawOther(pen, scene, other);
   if (run) disc(pen, pose.x, pose.y, bodyRadius(pen, world), pen.colours["robot-fill"]);
   if (run && scene.show.trail) drawTrail(pen, scene);
   if (run && scene.show.touched) drawTouched(pen, scene);
@@ -78,7 +85,7 @@ function drawScene(canvas, scene, view = null) {
   drawRobot(pen, world, pose, scene);
 }
 
-function drawGround(pen, world, cells, scene) {
+export function drawGround(pen, world, cells, scene) {
   const { context, px, py, colours } = pen;
   context.fillStyle = colours.panel;
   context.fillRect(0, 0, pen.width, pen.height);
@@ -118,7 +125,7 @@ function drawSignal(pen, world, [left, top, right, bottom]) {
   context.restore();
 }
 
-function drawGrid(pen, world) {
+export function drawGrid(pen, world) {
   const { context, px, py, colours } = pen;
   context.save();
   context.lineCap = "butt";
@@ -138,7 +145,7 @@ function drawGrid(pen, world) {
 }
 
 // Row by row, neighbours in one rectangle; only what lies in the window.
-function drawCells(pen, world, cells, state, colour) {
+export function drawCells(pen, world, cells, state, colour) {
   const { context, px, py } = pen;
   const first = Math.max(0, Math.floor((0 - px(0)) / pen.scale)),
     beyond = Math.min(world.width, Math.ceil((pen.width - px(0)) / pen.scale));
@@ -158,7 +165,7 @@ function drawCells(pen, world, cells, state, colour) {
   }
 }
 
-function drawProof(pen, world, ms) {
+export function drawProof(pen, world, ms) {
   const { context, px, py, colours } = pen;
   const witness = openWorld(world).witness;
   context.save();
@@ -181,14 +188,14 @@ function drawProof(pen, world, ms) {
   context.restore();
 }
 
-function drawTarget(pen, world) {
+export function drawTarget(pen, world) {
   const [x, y, radius] = world.target;
   const shown = Math.max(radius, 4 / pen.scale);
   disc(pen, x, y, shown, pen.colours.target);
   ring(pen, x, y, shown + 2.5 / pen.scale, pen.colours.target, 1.5);
 }
 
-function drawStart(pen, world) {
+export function drawStart(pen, world) {
   const { context, px, py, colours } = pen;
   const [x, y, heading] = world.start;
   const shown = Math.max(world.radius * 0.35, 4 / pen.scale);
@@ -199,9 +206,28 @@ function drawStart(pen, world) {
   stroke(pen, colours.start, 2);
 }
 
+// Another robot at the same time: its way so far, and its disc.
+function drawOther(pen, scene, { run, colour }) {
+  const open = openRun(run),
+    step = (scene.step * scene.run.dt) / run.dt;
+  const pose = poseAt(run, stepWithin(run, step)),
+    strong = pen.colours[colour],
+    radius = bodyRadius(pen, scene.world);
+  if (scene.show.trail) {
+    line(pen, open.x, open.y, 0, rowAt(run, Math.min(step, run.steps)) + 1, step <= run.steps ? pose : null);
+    stroke(pen, strong, 2);
+  }
+  ring(pen, pose.x, pose.y, radius, strong, 2);
+  pen.context.beginPath();
+  pen.context.moveTo(pen.px(pose.x), pen.py(pose.y));
+  const { x, y, heading } = pose;
+  pen.context.lineTo(pen.px(x + Math.cos(heading) * radius), pen.py(y + Math.sin(heading) * radius));
+  stroke(pen, strong, 2);
+}
+
 const RECENT = 300; // rows of a long way that are drawn strongest
 
-// Ahead faint, driven strong; the period of a loop in its own colour.
+// Ahead faint, driven strong; the period of a loop in its own colour, or stronger in the robot's.
 function drawTrail(pen, scene) {
   const { run } = scene,
     open = openRun(run),
@@ -214,19 +240,21 @@ function drawTrail(pen, scene) {
     stroke(pen, colours.ahead, 1.25);
   }
   const end = scene.whole ? rows : here + 1,
-    pose = scene.whole ? null : poseAt(run, scene.step);
-  const before = run.loop ? colours.way : colours.loop,
+    pose = scene.whole || scene.step > run.steps ? null : poseAt(run, scene.step);
+  const own = scene.colour ? colours[scene.colour] : colours.loop;
+  const before = run.loop && !scene.colour ? colours.way : own,
     last = Math.min(end, entry + 1);
   const recent = Math.max(0, last - RECENT);
   context.globalAlpha = 0.4;
   line(pen, open.x, open.y, 0, recent + 1);
   stroke(pen, before, 1.75);
-  context.globalAlpha = 1;
+  context.globalAlpha = run.loop && scene.colour ? 0.5 : 1;
   line(pen, open.x, open.y, recent, last, end <= entry ? pose : null);
   stroke(pen, before, 2.25);
+  context.globalAlpha = 1;
   if (end > entry) {
     line(pen, open.x, open.y, entry, end, pose);
-    stroke(pen, colours.loop, 2.75);
+    stroke(pen, own, scene.colour ? 3.5 : 2.75);
   }
   drawBreachPath(pen, run, scene);
 }
@@ -321,13 +349,13 @@ function drawRobot(pen, world, pose, scene) {
   stroke(pen, colours.robot, 2);
 }
 
-function line(pen, x, y, from, to, last = null) {
+export function line(pen, x, y, from, to, last = null) {
   pen.context.beginPath();
   for (let row = from; row < to; row += 1) pen.context.lineTo(pen.px(x[row]), pen.py(y[row]));
   if (last) pen.context.lineTo(pen.px(last.x), pen.py(last.y));
 }
 
-function stroke(pen, colour, width, dash = []) {
+export function stroke(pen, colour, width, dash = []) {
   const { context } = pen;
   context.strokeStyle = colour;
   context.lineWidth = width;
@@ -336,28 +364,28 @@ function stroke(pen, colour, width, dash = []) {
   context.setLineDash([]);
 }
 
-function disc(pen, x, y, radius, colour) {
+export function disc(pen, x, y, radius, colour) {
   pen.context.beginPath();
   pen.context.arc(pen.px(x), pen.py(y), radius * pen.scale, 0, 2 * Math.PI);
   pen.context.fillStyle = colour;
   pen.context.fill();
 }
 
-function ring(pen, x, y, radius, colour, width) {
+export function ring(pen, x, y, radius, colour, width) {
   pen.context.beginPath();
   pen.context.arc(pen.px(x), pen.py(y), radius * pen.scale, 0, 2 * Math.PI);
   stroke(pen, colour, width);
 }
 
 // A small picture: the whole way at once, the robot where the run ends.
-function drawSmall(canvas, drawn) {
+export function drawSmall(canvas, drawn) {
   const { world, run, sensors } = drawn;
   if (!world) return;
   const show = { trail: true, signal: true, touched: false, sensors: false, witness: false };
   drawScene(canvas, { world, run, sensors, show, whole: true, step: run ? run.steps : 0 });
 }
 
-function pictureLabel(drawn) {
+export function pictureLabel(drawn) {
   const changes = drawn.events ? `, ${plural(drawn.events, "change")} of cells` : "";
   const run = drawn.run ? `, the robot's way of ${plural(drawn.run.steps, "step")}` : "";
   return `World of ${drawn.size} cells, ${grouped(drawn.solid)} solid${changes}${run}`;

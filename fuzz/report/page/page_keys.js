@@ -72,7 +72,7 @@ function onKey(event) {
 function pageKeys() {
   return {
     "?": showKeys,
-    d: toggleTheme,
+    d: () => byId("theme").click(),
     "/": () => {
       location.hash = "";
       setTimeout(() => byId("find")?.focus());
@@ -96,31 +96,4 @@ function detailKeys(event) {
 
 function openAddress(id) {
   if (id !== undefined) location.hash = id;
-}
-
-function cameraKeys(player) {
-  const nearer = () => player.zoom(1.4);
-  return { "+": nearer, "=": nearer, "-": () => player.zoom(1 / 1.4), 0: () => player.fit() };
-}
-
-function layerKeys(player) {
-  const toggle = (name) => () => {
-    player.show[name] = !player.show[name];
-    player.update();
-  };
-  return Object.fromEntries(Object.entries(LAYERS).map(([name, [, key]]) => [key, toggle(name)]));
-}
-
-function clockKeys(player, steps) {
-  const { run } = player.drawn;
-  return {
-    " ": () => player.play(!player.playing),
-    ArrowLeft: () => stepBy(player, -steps),
-    ArrowRight: () => stepBy(player, steps),
-    Home: () => jumpTo(player, 0),
-    End: () => jumpTo(player, run.steps),
-    r: () => (player.follow ? player.fit() : player.robot()),
-    e: () => nextMark(player),
-    l: () => run.loop && playPeriod(player),
-  };
 }

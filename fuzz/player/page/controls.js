@@ -1,6 +1,10 @@
 // What stands under the stage: the bar to scrub along, the clock's buttons, layers, the camera.
 
-const LAYERS = {
+import { openWorld } from "./decode.js";
+import { choice, el, grouped, icon, keyButton, svg } from "./dom.js";
+import { SPEEDS, makePlayer, usualSpeed } from "./player.js";
+
+export const LAYERS = {
   trail: ["Trail", "t"],
   touched: ["Touched walls", "u"],
   sensors: ["Sensors", "s"],
@@ -9,7 +13,7 @@ const LAYERS = {
 };
 
 // The controls under the stage. What was chosen before, such as layers, stays.
-function buildPlayer(canvas, under, drawn, former) {
+export function buildPlayer(canvas, under, drawn, former) {
   const parts = {};
   fitStage(canvas, drawn.world);
   const player = makePlayer(canvas, drawn, (now) => showState(now, parts));
@@ -53,7 +57,7 @@ function scrubBar(player, parts) {
   parts.scrub = el("input", {
     type: "range",
     min: 0,
-    max: run.steps,
+    max: player.last,
     step: 1,
     id: "scrub",
     "aria-label": "Step",
@@ -65,7 +69,7 @@ function scrubBar(player, parts) {
 // Above the bar: the period of a loop, the steps that matter, the world's changes.
 function scrubMarks(player) {
   const { run, world } = player.drawn,
-    share = (step) => (1000 * Math.min(step, run.steps)) / Math.max(1, run.steps);
+    share = (step) => (1000 * Math.min(step, player.last)) / Math.max(1, player.last);
   const bar = (name, from, to, y, height, ...children) =>
     svg("rect", { class: name, x: from, y, width: to - from, height }, children);
   const tick = (name, at, half, y, ...children) => bar(`tick ${name}`, at - half, at + half, y, 14 - y, children);
@@ -74,16 +78,16 @@ function scrubMarks(player) {
     { viewBox: "-8 0 1016 14", preserveAspectRatio: "none", "aria-hidden": "true" },
     bar("rail", 0, 1000, 11, 2),
     run.loop ? bar("period", share(run.loop[0]), share(run.loop[0] + run.loop[1]), 3, 11) : null,
-    changeSteps(world, run).map((step) => tick("change", share(step), 0.75, 8)),
+    changeSteps(world, run, player.last).map((step) => tick("change", share(step), 0.75, 8)),
     run.marks.map(({ step, kind, text }) => tick(kind, share(step), 1.5, 0, svg("title", {}, `step ${step}: ${text}`))),
   );
 }
 
-function changeSteps(world, run) {
+function changeSteps(world, run, last) {
   const { events } = openWorld(world);
   if (!events) return [];
-  const pixels = new Set([...events.ms].map((ms) => Math.round((300 * ms) / (run.dt * 1000 * Math.max(1, run.steps)))));
-  return [...pixels].filter((place) => place <= 300).map((place) => (place * run.steps) / 300);
+  const pixels = new Set([...events.ms].map((ms) => Math.round((300 * ms) / (run.dt * 1000 * Math.max(1, last)))));
+  return [...pixels].filter((place) => place <= 300).map((place) => (place * last) / 300);
 }
 
 function controls(player, parts) {
@@ -104,7 +108,7 @@ function controls(player, parts) {
     keyButton(icon("back"), "One step back", "←", () => stepBy(player, -1)),
     parts.play,
     keyButton(icon("on"), "One step on", "→", () => stepBy(player, 1)),
-    keyButton(icon("last"), "To the end", "End", () => jumpTo(player, run.steps)),
+    keyButton(icon("last"), "To the end", "End", () => jumpTo(player, player.last)),
     jumpButtons(player, parts),
     el("label", { class: "field" }, "Speed", parts.speed),
     parts.readout,
@@ -134,23 +138,23 @@ function jumpButtons(player, parts) {
   ];
 }
 
-function jumpTo(player, step) {
+export function jumpTo(player, step) {
   player.play(false);
   player.go(step);
 }
 
-function stepBy(player, steps) {
+export function stepBy(player, steps) {
   jumpTo(player, (steps > 0 ? Math.floor(player.step) : Math.ceil(player.step)) + steps);
 }
 
 // To the next step that matters; from the last to the first.
-function nextMark(player) {
+export function nextMark(player) {
   const { marks } = player.drawn.run;
   const next = marks.find((mark) => mark.step > player.step) || marks[0];
   if (next) jumpTo(player, next.step);
 }
 
-function playPeriod(player) {
+export function playPeriod(player) {
   const { loop } = player.drawn.run;
   player.period = !player.period;
   if (player.period) {
@@ -205,9 +209,9 @@ function thinNote(run) {
 function showState(player, parts) {
   const { run } = player.drawn;
   if (!run) return;
-  const step = Math.min(run.steps, Math.floor(player.step + 1e-9));
+  const step = Math.min(player.last, Math.floor(player.step + 1e-9));
   parts.scrub.value = step;
-  parts.scrub.setAttribute("aria-valuetext", `step ${step} of ${run.steps}${momentOf(run, step)}`);
+  parts.scrub.setAttribute("aria-valuetext", `step ${step} of ${player.last}${momentOf(run, step)}`);
   parts.play.replaceChildren(icon(player.playing ? "pause" : "play"), player.playing ? "Pause" : "Play");
   parts.play.setAttribute("aria-label", player.playing ? "Pause" : "Play");
   parts.speed.value = player.speed;
@@ -217,7 +221,7 @@ function showState(player, parts) {
   parts.readout.replaceChildren(
     "step ",
     el("b", {}, grouped(step)),
-    ` of ${grouped(run.steps)}, ${(step * run.dt).toFixed(3)} s${momentOf(run, step)}`,
+    ` of ${grouped(player.last)}, ${(step * run.dt).toFixed(3)} s${momentOf(run, step)}`,
   );
 }
 
@@ -230,7 +234,7 @@ function momentOf(run, step) {
     : `, ${step - run.loop[0]} into the period`;
 }
 
-function dragToMove(canvas, state) {
+export function dragToMove(canvas, state) {
   let last = null;
   canvas.addEventListener("pointerdown", (event) => {
     if (!state.player || !state.player.view) return;

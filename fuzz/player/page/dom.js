@@ -1,9 +1,9 @@
 // Elements, made without any markup text: whatever a name holds, it is only ever text.
 
 // The name of SVG's namespace, from the browser itself, so that this file holds no address at all.
-const SVG = new DOMParser().parseFromString("<svg/>", "text/html").querySelector("svg").namespaceURI;
+export const SVG = new DOMParser().parseFromString("<svg/>", "text/html").querySelector("svg").namespaceURI;
 
-function make(space, tag, attributes, children) {
+export function make(space, tag, attributes, children) {
   const element = space ? document.createElementNS(space, tag) : document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (value === null || value === undefined || value === false) continue;
@@ -14,15 +14,15 @@ function make(space, tag, attributes, children) {
   return element;
 }
 
-function el(tag, attributes = {}, ...children) {
+export function el(tag, attributes = {}, ...children) {
   return make(null, tag, attributes, children);
 }
 
-function svg(tag, attributes = {}, ...children) {
+export function svg(tag, attributes = {}, ...children) {
   return make(SVG, tag, attributes, children);
 }
 
-const ICONS = {
+export const ICONS = {
   play: "M4 2v12l10-6z",
   pause: "M3 2h4v12H3zM9 2h4v12H9z",
   back: "M10 2v12L3 8zM11 2h2v12h-2z",
@@ -31,12 +31,12 @@ const ICONS = {
   last: "M3 2v12l7-6zM11 2h2v12h-2z",
 };
 
-function icon(name) {
+export function icon(name) {
   return svg("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: ICONS[name] }));
 }
 
 // A button that a key also presses.
-function keyButton(content, label, key, act, more = {}) {
+export function keyButton(content, label, key, act, more = {}) {
   const attributes = {
     type: "button",
     "aria-label": label,
@@ -47,23 +47,32 @@ function keyButton(content, label, key, act, more = {}) {
   return el("button", { ...attributes, onclick: act }, content);
 }
 
-function byId(id) {
+// A list to choose from: pairs of value and words.
+export function choice(pairs, chosen, change) {
+  return el(
+    "select",
+    { onchange: change },
+    pairs.map(([value, words]) => el("option", { value, selected: value === chosen }, words)),
+  );
+}
+
+export function byId(id) {
   return document.getElementById(id);
 }
 
-function grouped(number) {
+export function grouped(number) {
   return Math.round(number).toLocaleString("en-US");
 }
 
-function plural(count, one, many = `${one}s`) {
+export function plural(count, one, many = `${one}s`) {
   return `${grouped(count)} ${count === 1 ? one : many}`;
 }
 
 // For screen readers: what a sighted reader sees change.
-function say(text) {
+export function say(text) {
   byId("said").textContent = text;
 }
 
-function verdictDot(verdict) {
+export function verdictDot(verdict) {
   return el("span", { class: "dot", "data-verdict": verdict, "aria-hidden": "true" });
 }

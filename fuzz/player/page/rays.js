@@ -1,7 +1,9 @@
 // Range beams for the picture: straight lines from the robot's centre to the first wall, without a sensor's noise.
 // Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
 
-function beamHeadings(heading, sensors) {
+import { SOLID, stateAt } from "./decode.js";
+
+export function beamHeadings(heading, sensors) {
   const { beams, field } = sensors;
   const turn = 2 * Math.PI;
   return Array.from({ length: beams }, (_, k) => {
@@ -10,7 +12,7 @@ function beamHeadings(heading, sensors) {
   });
 }
 
-function castBeam(cells, world, x, y, heading, longest) {
+export function castBeam(cells, world, x, y, heading, longest) {
   const dx = Math.cos(heading),
     dy = Math.sin(heading);
   const stepX = dx > 0 ? 1 : -1,

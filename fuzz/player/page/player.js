@@ -1,23 +1,27 @@
 // The replay: a clock in steps, and a canvas that shows the run at that time.
 
-const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 25, 100, 500];
-const SECONDS = 12; // that a replay takes at most, unless asked otherwise
+import { poseAt, stepWithin } from "./decode.js";
+import { drawScene, fitView } from "./map.js";
 
-function usualSpeed(steps, dt) {
+export const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 25, 100, 500];
+export const SECONDS = 12; // that a replay takes at most, unless asked otherwise
+
+export function usualSpeed(steps, dt) {
   const seconds = steps * dt;
   return SPEEDS.find((speed) => seconds / speed <= SECONDS) || SPEEDS[SPEEDS.length - 1];
 }
 
 /* A player of one drawn world.
      canvas    where
-     drawn     world, run and sensors
+     drawn     world, run and sensors; where there are several robots also this one's colour, and the others
      changed   called whenever the time, or whether it plays, has changed */
-function makePlayer(canvas, drawn, changed) {
+export function makePlayer(canvas, drawn, changed) {
   const { run, world } = drawn;
   const player = {
     drawn,
     canvas,
     step: run ? run.steps : 0,
+    last: lastStep(drawn),
     playing: false,
     period: false, // plays the loop's period only
     speed: run ? usualSpeed(run.steps, run.dt) : 1,
@@ -26,10 +30,10 @@ function makePlayer(canvas, drawn, changed) {
     follow: false,
     draw() {
       if (player.follow) {
-        const { x, y } = poseAt(run, player.step);
+        const { x, y } = poseAt(run, stepWithin(run, player.step));
         player.view = { ...player.view, x, y };
       }
-      drawScene(canvas, { world, run, sensors: drawn.sensors, step: player.step, show: player.show }, player.view);
+      drawScene(canvas, { ...drawn, world, run, step: player.step, show: player.show }, player.view);
     },
     update() {
       player.draw();
@@ -37,6 +41,12 @@ function makePlayer(canvas, drawn, changed) {
     },
   };
   return Object.assign(player, clockOf(player), cameraOf(player));
+}
+
+// The end of the longest of all runs, in steps of the one that is looked at.
+function lastStep({ run, others }) {
+  if (!run) return 0;
+  return Math.max(run.steps, ...(others || []).map((other) => Math.round((other.run.steps * other.run.dt) / run.dt)));
 }
 
 function clockOf(player) {
@@ -47,13 +57,13 @@ function clockOf(player) {
     const passed = Math.min(0.25, (now - before) / 1000);
     before = now;
     player.step = advanced(player, run, (passed * player.speed) / run.dt);
-    player.playing = run.loop !== null || player.step < run.steps;
+    player.playing = goesRound(player, run) || player.step < player.last;
     if (player.playing) frame = requestAnimationFrame(tick);
     player.update();
   };
   return {
     go(step) {
-      player.step = Math.min(run.steps, Math.max(0, step));
+      player.step = Math.min(player.last, Math.max(0, step));
       player.update();
     },
     play(on) {
@@ -61,7 +71,7 @@ function clockOf(player) {
       player.playing = on;
       cancelAnimationFrame(frame);
       if (on) {
-        if (player.step >= run.steps) player.step = player.period ? run.loop[0] : 0;
+        if (player.step >= player.last) player.step = player.period ? run.loop[0] : 0;
         before = performance.now();
         frame = requestAnimationFrame(tick);
       }
@@ -106,10 +116,15 @@ function cameraOf(player) {
   };
 }
 
+// Whether the clock goes back to where a loop was entered; with others about only if the period alone is played.
+function goesRound(player, run) {
+  return run.loop !== null && (player.period || player.last === run.steps);
+}
+
 // The time after some more steps: a loop goes on where it was entered, one period later.
 function advanced(player, run, more) {
   const step = player.step + more;
-  if (!run.loop) return Math.min(run.steps, step);
+  if (!goesRound(player, run)) return Math.min(player.last, step);
   const [entry, period] = run.loop;
   const from = player.period && step < entry ? entry : step;
   return from < entry + period ? from : entry + ((from - entry) % period);

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.report.streams import bits, numbers
+from fuzz.player.streams import bits, numbers
 from sim.episode import Episode
 from sim.trace import Trace
 from worldgen.lattice import TURN, UNIT

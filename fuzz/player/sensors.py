@@ -1,0 +1,31 @@
+"""Which of a robot's sensors are drawn with its run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sim.controllers.base import Controller, robot_for
+from sim.motion import MOTIONS
+from sim.motion.base import THESIS
+from sim.run_options import RunOptions
+
+__all__ = ["sensors_of"]
+
+
+def sensors_of(controller: Controller, options: RunOptions, side: float) -> dict[str, Any]:
+    """The range beams, in cells and rad, and whether the floor may be tinted by a signal that walls do not stop.
+
+    Args:
+        controller: Who drives.
+        options: How.
+        side: Of a cell, m.
+    """
+    if MOTIONS.get(options.motion).kernel == THESIS:
+        return {"beams": 0, "signal": options.thesis.signal == "open"}
+    robot = robot_for(controller, options.robot)
+    return {
+        "beams": robot.beams,
+        "range": min(robot.beam_range / side, 1e6),
+        "field": robot.beam_field,
+        "signal": robot.signal == "open",
+    }
