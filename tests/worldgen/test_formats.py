@@ -177,11 +177,12 @@ def test_a_sidecar_of_another_map_is_passed_over_with_a_warning(tmp_path):
         ("worldgen = 1\nsize = [6, 6]\nrobot_radius = 0\n", ":3: robot_radius must be above 0"),
         ("worldgen = 1\nsize = [6, 6]\nspeed = 1\n", ":3: 'speed' is no key of a sidecar"),
         ("worldgen = [[[\n", "is not TOML"),
+        ("worldgen = 1\r\nsize = [6, 6]\r\nspeed = 1\r\n", ":3: 'speed' is no key of a sidecar"),
     ],
 )
 def test_a_sidecar_with_a_fault_is_refused_with_its_line(tmp_path, text, message):
     write_export(export_world(room(), "thesis"), tmp_path)
-    (tmp_path / "world.gex.worldgen.toml").write_text(text)
+    (tmp_path / "world.gex.worldgen.toml").write_bytes(text.encode())
     with pytest.raises(FormatError, match=re.escape(message)):
         read_map(tmp_path / "world.gex")
 

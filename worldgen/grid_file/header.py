@@ -56,6 +56,7 @@ class Header:
     """
 
     def __init__(self, text: str, line: int, source: str | None, noun: str = "the header") -> None:
+        text = text.replace("\r\n", "\n")  # as tomllib does
         self._text, self._line, self.source, self._noun = text, line, source, noun
         self._last_line = self._line_at(len(text))
         self._guard()

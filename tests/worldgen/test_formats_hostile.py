@@ -1,0 +1,131 @@
+"""Damaged and hostile files of every format that is read: a map or one sentence, in bounded time and memory."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.helpers.foreign_samples import READABLE, samples
+from worldgen.errors import WorldgenError
+from worldgen.interop import find_format, import_world, read_map
+from worldgen.interop.foreign_map import MAX_CELLS
+
+# Words that formats trip over: numbers too large, negative or none, ends of text, ways out of a folder, bombs.
+WORDS = (
+    b"", b"\0", b"-1", b"0", b"1e999", b"nan", b"99999999999999999999", b"4294967296", b"0x10", b"1_0", b"\xff\xfe",
+    b"\xef\xbb\xbf", b"\r", b"\r\n", b"\n\n\n", b"\t", b"[[[[[[[[", b"{{{{{{{{", b"]", b"}", b'"', b"'", b"&a [", b"*a",
+    b"<<: *a", b"!!python/object:os.system", b"<!DOCTYPE a [<!ENTITY b SYSTEM 'file:///etc/hostname'>]>", b"&b;", b"<",
+    b"</world>", b"<!--", b"../../../etc/hostname", b"/dev/zero", b"\xc3\xa9", b"#", b"%", b"null", b"true", b"1/0",
+)  # fmt: skip
+_LARGEST = 2_000  # cells of a damaged map that a robot is still put into
+
+
+@st.composite
+def damages(draw):
+    """A way to damage bytes: replaced, cut out, doubled, or with a word put in."""
+    at, length = draw(st.floats(0, 1)), draw(st.integers(0, 40))
+    kind = draw(st.sampled_from(["cut", "flip", "drop", "double", "word", "number"]))
+    word = draw(st.sampled_from(WORDS))
+    bit = draw(st.integers(0, 7))
+
+    def damage(data):
+        place = int(at * len(data))
+        before, part, after = data[:place], data[place : place + length], data[place + length :]
+        if kind == "cut":
+            return before
+        if kind == "flip":
+            return before + bytes([byte ^ (1 << bit) for byte in part[:1]]) + part[1:] + after
+        if kind == "drop":
+            return before + after
+        if kind == "double":
+            return before + part + part + after
+        if kind == "number":
+            return _with_number(data, place, word)
+        return before + word + part + after
+
+    return damage
+
+
+def _with_number(data, place, word):
+    """The first number from a place on, exchanged for a word."""
+    digits = b"0123456789.-"
+    begin = next((at for at in range(place, len(data)) if data[at] in digits), len(data))
+    end = next((at for at in range(begin, len(data)) if data[at] not in digits), len(data))
+    return data[:begin] + word + data[end:]
+
+
+def read_or_sentence(path, name):
+    """The map, checked, or the sentence why there is none."""
+    try:
+        found = read_map(path, name)
+        height, width = found.walls.shape
+        assert found.walls.dtype == np.bool_
+        assert 0 < height * width <= MAX_CELLS
+        assert np.isfinite(found.cell_size) and found.cell_size > 0
+        if height * width <= _LARGEST:
+            import_world(path, name=name)
+        return found
+    except WorldgenError as error:
+        assert str(error).strip() and "\n" not in str(error)
+        return str(error)
+
+
+def write(folder, files):
+    for name, data in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
+    return folder / next(iter(files))
+
+
+@pytest.mark.parametrize("name", READABLE)
+def test_every_format_has_samples_and_they_are_read(name, tmp_path):
+    assert samples(name)
+    for number, files in enumerate(samples(name)):
+        path = write(tmp_path / str(number), files)
+        assert not isinstance(read_or_sentence(path, name), str)
+        assert find_format(path).name == name
+
+
+@pytest.mark.parametrize("name", READABLE)
+@settings(max_examples=30)
+@given(st.data())
+def test_a_damaged_file_is_read_or_refused_in_one_sentence(name, tmp_path, data):
+    files = dict(data.draw(st.sampled_from(samples(name))))
+    victim = data.draw(st.sampled_from(list(files)))
+    for damage in data.draw(st.lists(damages(), min_size=1, max_size=3)):
+        files[victim] = damage(files[victim])
+    read_or_sentence(write(tmp_path, files), name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", READABLE)
+@settings(max_examples=3000)
+@given(st.data())
+def test_many_damaged_files_are_read_or_refused_in_one_sentence(name, tmp_path, data):
+    files = dict(data.draw(st.sampled_from(samples(name))))
+    for victim in data.draw(st.lists(st.sampled_from(list(files)), min_size=1, max_size=2)):
+        for damage in data.draw(st.lists(damages(), min_size=1, max_size=4)):
+            files[victim] = damage(files[victim])
+    read_or_sentence(write(tmp_path, files), name)
+
+
+@pytest.mark.parametrize("name", READABLE)
+def test_a_file_that_ends_too_early_is_read_or_refused_in_one_sentence(name, tmp_path):
+    for files in samples(name)[:1]:
+        for victim, whole in files.items():
+            for length in sorted({len(whole) * step // 60 for step in range(60)}):
+                read_or_sentence(write(tmp_path, {**files, victim: whole[:length]}), name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", READABLE)
+def test_a_file_cut_after_any_byte_is_read_or_refused_in_one_sentence(name, tmp_path):
+    for files in samples(name)[:2]:
+        for victim, whole in files.items():
+            for length in range(min(len(whole), 6000)):
+                read_or_sentence(write(tmp_path, {**files, victim: whole[:length]}), name)
