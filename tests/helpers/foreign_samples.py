@@ -1,9 +1,10 @@
-"""Small files of every format that is read, by its own writer where there is one, to be damaged by tests."""
+"""Small files of every format that is read: by its own writer where there is one, and as other programs write them."""
 
+import io
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 from worldgen.errors import InvalidWorld
 from worldgen.generation import generate
@@ -12,9 +13,39 @@ from worldgen.interop import FORMATS, export_world
 from worldgen.world import Pose, Target, World
 
 READABLE = [name for name in FORMATS if FORMATS.get(name).read is not None]
-BY_HAND = Path(__file__).parents[1] / "data" / "foreign"
-"""A folder for each format that has no writer, and for files as other programs write them; in it a folder a sample,
-whose first file by name is the map."""
+_WALLS = np.array([[1, 1, 1, 1, 1], [1, 0, 0, 0, 1], [1, 0, 1, 0, 1], [1, 1, 1, 1, 1]], np.bool_)
+_YAML = (
+    b"image: %b\nresolution: 0.05\norigin: [-1.5, 2.25, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+)
+
+
+def _npy(array):
+    stream = io.BytesIO()
+    np.save(stream, array)
+    return stream.getvalue()
+
+
+def picture(image, kind="PNG", **options):
+    """A picture's bytes."""
+    stream = io.BytesIO()
+    image.save(stream, kind, **options)
+    return stream.getvalue()
+
+
+_GREY = np.where(_WALLS, 0, 254).astype(np.uint8)
+_PLAIN = (
+    b"P2\n# made by hand\n5 4 # sides\n255\n" + b"\n".join(b" ".join(b"%d" % v for v in row) for row in _GREY) + b"\n"
+)
+# Each sample is contents by file name, the map first. Readers without a writer need one here.
+AS_OTHERS_WRITE = {
+    "movingai": [{"m.map": b"type octile\r\nheight 3\r\nwidth 5\r\nmap\r\n@@TWO\r\n@.S.T\r\n@..G@\r\n"}],
+    "npy": [{"a.npy": _npy(_WALLS)}, {"b.npy": _npy(np.asfortranarray(_WALLS.astype(np.int64)))}],
+    "ros": [
+        {"p.yaml": _YAML % b"p.pgm", "p.pgm": _PLAIN},
+        {"i.yaml": _YAML % b"i.png", "i.png": picture(Image.fromarray(_GREY).convert("P"))},
+    ],
+    "text": [{"t.txt": b"#####\r\n#S..#\r\n#..G#\r\n#####\r\n"}],
+}
 
 
 def _room():
@@ -33,15 +64,12 @@ def _square():
 
 def samples(name):
     """What a format's files look like: dicts of contents by file name, the map first."""
+    found = list(AS_OTHERS_WRITE.get(name, ()))
     if name == "grid":
-        return [{"world.grid": dumps(world)} for world in (_room(), generate("shift", 1, size=16))]
-    found = []
+        found += [{"world.grid": dumps(world)} for world in (_room(), generate("shift", 1, size=16))]
     for world in (_room(), _square(), replace(generate("maze", 1, size=13), certificate=None)):
         try:
-            files = export_world(world, name).files if FORMATS.get(name).write else {}
+            found += [dict(export_world(world, name).files)] if FORMATS.get(name).write else []
         except InvalidWorld:  # the thesis's maps are squares, a micromouse's maze has posts
             continue
-        found += [dict(files)] if files else []
-    for folder in sorted((BY_HAND / name).glob("*/")):
-        found.append({file.name: file.read_bytes() for file in sorted(folder.iterdir())})
     return found
