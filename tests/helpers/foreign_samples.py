@@ -13,7 +13,8 @@ from worldgen.interop import FORMATS, export_world
 from worldgen.world import Pose, Target, World
 
 READABLE = [name for name in FORMATS if FORMATS.get(name).read is not None]
-_WALLS = np.array([[1, 1, 1, 1, 1], [1, 0, 0, 0, 1], [1, 0, 1, 0, 1], [1, 1, 1, 1, 1]], np.bool_)
+_WALLS = np.ones((5, 7), np.bool_)
+_WALLS[1:-1, 1:-1] = _WALLS[0, 0] = False
 _YAML = (
     b"image: %b\nresolution: 0.05\norigin: [-1.5, 2.25, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
 )
@@ -33,12 +34,11 @@ def picture(image, kind="PNG", **options):
 
 
 _GREY = np.where(_WALLS, 0, 254).astype(np.uint8)
-_PLAIN = (
-    b"P2\n# made by hand\n5 4 # sides\n255\n" + b"\n".join(b" ".join(b"%d" % v for v in row) for row in _GREY) + b"\n"
-)
+_ROWS = b"\n".join(b" ".join(b"%d" % value for value in row) for row in _GREY)
+_PLAIN = b"P2\n# made by hand\n7 5 # sides\n255\n" + _ROWS + b"\n"
 # Each sample is contents by file name, the map first. Readers without a writer need one here.
 AS_OTHERS_WRITE = {
-    "movingai": [{"m.map": b"type octile\r\nheight 3\r\nwidth 5\r\nmap\r\n@@TWO\r\n@.S.T\r\n@..G@\r\n"}],
+    "movingai": [{"m.map": b"type octile\r\nheight 3\r\nwidth 5\r\nmap\r\n@@TWO\r\n..S.T\r\n...G@\r\n"}],
     "npy": [{"a.npy": _npy(_WALLS)}, {"b.npy": _npy(np.asfortranarray(_WALLS.astype(np.int64)))}],
     "ros": [
         {"p.yaml": _YAML % b"p.pgm", "p.pgm": _PLAIN},

@@ -91,9 +91,12 @@ OF_ONE = {
         f"leads-out-{number}": f"image: {name}\n{KEYS}".encode()
         for number, name in enumerate(["/dev/zero", "../../../../etc/hostname", "pipe", "zero", "folder", "~/x.pgm"])
     }
-    | {"laughs": f"image: more.png\n{KEYS}{LAUGHS}".encode(), "deep": f"image: a\n{KEYS}b: {'[' * 50_000}".encode()},
+    | {
+        "laughs": f"image: more.png\n{KEYS}{LAUGHS}".encode(),
+        "deep": f"image: a\n{KEYS}b: {'[' * 50_000}".encode(),
+    },
     "irsim": {
-        "many": b"world: {height: 10, width: 10}\nobstacle:\n  - {number: 1000000000, shape: {name: circle, radius: 1}}\n",
+        "many": b"world: {height: 10, width: 10}\nobstacle:\n  - {number: 1000000000, shape: {name: circle}}\n",
         "wide": b"world: {height: 1.0e+9, width: 1.0e+9}\nobstacle:\n  - {shape: {name: circle, radius: 1.0e+9}}\n",
         "device": b"world: {height: 10, width: 10, obstacle_map: /dev/zero}\n",
         "pipe": b"world: {height: 10, width: 10, obstacle_map: pipe}\n",
@@ -108,7 +111,7 @@ OF_ONE = {
         "deep": b"define a model ( " * 20_000,
     },
     "tiled": {
-        "huge": b'{"type": "map", "width": 999999999, "height": 999999999, "tilewidth": 8, "tileheight": 8, "layers": []}',
+        "huge": b'{"type": "map", "width": 999999999, "height": 999999999, "layers": []}',
         "numbers": b'{"type": "map", "width": 1e999999, "height": ' + b"9" * 100_000 + b"}",
         "deep": b'{"type": "map", "layers": ' + b"[" * 200_000,
     },

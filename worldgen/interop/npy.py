@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import re
+import tokenize
 import warnings
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,13 @@ from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value
 
 __all__ = ["npy", "read_numpy_map"]
+
+
+# NumPy reads a header as Python text, and a header that is none a second time as text of Python 2, by its tokens.
+_HEADER_FAULTS = (
+    ValueError, OSError, EOFError, UserWarning, SyntaxError, TypeError, RecursionError, MemoryError,
+    tokenize.TokenError,
+)  # fmt: skip
 
 
 def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> ForeignMap:
@@ -40,7 +48,7 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
             warnings.simplefilter("error")
             version = np.lib.format.read_magic(stream)
             shape, by_columns, kind = _header(stream, version)
-    except (ValueError, OSError, EOFError, UserWarning, SyntaxError, TypeError, RecursionError, MemoryError) as error:
+    except _HEADER_FAULTS as error:
         raise FormatError("is no NumPy array file; write it with numpy.save", source=source) from error
     if kind.hasobject or kind.kind not in "biu" or len(shape) != 2:
         raise FormatError(
