@@ -34,6 +34,7 @@ PROGRAMS = {
     "chromium": "chromium",
     "g++": "g++ pkg-config libignition-physics-dev libignition-physics5-dartsim-plugin5",
     "ign": "ignition-tools sdformat-sdf",
+    "gdal_rasterize": "gdal-bin",
     "ogrinfo": "gdal-bin",
     "rsvg-convert": "librsvg2-bin",
     "tmxrasterizer": "tiled",

@@ -1,10 +1,8 @@
 """Walls as boxes: STL, OBJ, GLB and USD."""
 
 import hashlib
-import json
 import math
 import re
-import struct
 from dataclasses import replace
 from fractions import Fraction
 
@@ -12,55 +10,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 
+from tests.helpers.exported_meshes import TINY, any_worlds, glb_parts, solid_volume, stl_triangles, volume
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.interop import Destination, export_world
-from worldgen.interop.boxes import closing_boxes
 from worldgen.interop.glb import _disc, _sine_cosine
 from worldgen.interop.mesh_boxes import solid_boxes
 from worldgen.lattice import exact
-from worldgen.world import Pose, Target, World
-
-SHAPES = st.tuples(st.integers(1, 7), st.integers(1, 7))
-TINY = World(
-    np.array([[1, 1, 1, 1], [1, 0, 0, 0], [1, 0, 1, 1]], np.bool_), Pose(0.15, 0.15, 0.5), Target(0.35, 0.15, 0.05),
-    robot_radius=0.04, robot_speed=1.5,
-)  # fmt: skip
-
-
-@st.composite
-def any_worlds(draw):
-    """A world of any cells, and where its corner lies; its border may be open."""
-    walls = draw(hnp.arrays(np.bool_, SHAPES, fill=st.nothing()))
-    cell = draw(st.sampled_from([0.1, 0.05, 0.3, 1.0]))
-    origin = draw(st.tuples(*[st.sampled_from([0.0, -3.7, 12.125])] * 2))
-    return World(walls, Pose(cell / 2, cell / 2), Target(cell / 2, cell / 2, cell), cell_size=cell), origin
-
-
-def volume(triangles):
-    """Volume within closed shells of (n, 3, 3) corners, from tetrahedra about a corner of theirs."""
-    triangles = triangles - triangles[:1, :1]
-    return np.linalg.det(triangles).sum() / 6.0
-
-
-def solid_volume(world, height):
-    ring = closing_boxes(world)
-    cells = world.solid_cells + ((ring[:, 2] - ring[:, 0]) * (ring[:, 3] - ring[:, 1])).sum()
-    return cells * world.cell_size**2 * height
-
-
-def stl_triangles(data):
-    (count,) = struct.unpack_from("<I", data, 80)
-    record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    assert len(data) == 84 + 50 * count
-    return np.frombuffer(data, record, offset=84)
-
-
-def glb_parts(data):
-    magic, version, length, size = struct.unpack_from("<4sIII", data)
-    assert (magic, version, length) == (b"glTF", 2, len(data)) and size % 4 == 0
-    return json.loads(data[20 : 20 + size]), data[28 + size :]
+from worldgen.world import Pose, Target
 
 
 @given(any_worlds())
@@ -134,7 +91,7 @@ def test_a_glb_file_has_start_and_target_as_nodes_and_the_rest_as_extras():
     assert nodes["start"]["translation"] == [1.15, 0.0, -2.15] and nodes["start"]["extras"] == {"heading": 0.5}
     assert nodes["start"]["rotation"] == pytest.approx([0, math.sin(0.25), 0, math.cos(0.25)])
     assert nodes["target"]["translation"] == [1.35, 0.0, -2.15] and nodes["target"]["extras"] == {"radius": 0.05}
-    assert nodes["world"]["extras"]["robot_speed"] == 1.5 and nodes["world"]["extras"]["origin"] == [1.0, 2.0]
+    assert nodes["worldgen"]["extras"]["robot_speed"] == 1.5 and nodes["worldgen"]["extras"]["origin_y"] == 2.0
     assert document["nodes"][nodes["start"]["children"][0]]["name"] == "start_disc"
 
 
@@ -170,7 +127,7 @@ def test_a_floor_lies_below_walls_and_border():
     [
         ("stl", "7842362ae09432bb"),
         ("obj+floor", "40cf5db3efefff56"),
-        ("glb+markers", "ebf238fd2b17c303"),
+        ("glb+markers", "d58cd2fbed0a66a9"),
         ("usd", "914276fccb8f2001"),
     ],
 )

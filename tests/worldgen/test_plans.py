@@ -14,11 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from tests.worldgen.test_meshes import TINY, any_worlds
+from tests.helpers.exported_meshes import TINY, any_worlds, covered_cells
 from worldgen.errors import InvalidParameter
 from worldgen.generation import generate
 from worldgen.interop import export_world
-from worldgen.interop.boxes import closing_boxes, merged_boxes
+from worldgen.interop.boxes import merged_boxes
 from worldgen.interop.polygons import cell_polygons
 from worldgen.timeline import CellState, Timeline
 
@@ -57,9 +57,7 @@ def test_the_corners_of_a_polygon_are_where_it_turns_and_its_beginning_is_fixed(
 def test_the_geometry_of_a_wkt_file_has_the_walls_area_at_the_origin(drawn):
     world, origin = drawn
     shape = shapely.from_wkt(export_world(world, "wkt", origin=origin).data.decode())
-    ring = closing_boxes(world)
-    cells = world.solid_cells + ((ring[:, 2] - ring[:, 0]) * (ring[:, 3] - ring[:, 1])).sum()
-    assert shape.is_valid and shape.area == pytest.approx(cells * world.cell_size**2)
+    assert shape.is_valid and shape.area == pytest.approx(covered_cells(world) * world.cell_size**2)
     y, x = (np.mgrid[: world.height, : world.width] + 0.5) * world.cell_size
     assert np.array_equal(shapely.contains_xy(shape, x + origin[0], y + origin[1]), world.walls)
 

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
 from worldgen.interop.mesh_boxes import BOX_CORNERS, BOX_QUADS, solid_boxes
 from worldgen.render import palette
-from worldgen.world import World
+from worldgen.world import Value, World
 
 __all__ = ["glb", "write_glb"]
 
@@ -60,9 +60,9 @@ def write_glb(
     ]
     places = _places(world, destination, first=1 + len(nodes), markers=markers)
     root = {
-        "name": "world",
+        "name": "worldgen",
         "children": list(range(1, 1 + len(nodes) + 2)),
-        "extras": {"size": [world.width, world.height], **held_values(world, destination)},
+        "extras": _extras(world, destination),
     }
     return Exported({destination.name: _container([root, *nodes, *places], markers=markers)})
 
@@ -75,6 +75,19 @@ glb = Format(
     holds=frozenset(HELD),
     client="browsers, Blender, game engines",
 )
+
+
+def _extras(world: World, destination: Destination) -> dict[str, Value]:
+    """Size in cells and what else the world has, all plain numbers: lists in here end Assimp 5.2 with an assertion."""
+    said: dict[str, Value] = {"size": [world.width, world.height], **held_values(world, destination)}
+    plain: dict[str, Value] = {}
+    for name, value in said.items():
+        plain |= (
+            {f"{name}_{axis}": part for axis, part in zip("xy", value, strict=True)}
+            if isinstance(value, list)
+            else {name: value}
+        )
+    return plain
 
 
 def _places(world: World, destination: Destination, *, first: int, markers: bool) -> list[dict[str, Any]]:
