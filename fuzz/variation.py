@@ -9,9 +9,9 @@ from difflib import get_close_matches
 from sim.run_options import RunOptions, switch_class, switch_sets
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.world import Value, World
+from worldgen.world import Provenance, Value, World
 
-__all__ = ["Variation", "applied"]
+__all__ = ["Variation", "applied", "map_provenance"]
 
 _OF_THE_ROBOT = {"robot_radius": "m", "robot_speed": "m/s"}  # fields of a world
 _EXAMPLE = "write NAME=VALUE,VALUE,..., such as sensor_noise=0,0.05"
@@ -74,13 +74,22 @@ def applied(values: Mapping[str, Value], world: World, scenario: Scenario) -> tu
     """
     robot = {name: value for name, value in values.items() if name in _OF_THE_ROBOT}
     if any(getattr(world, name) != value for name, value in robot.items()):
-        world = replace(world, certificate=None, provenance=None, **robot)  # type: ignore[arg-type]
+        world = replace(world, certificate=None, provenance=map_provenance(world), **robot)  # type: ignore[arg-type]
     for name, value in values.items():
         if name == "time_step":
             scenario = replace(scenario, time_step=value)  # type: ignore[arg-type]
         elif name not in robot:
             scenario = _with_option(scenario, name, value)
     return world, scenario
+
+
+def map_provenance(world: World) -> Provenance | None:
+    """How the cells came here if they are a foreign map's: true of them whichever robot drives there, and from where.
+
+    It has the map's origin, so that a failure can go back to where the map is used. A family's says the whole world.
+    """
+    made = world.provenance
+    return made if made is not None and made.family == "import" else None
 
 
 def _value(name: str, word: str, scenario: Scenario) -> Value:

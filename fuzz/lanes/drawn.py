@@ -22,6 +22,7 @@ from fuzz.lanes.database import Failed, exception_of, remembered
 from fuzz.lanes.task import Task
 from fuzz.sealed import SEALED_BYTES, decode_sealed
 from fuzz.strategies import family_worlds, layouts, scenarios_in
+from fuzz.variation import map_provenance
 from sim.episode import prepare
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
@@ -174,7 +175,7 @@ def poses_on(world: World) -> st.SearchStrategy[World]:
     free = np.argwhere(~world.walls)
     if not len(free):
         raise InvalidWorld("the map has no free cell to start from")
-    plain = replace(world, certificate=None, provenance=None, failure=None)
+    plain = replace(world, certificate=None, provenance=map_provenance(world), failure=None)
     radii = sorted({round(world.robot_radius * share, 6) for share in (0.5, 0.75, 1.0)}, reverse=True)
 
     def place(start: int, heading: int, target: int, radius: float) -> World:

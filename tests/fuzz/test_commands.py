@@ -12,6 +12,7 @@ import pytest
 from tests.helpers.campaign_folder import CORPUS
 from tests.helpers.command_line import worldgen
 from worldgen import read_world, write_world
+from worldgen.interop.exporting import origin_of
 
 FUZZ = ("fuzz", "--controller", "turn-right", "--units", 2, "--examples", 40, "--seed", 5, "--workers", 1)
 
@@ -231,18 +232,21 @@ def test_ctrl_c_keeps_what_was_found(tmp_path):
     assert worldgen("replay", folder).code == 0 and "worldgen replay" in out
 
 
-def test_a_fuzz_campaign_on_a_fixed_map_varies_the_poses(tmp_path):
+def test_a_fuzz_campaign_on_a_fixed_map_varies_the_poses_and_keeps_the_origin(tmp_path):
     text = "\n".join(
         ["#" * 14, *["#" + "." * 12 + "#"] * 5, "#" + "." * 6 + "#" * 6 + "#", *["#" + "." * 12 + "#"] * 5]
     )
     path = tmp_path / "map.grid"
     path.write_text(
         "%worldgen-grid 1\ncell_size = 0.1\nrobot_radius = 0.07\nstart = [0.25, 0.25, 0.0]\n"
-        f"target = [1.15, 1.05, 0.05]\n\n%cells\n{text}\n{'#' * 14}\n%end\n"
+        'target = [1.15, 1.05, 0.05]\n\n[provenance]\nfamily = "import"\nversion = 1\nseed = 0\n'
+        f"params = {{ origin = [-3.0, 4.5] }}\n\n%cells\n{text}\n{'#' * 14}\n%end\n"
     )
     result = worldgen(*FUZZ, "--world", path, "--out", tmp_path / "out")
-    starts = {read_world(file).start for file in (tmp_path / "out").glob("*.grid")}
+    found = [read_world(file) for file in (tmp_path / "out").glob("*.grid")]
+    starts = {world.start for world in found}
     assert result.code == 1 and starts - {read_world(path).start}
+    assert {origin_of(world) for world in found} == {(-3.0, 4.5)}
 
 
 def test_write_world_round_trips_a_failure(failures, tmp_path):
