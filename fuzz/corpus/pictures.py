@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from fuzz.corpus.entry import Entry
 from fuzz.failure import regardless_of_walls, scenario_of
+from sim.controllers.process import is_process_name
 from sim.episode import simulate
 from sim.picture import trail_of
 from worldgen.errors import InvalidParameter, WorldgenError
@@ -43,7 +44,8 @@ def contact_sheet(entries: Sequence[Entry]) -> bytes:
 
 def _panel(entry: Entry) -> Panel:
     world, facts = read_world(entry.path), entry.facts
-    return Panel(world, facts.kind, (_trail(world),), (f"{facts.controller}, {facts.motion}",))
+    name = facts.controller if is_process_name(facts.controller) else facts.controller.rpartition("/")[2]
+    return Panel(world, facts.kind, (_trail(world),), (f"{name}, {facts.motion}",))
 
 
 def _trail(world: World) -> Trail | None:

@@ -9,10 +9,19 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 REPOSITORY = Path(__file__).parents[2]
 FOLDER = Path(os.environ.get("WORLDGEN_CLIENTS") or REPOSITORY / "build" / "clients")
+
+
+def _third_party() -> list[str]:
+    """What the adapters in examples/third-party need, and what worldgen itself needs, which runs there."""
+    lines = (REPOSITORY / "examples" / "third-party" / "requirements.txt").read_text().splitlines()
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
+    return [*(line for line in lines if not line.startswith("#")), *project["dependencies"]]
+
 
 # name: what pip installs; packages of one client stand together, clients never share an environment
 PACKAGES = {
@@ -22,11 +31,14 @@ PACKAGES = {
     "pogema": ["pogema==1.4.0"],
     "pointmaze": ["gymnasium-robotics>=1.4", "mujoco>=3.2"],
     "pybullet": ["pybullet>=3.2.7"],
+    "third-party": _third_party(),
     "trimesh": ["trimesh>=4.5", "rtree>=1.0"],
     "usd": ["usd-core>=25.5"],
 }
 # name: the packages without what they depend on, for what they ask for cannot be had together
 BARE_PACKAGES = {"pogema-toolbox": ["pogema-toolbox"]}
+# name: what builds packages of that client whose own lists of build tools lack some; they are built beside these
+BUILD_TOOLS = {"third-party": ["cython>=3.0", "numpy>=2.0", "setuptools>=77"]}
 # program: what brings it on Debian
 PROGRAMS = {
     "admesh": "admesh",
@@ -51,11 +63,11 @@ def install(name: str) -> bool:
         return True
     shutil.rmtree(folder, ignore_errors=True)
     FOLDER.mkdir(parents=True, exist_ok=True)
-    bare = ["--no-deps"] if name in BARE_PACKAGES else []
+    extra = ["--no-deps"] if name in BARE_PACKAGES else ["--no-build-isolation"] if name in BUILD_TOOLS else []
     python = folder / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
-    made = _ran(sys.executable, "-m", "venv", folder) and _ran(
-        python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--prefer-binary", *bare, *packages
-    )
+    pip = (python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--prefer-binary")
+    made = _ran(sys.executable, "-m", "venv", folder)
+    made = made and (name not in BUILD_TOOLS or _ran(*pip, *BUILD_TOOLS[name])) and _ran(*pip, *extra, *packages)
     if made:
         done.write_text("\n".join(packages))
     else:

@@ -1,0 +1,18 @@
+"""Draws the stored failures beside each other: ``python examples/third-party/draw.py``, with the packages installed."""
+
+from pathlib import Path
+
+from fuzz.corpus import contact_sheet, read_corpus
+
+HERE = Path(__file__).parent
+
+
+def main() -> None:
+    """Writes failures.png; run it in the repository's root, for the files name their controllers from there."""
+    entries = read_corpus([HERE / "failures"]).entries
+    sheet = contact_sheet(sorted(entries, key=lambda entry: (entry.facts.controller, entry.facts.solid)))
+    (HERE / "failures.png").write_bytes(sheet)
+
+
+if __name__ == "__main__":
+    main()
