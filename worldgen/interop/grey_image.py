@@ -8,17 +8,18 @@ from __future__ import annotations
 import io
 import re
 import warnings
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
-from PIL import Image, UnidentifiedImageError
+from PIL import Image, PngImagePlugin, UnidentifiedImageError
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import check_sides, shown
 
-__all__ = ["GreyImage", "read_grey_image"]
+__all__ = ["GreyImage", "pgm_bytes", "png_bytes", "read_grey_image"]
 
 _PILLOW_FORMATS = ("PNG", "BMP")
 # One header field of a PGM: white space and comments (from # to the end of the line), then digits.
@@ -34,12 +35,40 @@ class GreyImage:
     Args:
         values: (height, width) uint8 or uint16, top row first, 0 black to ``maximum`` white.
         maximum: The value of white.
-        opaque: (height, width) bool where the picture has transparency: False where not fully opaque.
+        alpha: (height, width) uint8 where the picture has transparency: 0 clear to 255 opaque.
+        text: What a PNG says beside its pixels, by keyword.
     """
 
     values: npt.NDArray[np.uint8 | np.uint16]
     maximum: int = 255
-    opaque: npt.NDArray[np.bool_] | None = None
+    alpha: npt.NDArray[np.uint8] | None = None
+    text: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def opaque(self) -> npt.NDArray[np.bool_] | None:
+        """Where the picture has transparency: False where not fully opaque."""
+        return None if self.alpha is None else self.alpha == 255
+
+
+def pgm_bytes(values: npt.NDArray[np.uint8]) -> bytes:
+    """A binary PGM of greys, top row first; its maximum is 255, for some loaders misread any other."""
+    height, width = values.shape
+    return b"P5\n%d %d\n255\n" % (width, height) + values.tobytes()
+
+
+def png_bytes(values: npt.NDArray[np.uint8], text: Mapping[str, str] | None = None) -> bytes:
+    """A grey PNG.
+
+    Args:
+        values: (height, width), top row first.
+        text: What it says beside its pixels, by keyword; written in this order, before the pixels.
+    """
+    said = PngImagePlugin.PngInfo()
+    for keyword, words in (text or {}).items():
+        said.add_text(keyword, words)
+    stream = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(values)).save(stream, "PNG", pnginfo=said)
+    return stream.getvalue()
 
 
 def read_grey_image(data: bytes, source: str) -> GreyImage:
@@ -160,11 +189,13 @@ def _read_with_pillow(data: bytes, source: str) -> GreyImage:
 
 
 def _to_grey(image: Image.Image) -> GreyImage:
+    image.load()
+    text = {str(keyword): str(words) for keyword, words in getattr(image, "text", {}).items()}
     if image.mode.startswith("I"):  # 16-bit grey; convert("L") would cut it off at 255
         wide = np.asarray(image).astype(np.int64)
-        return GreyImage(np.clip(wide, 0, 65535).astype(np.uint16), 65535)
-    opaque = None
+        return GreyImage(np.clip(wide, 0, 65535).astype(np.uint16), 65535, text=text)
+    alpha = None
     if "transparency" in image.info or image.mode.endswith(("A", "a")):
         image = image.convert("RGBA")
-        opaque = np.asarray(image.getchannel("A")) == 255
-    return GreyImage(np.asarray(image.convert("L")), 255, opaque)
+        alpha = np.asarray(image.getchannel("A"))
+    return GreyImage(np.asarray(image.convert("L")), 255, alpha, text)

@@ -17,11 +17,11 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded
-from worldgen.interop.format import Format
+from worldgen.interop.format import Destination, Exported, Format
 from worldgen.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
-__all__ = ["npy", "read_numpy_map"]
+__all__ = ["npy", "read_numpy_map", "write_numpy_map"]
 
 
 # NumPy reads a header as Python text, and a header that is none a second time as text of Python 2, by its tokens.
@@ -87,11 +87,24 @@ def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
     return cells.astype(np.bool_)
 
 
+def write_numpy_map(world: World, destination: Destination) -> Exported:
+    """An array of bool, True solid, the top row first.
+
+    Args:
+        world: The world.
+        destination: Where it goes.
+    """
+    stream = io.BytesIO()
+    np.lib.format.write_array(stream, np.ascontiguousarray(flip_rows(world.walls)), (1, 0), allow_pickle=False)
+    return Exported({destination.name: stream.getvalue()})
+
+
 npy = Format(
     "npy",
     "NumPy array of cells, .npy",
     (".npy",),
     re.compile(rb"\x93NUMPY"),
     read_numpy_map,
+    write_numpy_map,
     client="NumPy",
 )

@@ -5,9 +5,10 @@ Source: the map_server of ROS navigation2 (``map_io.cpp``) and its documentation
 
 from __future__ import annotations
 
+import json
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Literal
@@ -18,13 +19,14 @@ import numpy.typing as npt
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import check_choice
 from worldgen.interop.companion import companion
-from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, digest, read_bounded
-from worldgen.interop.format import Format
-from worldgen.interop.grey_image import GreyImage, read_grey_image
+from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
+from worldgen.interop.grey_image import GreyImage, pgm_bytes, png_bytes, read_grey_image
+from worldgen.interop.places_text import KEYS, Places, from_decimal, place_words, read_places
 from worldgen.interop.yaml_table import YamlTable, read_yaml
 from worldgen.lattice import exact
 from worldgen.rows import flip_rows
-from worldgen.world import Value
+from worldgen.world import Value, World
 
 __all__ = [
     "FREE",
@@ -36,12 +38,14 @@ __all__ = [
     "read_ros_map",
     "ros",
     "solid_cells",
+    "write_ros_map",
 ]
 
 FREE, OCCUPIED, UNKNOWN = 0, 100, -1  # values of a nav_msgs/OccupancyGrid
 MODES = ("trinary", "scale", "raw")
 _UNKNOWN_GREY = 205  # what map savers write for unknown
 _MAX_YAML_BYTES = 64 << 10
+_OURS = "worldgen"  # the key under which a map of ours has start, target and robot
 _REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 
 
@@ -57,6 +61,7 @@ class RosMetadata:
         free_thresh: Occupancy up to which a cell is free.
         negate: Whether white is occupied.
         mode: ``trinary``, ``scale`` or ``raw``.
+        places: Start, target and robot, of a map of ours.
     """
 
     image: Path
@@ -66,6 +71,7 @@ class RosMetadata:
     free_thresh: float
     negate: bool = False
     mode: str = "trinary"
+    places: Places | None = None
 
 
 def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> ForeignMap:
@@ -99,7 +105,11 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
         "image_sha256": digest(picture), "mode": metadata.mode, "origin": [x, y], "unknown": unknown,
     }  # fmt: skip
     warnings = tuple(_warnings(image, metadata))
-    return ForeignMap(flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=metadata.origin)
+    places = metadata.places or Places()
+    return ForeignMap(
+        flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=metadata.origin,
+        start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
+    )  # fmt: skip
 
 
 def occupancy(image: GreyImage, metadata: RosMetadata) -> npt.NDArray[np.int8]:
@@ -186,9 +196,9 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
     if not 0.0 <= free < occupied <= 1.0:
         message = f"free_thresh {free:g}, occupied_thresh {occupied:g}; the rule is 0 <= free < occupied <= 1"
         raise table.fault("free_thresh", message)
-    return RosMetadata(
-        _image(table, path), resolution, _origin(table), occupied, free, table.truth("negate"), _mode(table)
-    )
+    origin, negate = _origin(table), table.truth("negate")
+    places = _places(table, origin)
+    return RosMetadata(_image(table, path), resolution, origin, occupied, free, negate, _mode(table), places)
 
 
 def _image(table: YamlTable, path: Path) -> Path:
@@ -199,7 +209,10 @@ def _image(table: YamlTable, path: Path) -> Path:
 
 
 def _origin(table: YamlTable) -> tuple[float, float]:
-    numbers = table.numbers("origin") or []
+    try:
+        numbers = [from_decimal(word) for word in table.words("origin") or ()]
+    except InvalidParameter:
+        numbers = []
     if len(numbers) != 3:
         raise table.fault("origin", "origin must be three numbers, [x m, y m, yaw rad]")
     x, y, yaw = numbers
@@ -207,6 +220,27 @@ def _origin(table: YamlTable) -> tuple[float, float]:
         message = f"the map is turned by {yaw:g} rad; only yaw 0 is read; turn the picture and write 0"
         raise table.fault("origin", message)
     return x, y
+
+
+def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
+    """What a map of ours says under a key of its own, which map_server passes over."""
+    if _OURS not in table:
+        return Places()
+    ours = table.tables(_OURS)
+    if len(ours) != 1:
+        raise table.fault(_OURS, f"{_OURS} has {len(ours)} tables; it is one")
+    strange = [key for key in ours[0] if key not in KEYS]
+    if strange:
+        raise ours[0].fault(strange[0], f"{shown(strange[0])} is no key of {_OURS}; it has {', '.join(KEYS)}")
+    places = Places()
+    for key in ours[0]:  # one by one, so that a fault has its line
+        words = ours[0].words(key)
+        try:
+            found = read_places({key: [ours[0].word(key)] if words is None else words}, origin)
+        except InvalidParameter as error:
+            raise ours[0].fault(key, str(error)) from error
+        places = replace(places, **{key: getattr(found, key)})
+    return places
 
 
 def _mode(table: YamlTable) -> str:
@@ -220,12 +254,53 @@ def _mode(table: YamlTable) -> str:
     return mode
 
 
+def write_ros_map(
+    world: World,
+    destination: Destination,
+    *,
+    image: Literal["pgm", "png"] = "pgm",
+    mode: Literal["trinary", "scale", "raw"] = "trinary",
+    negate: bool = False,
+) -> Exported:
+    """A map_server pair; every cell is surely occupied or surely free, in every mode.
+
+    Args:
+        world: The world.
+        destination: Where the YAML file goes; the picture goes beside it.
+        image: The picture's kind.
+        mode: What map_server is to make of the greys.
+        negate: Whether white is occupied; ``raw`` has no use for it.
+    """
+    solid = flip_rows(world.walls)
+    black, white = (OCCUPIED, FREE) if mode == "raw" else (255, 1) if negate else (0, 254)
+    greys = np.where(solid, np.uint8(black), np.uint8(white))
+    picture = destination.companion(f".{image}")
+    x, y = (decimal(shift) for shift in destination.origin)
+    lines = [
+        f"image: {_yaml_text(picture)}", f"mode: {mode}", f"resolution: {decimal(world.cell_size)}",
+        f"origin: [{x}, {y}, 0.0]", f"negate: {int(negate)}", "occupied_thresh: 0.65", "free_thresh: 0.196",
+        f"{_OURS}:",
+    ]  # fmt: skip
+    for key, words in place_words(world, destination).items():
+        lines.append(f"  {key}: {words[0] if KEYS[key] == 1 else '[' + ', '.join(words) + ']'}")
+    data = pgm_bytes(greys) if image == "pgm" else png_bytes(greys)
+    return Exported({destination.name: ("\n".join(lines) + "\n").encode(), picture: data})
+
+
+def _yaml_text(name: str) -> str:
+    """A file name as a plain word where that is safe, else in quotes."""
+    if re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII):
+        return name
+    return json.dumps(name, ensure_ascii=False)  # YAML's double quotes know JSON's escapes
+
+
 ros = Format(
     "ros",
     "ROS map_server, .yaml with .pgm or .png",
     (".yaml", ".yml"),
     re.compile(rb"(?s).*?(?m:^)image[ \t]*:"),
     read_ros_map,
-    holds=frozenset({"cell_size", "origin"}),
+    write_ros_map,
+    holds=frozenset(HELD),
     client="ROS map_server, Nav2",
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -10,12 +11,12 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
-from worldgen.interop.format import Format
-from worldgen.lattice import UNIT, lattice_to_metres
+from worldgen.interop.format import Destination, Exported, Format
+from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
-__all__ = ["cell_centre", "read_text_map", "text"]
+__all__ = ["cell_centre", "cell_of", "off_centre", "read_text_map", "text", "write_text_map"]
 
 _SOLID, _FREE, _START, _TARGET = b"#", b". ", b"S", b"GE"
 _BAD = 2
@@ -76,6 +77,27 @@ def cell_centre(column: int, row: int, cell_size: float) -> tuple[float, float]:
     return lattice_to_metres(column * UNIT + half, cell_size), lattice_to_metres(row * UNIT + half, cell_size)
 
 
+def cell_of(world: World, x: float, y: float) -> tuple[int, int]:
+    """Column and row, from the top, of the cell that a point lies in; on its right or upper side, the next one's."""
+    ix, iy = (math.floor(in_cells(value, world.cell_size)) for value in (x, y))
+    return min(ix, world.width - 1), world.height - 1 - min(iy, world.height - 1)
+
+
+def off_centre(world: World, cells: tuple[tuple[int, int], tuple[int, int]]) -> dict[str, str]:
+    """What of start and target is not what a file says that has cells for them, with a sentence each.
+
+    Args:
+        world: The world.
+        cells: Column and row, from the top, that the file has as start and as target.
+    """
+    altered = {}
+    points = (world.start.x, world.start.y), (world.target.x, world.target.y)
+    for name, (column, row), point in zip(("start", "target"), cells, points, strict=True):
+        if cell_centre(column, world.height - 1 - row, world.cell_size) != point:
+            altered[name] = f"the {name} is stored as the centre of the cell in column {column}, row {row} from the top"
+    return altered
+
+
 def _place(
     drawn: npt.NDArray[np.uint8], letters: bytes, name: str, cell_size: float, source: str
 ) -> tuple[float, float] | None:
@@ -90,12 +112,38 @@ def _place(
     return cell_centre(column, drawn.shape[0] - 1 - row, cell_size)
 
 
+def write_text_map(world: World, destination: Destination) -> Exported:
+    """A drawing: ``#`` solid, ``.`` free, ``S`` the start, ``G`` the target; the top row first.
+
+    Args:
+        world: The world.
+        destination: Where it goes.
+    """
+    start, target = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
+    cells = np.where(flip_rows(world.walls), np.uint8(_SOLID[0]), np.uint8(_FREE[0]))
+    altered = off_centre(world, (start, target))
+    marks = (("start", start, _START[0]), ("target", target, _TARGET[0]))
+    for name, (column, row), letter in marks:
+        if cells[row, column] == _FREE[0]:
+            cells[row, column] = letter
+        else:
+            taken = "the start's" if target == start else "solid"
+            altered[name] = f"the {name} is not drawn, for its cell is {taken}"
+    if world.start.heading != 0.0:
+        altered["heading"] = f"the heading, {world.start.heading:g} rad, is not drawn"
+    if world.target.radius != lattice_to_metres(UNIT // 2, world.cell_size):
+        altered["target_radius"] = f"the target's radius, {world.target.radius:g} m, is drawn as half a cell"
+    rows = (row.tobytes() + b"\n" for row in cells)
+    return Exported({destination.name: b"".join(rows)}, altered)
+
+
 text = Format(
     "text",
     "drawing with a character a cell, .txt",
     (".txt",),
-    re.compile(rb"[ .SGE]*#[# .SGE]*\r?\n[# .SGE]+(\r?\n|\Z)"),
+    re.compile(rb"(?=[ .SGE\r\n]*#)[# .SGE]+\r?\n[# .SGE]+(\r?\n|\Z)"),
     read_text_map,
+    write_text_map,
     holds=frozenset({"start", "heading", "target", "target_radius"}),
     client="people",
 )

@@ -1,0 +1,74 @@
+"""What export writes for ROS map_server, read by a loader that is not ours."""
+
+import numpy as np
+import pytest
+
+from tests.helpers.drawn_worlds import drawn
+from tests.helpers.map_server import occupied_at, published, published_map
+from worldgen.errors import FormatError
+from worldgen.generation import generate
+from worldgen.interop import export_world, import_world, read_map, write_export
+
+ROOM = """
+#####
+#S.G#
+#..##
+#####
+"""
+# FORMATS of ROS: what greys become with 0.65 and 0.196.
+GOLDEN = {0: 100, 89: 100, 90: -1, 205: -1, 206: 0, 254: 0, 255: 0}
+
+
+def test_the_loader_of_these_tests_agrees_with_the_golden_table():
+    rules = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196, "mode": "trinary"}
+    assert published(np.array(list(GOLDEN), float), **rules).tolist() == list(GOLDEN.values())
+    assert published(np.array([205.0]), **{**rules, "free_thresh": 0.25}).tolist() == [0]
+
+
+@pytest.mark.parametrize("options", ["", "+image=png", "+mode=scale", "+mode=raw", "+negate", "+mode=scale+negate"])
+def test_map_server_publishes_100_and_0_at_the_cells_places(tmp_path, options):
+    world = generate("maze", 1, size=13)
+    path = write_export(export_world(world, f"ros{options}", origin=(-1.5, 2.25)), tmp_path)[0]
+    resolution, origin, data = published_map(path)
+    assert (resolution, origin) == (0.1, [-1.5, 2.25, 0.0])
+    assert np.array_equal(data, np.where(world.walls, 100, 0))
+    assert occupied_at(path, -1.5 + world.start.x, 2.25 + world.start.y) == 0
+
+
+def test_the_pair_has_the_greys_and_thresholds_that_every_loader_agrees_on():
+    export = export_world(drawn(ROOM), "ros", file="office.yaml")
+    assert export.files["office.pgm"] == b"P5\n5 4\n255\n" + b"".join(
+        bytes(0 if letter == "#" else 254 for letter in row) for row in ROOM.split()
+    )
+    assert export.data.decode() == (
+        "image: office.pgm\nmode: trinary\nresolution: 0.1\norigin: [0, 0, 0.0]\nnegate: 0\n"
+        "occupied_thresh: 0.65\nfree_thresh: 0.196\nworldgen:\n  start: [0.15, 0.25, 0]\n"
+        "  target: [0.35, 0.25, 0.005]\n  robot_radius: 0.07\n  robot_speed: 2\n"
+    )
+    assert export.lost == () and export.sidecar is None
+
+
+def test_a_name_with_odd_characters_is_quoted(tmp_path):
+    world = drawn(ROOM, radius=0.04)
+    path = write_export(export_world(world, "ros", file='a: "b" # é.yaml'), tmp_path)[0]
+    assert published_map(path)[2].shape == world.walls.shape
+    assert import_world(path).world.start == world.start
+
+
+BAD_PLACES = [
+    ("worldgen: 3", 8, "worldgen must have keys of its own"),
+    ("worldgen:\n  goal: [1, 2, 3]", 9, "'goal' is no key of worldgen; it has start, target, robot_radius"),
+    ("worldgen:\n  start: [1, 2]", 9, "start has 2 values; it is 3 numbers"),
+    ("worldgen:\n  start: [1, 2, north]", 9, "'north' is no finite number"),
+    ("worldgen:\n  target: [1, 2, 0]", 9, "target has a length of 0; it must be above 0"),
+    ("worldgen:\n  robot_radius: 1e999", 9, "'1e999' is no finite number"),
+]
+
+
+@pytest.mark.parametrize(("text", "line", "message"), BAD_PLACES, ids=range(len(BAD_PLACES)))
+def test_a_place_that_cannot_be_is_named_with_its_line(tmp_path, text, line, message):
+    path = write_export(export_world(drawn(ROOM), "ros"), tmp_path)[0]
+    path.write_text(path.read_text().partition("worldgen:")[0] + text)
+    with pytest.raises(FormatError, match=message) as caught:
+        read_map(path)
+    assert caught.value.line == line

@@ -1,0 +1,89 @@
+"""Start, target and robot as words, for files with room for words: keys of a table, a picture's text, properties."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from worldgen.errors import InvalidParameter
+from worldgen.interop.foreign_map import shown
+from worldgen.interop.format import Destination, decimal
+from worldgen.lattice import exact
+from worldgen.world import World
+
+__all__ = ["KEYS", "Places", "from_decimal", "place_words", "read_places"]
+
+KEYS = {"start": 3, "target": 3, "robot_radius": 1, "robot_speed": 1}
+"""Names of what is said, and of how many numbers each is."""
+
+# More digits than any sum of two float64 of a world has.
+_NUMBER = re.compile(r"[+-]?(?:[0-9]{1,700}(?:\.[0-9]{0,700})?|\.[0-9]{1,700})(?:[eE][+-]?[0-9]{1,3})?")
+
+
+@dataclass(frozen=True)
+class Places:
+    """What a file's words say.
+
+    Args:
+        start: x, y, m from the grid's lower-left corner, and heading, rad.
+        target: x, y and radius, m.
+        robot_radius: m.
+        robot_speed: m/s.
+    """
+
+    start: tuple[float, ...] | None = None
+    target: tuple[float, ...] | None = None
+    robot_radius: float | None = None
+    robot_speed: float | None = None
+
+
+def place_words(world: World, destination: Destination) -> dict[str, list[str]]:
+    """The words by the names of :data:`KEYS`: exact decimals, m and rad, points in the file's frame."""
+    start, target = world.start, world.target
+    return {
+        "start": [destination.x(start.x), destination.y(start.y), decimal(start.heading)],
+        "target": [destination.x(target.x), destination.y(target.y), decimal(target.radius)],
+        "robot_radius": [decimal(world.robot_radius)],
+        "robot_speed": [decimal(world.robot_speed)],
+    }
+
+
+def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float]) -> Places:
+    """What :func:`place_words` wrote; a world's numbers come back as they were, to the bit.
+
+    Args:
+        words: Any of them, or none.
+        origin: x and y, m, of the grid's lower-left corner in the file's frame.
+
+    Raises:
+        InvalidParameter: If there are too few or too many numbers, one is none, or a length is not above 0.
+    """
+    found: dict[str, tuple[float, ...]] = {}
+    for key, count in KEYS.items():
+        if key not in words:
+            continue
+        if len(words[key]) != count:
+            numbers = "one number" if count == 1 else f"{count} numbers"
+            raise InvalidParameter(f"{key} has {len(words[key])} values; it is {numbers}")
+        shifts = (*origin, 0.0) if count == 3 else (0.0,)
+        found[key] = tuple(from_decimal(word, shift) for word, shift in zip(words[key], shifts, strict=True))
+        if key != "start" and found[key][-1] <= 0.0:
+            raise InvalidParameter(f"{key} has a length of {found[key][-1]:g}; it must be above 0")
+    radius, speed = found.get("robot_radius", (None,)), found.get("robot_speed", (None,))
+    return Places(found.get("start"), found.get("target"), radius[0], speed[0])
+
+
+def from_decimal(word: str, shift: float = 0.0) -> float:
+    """The number that a word says, less a shift, rounded once: what :func:`~worldgen.interop.format.decimal` wrote.
+
+    Raises:
+        InvalidParameter: If it is no finite number.
+    """
+    if _NUMBER.fullmatch(word):
+        try:
+            return float(Fraction(word) - exact(shift))
+        except OverflowError:
+            pass
+    raise InvalidParameter(f"{shown(word)} is no finite number; write one like 0.05")
