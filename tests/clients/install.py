@@ -30,7 +30,7 @@ PACKAGES = {
     "mujoco": ["mujoco>=3.2"],
     "pogema": ["pogema==1.4.0"],
     "pointmaze": ["gymnasium-robotics>=1.4", "mujoco>=3.2"],
-    "pybullet": ["pybullet>=3.2.7"],
+    "pybullet": ["numpy>=1.26", "pybullet>=3.2.7"],
     "third-party": _third_party(),
     "trimesh": ["trimesh>=4.5", "rtree>=1.0"],
     "usd": ["usd-core>=25.5"],

@@ -130,13 +130,14 @@ def _bodies(ix: int, iy: int, by_time: dict[float, CellState], box: Box) -> Iter
             yield Body(f"{word}_{ix}_{iy}", box, kind == CellState.BURNING, there[0][1], changes)
 
 
-def events_file(model: str, bodies: tuple[Body, ...], height: float) -> bytes:
+def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: str = "") -> bytes:
     """What a player script plays: where bodies stand, and the height of their centres from a time on.
 
     Args:
         model: Name of the file that has the bodies.
         bodies: As in :class:`Scene`.
         height: Of the walls, m; what is not there is parked with its upper side half of that below the floor.
+        world: Name of the world in that file, if it has one.
 
     Returns:
         JSON: ``model`` is that name; ``bodies`` has x and y, m, by name; ``events`` has time, s, name, z, m, in order
@@ -150,11 +151,13 @@ def events_file(model: str, bodies: tuple[Body, ...], height: float) -> bytes:
         f"    {json.dumps(body.name)}: [{decimal_text(body.box.x)}, {decimal_text(body.box.y)}]" for body in bodies
     ]
     rows = [f"    [{time!r}, {json.dumps(name)}, {decimal_text(heights[shown])}]" for time, name, shown in events]
-    head = f'{{\n  "model": {json.dumps(model)},\n  "bodies": {{\n'
+    named = f'  "world": {json.dumps(world)},\n' if world else ""
+    head = f'{{\n  "model": {json.dumps(model)},\n{named}  "bodies": {{\n'
     return "".join((head, ",\n".join(places), '\n  },\n  "events": [\n', ",\n".join(rows), "\n  ]\n}\n")).encode()
 
 
 def plain_name(destination: Destination) -> str:
     """The file's stem in letters, digits, ``_`` and ``-``: what every program takes as a name, in XML and in topics."""
     name = re.sub(r"[^A-Za-z0-9_-]+", "_", PurePath(destination.name).stem)[:_LONGEST_NAME].strip("_")
-    return name if re.match("[A-Za-z]", name) else f"world_{name}".rstrip("_")
+    usual = re.match("[A-Za-z]", name) and name != "world"  # which Gazebo keeps for itself
+    return name if usual else f"worldgen_{name}".rstrip("_")

@@ -1,0 +1,124 @@
+// Loads an SDF world into Gazebo's physics (dartsim) and obeys commands from standard input, one a line:
+//   ball NAME X Y Z RADIUS     a sphere of 0.1 kg
+//   move NAME X Y Z            a model is put somewhere, as Gazebo's set_pose service does it
+//   push NAME VX VY STEPS      steps with the model's velocity set anew before each
+//   wheels LEFT RIGHT STEPS    steps with the velocities, rad/s, of the joints left_joint and right_joint of `robot`
+//   step STEPS
+//   where NAME                 prints x, y, z of the model's first link
+#include <iostream>
+#include <sstream>
+#include <string>
+
+#include <ignition/math/eigen3/Conversions.hh>
+#include <ignition/physics/ForwardStep.hh>
+#include <ignition/physics/FrameSemantics.hh>
+#include <ignition/physics/FreeGroup.hh>
+#include <ignition/physics/GetEntities.hh>
+#include <ignition/physics/Joint.hh>
+#include <ignition/physics/RequestEngine.hh>
+#include <ignition/physics/sdf/ConstructModel.hh>
+#include <ignition/physics/sdf/ConstructWorld.hh>
+#include <ignition/plugin/Loader.hh>
+#include <sdf/Model.hh>
+#include <sdf/Root.hh>
+#include <sdf/World.hh>
+
+namespace physics = ignition::physics;
+
+using Features = physics::FeatureList<
+    physics::ForwardStep, physics::GetModelFromWorld, physics::GetLinkFromModel, physics::GetJointFromModel,
+    physics::LinkFrameSemantics, physics::FindFreeGroupFeature, physics::SetFreeGroupWorldPose,
+    physics::SetFreeGroupWorldVelocity, physics::SetJointVelocityCommandFeature,
+    physics::sdf::ConstructSdfWorld, physics::sdf::ConstructSdfModel>;
+
+int fail(const std::string &what)
+{
+  std::cerr << what << std::endl;
+  return 1;
+}
+
+int main(int, char **arguments)
+{
+  ignition::plugin::Loader loader;
+  const auto plugins = loader.LoadLib(arguments[1]);
+  if (plugins.empty()) return fail("no engine in " + std::string(arguments[1]));
+  const auto engine = physics::RequestEngine3d<Features>::From(loader.Instantiate(*plugins.begin()));
+  if (!engine) return fail("the engine lacks a feature");
+  sdf::Root root;
+  const auto errors = root.Load(arguments[2]);
+  if (!errors.empty()) return fail(errors.front().Message());
+  auto world = engine->ConstructWorld(*root.WorldByIndex(0));
+  physics::ForwardStep::Output output;
+  physics::ForwardStep::State state;
+  physics::ForwardStep::Input input;
+
+  std::string line, command, name;
+  while (std::getline(std::cin, line))
+  {
+    std::istringstream words(line);
+    words >> command;
+    int steps = 0;
+    double x = 0, y = 0, z = 0, radius = 0;
+    if (command == "ball")
+    {
+      words >> name >> x >> y >> z >> radius;
+      std::ostringstream text;
+      text.precision(17);
+      const double moment = 0.04 * radius * radius;
+      text << "<sdf version='1.9'><model name='" << name << "'><pose>" << x << ' ' << y << ' ' << z
+           << " 0 0 0</pose><link name='link'><inertial><mass>0.1</mass><inertia><ixx>" << moment << "</ixx><iyy>"
+           << moment << "</iyy><izz>" << moment << "</izz></inertia></inertial><collision name='c'><geometry><sphere>"
+           << "<radius>" << radius << "</radius></sphere></geometry></collision></link></model></sdf>";
+      sdf::Root ball;
+      if (!ball.LoadSdfString(text.str()).empty()) return fail("no ball");
+      world->ConstructModel(*ball.Model());
+      continue;
+    }
+    if (command == "wheels")
+    {
+      words >> x >> y >> steps;
+      auto robot = world->GetModel("robot");
+      for (; steps > 0; --steps)
+      {
+        robot->GetJoint("left_joint")->SetVelocityCommand(0, x);
+        robot->GetJoint("right_joint")->SetVelocityCommand(0, y);
+        world->Step(output, state, input);
+      }
+      continue;
+    }
+    if (command == "step")
+    {
+      for (words >> steps; steps > 0; --steps) world->Step(output, state, input);
+      continue;
+    }
+    words >> name;
+    auto model = world->GetModel(name);
+    if (!model) return fail("no model " + name);
+    if (command == "move")
+    {
+      words >> x >> y >> z;
+      auto group = model->FindFreeGroup();
+      if (!group) return fail("cannot move " + name);
+      Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+      pose.translation() << x, y, z;
+      group->SetWorldPose(pose);
+    }
+    else if (command == "push")
+    {
+      for (words >> x >> y >> steps; steps > 0; --steps)
+      {
+        model->FindFreeGroup()->SetWorldLinearVelocity({x, y, 0});
+        world->Step(output, state, input);
+      }
+    }
+    else if (command == "where")
+    {
+      const Eigen::Vector3d at = model->GetLink(0)->FrameDataRelativeToWorld().pose.translation();
+      std::cout.precision(17);
+      std::cout << at.x() << ' ' << at.y() << ' ' << at.z() << std::endl;
+    }
+    else
+      return fail("no command " + command);
+  }
+  return 0;
+}

@@ -1,0 +1,104 @@
+"""Plays what changes in a Gazebo world that worldgen wrote: cells that become solid, free or burning.
+
+NAME_player.py lies beside NAME.sdf and NAME_events.json. Start Gazebo paused, and beside it the player:
+
+    ign gazebo NAME.sdf        (Fortress; gz sim NAME.sdf from Garden on)
+    python NAME_player.py
+
+It lets the world run to the time of a change, moves the models while time stands still, and lets it run on; so
+every change comes at its own simulated time, however long the commands take. It needs the standard library and
+Gazebo's own command alone. Ctrl-C ends it; Gazebo then stands still until it is told to go on.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+__all__ = ["main"]
+
+_TOO_LONG = 20_000  # characters of one request; a command line has room for six times that
+_PATIENCE = 5000  # ms for the answer to a request
+
+
+def _table() -> dict[str, Any]:
+    here = Path(__file__)
+    name = here.name.removesuffix("_player.py") + "_events.json"
+    table: dict[str, Any] = json.loads(here.with_name(name).read_text(encoding="utf-8"))
+    return table
+
+
+class Gazebo:
+    """A running Gazebo, through its command: ``gz``, or ``ign`` up to Fortress."""
+
+    def __init__(self, world: str) -> None:
+        found = next((name for name in ("gz", "ign") if shutil.which(name)), None)
+        if found is None:
+            sys.exit("neither gz nor ign is on the path; install Gazebo's command-line tools")
+        self._command, self._world = found, f"/world/{world}"
+        self._messages = "gz.msgs" if found == "gz" else "ignition.msgs"
+
+    def _ask(self, service: str, kind: str, request: str) -> None:
+        words = [
+            self._command, "service", "-s", f"{self._world}/{service}", "--reqtype", f"{self._messages}.{kind}",
+            "--reptype", f"{self._messages}.Boolean", "--timeout", str(_PATIENCE), "--req", request,
+        ]  # fmt: skip
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        if "data: true" not in done.stdout:
+            said = (done.stdout + done.stderr).strip() or "no answer"
+            sys.exit(f"{self._world}/{service} refused: {said}; is Gazebo running this world?")
+
+    def run_to(self, until: float) -> None:
+        """Runs to a simulated time, s, and stands still there."""
+        seconds, rest = divmod(round(until * 10**9), 10**9)
+        self._ask("control", "WorldControl", f"run_to_sim_time {{ sec: {seconds} nsec: {rest} }}")
+        while self.time() < until - 1e-9:
+            time.sleep(0.01)
+
+    def go_on(self) -> None:
+        """Lets time pass."""
+        self._ask("control", "WorldControl", "pause: false")
+
+    def time(self) -> float:
+        """The simulated time, s."""
+        words = [self._command, "topic", "-e", "-n", "1", "-t", f"{self._world}/stats"]
+        said = subprocess.run(words, capture_output=True, text=True, check=False).stdout
+        block = re.search(r"sim_time\s*\{([^}]*)\}", said)
+        numbers = dict(re.findall(r"(sec|nsec):\s*(\d+)", block[1] if block else ""))
+        return int(numbers.get("sec", 0)) + int(numbers.get("nsec", 0)) / 10**9
+
+    def place(self, poses: dict[str, tuple[float, float, float]]) -> None:
+        """Moves models: by name, x, y, z of their centres, m."""
+        texts = [
+            f'pose {{ name: "{name}" position {{ x: {x!r} y: {y!r} z: {z!r} }} orientation {{ w: 1 }} }} '
+            for name, (x, y, z) in poses.items()
+        ]
+        while texts:
+            count = max(1, sum(1 for total in itertools.accumulate(map(len, texts)) if total <= _TOO_LONG))
+            self._ask("set_pose_vector", "Pose_V", "".join(texts[:count]))
+            texts = texts[count:]
+
+
+def main() -> None:
+    """Plays all changes that are yet to come, then lets the world run on."""
+    table = _table()
+    gazebo = Gazebo(table["world"])
+    now = gazebo.time()
+    for when, group in itertools.groupby(table["events"], key=lambda event: float(event[0])):
+        if when > now:
+            gazebo.run_to(when)
+        poses = {name: (float(x), float(y), float(z)) for _, name, z in group for x, y in [table["bodies"][name]]}
+        gazebo.place(poses)
+        sys.stderr.write(f"{when:g} s: {', '.join(poses)}"[:120] + "\n")
+    gazebo.go_on()
+
+
+if __name__ == "__main__":
+    main()
