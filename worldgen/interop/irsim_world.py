@@ -15,7 +15,6 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.family import check_between
-from worldgen.interop.boxes import merged_boxes
 from worldgen.interop.companion import companion
 from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
 from worldgen.interop.grey_image import read_grey_image
@@ -295,14 +294,8 @@ def _cell_size(scene: _Scene, wanted: float) -> Fraction:
 def _paint(raster: Raster, scene: _Scene, size: Fraction) -> None:
     height, width = raster.solid.shape
     if scene.image is not None:
-        solid = scene.image[0]
-        x, y = scene.width / solid.shape[1], scene.height / solid.shape[0]
-        if x == y == size:
-            raster.solid |= solid
-            raster.full |= solid
-        else:
-            for left, low, right, high in merged_boxes(solid).tolist():
-                raster.box(Box(left * x, low * y, right * x, high * y))
+        rows, columns = scene.image[0].shape
+        raster.picture(scene.image[0], scene.width / int(columns), scene.height / int(rows))
     for box in scene.boxes:
         raster.box(box)
     for circle in scene.circles:

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidWorld
+from worldgen.interop.boxes import merged_boxes
 from worldgen.world import MAX_SIDE
 
 __all__ = ["Box", "Circle", "Raster", "natural_cell_size"]
@@ -72,6 +73,15 @@ class Raster:
         self.solid[outer] = True
         inner = self._window(math.ceil(left), math.ceil(low), math.floor(right), math.floor(high))
         self.full[inner] = True
+
+    def picture(self, solid: npt.NDArray[np.bool_], across: Fraction, along: Fraction) -> None:
+        """Paints the solid pixels of a picture, lowest row first, of so many m, from the grid's corner."""
+        if across == along == self._cell_size and solid.shape == self.solid.shape:
+            self.solid |= solid
+            self.full |= solid
+            return
+        for left, low, right, high in merged_boxes(solid).tolist():
+            self.box(Box(left * across, low * along, right * across, high * along))
 
     def circle(self, circle: Circle) -> None:
         """Paints a disc."""

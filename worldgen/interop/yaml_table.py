@@ -133,13 +133,15 @@ class YamlTable:
         return Fraction(word)
 
     def rows(self, key: str) -> list[list[Fraction]]:
-        """The lists of numbers of a key, exactly; a single list counts as one row.
+        """The lists of numbers of a key, exactly; a single list counts as one row, and so does a list of one.
 
         Raises:
             FormatError: If it is something else.
         """
         node = self._entries[key].node
         items = node.value if isinstance(node, yaml.SequenceNode) else [node]
+        while len(items) == 1 and isinstance(items[0], yaml.SequenceNode):
+            items = items[0].value
         nested = [item.value for item in items if isinstance(item, yaml.SequenceNode)]
         rows = nested if nested and len(nested) == len(items) else [items]
         words = [[item.value if isinstance(item, yaml.ScalarNode) else "" for item in row] for row in rows]

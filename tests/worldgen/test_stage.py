@@ -1,0 +1,200 @@
+"""Stage worlds: the idiom that goes out, where Stage itself has its walls, and what others' files become."""
+
+import io
+import re
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from tests.helpers.drawn_worlds import drawn, still_worlds
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.interop import export_world, find_format, read_map
+from worldgen.interop.degrees import degrees_text, radians
+
+PLACES = """\
+floorplan
+(
+  name "walls-in-a-ring"
+  bitmap "w.png"
+  size [ 0.6 0.4 0.5 ]
+  pose [ 1.7 -1.9 0 0 ]
+)
+
+disc
+(
+  name "robot"
+  size [ 0.14 0.14 0.5 ]
+  pose [ 1.55 -1.95 0 0 ]
+  velocity_bounds [ -2 2 0 0 0 0 -360 360 ]
+)
+
+goal
+(
+  name "target"
+  size [ 0.1 0.1 0.01 ]
+  pose [ 1.85 -1.85 0 0 ]
+)
+"""
+
+
+def test_a_tiny_world_is_these_bytes():
+    export = export_world(drawn(".##G\nS##.", target_radius=0.05), "stage", file="w.world", origin=(1.5, -2.0))
+    text = export.data.decode()
+    picture = np.asarray(Image.open(io.BytesIO(export.files["w.png"])))
+    assert text.endswith(PLACES) and text.startswith("# A world of worldgen for Stage")
+    assert (picture == 0).tolist() == [[True] * 6, *[[True, False, True, True, False, True]] * 2, [True] * 6]
+    assert all(len(line) < 255 for line in text.splitlines())  # Stage's own buffer
+
+
+def walls_in_stage(export):
+    """Lower-left corners and size of the wall pixels where Stage puts them, by its rule, m, exactly."""
+    text = export.data.decode()
+    size, pose = (
+        [Fraction(word) for word in re.search(rf"^floorplan\n.*?^  {key} \[ (.+?) \]", text, re.M | re.S)[1].split()]
+        for key in ("size", "pose")
+    )
+    picture = np.asarray(
+        Image.open(io.BytesIO(next(data for name, data in export.files.items() if name[-4:] == ".png")))
+    )
+    points = [(int(column), -int(row) - 1) for row, column in np.argwhere(picture <= 127)]
+    low = [min(point[axis] for point in points) for axis in (0, 1)]
+    spans = [max(point[axis] for point in points) + 1 - low[axis] for axis in (0, 1)]
+    sides = [size[axis] / spans[axis] for axis in (0, 1)]
+    corners = {
+        tuple((point[a] - low[a] - Fraction(spans[a], 2)) * sides[a] + pose[a] for a in (0, 1)) for point in points
+    }
+    return corners, sides
+
+
+@given(still_worlds(), st.sampled_from([(0.0, 0.0), (-3.25, 100.1)]))
+def test_stage_has_its_walls_where_the_world_has_them_and_a_ring_where_it_is_open(world, origin):
+    corners, sides = walls_in_stage(export_world(world, "stage", origin=origin))
+    side, shift = Fraction(repr(world.cell_size)), [Fraction(repr(value)) for value in origin]
+    solid = np.pad(world.walls, 1, constant_values=True)
+    expected = {((ix - 1) * side + shift[0], (iy - 1) * side + shift[1]) for iy, ix in np.argwhere(solid).tolist()}
+    inside = {((ix) * side + shift[0], (iy) * side + shift[1]) for iy, ix in np.argwhere(world.walls).tolist()}
+    closed = bool(world.walls[[0, -1]].all() and world.walls[:, [0, -1]].all())
+    assert sides == [side, side] and corners == (inside if closed else expected)
+
+
+@given(st.floats(-7.0, 7.0))
+def test_a_heading_in_degrees_comes_back_to_the_bit(angle):
+    assert radians(Fraction(degrees_text(angle))) == angle
+
+
+def test_headings_that_people_know_are_written_as_they_write_them():
+    words = [degrees_text(angle) for angle in (0.0, np.pi / 2, -np.pi / 4, np.pi, 1.0)]
+    assert words == ["0", "90", "-45", "180", "57.29577951308232"]
+
+
+OTHERS = """\
+include "nowhere.inc"  # not here
+define building model ( color "gray" obstacle_return 1 boundary 1
+  gui_nose 0 )
+define hall building ( size [ 8 4 1 ] )
+unit_length "{unit}"
+define cart position ( size [ 0.6 0.8 0.3 ] block ( points 4 point[0] [ 3 0 ] point[1] [ 0 4 ] point[2] [ -3 0 ]
+  point[3] [ 0 -4 ] z [ 0 1 ] ) )
+hall
+(
+  name "hall" pose [ 1 2 0 0 ] bitmap "m.png"
+)
+cart ( pose [ -1.5 1.5 0 -90 ] velocity_bounds [ -0.4 0.5 0 0 0 0 -90 90 ] sensor ( pose [ 0 0 0 0 ] ) )
+cart ( pose [ 0 0 0 0 ] )
+model ( name "crate" pose [ 0 0 0 0 ] )
+"""
+
+
+@pytest.fixture
+def found(tmp_path):
+    """Reads a world with a picture of 6 x 4 pixels whose black ones take 4 x 2."""
+
+    def read(text, **options):
+        grey = np.full((4, 6), 255, np.uint8)
+        grey[1, 1] = grey[2, 4] = 0
+        grey[2, 1], grey[1, 4] = 127, 128
+        Image.fromarray(grey).save(tmp_path / "m.png")
+        path = tmp_path / "w.world"
+        path.write_text(text)
+        assert find_format(path).name == "stage"
+        return read_map(path, options=options)
+
+    return read
+
+
+def test_the_black_part_of_the_picture_is_what_the_size_is_of(found):
+    back = found(OTHERS.format(unit="m"))
+    assert back.cell_size == 2.0 and back.origin == (-5.0, -2.0)
+    assert back.walls[::-1].tolist() == [
+        [False] * 6, [False, True, *[False] * 4], [False, True, False, False, True, False], [False] * 6
+    ]  # fmt: skip
+    assert any("black takes 4 x 2 of the picture's 6 x 4 pixels" in note for note in back.notes)
+
+
+def test_definitions_build_on_each_other_and_the_first_robot_is_taken(found):
+    back = found(OTHERS.format(unit="m"))
+    assert back.start == (3.5, 3.5, -np.pi / 2) and back.robot_radius == 0.4 and back.robot_speed == 0.5
+    assert back.target is None and "the file has 2 robots; the first was taken, the others left out" in back.notes
+    assert any("'nowhere.inc' is not there" in note and "is not known" in note for note in back.notes)
+    assert back.warnings == ("1 things that are neither walls nor robots are left out: model",)
+
+
+def test_units_of_the_file_count(found):
+    back = found(OTHERS.format(unit="cm"))
+    assert back.cell_size == 0.02 and back.origin == (-0.05, -0.02) and back.robot_radius == 0.004
+
+
+def test_what_an_included_file_beside_it_defines_counts(found, tmp_path):
+    (tmp_path / "cart.inc").write_text(
+        "define hall model ( size [ 4 2 1 ] )\r\ndefine car position ( size [ 1 1 1 ] )\r\n"
+    )
+    back = found('include "cart.inc"\nhall ( bitmap "m.png" )\ncar ( pose [ 0 0 0 45 ] )\n')
+    assert back.start[2] == np.pi / 4 and back.robot_radius == pytest.approx(0.5**0.5)
+
+
+def test_pixels_that_are_no_squares_become_the_cells_that_they_reach_into(found):
+    back = found('floorplan ( size [ 8 2 1 ] bitmap "m.png" )', cell_size=1.0)
+    assert back.walls.shape == (4, 12) and back.walls[2].tolist() == [False, False, True, True, *[False] * 8]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("floorplan ( size [ 1 1 ]", ":1: a bracket ( is missing or not closed"),
+        ("floorplan (\n size [ 1 a ]\n)", ":2: a list [ has a number or a"),
+        ("floorplan (\n size )\n)", ":2: 'size' has no value; behind a name come"),
+        ('floorplan ( name "x\n" )', ":1: '\"x\\\\n\" )' is not Stage's"),
+        ("floorplan ( )", "has no model with a bitmap"),
+        ('floorplan (\n bitmap "m.png" )', ":1: a floor plan needs its size"),
+        ('floorplan (\n bitmap "m.png"\n size [ 1e5 2 ] )', ":3: 'e5' came where|:3: a list \\[ has a number"),
+        ('floorplan (\n bitmap "m.png"\n size [ 1-5 2 ] )', ":3: size has '1-5', no number"),
+        ('floorplan (\n bitmap "m.png" size [ 1 1 1 ]\n pose [ 0 0 0 30 ] )', ":3: the floor plan is turned"),
+        ('floorplan (\n bitmap "../m.png" size [ 1 1 1 ] )', ":2: bitmap '../m.png' lies outside"),
+        ('unit_length "inch"\nfloorplan ( bitmap "m.png" )', ":1: unit_length is 'inch'"),
+        ("define floorplan\n( )", ":1: define needs a name and what it builds on"),
+        ('include "w.world"', ":1: files are included more than 16 deep; does one include itself?"),
+    ],
+)
+def test_a_fault_is_one_sentence_with_its_line(found, text, message):
+    message = message if "|" in message else re.escape(message).replace(re.escape("\\\\"), r"\\")
+    with pytest.raises(FormatError, match=message):
+        found(text)
+
+
+def test_definitions_that_grow_without_end_are_refused(found):
+    lines = ["define a0 model ( color 1 )"]
+    lines += [f"define a{n} model ( {f'a{n - 1} ( ) ' * 30} )" for n in range(1, 6)]
+    with pytest.raises(FormatError, match="definitions grow to more than 300000 words"):
+        found("\n".join([*lines, "a5 ( )"]))
+    nested = "floorplan ( " * 20 + ") " * 20
+    with pytest.raises(FormatError, match="nested deeper than 16 levels"):
+        found(nested)
+
+
+def test_a_name_that_stage_cannot_read_is_refused():
+    with pytest.raises(InvalidParameter, match=r'a"b.png has a quotation mark'):
+        export_world(drawn("S..G"), "stage", file='a"b.world')

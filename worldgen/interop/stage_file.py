@@ -1,0 +1,229 @@
+"""The grammar of Stage's world files: ``name value``, ``name [ ... ]``, ``name ( ... )``, ``define name base ( ... )``.
+
+A file is untrusted: it is bounded, and so is what its definitions grow to. Source: rtv/Stage 4.3, ``worldfile.cc``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import NamedTuple
+
+from worldgen.errors import FormatError
+from worldgen.interop.foreign_map import shown
+
+__all__ = ["Entity", "read_stage_file"]
+
+_TOKEN = re.compile(
+    r"(?P<space>[ \t]+|#[^\r\n]*)|(?P<end>\r\n|\n\r?|\r)|(?P<word>[A-Za-z][A-Za-z0-9._\-\[\]]*)"
+    r'|(?P<number>[+\-.0-9]+)|"(?P<text>[^"\r\n]*)"|(?P<mark>[()\[\]])'
+)
+_NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})")
+_MOST_DEPTH = 16  # parts of parts, and definitions that build on definitions
+_MOST_TOKENS = 300_000  # looked at, a definition's again wherever it is used
+
+
+class _Token(NamedTuple):
+    kind: str
+    text: str
+    line: int
+    source: str
+
+
+class _Value(NamedTuple):
+    items: tuple[_Token, ...]
+    line: int
+    source: str
+
+
+@dataclass
+class Entity:
+    """A thing with its properties, those of its definition included.
+
+    Args:
+        kind: What it is in the end, ``model`` or ``position``, or a name that the file does not define.
+        line: Where it begins.
+        source: The file that has it, for messages.
+        names: The definitions it builds on, its own word first.
+        properties: By name.
+        parts: What lies inside its brackets.
+    """
+
+    kind: str
+    line: int
+    source: str
+    names: tuple[str, ...] = ()
+    properties: dict[str, _Value] = field(default_factory=dict)
+    parts: list[Entity] = field(default_factory=list)
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.properties
+
+    def fault(self, key: str, message: str) -> FormatError:
+        """An error at the line of a property, or of the whole thing where it has none such."""
+        value = self.properties.get(key)
+        line, source = (self.line, self.source) if value is None else (value.line, value.source)
+        return FormatError(message, line=line, source=source)
+
+    def text(self, key: str, default: str = "") -> str:
+        """The string of a property."""
+        value = self.properties.get(key)
+        return value.items[0].text if value is not None and value.items else default
+
+    def numbers(self, key: str) -> list[Fraction]:
+        """The numbers of a property, exactly; none where it is not there.
+
+        Raises:
+            FormatError: If one is no number.
+        """
+        items = self.properties[key].items if key in self.properties else ()
+        for item in items:
+            if not _NUMBER.fullmatch(item.text):
+                raise self.fault(key, f"{key} has {shown(item.text)}, no number; write one like 0.05, without exponent")
+        return [Fraction(item.text) for item in items]
+
+
+@dataclass
+class _Reader:
+    """Goes along the tokens; knows the definitions so far."""
+
+    tokens: list[_Token]
+    at: int = 0
+    spent: int = 0
+    defined: dict[str, tuple[str, int, int]] = field(default_factory=dict)
+
+    def fill(self, entity: Entity, depth: int, end: int) -> None:
+        """Reads what stands in an entity's brackets, or in the file, up to a token."""
+        while self.at < end:
+            token = self.tokens[self.at]
+            self._spend(1, token)
+            if token.kind == "word" and token.text == "define":
+                self._define()
+            elif token.kind == "word":
+                self._named(entity, depth)
+            else:
+                raise _fault(token, f"{shown(token.text)} came where a name belongs")
+
+    def _spend(self, count: int, token: _Token) -> None:
+        self.spent += count
+        if self.spent > _MOST_TOKENS:
+            raise _fault(token, f"definitions grow to more than {_MOST_TOKENS} words; take some out")
+
+    def _define(self) -> None:
+        words = self.tokens[self.at + 1 : self.at + 3]
+        if len(words) < 2 or any(word.kind != "word" for word in words):
+            raise _fault(
+                self.tokens[self.at], "define needs a name and what it builds on; write `define wall model ( ... )`"
+            )
+        begin = self.at + 3
+        self.at = begin
+        self.defined[words[0].text] = (words[1].text, begin + 1, self._skip())
+
+    def _skip(self) -> int:
+        """Goes behind the bracket that closes the one here; its place."""
+        begin = self.at
+        first, depth = self.tokens[self.at] if self.at < len(self.tokens) else self.tokens[-1], 0
+        while self.at < len(self.tokens):
+            text = self.tokens[self.at].text if self.tokens[self.at].kind == "mark" else ""
+            depth += (text == "(") - (text == ")")
+            self.at += 1
+            if depth == 0:
+                break
+        self._spend(self.at - begin, first)
+        if depth or self.tokens[self.at - 1].text != ")":
+            raise _fault(first, "a bracket ( is missing or not closed; write `name ( ... )`")
+        return self.at - 1
+
+    def _named(self, entity: Entity, depth: int) -> None:
+        name, after = self.tokens[self.at], self.tokens[self.at + 1] if self.at + 1 < len(self.tokens) else None
+        if after is not None and after.text == "(" and after.kind == "mark":
+            self.at += 1
+            begin = self.at + 1
+            end = self._skip()
+            entity.parts.append(self._entity(name, begin, end, depth))
+            return
+        self.at += 2
+        if after is not None and after.kind in ("number", "text"):
+            entity.properties[name.text] = _Value((after,), name.line, name.source)
+        elif after is not None and after.kind == "mark" and after.text == "[":
+            entity.properties[name.text] = _Value(tuple(self._list(after)), name.line, name.source)
+        else:
+            raise _fault(name, f'{shown(name.text)} has no value; behind a name come a number, a "word", [ or (')
+
+    def _list(self, first: _Token) -> Iterator[_Token]:
+        while self.at < len(self.tokens):
+            token = self.tokens[self.at]
+            self.at += 1
+            self._spend(1, token)
+            if token.kind == "mark" and token.text == "]":
+                return
+            if token.kind not in ("number", "text"):
+                break
+            yield token
+        raise _fault(first, 'a list [ has a number or a "word" too few; close it with ]')
+
+    def _entity(self, name: _Token, begin: int, end: int, depth: int) -> Entity:
+        """What stands between two tokens, on top of what its definition says."""
+        if depth > _MOST_DEPTH:
+            raise _fault(name, f"things are nested deeper than {_MOST_DEPTH} levels; flatten them")
+        after = self.at
+        if name.text in self.defined:
+            base, first, last = self.defined[name.text]
+            entity = self._entity(name._replace(text=base), first, last, depth + 1)
+            entity.names, entity.line, entity.source = (name.text, *entity.names), name.line, name.source
+        else:
+            entity = Entity(name.text, name.line, name.source, (name.text,))
+        self.at = begin
+        self.fill(entity, depth + 1, end)
+        self.at = after
+        return entity
+
+
+def _fault(token: _Token, message: str) -> FormatError:
+    return FormatError(message, line=token.line, source=token.source)
+
+
+def read_stage_file(text: str, source: str, include: Callable[[str, int], tuple[str, str] | None]) -> Entity:
+    """The whole file as one entity without a kind.
+
+    Args:
+        text: The file.
+        source: Its name for messages.
+        include: Given a name and its line, the text and source of an included file, or None to go on without.
+
+    Raises:
+        FormatError: If it is no world file of Stage, with the line.
+    """
+    tokens = list(_tokens(text, source, include, 0))
+    world = Entity("", 1, source)
+    _Reader(tokens).fill(world, 0, len(tokens))
+    return world
+
+
+def _tokens(
+    text: str, source: str, include: Callable[[str, int], tuple[str, str] | None], depth: int
+) -> Iterator[_Token]:
+    """The tokens, those of included files in their place."""
+    at, line, including = 0, 1, False
+    while at < len(text):
+        match = _TOKEN.match(text, at)
+        if match is None:
+            raise FormatError(f"{shown(text[at : at + 20])} is not Stage's; is a \" missing?", line=line, source=source)
+        at, kind = match.end(), str(match.lastgroup)
+        line += kind == "end"
+        if kind in ("space", "end"):
+            continue
+        token = _Token(kind, match[kind], line, source)
+        if including:
+            if kind != "text":
+                raise _fault(token, "include needs a file's name in quotes")
+            if depth >= _MOST_DEPTH:
+                raise _fault(token, f"files are included more than {_MOST_DEPTH} deep; does one include itself?")
+            found = include(token.text, line)
+            if found is not None:
+                yield from _tokens(*found, include, depth + 1)
+        elif kind != "word" or token.text != "include":
+            yield token
+        including = kind == "word" and token.text == "include"
