@@ -85,23 +85,35 @@ def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
 
 def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
     """Terrain, top row first."""
-    head = data.split(b"\n", _FIRST_ROW - 1)
+    head = _unix_text(data).split(b"\n", _FIRST_ROW - 1)
     lines = [line.removesuffix(b"\r") for line in head]
-    kind = _words(lines, 1, "type", source)
+    kind = _words(lines, 1, "type", source).lower()
     if kind != b"octile":
         known = "its corner heights are no cells; " if kind == b"octile-corner" else ""
         raise FormatError(f"type {shown(kind)} is not read; {known}give a map of `type octile`", line=1, source=source)
-    height = _size(_words(lines, 2, "height", source), "height", 2, source)
-    width = _size(_words(lines, 3, "width", source), "width", 3, source)
+    # Some programs write the width first; each number has its name, so both orders are read.
+    first, second = ("height", "width") if lines[1:2] and not _has_key(lines[1], "width") else ("width", "height")
+    sizes = {key: _size(_words(lines, at, key, source), key, at, source) for at, key in ((2, first), (3, second))}
+    height, width = sizes["height"], sizes["width"]
     check_sides(width, height, line=3, source=source)
-    if len(lines) < 4 or lines[3].split() != [b"map"]:
+    if len(lines) < 4 or lines[3].lower().split() != [b"map"]:
         _expect(lines, 4, "map", source)
     return _rows(head[4] if len(head) > 4 else b"", width, height, source)
 
 
+def _unix_text(data: bytes) -> bytes:
+    """Text without a byte order mark, without the byte that ended files under DOS, and with LF for a lone CR."""
+    data = data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")
+    return data if b"\n" in data else data.replace(b"\r", b"\n")
+
+
+def _has_key(line: bytes, key: str) -> bool:
+    return line.lower().split()[:1] == [key.encode()]
+
+
 def _words(lines: list[bytes], number: int, key: str, source: str) -> bytes:
     words = lines[number - 1].split() if len(lines) >= number else []
-    if len(words) != 2 or words[0] != key.encode():
+    if len(words) != 2 or words[0].lower() != key.encode():
         _expect(lines, number, f"{key} {'octile' if key == 'type' else 'N'}", source)
     return words[1]
 
@@ -118,13 +130,14 @@ def _expect(lines: list[bytes], number: int, form: str, source: str) -> NoReturn
 
 def _size(word: bytes, key: str, number: int, source: str) -> int:
     if not re.fullmatch(rb"[0-9]{1,9}", word):
-        raise FormatError(f"{key} {shown(word)} is no whole number of cells", line=number, source=source)
+        message = f"{key} {shown(word)} is no whole number of cells; write how many the rows below have"
+        raise FormatError(message, line=number, source=source)
     return int(word)
 
 
 def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.uint8]:
     # The header's sizes bound the split, so a file of line ends alone takes no more than its own size.
-    rows = [row.removesuffix(b"\r") for row in body.split(b"\n", height)]
+    rows = [row.rstrip() for row in body.split(b"\n", height)]
     rest = rows.pop() if len(rows) > height else b""
     for index, row in enumerate(rows):
         if len(row) != width:
@@ -150,8 +163,9 @@ def _wrong_row(row: bytes, index: int, count: int, width: int, height: int, sour
     strange = np.flatnonzero(_TABLE[np.frombuffer(row, np.uint8)] == _BAD)
     if len(strange):
         _wrong_character(row, index, int(strange[0]), source)
+    swapped = "; perhaps its width and height are swapped" if len(row) == height else ""
     raise FormatError(
-        f"a row of {len(row)} cells; the header says width {width}; every row has that many",
+        f"a row of {len(row)} cells; the header says width {width}; every row has that many{swapped}",
         line=_FIRST_ROW + index,
         source=source,
     )
@@ -207,8 +221,8 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
     """
     check_between("row", row, 1, _MAX_SCENARIOS)
     source = str(path)
-    lines = read_bounded(path, _MAX_SCENARIO_BYTES).split(b"\n", row + 1)
-    if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", lines[0].strip()):
+    lines = _unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", row + 1)
+    if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", lines[0].lower().strip()):
         raise FormatError(f"{shown(lines[0])} came where `version 1` belongs", line=1, source=source)
     if len(lines) <= row or not lines[row].strip():
         count = sum(1 for line in lines[1:] if line.strip())
@@ -241,8 +255,8 @@ def scenario_contents(path: Path) -> tuple[str, int]:
         FormatError: If it is no scenario file, or has no problem.
     """
     source = str(path)
-    lines = read_bounded(path, _MAX_SCENARIO_BYTES).split(b"\n", _MAX_SCENARIOS)
-    if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", lines[0].strip()):
+    lines = _unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
+    if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", lines[0].lower().strip()):
         raise FormatError(f"{shown(lines[0])} came where `version 1` belongs", line=1, source=source)
     rows = [line for line in lines[1:] if line.strip()]
     if not rows:
@@ -283,7 +297,7 @@ def read_problems(path: Path) -> Problems:
     """
     source = str(path)
     map_name, _ = scenario_contents(path)
-    lines = read_bounded(path, _MAX_SCENARIO_BYTES).split(b"\n", _MAX_SCENARIOS)
+    lines = _unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
     numbers, published = array("q"), array("d")  # as lists of objects they take five times the file
     for number, line in enumerate(lines[1:], 2):
         if not line.strip():

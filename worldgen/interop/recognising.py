@@ -44,6 +44,8 @@ def find_format(path: Path, name: str | None = None) -> Format:
             raise InvalidParameter(f"{known.name} is written, not read; give a file of another format")
         return known
     head = _head(path)
+    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise FormatError("is text in UTF-16; save it as UTF-8", source=str(path))
     found = _by_contents(path, head)
     if found:
         return _only(found, path)
@@ -91,7 +93,7 @@ def _head(path: Path) -> bytes:
     try:
         if path.is_file():
             with path.open("rb") as stream:
-                return stream.read(_HEAD)
+                return stream.read(_HEAD).removeprefix(b"\xef\xbb\xbf")  # Windows begins text with it
     except (OSError, ValueError):
         pass
     return read_bounded(path, _HEAD)  # says what is wrong with the file

@@ -1,0 +1,160 @@
+"""Files as they are met in the wild: each gives the right world, or a sentence that says what to do."""
+
+import re
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.helpers.foreign_samples import picture
+from worldgen.errors import FormatError
+from worldgen.interop import read_map
+from worldgen.rows import flip_rows
+
+PIXELS = np.array([[0, 254, 205], [254, 254, 0]], np.uint8)
+SOLID = PIXELS < 206  # what is unknown is solid
+OCTILE = b"type octile\nheight 2\nwidth 3\nmap\n@.T\n..@\n"
+YAML = "image: p.pgm\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+PGM = b"P5\n3 2\n255\n" + PIXELS.tobytes()
+BOM = b"\xef\xbb\xbf"
+
+
+@pytest.fixture
+def ros(tmp_path):
+    """Reads a pair, of which one file or both are odd."""
+
+    def read(text=YAML, pixels=PGM):
+        (tmp_path / "p.pgm").write_bytes(pixels)
+        (tmp_path / "m.yaml").write_bytes(text if isinstance(text, bytes) else text.encode())
+        return read_map(tmp_path / "m.yaml")
+
+    return read
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        BOM + OCTILE,
+        OCTILE.replace(b"\n", b"\r"),
+        OCTILE.replace(b"\n", b"\r\n", 3),
+        OCTILE.replace(b" ", b"\t  ").replace(b"height\t", b"height   \t"),
+        OCTILE.replace(b"T\n", b"T \t\n"),
+        OCTILE.rstrip() + b"\n \n\n",
+        OCTILE + b"\x1a",
+        b"Type Octile\nHEIGHT 2\nWidth 3\nMAP\n@.T\n..@\n",
+        b"type octile\nwidth 3\nheight 2\nmap\n@.T\n..@\n",
+    ],
+    ids=["bom", "cr", "some-crlf", "tabs", "blanks-behind-rows", "blank-lines", "dos-end", "capitals", "width-first"],
+)
+def test_an_odd_octile_map_is_the_same_map(data, tmp_path):
+    (tmp_path / "m.map").write_bytes(data)
+    assert np.array_equal(flip_rows(read_map(tmp_path / "m.map").walls), SOLID)
+
+
+@pytest.mark.parametrize(
+    ("data", "told"),
+    [
+        (OCTILE.replace(b"2", b"x").replace(b"3", b"2").replace(b"x", b"3"), "perhaps its width and height are swapped"),
+        (OCTILE.replace(b"height 2", b"height -2"), "height '-2' is no whole number of cells; write how many"),
+        (OCTILE.decode().encode("utf-16"), "is text in UTF-16; save it as UTF-8"),
+        (OCTILE.replace(b"octile", b"octile-corner"), "its corner heights are no cells"),
+        (b"\n" * 5_000_000, "came where `type octile` belongs"),
+        (OCTILE.replace(b"width 3", b"width 999999999"), "a map has sides of 1 to 20000"),
+    ],
+    ids=["swapped", "negative", "utf-16", "corners", "white-space", "huge"],
+)
+def test_a_wrong_octile_map_is_told_what_to_do(data, told, tmp_path):
+    (tmp_path / "m.map").write_bytes(data)
+    with pytest.raises(FormatError, match=re.escape(told)):
+        read_map(tmp_path / "m.map")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        YAML.replace("\n", "\r\n"),
+        YAML.replace("\n", "\r"),
+        BOM + YAML.encode(),
+        f"%YAML 1.1\n---\n{YAML}...\n",
+        YAML.replace("[0.0, 0.0, 0.0]", "\n- 0.0\n- 0.0\n- 0.0"),
+        YAML.replace("p.pgm", "'./p.pgm'  # saved by hand"),
+        YAML.replace("negate: 0", "negate: False") + "mode: Trinary\ncell_size: 3\nfoo: {a: [1]}\n",
+    ],
+    ids=["crlf", "cr", "bom", "directive", "list-in-lines", "comment", "more-keys"],
+)
+def test_an_odd_yaml_file_is_the_same_map(text, ros):
+    assert np.array_equal(flip_rows(ros(text).walls), SOLID)
+
+
+@pytest.mark.parametrize(
+    "pixels",
+    [
+        b"P2\r\n3 2\r\n255\r\n0 254 205\r\n254 254 0\r\n",
+        b"P2 3 2 255 0 254 205 254 254\t0",
+        b"P5#by hand\n3 # wide\n2\n#\n255\n" + PIXELS.tobytes(),
+        PGM + b"\n",
+        b"P5\n3 2\n65535\n" + (PIXELS.astype(">u2") * 257).tobytes(),
+    ],
+    ids=["plain-crlf", "one-line", "comments", "one-byte-more", "16-bit"],
+)
+def test_an_odd_pgm_is_the_same_map(pixels, ros):
+    assert np.array_equal(flip_rows(ros(pixels=pixels).walls), SOLID)
+
+
+def interlaced(pixels):
+    """A PNG in Adam7's seven passes, which Pillow reads and does not write."""
+    passes = [(0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2)]
+    parts = [pixels[y::down, x::right] for x, y, right, down in passes]
+    raster = b"".join(b"\0" + row.tobytes() for part in parts if part.size for row in part)
+    head = struct.pack(">IIBBBBB", pixels.shape[1], pixels.shape[0], 8, 0, 0, 0, 1)
+    chunks = [(b"IHDR", head), (b"IDAT", zlib.compress(raster)), (b"IEND", b"")]
+    framed = [
+        struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body)) for kind, body in chunks
+    ]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(framed)
+
+
+GREY = Image.fromarray(PIXELS)
+PICTURES = {
+    **{mode: picture(GREY.convert(mode)) for mode in ("P", "RGB", "RGBA", "LA")},
+    "16-bit": picture(Image.fromarray(PIXELS.astype(np.uint16) * 257)),
+    "interlaced": interlaced(PIXELS),
+    "bmp": picture(GREY, "BMP"),
+    "palette-bmp": picture(GREY.convert("P"), "BMP"),
+}
+
+
+@pytest.mark.parametrize("kind", PICTURES)
+def test_a_picture_of_any_kind_is_the_same_map(kind, ros):
+    assert np.array_equal(flip_rows(ros(pixels=PICTURES[kind]).walls), SOLID)
+
+
+def test_grey_between_the_thresholds_of_an_anti_aliased_picture_is_said_and_solid(ros):
+    found = ros(pixels=b"P5\n3 2\n255\n" + bytes([254, 120, 0, 254, 199, 1]))
+    assert found.walls.sum() == 4 and any("2 of 6 cells are neither occupied nor free" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (YAML.replace("negate: 0\n", ""), "negate missing; a ROS map has the keys"),
+        (YAML.replace("0.05", "0,05"), "resolution is '0,05', no finite number; write one like 0.05"),
+        (YAML.replace("0.65", "65"), "the rule is 0 <= free < occupied <= 1"),
+        (YAML.replace("p.pgm", "/home/me/maps/p.pgm"), "copy it there and name it without a path"),
+        (YAML.replace("p.pgm", "'C:\\maps\\p.pgm'"), "is not there; put it beside"),
+        (YAML.replace("resolution: ", "resolution:\t"), "is no YAML"),
+        (YAML.encode("utf-16"), "is text in UTF-16; save it as UTF-8"),
+    ],
+    ids=["missing", "comma", "percent", "absolute", "windows", "tab", "utf-16"],
+)
+def test_a_wrong_yaml_file_is_told_what_to_do(text, told, ros):
+    with pytest.raises(FormatError, match=re.escape(told)):
+        ros(text)
+
+
+@pytest.mark.parametrize("kind", ["JPEG", "GIF"])
+def test_a_picture_that_loses_or_moves_pixels_is_refused(kind, ros):
+    with pytest.raises(FormatError, match="is no PGM, PNG or BMP picture; convert it"):
+        ros(pixels=picture(GREY, kind))
