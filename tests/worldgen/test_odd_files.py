@@ -56,7 +56,10 @@ def test_an_odd_octile_map_is_the_same_map(data, tmp_path):
 @pytest.mark.parametrize(
     ("data", "told"),
     [
-        (OCTILE.replace(b"2", b"x").replace(b"3", b"2").replace(b"x", b"3"), "perhaps its width and height are swapped"),
+        (
+            OCTILE.replace(b"2", b"x").replace(b"3", b"2").replace(b"x", b"3"),
+            "perhaps its width and height are swapped",
+        ),
         (OCTILE.replace(b"height 2", b"height -2"), "height '-2' is no whole number of cells; write how many"),
         (OCTILE.decode().encode("utf-16"), "is text in UTF-16; save it as UTF-8"),
         (OCTILE.replace(b"octile", b"octile-corner"), "its corner heights are no cells"),
