@@ -127,7 +127,7 @@ def test_a_floor_lies_below_walls_and_border():
     [
         ("stl", "7842362ae09432bb"),
         ("obj+floor", "40cf5db3efefff56"),
-        ("glb+markers", "d58cd2fbed0a66a9"),
+        ("glb+markers", "002911d5ba475625"),
         ("usd", "914276fccb8f2001"),
     ],
 )

@@ -49,22 +49,23 @@ def write_glb(
         InvalidWorld: If 32 bits are too few for the coordinates.
     """
     boxes = solid_boxes(world, destination, height=height, floor=floor, bits=24)  # as readers have
+    kinds = ["wall", *(["floor"] if floor else []), *(["robot", "target"] if markers else [])]
     nodes: list[dict[str, Any]] = [
         {
             "name": box.name,
-            "mesh": int(box.name == "floor"),
+            "mesh": kinds.index("floor" if box.name == "floor" else "wall"),
             "translation": _y_up(box.low[0], box.high[1], box.low[2]),
             "scale": [float(length) for length in (box.size[0], box.size[2], box.size[1])],
         }
         for box in boxes
     ]
-    places = _places(world, destination, first=1 + len(nodes), markers=markers)
+    places = _places(world, destination, first=1 + len(nodes), kinds=kinds)
     root = {
         "name": "worldgen",
         "children": list(range(1, 1 + len(nodes) + 2)),
         "extras": _extras(world, destination),
     }
-    return Exported({destination.name: _container([root, *nodes, *places], markers=markers)})
+    return Exported({destination.name: _container([root, *nodes, *places], kinds)})
 
 
 glb = Format(
@@ -90,37 +91,38 @@ def _extras(world: World, destination: Destination) -> dict[str, Value]:
     return plain
 
 
-def _places(world: World, destination: Destination, *, first: int, markers: bool) -> list[dict[str, Any]]:
-    """Nodes of start and target, and of their discs; the first has the number ``first``."""
-    nodes: list[dict[str, Any]] = []
-    for name, point, radius in (
-        ("start", world.start, world.robot_radius),
-        ("target", world.target, world.target.radius),
-    ):
-        node: dict[str, Any] = {
-            "name": name,
-            "translation": _y_up(float(destination.x(point.x)), float(destination.y(point.y)), 0),
-        }
-        if name == "start":
-            sine, cosine = _sine_cosine(math.fmod(world.start.heading, 2.0 * math.pi) / 2.0)
-            node |= {"rotation": [0, sine, 0, cosine], "extras": {"heading": world.start.heading}}
-        else:
-            node["extras"] = {"radius": world.target.radius}
-        nodes.append(node)
-        if markers:
-            node["children"] = [first + 2 + (name == "target")]
-            tall = radius if name == "start" else radius / 16.0  # the target lies flat, the robot stands
-            mesh = 2 + (name == "target")
-            nodes.append({"name": f"{name}_disc", "mesh": mesh, "scale": [radius, tall, radius]})
-    return nodes[::2] + nodes[1::2] if markers else nodes
+def _places(world: World, destination: Destination, *, first: int, kinds: list[str]) -> list[dict[str, Any]]:
+    """Nodes of start and target, and of their discs if wanted; the first has the number ``first``."""
+    start, target = world.start, world.target
+    sine, cosine = _sine_cosine(math.fmod(start.heading, 2.0 * math.pi) / 2.0)
+    nodes: list[dict[str, Any]] = [
+        {
+            "name": "start",
+            "translation": _y_up(float(destination.x(start.x)), float(destination.y(start.y)), 0),
+            "rotation": [0, sine, 0, cosine],
+            "extras": {"heading": start.heading},
+        },
+        {
+            "name": "target",
+            "translation": _y_up(float(destination.x(target.x)), float(destination.y(target.y)), 0),
+            "extras": {"radius": target.radius},
+        },
+    ]
+    robot, flat = world.robot_radius, target.radius / 16.0  # the robot stands, the target lies
+    for kind, radius, tall in (("robot", robot, robot), ("target", target.radius, flat)):
+        if kind in kinds:
+            node = nodes[("robot", "target").index(kind)]
+            node["children"] = [first + len(nodes)]
+            nodes.append({"name": f"{node['name']}_disc", "mesh": kinds.index(kind), "scale": [radius, tall, radius]})
+    return nodes
 
 
 def _y_up(x: SupportsFloat, y: SupportsFloat, z: SupportsFloat) -> list[float]:
     return [float(x), float(z), 0.0 - float(y)]
 
 
-def _container(nodes: list[dict[str, Any]], *, markers: bool) -> bytes:
-    shapes = [_cube(), *([_disc()] if markers else [])]
+def _container(nodes: list[dict[str, Any]], kinds: list[str]) -> bytes:
+    shapes = [_cube(), *([_disc()] if "robot" in kinds else [])]
     data = b""
     views: list[dict[str, Any]] = []
     accessors: list[dict[str, Any]] = []
@@ -130,7 +132,6 @@ def _container(nodes: list[dict[str, Any]], *, markers: bool) -> bytes:
             views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(raw), "target": target})
             data += raw  # of vertices and triangles in pairs: a multiple of four bytes
         accessors += _accessors(corners, faces, len(accessors))
-    kinds = ["wall", "floor", *(["robot", "target"] if markers else [])]
     document = {
         "asset": {"version": "2.0", "generator": "worldgen"},
         "scene": 0,
@@ -162,11 +163,11 @@ def _mesh(kind: str, number: int) -> dict[str, Any]:
 
 
 def _material(kind: str) -> dict[str, Any]:
-    colour = [(channel / 255.0) ** 2 for channel in palette.rgb(_COLOURS[kind])]  # linear, near enough to sRGB's curve
+    shares = [channel / 255.0 for channel in palette.rgb(_COLOURS[kind])]
     return {
         "name": kind,
         "pbrMetallicRoughness": {
-            "baseColorFactor": [*(round(share, 4) for share in colour), 1],
+            "baseColorFactor": [*(round(share * share, 4) for share in shares), 1],  # linear, near enough
             "metallicFactor": 0,
             "roughnessFactor": 0.9,
         },
