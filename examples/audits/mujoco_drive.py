@@ -2,9 +2,10 @@
 
 python mujoco_drive.py wall.xml --speed 20 --out recorded.csv
 
-Needs mujoco alone. Start, target and the ball's radius are the file's. The ball weighs 1 kg, floats just above the floor, and
-is pushed towards the next place of its way by a force that makes its velocity the one wanted. Prints one JSON object:
-versions, samples, and in how many steps MuJoCo had a contact between the ball and anything else.
+Needs mujoco alone. Start, target and the ball's radius are the file's. The ball weighs 1 kg, floats just
+above the floor, and is pushed towards the next place of its way by a force that makes its velocity the one
+wanted. Prints one JSON object: versions, samples, and in how many steps MuJoCo had a contact between the ball
+and anything else.
 """
 
 import argparse
