@@ -18,7 +18,6 @@ from tests.helpers.exported_meshes import TINY, any_worlds, covered_cells
 from worldgen.errors import InvalidParameter
 from worldgen.generation import generate
 from worldgen.interop import export_world
-from worldgen.interop.boxes import merged_boxes
 from worldgen.interop.polygons import cell_polygons
 from worldgen.timeline import CellState, Timeline
 
@@ -32,17 +31,17 @@ def area(ring):
 
 @given(hnp.arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 9)), fill=st.nothing()))
 def test_polygons_are_valid_and_cover_exactly_the_solid_cells(walls):
-    polygons = cell_polygons(merged_boxes(walls))
+    polygons = cell_polygons(walls)
     shape = shapely.MultiPolygon([(outline, holes) for outline, *holes in polygons])
     assert shape.is_valid and shape.area == walls.sum()
-    assert all(area(outline) > 0 and all(area(hole) < 0 for hole in holes) for outline, *holes in polygons)
     y, x = np.nonzero(walls)
-    assert shapely.contains_xy(shape, x + 0.5, y + 0.5).all()
+    assert shape.equals(shapely.union_all(shapely.box(x, y, x + 1, y + 1)))
+    assert all(area(outline) > 0 and all(area(hole) < 0 for hole in holes) for outline, *holes in polygons)
 
 
 @given(hnp.arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 9)), fill=st.nothing()))
 def test_the_corners_of_a_polygon_are_where_it_turns_and_its_beginning_is_fixed(walls):
-    polygons = cell_polygons(merged_boxes(walls))
+    polygons = cell_polygons(walls)
     rings = [ring for polygon in polygons for ring in polygon]
     for ring in rings:
         straight = [
@@ -50,7 +49,6 @@ def test_the_corners_of_a_polygon_are_where_it_turns_and_its_beginning_is_fixed(
             for a, b, c in zip(ring[-2:] + ring, ring[-1:] + ring, ring, strict=False)
         ]
         assert not any(straight) and ring[0] == min(ring, key=lambda corner: corner[::-1])
-    assert polygons == cell_polygons(merged_boxes(walls)[::-1])
 
 
 @given(any_worlds())
@@ -105,7 +103,7 @@ def test_the_paths_of_a_plan_are_the_polygons(drawn):
     world, origin = drawn
     root = ET.fromstring(export_world(world, "svg", origin=origin).data)
     paths = root.findall(f".//{SVG}path[@class='wall']")
-    polygons = cell_polygons(merged_boxes(world.walls))
+    polygons = cell_polygons(world.walls)
     for path, polygon in zip(paths, polygons, strict=True):
         rings = [ring_of(data) for data in path.get("d").rstrip("z").split("z")]
         flat = [

@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.interop.boxes import closing_boxes, merged_boxes
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
 from worldgen.interop.grid_lines import GridLines
-from worldgen.interop.polygons import cell_polygons
+from worldgen.interop.polygons import border_cells, cell_polygons
 from worldgen.world import World
 
 __all__ = ["geojson", "write_geojson"]
@@ -66,18 +65,17 @@ def _text(document: dict[str, Any]) -> bytes:
 
 def _features(world: World, destination: Destination) -> Iterator[dict[str, Any]]:
     lines = GridLines(world, destination)
-    yield _feature("walls", "MultiPolygon", _multipolygon(merged_boxes(world.walls), lines))
-    ring = closing_boxes(world)
-    if len(ring):
-        yield _feature("border", "MultiPolygon", _multipolygon(ring, lines))
+    yield _feature("walls", "MultiPolygon", _multipolygon(world.walls, lines))
+    ring = border_cells(world)
+    if ring.any():
+        yield _feature("border", "MultiPolygon", _multipolygon(ring, lines, -1))
     start, target = world.start, world.target
     robot = {"heading": start.heading, "robot_radius": world.robot_radius, "robot_speed": world.robot_speed}
     yield _feature("start", "Point", _point(start.x, start.y, destination), **robot)
     yield _feature("target", "Point", _point(target.x, target.y, destination), radius=target.radius)
     for event in world.timeline:
-        cell = np.array([[event.ix, event.iy, event.ix + 1, event.iy + 1]], np.int64)
         said = {"time": event.time, "state": event.state.word, "cell": [event.ix, event.iy]}
-        yield _feature("change", "Polygon", _multipolygon(cell, lines)[0], **said)
+        yield _feature("change", "Polygon", [_square(event.ix, event.iy, lines)], **said)
 
 
 def _feature(kind: str, shape: str, coordinates: list[Any], **said: object) -> dict[str, Any]:
@@ -89,9 +87,14 @@ def _point(x: float, y: float, destination: Destination) -> list[float]:
     return [float(destination.x(x)), float(destination.y(y))]
 
 
-def _multipolygon(boxes: npt.NDArray[np.int64], lines: GridLines) -> list[Any]:
-    """Coordinates of polygons, outlines counter-clockwise, holes clockwise."""
+def _square(ix: int, iy: int, lines: GridLines) -> list[list[float]]:
+    corners = ((ix, iy), (ix + 1, iy), (ix + 1, iy + 1), (ix, iy + 1), (ix, iy))
+    return [[float(lines.x[x]), float(lines.y[y])] for x, y in corners]
+
+
+def _multipolygon(solid: npt.NDArray[np.bool_], lines: GridLines, first: int = 0) -> list[Any]:
+    """Coordinates of polygons, outlines counter-clockwise, holes clockwise; ``first`` is the first cell's index."""
     return [
         [[[float(lines.x[x]), float(lines.y[y])] for x, y in [*ring, ring[0]]] for ring in polygon]
-        for polygon in cell_polygons(boxes)
+        for polygon in cell_polygons(solid, first)
     ]

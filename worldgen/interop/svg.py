@@ -14,10 +14,9 @@ import json
 from collections.abc import Iterator
 from fractions import Fraction
 
-from worldgen.interop.boxes import closing_boxes, merged_boxes
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
 from worldgen.interop.grid_lines import GridLines, in_degrees
-from worldgen.interop.polygons import Polygon, cell_polygons
+from worldgen.interop.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
 from worldgen.parameters import check_between
 from worldgen.render import palette
@@ -46,7 +45,7 @@ def write_svg(world: World, destination: Destination, *, scale: float = 20.0, wi
         InvalidWorld: If 64 bits are too few for the coordinates.
     """
     check_between("scale", scale, 1e-3, 1e6)
-    more = 1 if len(closing_boxes(world)) else 0
+    more = 1 if border_cells(world).any() else 0
     lines = GridLines(world, destination)
     left, right = lines.x[-more], lines.x[world.width + more]
     bottom, top = lines.y[-more], lines.y[world.height + more]
@@ -89,8 +88,8 @@ def _cells(world: World, lines: GridLines) -> Iterator[str]:
     xs, ys = ({at: decimal_text(value) for at, value in axis.items()} for axis in (lines.x, lines.y))
     size = [decimal_text(end[side] - end[0]) for end, side in ((lines.x, world.width), (lines.y, world.height))]
     yield f'<rect class="floor" x="{xs[0]}" y="{ys[0]}" width="{size[0]}" height="{size[1]}"/>'
-    for kind, boxes in (("wall", merged_boxes(world.walls)), ("border", closing_boxes(world))):
-        for polygon in cell_polygons(boxes):
+    for kind, solid, first in (("wall", world.walls, 0), ("border", border_cells(world), -1)):
+        for polygon in cell_polygons(solid, first):
             yield f'<path class="{kind}" d="{_outline(polygon, xs, ys)}"/>'
 
 

@@ -7,10 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from worldgen.interop.boxes import closing_boxes, merged_boxes
 from worldgen.interop.format import Destination, Exported, Format, decimal_text
 from worldgen.interop.grid_lines import GridLines
-from worldgen.interop.polygons import Ring, cell_polygons
+from worldgen.interop.polygons import Ring, border_cells, cell_polygons
 from worldgen.world import World
 
 __all__ = ["wkt", "write_wkt"]
@@ -32,7 +31,7 @@ def write_wkt(world: World, destination: Destination) -> Exported:
     def ring_text(ring: Ring) -> str:
         return "(" + ", ".join(f"{xs[x]} {ys[y]}" for x, y in [*ring, ring[0]]) + ")"
 
-    polygons = cell_polygons(np.vstack((merged_boxes(world.walls), closing_boxes(world))))
+    polygons = cell_polygons(border_cells(world) | np.pad(world.walls, 1), -1)
     body = ", ".join("(" + ", ".join(map(ring_text, polygon)) + ")" for polygon in polygons)
     return Exported({destination.name: f"MULTIPOLYGON {f'({body})' if body else 'EMPTY'}\n".encode()})
 
