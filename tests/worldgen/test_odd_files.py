@@ -1,5 +1,6 @@
 """Files as they are met in the wild: each gives the right world, or a sentence that says what to do."""
 
+import cmath
 import re
 import struct
 import zlib
@@ -161,3 +162,32 @@ def test_a_wrong_yaml_file_is_told_what_to_do(text, told, ros):
 def test_a_picture_that_loses_or_moves_pixels_is_refused(kind, ros):
     with pytest.raises(FormatError, match="is no PGM, PNG or BMP picture; convert it"):
         ros(pixels=picture(GREY, kind))
+
+
+@pytest.mark.parametrize(
+    ("yaw", "corner"),
+    [
+        ("1.57079632679", (-0.1, 0.0)),
+        ("1.57", (-0.1, 0.0)),
+        ("-4.712389", (-0.1, 0.0)),
+        ("3.14159", (-0.15, -0.1)),
+        ("-1.5708", (0.0, -0.15)),
+        ("1e-10", (0.0, 0.0)),
+    ],
+)
+def test_a_map_turned_by_quarters_lies_where_its_yaw_says(yaw, corner, ros):
+    """Each cell's centre, turned as the yaw says, is solid where the cell is."""
+    found = ros(YAML.replace("0.0]", f"{yaw}]"), b"P5\n3 2\n255\n" + bytes([0, 254, 254, 254, 254, 254]))
+    assert found.origin == pytest.approx(corner, abs=1e-12)
+    turn = cmath.exp(1j * float(yaw))
+    solid = complex(0.025, 0.075) * turn - complex(*found.origin)  # of the picture's upper-left pixel
+    expected = np.zeros_like(found.walls)
+    expected[int(solid.imag / 0.05), int(solid.real / 0.05)] = True
+    assert np.array_equal(found.walls, expected)
+
+
+def test_a_yaw_too_coarse_for_the_pictures_size_asks_for_its_digits(ros):
+    pixels = b"P5\n400 400\n255\n" + b"\xfe" * 160_000
+    assert ros(YAML.replace("0.0]", "1.57]"), pixels).walls.shape == (400, 400)
+    with pytest.raises(FormatError, match=r"moves cells by up to 0\.9 sides .*; write its digits, such as 1.57079633"):
+        ros(YAML.replace("0.0]", "3.14]"), pixels)

@@ -46,6 +46,7 @@ MODES = ("trinary", "scale", "raw")
 _UNKNOWN_GREY = 205  # what map savers write for unknown
 _MAX_YAML_BYTES = 64 << 10
 _OURS = "worldgen"  # the key under which a map of ours has start, target and robot
+_MOST_OFF = 0.01  # rad from a quarter turn; how far it may really be, the picture's size says
 _REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 
 
@@ -56,12 +57,13 @@ class RosMetadata:
     Args:
         image: The picture's path.
         resolution: Side of a cell, m.
-        origin: x and y in m of the lower-left corner in the map's frame; the yaw must be 0.
+        origin: x and y in m of the picture's lower-left corner in the map's frame.
         occupied_thresh: Occupancy, 0 to 1, from which on a cell is occupied.
         free_thresh: Occupancy up to which a cell is free.
         negate: Whether white is occupied.
         mode: ``trinary``, ``scale`` or ``raw``.
         places: Start, target and robot, of a map of ours.
+        yaw: rad, by which the picture is turned about its lower-left corner, counter-clockwise; near a quarter turn.
     """
 
     image: Path
@@ -72,6 +74,7 @@ class RosMetadata:
     negate: bool = False
     mode: str = "trinary"
     places: Places | None = None
+    yaw: float = 0.0
 
 
 def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> ForeignMap:
@@ -96,20 +99,47 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
             f"{np.count_nonzero(unsure)} of {unsure.size} cells are neither occupied nor free; "
             f"they are taken as {unknown}"
         )
-    walls = solid | unsure if unknown == "solid" else solid
-    x, y = metadata.origin
+    walls, (x, y) = _turned(solid | unsure if unknown == "solid" else solid, metadata, str(path))
+    if metadata.yaw != 0.0:
+        notes.append(
+            f"the picture is turned by {_quarters(metadata.yaw)} quarters, as the yaw of {metadata.yaw:g} says"
+        )
     if x != 0.0 or y != 0.0:
         notes.append(f"the world's (0, 0) is the map's ({x:g}, {y:g}) m; add that to compare with ROS")
     params: dict[str, Value] = {
         "format": "ros", "source": path.name, "sha256": digest(text), "image": metadata.image.name,
         "image_sha256": digest(picture), "mode": metadata.mode, "origin": [x, y], "unknown": unknown,
     }  # fmt: skip
+    params |= {"yaw": metadata.yaw} if metadata.yaw != 0.0 else {}
     warnings = tuple(_warnings(image, metadata))
     places = metadata.places or Places()
     return ForeignMap(
-        flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=metadata.origin,
+        flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=(x, y),
         start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
     )  # fmt: skip
+
+
+def _quarters(yaw: float) -> int:
+    """The nearest number of quarter turns."""
+    return round(yaw / (math.pi / 2))
+
+
+def _turned(
+    walls: npt.NDArray[np.bool_], metadata: RosMetadata, source: str
+) -> tuple[npt.NDArray[np.bool_], tuple[float, float]]:
+    """The picture, top row first, turned by whole quarters, and where its new lower-left corner lies.
+
+    Raises:
+        FormatError: If the yaw is so far from whole quarters that a cell would move by half its side.
+    """
+    quarters, (height, width) = _quarters(metadata.yaw), walls.shape
+    moved = abs(metadata.yaw - quarters * math.pi / 2) * math.sqrt(height**2 + width**2)
+    if moved >= 0.5:
+        message = f"yaw {metadata.yaw:g} moves cells by up to {moved:.2g} sides from where a quarter turn puts them"
+        raise FormatError(f"{message}; write its digits, such as 1.57079633, or turn the picture", source=source)
+    across, up = ((0, 0), (-height, 0), (-width, -height), (0, -width))[quarters % 4]
+    (x, y), side = map(exact, metadata.origin), exact(metadata.resolution)
+    return np.rot90(walls, quarters % 4), (float(x + across * side), float(y + up * side))
 
 
 def occupancy(image: GreyImage, metadata: RosMetadata) -> npt.NDArray[np.int8]:
@@ -196,9 +226,14 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
     if not 0.0 <= free < occupied <= 1.0:
         message = f"free_thresh {free:g}, occupied_thresh {occupied:g}; the rule is 0 <= free < occupied <= 1"
         raise table.fault("free_thresh", message)
-    origin, negate = _origin(table), table.truth("negate")
-    places = _places(table, origin)
-    return RosMetadata(_image(table, path), resolution, origin, occupied, free, negate, _mode(table), places)
+    (*origin, yaw), negate = _origin(table), table.truth("negate")
+    corner = (origin[0], origin[1])
+    if yaw != 0.0 and _OURS in table:
+        raise table.fault(
+            "origin", f"a map with places under {_OURS} is not turned; write the yaw 0, or delete {_OURS}"
+        )
+    places = _places(table, corner)
+    return RosMetadata(_image(table, path), resolution, corner, occupied, free, negate, _mode(table), places, yaw)
 
 
 def _image(table: YamlTable, path: Path) -> Path:
@@ -208,7 +243,7 @@ def _image(table: YamlTable, path: Path) -> Path:
         raise table.fault("image", str(error)) from error
 
 
-def _origin(table: YamlTable) -> tuple[float, float]:
+def _origin(table: YamlTable) -> tuple[float, float, float]:
     try:
         numbers = [from_decimal(word) for word in table.words("origin") or ()]
     except InvalidParameter:
@@ -216,10 +251,10 @@ def _origin(table: YamlTable) -> tuple[float, float]:
     if len(numbers) != 3:
         raise table.fault("origin", "origin must be three numbers, [x m, y m, yaw rad]")
     x, y, yaw = numbers
-    if yaw != 0.0:
-        message = f"the map is turned by {yaw:g} rad; only yaw 0 is read; turn the picture and write 0"
-        raise table.fault("origin", message)
-    return x, y
+    if not abs(yaw) <= 2 * math.pi or abs(yaw - _quarters(yaw) * math.pi / 2) > _MOST_OFF:
+        message = f"the map is turned by {yaw:g} rad; only quarter turns are read, such as 0 and 1.57079633"
+        raise table.fault("origin", f"{message}; turn the picture, or write 0 if your programs pass over the yaw")
+    return x, y, yaw
 
 
 def _places(table: YamlTable, origin: tuple[float, float]) -> Places:

@@ -18,6 +18,7 @@ __all__ = ["YamlTable", "read_yaml"]
 _MAX_DEPTH = 8
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 _EXACT = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?")
+_LARGEST = 1e100
 _NULL = ("", "~", "null", "none")
 _TRUTH = {
     "0": False,
@@ -128,7 +129,7 @@ class YamlTable:
             FormatError: If it is none.
         """
         word = self.word(key)
-        if not _EXACT.fullmatch(word):
+        if not _is_exact(word):
             raise self.fault(key, f"{key} is {shown(word)}, no number; write one like 0.05")
         return Fraction(word)
 
@@ -145,7 +146,7 @@ class YamlTable:
         nested = [item.value for item in items if isinstance(item, yaml.SequenceNode)]
         rows = nested if nested and len(nested) == len(items) else [items]
         words = [[item.value if isinstance(item, yaml.ScalarNode) else "" for item in row] for row in rows]
-        if not all(row and all(map(_EXACT.fullmatch, row)) for row in words):
+        if not all(row and all(map(_is_exact, row)) for row in words):
             raise self.fault(key, f"{key} must be a list of numbers, [1.5, 2, 0], or a list of such lists")
         return [[Fraction(word) for word in row] for row in words]
 
@@ -178,6 +179,11 @@ def read_yaml(text: bytes, source: str, example: str) -> YamlTable:
     if not isinstance(root, yaml.MappingNode):
         raise FormatError(f"holds no keys; {example}", line=1, source=source)
     return YamlTable(root, source)
+
+
+def _is_exact(word: str) -> bool:
+    """Whether a word is a number that also a float can hold, with room to reckon."""
+    return _EXACT.fullmatch(word) is not None and abs(float(word)) < _LARGEST
 
 
 def _parse_number(word: str) -> float | None:
