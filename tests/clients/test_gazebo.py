@@ -2,7 +2,9 @@
 
 import hashlib
 import json
+import os
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +16,14 @@ from tests.helpers.drawn_worlds import drawn
 from tests.helpers.exact_rays import solid_at
 from worldgen import generate
 from worldgen.interop import export_world
+from worldgen.timeline import CellState, Timeline
 
 ORIGIN = (-12.7, 3.45)
 BALL = 0.02  # m
-LIBRARIES = ("sdformat12", "ignition-plugin1-loader", "ignition-math6-eigen3", "ignition-utils1")
+LIBRARIES = (
+    "sdformat12", "ignition-plugin1-loader", "ignition-math6-eigen3", "ignition-utils1", "ignition-transport11",
+    "ignition-msgs8",
+)  # fmt: skip
 HALL = """
     ##########
     #........#
@@ -118,3 +124,38 @@ def test_models_that_are_moved_as_the_table_says_make_the_cells_of_that_time(eng
     changing = sorted({(event.ix, event.iy) for event in world.timeline if event.time <= time})[::5]
     places = obeyed(engine, tmp_path, world, "sdf", [*moves, *dropped(world, changing)])
     assert [place[2] for place in places] == pytest.approx(rests(solid_at(world, time), changing), abs=1e-4)
+
+
+def command_folder(tmp_path):
+    """A folder with ``ign``, whose own in Debian 12 looks for the tools of transport in the wrong place."""
+    tools = Path("/usr/libexec/ignition/transport11")
+    if not (tools / "ign-transport-service").exists():
+        pytest.skip(f"ign service is not here; apt-get install {PROGRAMS['ign-transport-service']}")
+    command = tmp_path / "bin" / "ign"
+    command.parent.mkdir()
+    command.write_text(f'#!/bin/sh\nkind=$1\nshift\nexec {tools}/ign-transport-$kind "$@"\n')
+    command.chmod(0o755)
+    return command.parent
+
+
+def test_the_player_talks_to_gazebo_in_its_own_messages(engine, tmp_path):
+    events = [(0.25, 7, 2, CellState.SOLID), (0.25, 1, 1, CellState.BURNING), (1.5, 7, 2, CellState.FREE)]
+    files = export_world(drawn(HALL, timeline=Timeline.of(events)), "sdf", file="hall.sdf", sidecar=False).files
+    for file, data in files.items():
+        (tmp_path / file).write_bytes(data)
+    here = {**os.environ, "IGN_PARTITION": tmp_path.name, "IGN_IP": "127.0.0.1"}
+    here["PATH"] = f"{command_folder(tmp_path)}:/bin"
+    with subprocess.Popen(
+        [*engine, tmp_path / "hall.sdf"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=here
+    ) as server:
+        server.stdin.write("serve hall\n")
+        server.stdin.close()
+        try:
+            player = [sys.executable, tmp_path / "hall_player.py"]
+            done = subprocess.run(player, env=here, capture_output=True, text=True, check=False, timeout=60)
+            assert done.returncode == 0, done.stderr
+            moved = [line.split() for line in server.stdout]
+        finally:
+            server.kill()
+    table = json.loads(files["hall_events.json"])["events"]
+    assert [[float(when), name, float(z)] for when, name, z in moved] == [[when, name, z] for when, name, z in table]

@@ -84,7 +84,7 @@ def test_many_boxes_are_worth_a_word():
     walls = np.indices((65, 65)).sum(axis=0) % 2 == 0
     walls[:2] = False
     export = export_world(World(walls, Pose(0.1, 0.1), Target(6.3, 0.1, 0.1)), "sdf")
-    assert [note for note in export.notes if "boxes: Gazebo takes long to load them" in note]
+    assert [note for note in export.notes if "boxes: Gazebo falls behind real time" in note]
 
 
 def test_the_player_is_python_of_the_standard_library_alone():

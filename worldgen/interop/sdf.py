@@ -23,7 +23,7 @@ from worldgen.world import World
 __all__ = ["sdf", "write_sdf"]
 
 _THIN = Fraction(1, 1000)  # thickness of what only marks a place, m
-_MANY = 2000  # boxes; loading takes the square of their number: 40 s for 5,500 in Fortress
+_MANY = 2000  # boxes; from here on a step of Fortress's physics takes longer than the millisecond that it lasts
 _SCHEMA = "urn:worldgen:sdf"
 _COLOURS = {"ground": "0.9 0.9 0.9 1", "wall": "0.3 0.3 0.35 1", "cell": "0.5 0.4 0.3 1", "fire": "1 0.4 0.1 0.7",
             "start": "0.1 0.4 0.9 0.6", "target": "0.1 0.7 0.2 0.6"}  # fmt: skip
@@ -78,7 +78,9 @@ def write_sdf(
         notes.append(f"{script} moves what changes: a world file has no events of its own")
     boxes = len(parts.still) + len(parts.bodies)
     if boxes > _MANY:
-        notes.append(f"{boxes} boxes: Gazebo takes long to load them, four times as long for twice as many")
+        notes.append(
+            f"{boxes} boxes: Gazebo falls behind real time; a step takes four times as long with twice as many"
+        )
     return Exported(files, notes=tuple(notes))
 
 

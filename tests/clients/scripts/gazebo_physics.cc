@@ -5,11 +5,20 @@
 //   wheels LEFT RIGHT STEPS    steps with the velocities, rad/s, of the joints left_joint and right_joint of `robot`
 //   step STEPS
 //   where NAME                 prints x, y, z of the model's first link
+//   serve NAME                 is what the Gazebo server is to a player, for a world called so: obeys its services, and
+//                              prints time, model and the z that it then has for every model moved, till time runs on
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <functional>
 #include <iostream>
+#include <mutex>
 #include <sstream>
 #include <string>
+#include <thread>
 
 #include <ignition/math/eigen3/Conversions.hh>
+#include <ignition/msgs.hh>
 #include <ignition/physics/ForwardStep.hh>
 #include <ignition/physics/FrameSemantics.hh>
 #include <ignition/physics/FreeGroup.hh>
@@ -19,7 +28,9 @@
 #include <ignition/physics/sdf/ConstructModel.hh>
 #include <ignition/physics/sdf/ConstructWorld.hh>
 #include <ignition/plugin/Loader.hh>
+#include <ignition/transport/Node.hh>
 #include <sdf/Model.hh>
+#include <sdf/Physics.hh>
 #include <sdf/Root.hh>
 #include <sdf/World.hh>
 
@@ -30,6 +41,60 @@ using Features = physics::FeatureList<
     physics::LinkFrameSemantics, physics::FindFreeGroupFeature, physics::SetFreeGroupWorldPose,
     physics::SetFreeGroupWorldVelocity, physics::SetJointVelocityCommandFeature,
     physics::sdf::ConstructSdfWorld, physics::sdf::ConstructSdfModel>;
+
+using World = physics::World3dPtr<Features>;
+
+void move(World &world, const std::string &name, double x, double y, double z)
+{
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() << x, y, z;
+  world->GetModel(name)->FindFreeGroup()->SetWorldPose(pose);
+}
+
+void serve(World &world, const std::string &name, const std::function<void()> &step, double lasts)
+{
+  using ignition::msgs::Boolean;
+  std::mutex guard;
+  long steps = 0;
+  double until = 0;
+  std::atomic<bool> done{false};
+  std::function<bool(const ignition::msgs::WorldControl &, Boolean &)> control = [&](const auto &asked, auto &answer) {
+    std::lock_guard<std::mutex> lock(guard);
+    if (asked.has_run_to_sim_time()) until = asked.run_to_sim_time().sec() + asked.run_to_sim_time().nsec() * 1e-9;
+    else if (!asked.pause()) done = true;
+    answer.set_data(true);
+    return true;
+  };
+  std::function<bool(const ignition::msgs::Pose_V &, Boolean &)> place = [&](const auto &asked, auto &answer) {
+    std::lock_guard<std::mutex> lock(guard);
+    for (const auto &pose : asked.pose())
+    {
+      move(world, pose.name(), pose.position().x(), pose.position().y(), pose.position().z());
+      const auto at = world->GetModel(pose.name())->GetLink(0)->FrameDataRelativeToWorld().pose.translation();
+      std::cout << steps * lasts << ' ' << pose.name() << ' ' << at.z() << std::endl;
+    }
+    answer.set_data(true);
+    return true;
+  };
+  ignition::transport::Node node;
+  node.Advertise("/world/" + name + "/control", control);
+  node.Advertise("/world/" + name + "/set_pose_vector", place);
+  auto stats = node.Advertise<ignition::msgs::WorldStatistics>("/world/" + name + "/stats");
+  while (!done)
+  {
+    {
+      std::lock_guard<std::mutex> lock(guard);
+      for (; (steps + 0.5) * lasts < until; ++steps) step();
+      ignition::msgs::WorldStatistics said;
+      const long nanoseconds = std::lround(steps * lasts * 1e9);
+      said.mutable_sim_time()->set_sec(nanoseconds / 1000000000);
+      said.mutable_sim_time()->set_nsec(nanoseconds % 1000000000);
+      said.set_paused(true);
+      stats.Publish(said);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
 
 int fail(const std::string &what)
 {
@@ -52,6 +117,8 @@ int main(int, char **arguments)
   physics::ForwardStep::State state;
   physics::ForwardStep::Input input;
 
+  const double lasts = root.WorldByIndex(0)->PhysicsByIndex(0)->MaxStepSize();
+  const auto once = [&] { world->Step(output, state, input); };
   std::string line, command, name;
   while (std::getline(std::cin, line))
   {
@@ -82,13 +149,20 @@ int main(int, char **arguments)
       {
         robot->GetJoint("left_joint")->SetVelocityCommand(0, x);
         robot->GetJoint("right_joint")->SetVelocityCommand(0, y);
-        world->Step(output, state, input);
+        once();
       }
+      continue;
+    }
+    if (command == "serve")
+    {
+      words >> name;
+      std::cout.precision(17);
+      serve(world, name, once, lasts);
       continue;
     }
     if (command == "step")
     {
-      for (words >> steps; steps > 0; --steps) world->Step(output, state, input);
+      for (words >> steps; steps > 0; --steps) once();
       continue;
     }
     words >> name;
@@ -97,18 +171,15 @@ int main(int, char **arguments)
     if (command == "move")
     {
       words >> x >> y >> z;
-      auto group = model->FindFreeGroup();
-      if (!group) return fail("cannot move " + name);
-      Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-      pose.translation() << x, y, z;
-      group->SetWorldPose(pose);
+      if (!model->FindFreeGroup()) return fail("cannot move " + name);
+      move(world, name, x, y, z);
     }
     else if (command == "push")
     {
       for (words >> x >> y >> steps; steps > 0; --steps)
       {
         model->FindFreeGroup()->SetWorldLinearVelocity({x, y, 0});
-        world->Step(output, state, input);
+        once();
       }
     }
     else if (command == "where")

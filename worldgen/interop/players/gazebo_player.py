@@ -26,6 +26,7 @@ __all__ = ["main"]
 
 _TOO_LONG = 20_000  # characters of one request; a command line has room for six times that
 _PATIENCE = 5000  # ms for the answer to a request
+_SILENCE = 10  # s without word of the time; Gazebo says it several times a second
 
 
 def _table() -> dict[str, Any]:
@@ -69,7 +70,10 @@ class Gazebo:
     def time(self) -> float:
         """The simulated time, s."""
         words = [self._command, "topic", "-e", "-n", "1", "-t", f"{self._world}/stats"]
-        said = subprocess.run(words, capture_output=True, text=True, check=False).stdout
+        try:
+            said = subprocess.run(words, capture_output=True, text=True, check=False, timeout=_SILENCE).stdout
+        except subprocess.TimeoutExpired:
+            sys.exit(f"{self._world}/stats says nothing; is Gazebo running this world?")
         block = re.search(r"sim_time\s*\{([^}]*)\}", said)
         numbers = dict(re.findall(r"(sec|nsec):\s*(\d+)", block[1] if block else ""))
         return int(numbers.get("sec", 0)) + int(numbers.get("nsec", 0)) / 10**9
