@@ -202,7 +202,7 @@ def _share(value: float, whole: float) -> float:
     return min(max(value / whole, -1.0), 1.0)
 
 
-@rare_kernel
+@kernel
 def encode(seen: Floats, sensors: Ints, rules: Floats, out: Singles) -> None:
     """Writes an environment's observation: what the sensors show of the simulator's.
 
@@ -249,7 +249,7 @@ def encode(seen: Floats, sensors: Ints, rules: Floats, out: Singles) -> None:
                 k += 1
 
 
-@rare_kernel
+@kernel  # the worlds and the crew are some 300 numbers: to hand them on in each step would take longer than the step
 def _advance(worlds: Worlds, crew: Crew, robot: int) -> bool:
     """A robot's move and what it senses then, also at its last pose; whether a wall stopped or bent the move."""
     _take_seed(worlds, crew, robot)

@@ -1,0 +1,177 @@
+"""Steps a second of the Gymnasium environments, beside other libraries of environments.
+
+``python -m benchmarks.gymnasium`` prints a table, with ``--json`` one object: for each case its rate and its ratio to
+each peer, all from one run. Every case and peer runs in a process of its own, and they take turns in every round, so
+that other work on the machine hits all alike; the best of all rounds counts. A peer runs in the interpreter that its
+option names, ``--envpool``, ``--minigrid``, ``--navix``, else in this one; one that is not installed there is left out,
+and named.
+
+Rates are steps of one robot per second of the process's CPU time, of all its threads, over calls of ``step`` only:
+actions are drawn before, or, of a policy, outside the clock. All that ``step`` does counts: what Python does around the
+kernel, observations made anew, rewards, and episodes that begin.
+
+- ``random``: discrete actions, equally likely. Robots push along walls in nearly half of their steps, the dear ones.
+- ``turns away``: ahead, and after a bump on the spot for 5 to 24 steps; walls are touched in one step of twenty.
+
+What peers do is not the same: MiniGrid, NAVIX and FrozenLake move on grids, CartPole is a formula; envpool's PointMaze
+moves a ball among walls by MuJoCo.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.metadata
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+import gymnasium
+import numpy as np
+
+import worldgen.gym
+
+__all__ = ["CASES", "PEERS", "measure"]
+
+SECONDS = 1.5  # of a measurement
+ROBOTS = 4096
+PLAIN = ("target_direction", "target_distance", "bump")
+MAZE = {"family": "maze", "params": {"size": 30}, "actions": "discrete", "turn_rate": 12.0}
+PEERS = ("envpool", "minigrid", "navix")
+Policy = Callable[[Any, int], Any]
+
+
+def _random(robots: int) -> Policy:
+    rng = np.random.default_rng(0)
+    actions = [rng.integers(0, 5, robots) for _ in range(8)]
+    return lambda _, k: actions[k % 8]
+
+
+def _turns_away(robots: int) -> Policy:
+    rng, rest = np.random.default_rng(0), np.zeros(robots, np.int64)
+
+    def act(observation: Any, _: int) -> Any:
+        rest[...] = np.where(observation[:, 3] > 0.0, rng.integers(5, 25, robots), np.maximum(rest - 1, 0))
+        return np.where(rest > 0, 3, 0)
+
+    return act
+
+
+def _many(policy: Callable[[int], Policy], sensors: tuple[str, ...] = PLAIN, **options: Any) -> float:
+    """Steps a second of the vector environment; the kernels are compiled, and the robots under way, before."""
+    name, limit = worldgen.gym.ENVIRONMENT, 1000
+    envs = gymnasium.make_vec(name, ROBOTS, "vector_entry_point", sensors=sensors, max_episode_steps=limit, **options)
+    act = policy(ROBOTS)
+    observation, _ = envs.reset(seed=1)
+    count, took = -200, 0.0
+    while took < SECONDS:
+        actions = act(observation, count)
+        begin = time.process_time()
+        observation, *_ = envs.step(actions)
+        took += time.process_time() - begin if count >= 0 else 0.0
+        count += 1
+    return count * ROBOTS / took
+
+
+def _one() -> float:
+    """Steps a second of the single environment, with all that ``gymnasium.make`` puts around it."""
+    env = gymnasium.make(worldgen.gym.ENVIRONMENT, sensors=PLAIN, **MAZE)
+    actions = np.random.default_rng(0).integers(0, 5, 512).tolist()
+    env.reset(seed=1)
+    count, begin = 0, time.process_time()
+    while time.process_time() < begin + SECONDS:
+        for _ in range(100):
+            if any(env.step(actions[count % 512])[2:4]):
+                env.reset()
+            count += 1
+    return count / (time.process_time() - begin)
+
+
+def _beams(number: int, reach: float) -> dict[str, Any]:
+    return {"sensors": (*PLAIN, "beams"), "robot": {"beams": number, "beam_range": reach}}
+
+
+CASES: dict[str, Callable[[], float]] = {
+    "vector, random": lambda: _many(_random, **MAZE),
+    "vector, turns away": lambda: _many(_turns_away, **MAZE),
+    "vector, turns away, 16 beams of 2 m": lambda: _many(_turns_away, **MAZE, **_beams(16, 2.0)),
+    "vector, turns away, 36 beams of 5 m": lambda: _many(_turns_away, **MAZE, **_beams(36, 5.0)),
+    "vector, random, in front of traps": lambda: _many(_random, **{**MAZE, "family": "trap", "params": {}}),
+    "single, random": _one,
+}
+
+
+def _case(name: str) -> float:
+    """A case's rate, measured in a process of its own."""
+    code = f"from benchmarks.gymnasium import CASES; print(CASES[{name!r}]())"
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    return float(done.stdout)
+
+
+def _peer(name: str, python: str) -> dict[str, Any] | None:
+    """A peer's version and rates, ``None`` if it is not installed."""
+    script = Path(__file__).parent / "peers" / "environments.py"
+    done = subprocess.run([python, str(script), name], check=False, capture_output=True, text=True)
+    if done.returncode != 0:
+        if "ModuleNotFoundError" in done.stderr:
+            return None
+        raise RuntimeError(f"{name} failed in {python}:\n{done.stderr[-2000:]}")
+    found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+def measure(rounds: int, pythons: dict[str, str]) -> dict[str, Any]:
+    """Best rates of all rounds, steps a second, and the load meanwhile."""
+    ours, theirs, versions, loads = dict.fromkeys(CASES, 0.0), {}, {}, []
+    for _ in range(rounds):
+        loads.append(os.getloadavg()[0])
+        for name in CASES:
+            ours[name] = max(ours[name], _case(name))
+        for peer in PEERS:
+            found = _peer(peer, pythons[peer])
+            if found is not None:
+                versions[peer] = found["version"]
+                for name, rate in found["rates"].items():
+                    label = f"{peer}: {name}"
+                    theirs[label] = max(theirs.get(label, 0.0), rate)
+    return {
+        "cases": {
+            name: {"steps_per_second": rate, "ratios": {peer: rate / theirs[peer] for peer in theirs}}
+            for name, rate in ours.items()
+        },
+        "peers": {name: {"steps_per_second": rate} for name, rate in theirs.items()},
+        "versions": {**versions, "gymnasium": importlib.metadata.version("gymnasium")},
+        "absent_peers": [peer for peer in PEERS if peer not in versions],
+        "load": loads,
+    }
+
+
+def main() -> None:
+    """Runs all and prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--rounds", type=int, default=3, help="rounds; the best counts (default 3)")
+    for peer in PEERS:
+        parser.add_argument(f"--{peer}", default=sys.executable, metavar="PYTHON", help=f"interpreter that has {peer}")
+    arguments = parser.parse_args()
+    result = measure(arguments.rounds, {peer: getattr(arguments, peer) for peer in PEERS})
+    if arguments.json:
+        click.echo(json.dumps(result))
+        return
+    for title, rows in (("worldgen", result["cases"]), ("peers", result["peers"])):
+        click.echo(f"{title:44}{'steps/s':>12}")
+        for name, row in rows.items():
+            click.echo(f"  {name:42}{row['steps_per_second']:12,.0f}")
+    click.echo(", ".join(f"{name} {version}" for name, version in result["versions"].items()))
+    click.echo(f"load when rounds began: {', '.join(f'{load:.1f}' for load in result['load'])}")
+    if result["absent_peers"]:
+        click.echo(f"not installed: {', '.join(result['absent_peers'])}")
+
+
+if __name__ == "__main__":
+    main()
