@@ -25,7 +25,8 @@ from worldgen.world import Witness, World
 __all__ = ["svg", "write_svg"]
 
 _STYLE = (
-    f".floor{{fill:{palette.FLOOR}}}.wall,.border{{fill:{palette.WALL};fill-rule:evenodd}}"
+    f".floor{{fill:{palette.FLOOR}}}.wall{{fill:{palette.WALL};fill-rule:evenodd}}"
+    f".border{{fill:{palette.GREY};fill-rule:evenodd}}"
     f".target{{fill:{palette.TARGET};fill-opacity:.6}}.robot{{fill:{palette.START};fill-opacity:.6}}"
     f".heading,.witness{{fill:none;stroke:{palette.START};stroke-linejoin:round}}"
 )
