@@ -1,4 +1,4 @@
-"""Loads a world into PyBullet: rays, a sphere that is dropped, and whether what is static stays where it is."""
+"""Loads a world into PyBullet: rays, a sphere that is dropped and then driven, and whether what is static stays."""
 
 import json
 import sys
@@ -23,8 +23,13 @@ x, y, height, radius = request["drop"]
 ball = p.createMultiBody(0.1, p.createCollisionShape(p.GEOM_SPHERE, radius=radius), basePosition=[x, y, height])
 for _ in range(960):
     p.stepSimulation()
-after = [p.getBasePositionAndOrientation(body) for body in bodies]
 fallen = p.getBasePositionAndOrientation(ball)[0]
+for _ in range(480):
+    p.resetBaseVelocity(ball, request["push"])
+    p.stepSimulation()
+driven = p.getBasePositionAndOrientation(ball)[0]
+after = [p.getBasePositionAndOrientation(body) for body in bodies]
 p.disconnect()
 print()  # the loader's warnings end without one
-print(json.dumps({"names": names, "masses": masses, "still": before == after, "rays": found, "drop": fallen}))
+said = {"names": names, "masses": masses, "still": before == after, "rays": found, "drop": fallen, "driven": driven}
+print(json.dumps(said))
