@@ -89,7 +89,7 @@ def test_import_after_export_is_the_same_world(name, tmp_path, world, origin):
 @pytest.mark.parametrize("name", BOTH_WAYS)
 def test_without_the_sidecar_the_cells_come_back(name, tmp_path):
     for size in SIZES:
-        world = replace(generate("maze", 1, size=size), certificate=None)
+        world = replace(generate("maze", 1, size=size, robot_radius=0.04), certificate=None)
         try:
             export = export_world(world, name, sidecar=False)
         except InvalidWorld:

@@ -11,7 +11,7 @@ from pathlib import Path
 from worldgen.errors import InvalidParameter
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap
-from worldgen.interop.movingai import read_scenario
+from worldgen.interop.movingai import SCENARIO_RADIUS, read_scenario
 from worldgen.interop.place import heading_towards, is_clear, place
 from worldgen.interop.recognising import read_map
 from worldgen.lattice import exact
@@ -23,7 +23,6 @@ __all__ = ["VERSION", "Imported", "RobotOptions", "as_json", "describe", "import
 
 VERSION = 1  # goes up whenever some file becomes another world than before
 _RADIUS_IN_CELLS = Fraction(7, 10)  # the thesis's robot
-_SCENARIO_RADIUS_IN_CELLS = Fraction(4, 10)  # a scenario's robot turns in corridors one cell wide
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 
 
@@ -124,7 +123,7 @@ def _with_scenario(robot: RobotOptions, found: ForeignMap, params: dict[str, Val
     height, width = found.walls.shape
     problem = read_scenario(robot.scenario, robot.row, width, height, found.cell_size)
     params |= {"scenario": robot.scenario.name, "row": robot.row, "optimal": problem.optimal}
-    radius = _first(robot.radius, float(_SCENARIO_RADIUS_IN_CELLS * exact(found.cell_size)))
+    radius = _first(robot.radius, float(SCENARIO_RADIUS * exact(found.cell_size)))
     return replace(robot, start=problem.start, target=problem.goal, radius=radius)
 
 

@@ -5,9 +5,11 @@ Source: Nathan Sturtevant, "Benchmarks for Grid-Based Pathfinding", 2012, and mo
 
 from __future__ import annotations
 
+import math
 import re
 from array import array
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 from typing import NoReturn
 
@@ -17,15 +19,18 @@ import numpy.typing as npt
 from worldgen.errors import FormatError
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
-from worldgen.interop.format import Format
-from worldgen.lattice import UNIT, lattice_to_metres
+from worldgen.interop.format import Destination, Exported, Format
+from worldgen.interop.octile import OctileMap
+from worldgen.interop.text import cell_of, off_centre
+from worldgen.lattice import UNIT, exact, lattice_to_metres, radius_in_cells
 from worldgen.rows import flip_rows
-from worldgen.world import DEFAULT_CELL_SIZE, Value
+from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = [
     "BLOCKED",
     "GROUND",
     "PASSABLE",
+    "SCENARIO_RADIUS",
     "Problems",
     "Scenario",
     "movingai",
@@ -34,11 +39,13 @@ __all__ = [
     "read_scenario",
     "read_terrain",
     "scenario_contents",
+    "write_movingai",
 ]
 
 # Swamp can be entered from plain ground; water cannot, so for a robot that starts on ground it is a wall.
 PASSABLE = b".GS"
 BLOCKED = b"@OTW"
+SCENARIO_RADIUS = Fraction(4, 10)  # cells; a scenario's robot turns in corridors one cell wide
 GROUND, OUTSIDE, WATER, TREES = 0, 1, 2, 3  # who is on ground, on water or among trees stays there
 _FIRST_ROW = 5  # line of the first row, after type, height, width and map
 _MAX_SCENARIO_LINE = 4096  # bytes; nine short fields
@@ -65,7 +72,29 @@ def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     data = read_bounded(path)
     walls = flip_rows(_parse(data, str(path)) != GROUND)
     params: dict[str, Value] = {"format": "movingai", "source": path.name, "sha256": digest(data)}
-    return ForeignMap(walls, cell_size, params)
+    found = ForeignMap(walls, cell_size, params)
+    return _with_only_problem(found, path)
+
+
+def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
+    """The map with start and goal of the scenario file beside it, where that has exactly one problem.
+
+    A benchmark's scenario files have hundreds: none of those is the one meant. With one problem, as ``export``
+    writes it, there is no choice to be made.
+    """
+    for name in (f"{path.name}.scen", f"{path.stem}.scen"):
+        beside = path.with_name(name)
+        try:
+            if not beside.is_file() or scenario_contents(beside)[1] != 1:
+                continue
+            height, width = found.walls.shape
+            problem = read_scenario(beside, 1, width, height, found.cell_size)
+        except (FormatError, OSError) as error:
+            return replace(found, warnings=(f"{name} beside the map was passed over: {error}",))
+        note = f"start and goal are those of {name}, whose only problem is for this map; --seed looks for other places"
+        radius = float(SCENARIO_RADIUS * exact(found.cell_size))
+        return replace(found, start=problem.start, target=problem.goal, robot_radius=radius, notes=(note,))
+    return found
 
 
 def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
@@ -349,11 +378,46 @@ def _centre(column: int, row_from_top: int, height: int, cell_size: float) -> tu
     return lattice_to_metres(x, cell_size), lattice_to_metres(y, cell_size)
 
 
+def write_movingai(world: World, destination: Destination) -> Exported:
+    """A map of ``.`` and ``@``, and beside it a scenario file with one problem: from the start's cell to the target's.
+
+    Args:
+        world: The world.
+        destination: Where the map goes; ``.scen`` is put behind its name for the other.
+    """
+    cells = np.where(flip_rows(world.walls), np.uint8(BLOCKED[0]), np.uint8(PASSABLE[0]))
+    head = f"type octile\nheight {world.height}\nwidth {world.width}\nmap\n".encode()
+    files = {destination.name: head + b"".join(row.tobytes() + b"\n" for row in cells)}
+    start, goal = cell_of(world, world.start.x, world.start.y), cell_of(world, world.target.x, world.target.y)
+    straight, diagonal = OctileMap(flip_rows(world.walls)).lengths(np.array([start]), np.array([goal]))[0].tolist()
+    if straight < 0:
+        why = "no path of cells leads from the start's to the target's, so there is no scenario file"
+        return Exported(files, {"start": why, "target": why, "robot_radius": "the robot's radius is not stored"})
+    optimal = _decimals(straight, diagonal)
+    name = re.sub(r"\s", "_", destination.name)  # other programs part the fields at any white space
+    bucket = int(optimal.partition(".")[0]) // 4
+    row = "\t".join(map(str, (bucket, name, world.width, world.height, *start, *goal, optimal)))
+    files[f"{destination.name}.scen"] = f"version 1\n{row}\n".encode()
+    altered = off_centre(world, (start, goal))
+    if radius_in_cells(world) != SCENARIO_RADIUS:
+        altered["robot_radius"] = "the robot's radius is not stored; a scenario's robot has 0.4 cells"
+    return Exported(files, altered)
+
+
+def _decimals(straight: int, diagonal: int) -> str:
+    """``straight + diagonal * sqrt(2)`` with eight decimals, as the benchmark's files have it, correctly rounded."""
+    twice = 2 * straight * 10**8 + math.isqrt(8 * diagonal * diagonal * 10**16)
+    whole, rest = divmod((twice + 1) // 2, 10**8)
+    return f"{whole}.{rest:08d}"
+
+
 movingai = Format(
     "movingai",
     "MovingAI octile map, .map",
     (".map",),
     re.compile(rb"type\s"),
     read_movingai,
+    write_movingai,
+    holds=frozenset({"start", "target", "robot_radius"}),
     client="MovingAI benchmarks, HOG2",
 )

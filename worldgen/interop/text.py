@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
-__all__ = ["cell_centre", "cell_of", "off_centre", "read_text_map", "text", "write_text_map"]
+__all__ = ["cell_centre", "cell_of", "equal_rows", "off_centre", "read_text_map", "text", "write_text_map"]
 
 _SOLID, _FREE, _START, _TARGET = b"#", b". ", b"S", b"GE"
 _BAD = 2
@@ -41,15 +42,7 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     rows = [row.removesuffix(b"\r") for row in data.split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
-    check_sides(len(rows[0]) if rows else 0, len(rows), line=1, source=source)
-    for number, row in enumerate(rows, 1):
-        if len(row) != len(rows[0]):
-            raise FormatError(
-                f"a row of {len(row)} cells; the first has {len(rows[0])}; every row has that many",
-                line=number,
-                source=source,
-            )
-    drawn = np.frombuffer(b"".join(rows), np.uint8).reshape(len(rows), -1)
+    drawn = equal_rows(list(enumerate(rows, 1)), source)
     cells = _TABLE[drawn]
     if (cells == _BAD).any():
         row_index, column = divmod(int(np.argmax(cells == _BAD)), cells.shape[1])
@@ -69,6 +62,31 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
         start=None if start is None else (*start, 0.0),
         target=None if target is None else (*target, lattice_to_metres(UNIT // 2, cell_size)),
     )
+
+
+def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np.uint8]:
+    """The characters of rows that must have one length.
+
+    Args:
+        rows: Line in the file and text of each.
+        source: The file's name for messages.
+
+    Returns:
+        (rows, length) uint8.
+
+    Raises:
+        FormatError: If there is none, one is longer or shorter than the first, or there are too many.
+    """
+    width = len(rows[0][1]) if rows else 0
+    check_sides(width, len(rows), line=1, source=source)
+    for number, row in rows:
+        if len(row) != width:
+            raise FormatError(
+                f"a row of {len(row)} cells; the first has {width}; every row has that many",
+                line=number,
+                source=source,
+            )
+    return np.frombuffer(b"".join(row for _, row in rows), np.uint8).reshape(len(rows), width)
 
 
 def cell_centre(column: int, row: int, cell_size: float) -> tuple[float, float]:

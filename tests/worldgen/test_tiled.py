@@ -1,0 +1,142 @@
+"""Tiled's maps: layers, packings, objects moved by hand, and what is refused."""
+
+import base64
+import gzip
+import json
+import math
+import zlib
+
+import numpy as np
+import pytest
+
+from tests.helpers.drawn_worlds import drawn
+from worldgen.errors import FormatError
+from worldgen.interop import export_world, import_world, read_map, write_export
+from worldgen.world import Pose
+
+ROOM = "#####\n#S.G#\n#..##\n#####"
+NUMBERS = [int(letter == "#") for row in ROOM.split() for letter in row]
+RAW = np.array(NUMBERS, "<u4").tobytes()
+
+
+@pytest.fixture
+def made(tmp_path):
+    """The map of a room, changed by a function, written and read."""
+
+    def change(function):
+        path = write_export(export_world(drawn(ROOM, radius=0.04), "tiled"), tmp_path, force=True)[0]
+        parts = json.loads(path.read_text())
+        function(parts)
+        path.write_text(json.dumps(parts))
+        return path
+
+    return change
+
+
+def test_the_map_has_the_layers_and_pixels_that_tiled_shows():
+    parts = json.loads(export_world(drawn(ROOM), "tiled", file="r.tmj").data)
+    walls, places = parts["layers"]
+    assert (walls["data"], parts["width"], parts["height"]) == (NUMBERS, 5, 4)
+    assert [(part["name"], part["x"], part["y"]) for part in places["objects"]] == [
+        ("start", 24.0, 24.0), ("target", 56.0 - 0.8, 24.0 - 0.8),
+    ]  # fmt: skip
+    assert parts["tilesets"][0]["image"] == "r-tile.png"
+
+
+@pytest.mark.parametrize(
+    ("data", "compression"),
+    [(RAW, ""), (zlib.compress(RAW), "zlib"), (gzip.compress(RAW), "gzip")],
+    ids=["plain", "zlib", "gzip"],
+)
+def test_packed_tiles_are_the_same_cells(made, data, compression):
+    packed = {"data": base64.b64encode(data).decode(), "encoding": "base64", "compression": compression}
+    found = read_map(made(lambda parts: parts["layers"][0].update(packed)))
+    assert found.walls[::-1].ravel().tolist() == [bool(number) for number in NUMBERS]
+
+
+def test_flipped_tiles_are_solid_and_flips_alone_are_not(made):
+    flipped = [0xE0000001 if number else 0x80000000 for number in NUMBERS]
+    found = read_map(made(lambda parts: parts["layers"][0].update(data=flipped)))
+    assert found.walls[::-1].ravel().tolist() == [bool(number) for number in NUMBERS]
+
+
+def test_an_object_moved_and_turned_by_hand_counts(made):
+    def move(parts):
+        parts["layers"][1]["objects"][0].update(x=40.0, y=40.0, rotation=90)
+        parts["layers"][1]["objects"][1].update(width=16, height=16, x=48, y=16)
+
+    found = read_map(made(move))
+    assert found.start == (0.25, pytest.approx(0.15), pytest.approx(-math.pi / 2))
+    assert found.target == (0.35, 0.25, 0.05)
+
+
+def test_rounded_pixels_of_another_program_are_no_edit(made):
+    def rounded(parts):
+        for part in parts["layers"][1]["objects"]:
+            part.update(x=round(part["x"], 4), y=round(part["y"], 4))
+
+    world = drawn(ROOM, radius=0.04)
+    again = import_world(made(rounded)).world
+    assert (again.start, again.target) == (Pose(world.start.x, world.start.y), world.target)
+
+
+def foreign(parts):
+    """As someone draws it: floors and walls in a group, a spawn point, no properties."""
+    walls, places = parts["layers"]
+    floor = {**walls, "name": "Floor", "data": [7] * len(NUMBERS)}
+    places["objects"] = [
+        {"name": "", "type": "Spawn", "x": 24, "y": 24},
+        {"name": "Goal", "x": 48, "y": 16, "width": 16},
+    ]
+    parts["layers"] = [{"type": "group", "name": "all", "layers": [floor, {**walls, "name": "Collision"}, places]}]
+    del parts["properties"]
+
+
+def test_a_map_drawn_by_someone_else_is_read(made):
+    found = read_map(made(foreign))
+    assert found.walls.sum() == sum(NUMBERS) and found.cell_size == 0.1
+    assert (found.start, found.robot_radius) == ((0.15, 0.25, 0.0), None)
+    assert read_map(made(foreign), "tiled+layer=Floor").warnings[0].startswith("every cell has a tile")
+    assert read_map(made(foreign), options={"cell_size": 0.5}).cell_size == 0.5
+
+
+def packed(data, compression="zlib"):
+    return lambda parts: parts["layers"][0].update(
+        data=base64.b64encode(data).decode(), encoding="base64", compression=compression
+    )
+
+
+BAD = [
+    (lambda parts: parts.update(infinite=True), "is endless; take the tick off Infinite"),
+    (lambda parts: parts.update(orientation="isometric"), "only orthogonal maps are worlds"),
+    (lambda parts: parts.update(tileheight=8), "tiles of 16 x 8 pixels; a cell is a square"),
+    (lambda parts: parts.update(width="5"), "width is '\"5\"', no whole number"),
+    (lambda parts: parts.update(width=10**6, height=10**6), "1000000 x 1000000 cells"),
+    (lambda parts: parts.update(layers=[1]), "a layer is none"),
+    (lambda parts: parts.pop("layers"), "has no layers"),
+    (lambda parts: parts["layers"][0].update(data=[1]), "has 1 cells; 5 x 4 are 20"),
+    (lambda parts: parts["layers"][0].update(data=[-1] * 20), "has no list of tile numbers"),
+    (lambda parts: parts["layers"][0].update(data=[2.5] * 20), "has no list of tile numbers"),
+    (lambda parts: parts["layers"][0].update(data=[[1]] * 20), "has no list of tile numbers"),
+    (lambda parts: parts["layers"][0].update(width=4), "has 4 x 4 cells, the map 5 x 4"),
+    (lambda parts: parts["layers"].append({**parts["layers"][0], "name": "b"}) or parts["layers"][0].update(name="a"),
+     "the layer of walls cannot be told; layers of tiles: 'a', 'b'"),
+    (packed(zlib.compress(bytes(10**7))), "does not unpack to 80 bytes"),
+    (packed(zlib.compress(RAW)[:-8]), "does not unpack to 80 bytes"),
+    (packed(b"no zlib"), "cannot be unpacked"),
+    (packed(RAW, "zstd"), "is packed by 'zstd'; save it in Tiled as CSV or zlib"),
+    (lambda parts: parts["layers"][0].update(data="???"), "cannot be unpacked"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("function", "message"), BAD, ids=range(len(BAD)))
+def test_a_map_that_is_no_world_is_refused(made, function, message):
+    with pytest.raises(FormatError, match=message):
+        read_map(made(function), "tiled")
+
+
+@pytest.mark.parametrize("text", [b"", b"[" * 100_000, b'{"layers": \xff}', b'{"width": ' + b"9" * 10_000 + b"}"])
+def test_what_tiled_would_not_write_is_refused(tmp_path, text):
+    (tmp_path / "m.tmj").write_bytes(text)
+    with pytest.raises(FormatError, match="save it from Tiled"):
+        read_map(tmp_path / "m.tmj")

@@ -1,0 +1,192 @@
+"""Parts of a Tiled map: layers, tiles, objects and properties, none of them believed before it is checked."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import contextlib
+import json
+import math
+import zlib
+from collections.abc import Collection, Iterator
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from worldgen.errors import FormatError
+from worldgen.interop.foreign_map import shown
+
+__all__ = [
+    "Part",
+    "all_layers",
+    "checked_number",
+    "first_object",
+    "numbers_of",
+    "parse_tiled",
+    "tile_layer",
+    "tile_numbers",
+]
+
+Part: TypeAlias = dict[str, Any]
+_TILE = 0x0FFFFFFF  # the upper bits say how a tile is flipped and turned
+_MOST_LAYERS = 10_000
+_WINDOW = 47  # zlib and gzip, told by their header
+_COMMON_NAMES = ("walls", "wall", "collision", "collisions", "obstacles", "solid")
+
+
+def parse_tiled(data: bytes, source: str) -> Part:
+    """The map, its kind checked.
+
+    Raises:
+        FormatError: If it is no JSON, no map, endless, or not of square tiles in rows and columns.
+    """
+    try:
+        parsed = json.loads(data)
+    except UnicodeDecodeError as error:
+        raise FormatError("is no UTF-8 text; save it from Tiled as JSON", source=source) from error
+    except json.JSONDecodeError as error:
+        message = f"is no JSON: {error.msg}; save it from Tiled as JSON (.tmj)"
+        raise FormatError(message, line=error.lineno, source=source) from error
+    except (RecursionError, ValueError) as error:  # nested too deep; a number of thousands of digits
+        raise FormatError("is no map that Tiled would write; save it from Tiled anew", source=source) from error
+    if not isinstance(parsed, dict) or not isinstance(parsed.get("layers"), list):
+        raise FormatError("has no layers; give a map that Tiled saved as JSON, not a tileset or world", source=source)
+    if parsed.get("infinite") is True:
+        raise FormatError("is endless; take the tick off Infinite in Tiled's Map Properties", source=source)
+    kind = parsed.get("orientation", "orthogonal")
+    if kind != "orthogonal":
+        raise FormatError(f"its orientation is {shown(str(kind))}; only orthogonal maps are worlds", source=source)
+    tile = [checked_number(parsed, key, source) for key in ("tilewidth", "tileheight")]
+    if tile[0] != tile[1] or tile[0] < 1:
+        raise FormatError(f"tiles of {tile[0]} x {tile[1]} pixels; a cell is a square", source=source)
+    return parsed
+
+
+def checked_number(part: Part, key: str, source: str) -> int:
+    """A whole number from 0 to a million.
+
+    Raises:
+        FormatError: If it is missing or another thing.
+    """
+    value = part.get(key)
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= 1_000_000:
+        raise FormatError(f"{key} is {shown(json.dumps(value))}, no whole number of 0 or more", source=source)
+    return value
+
+
+def all_layers(parsed: Part, source: str) -> list[Part]:
+    """Layers in drawing order, those in groups too.
+
+    Raises:
+        FormatError: If there are too many, or one is no layer.
+    """
+    waiting: list[Any] = list(reversed(parsed["layers"]))
+    found: list[Part] = []
+    while waiting:
+        layer = waiting.pop()
+        if not isinstance(layer, dict) or len(found) >= _MOST_LAYERS:
+            raise FormatError(f"a layer is none, or there are more than {_MOST_LAYERS}; save it anew", source=source)
+        found.append(layer)
+        inner = layer.get("layers")
+        if isinstance(inner, list):
+            waiting.extend(reversed(inner))
+    return found
+
+
+def tile_layer(layers: list[Part], name: str, source: str) -> Part:
+    """The layer of walls: as named, else one called walls or the like, else the only one that has tiles.
+
+    Raises:
+        FormatError: If there is none, or it cannot be told.
+    """
+    tiles = [layer for layer in layers if layer.get("type") == "tilelayer"]
+    for layer in tiles:
+        layer["name"] = str(layer.get("name", ""))
+    if name:
+        found = [layer for layer in tiles if layer["name"] == name]
+    else:
+        found = [layer for layer in tiles if layer["name"].lower() in _COMMON_NAMES][:1] or tiles
+    if len(found) != 1:
+        names = ", ".join(shown(layer["name"]) for layer in tiles[:20]) or "none"
+        problem = f"there is no layer {shown(name)}" if name else "the layer of walls cannot be told"
+        raise FormatError(f"{problem}; layers of tiles: {names}; say one with --from tiled+layer=NAME", source=source)
+    return found[0]
+
+
+def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArray[np.uint32]:
+    """Numbers of tiles, (height, width), top row first, 0 where there is none; how they are flipped is left out.
+
+    Raises:
+        FormatError: If the layer has another size, or its data cannot be unpacked to that many numbers.
+    """
+    name = f"layer {shown(layer['name'])}"
+    size = layer.get("width", width), layer.get("height", height)
+    if size != (width, height):
+        raise FormatError(f"{name} has {size[0]} x {size[1]} cells, the map {width} x {height}", source=source)
+    data = layer.get("data")
+    if isinstance(data, str):
+        numbers = np.frombuffer(_unpacked(layer, data, 4 * width * height, name, source), "<u4")
+    else:
+        numbers = _listed(data, name, source)
+    if len(numbers) != width * height:
+        raise FormatError(
+            f"{name} has {len(numbers)} cells; {width} x {height} are {width * height}; save it anew", source=source
+        )
+    return (numbers & _TILE).astype(np.uint32).reshape(height, width)
+
+
+def _listed(data: object, name: str, source: str) -> npt.NDArray[np.int64]:
+    numbers = np.array([])
+    if isinstance(data, list) and not any(isinstance(value, list) for value in data[:1]):
+        with contextlib.suppress(ValueError, OverflowError):
+            numbers = np.array(data)
+    if numbers.ndim != 1 or numbers.dtype.kind not in "iu" or (len(numbers) and int(numbers.min()) < 0):
+        raise FormatError(f"{name} has no list of tile numbers as its data; save it anew", source=source)
+    return numbers.astype(np.int64)
+
+
+def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> bytes:
+    if layer.get("encoding", "base64") != "base64":
+        raise FormatError(f"{name} has the encoding {shown(str(layer['encoding']))}; save it as CSV", source=source)
+    kind = layer.get("compression") or "none"
+    if kind not in ("none", "zlib", "gzip"):
+        raise FormatError(f"{name} is packed by {shown(str(kind))}; save it in Tiled as CSV or zlib", source=source)
+    try:
+        packed = base64.b64decode(text, validate=True)
+        if kind == "none":
+            return packed[: size + 4]
+        unpacker = zlib.decompressobj(_WINDOW)
+        data = unpacker.decompress(packed, size + 1)  # never more than a map of that size has
+    except (binascii.Error, zlib.error, ValueError) as error:
+        raise FormatError(f"{name} cannot be unpacked: {error}; save it anew", source=source) from error
+    if len(data) > size or not unpacker.eof:
+        raise FormatError(f"{name} does not unpack to {size} bytes; it is damaged, save it anew", source=source)
+    return data[: len(data) // 4 * 4]
+
+
+def first_object(layers: list[Part], names: Collection[str]) -> Part | None:
+    """The first object whose name, class or type is one of these, whatever its case."""
+    for part in _objects(layers):
+        if any(str(part.get(key, "")).lower() in names for key in ("name", "class", "type")):
+            return part
+    return None
+
+
+def _objects(layers: list[Part]) -> Iterator[Part]:
+    for layer in layers:
+        objects = layer.get("objects")
+        if layer.get("type") == "objectgroup" and isinstance(objects, list):
+            yield from (part for part in objects if isinstance(part, dict))
+
+
+def numbers_of(part: Part, *keys: str) -> dict[str, float]:
+    """Finite numbers of a part by those keys; without any, of its custom properties by their names."""
+    if keys:
+        pairs = [(key, part.get(key)) for key in keys]
+    else:
+        properties = part.get("properties")
+        named = [each for each in properties if isinstance(each, dict)] if isinstance(properties, list) else []
+        pairs = [(str(each.get("name")), each.get("value")) for each in named]
+    plain = [(key, value) for key, value in pairs if isinstance(value, int | float) and not isinstance(value, bool)]
+    return {key: float(value) for key, value in plain if abs(value) < 1e300 and math.isfinite(value)}
