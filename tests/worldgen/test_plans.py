@@ -158,6 +158,11 @@ def test_the_bytes_of_a_plan_are_the_same_everywhere(name, digest):
     assert hashlib.sha256(data).hexdigest()[:16] == digest
 
 
+def test_a_name_that_no_xml_can_hold_is_no_fault():
+    root = ET.fromstring(export_world(TINY, "svg", file="a\x01\udcff<&.svg").data)
+    assert root.find(f"{SVG}title").text == "a??<&.svg"
+
+
 def test_a_scale_that_is_none_is_refused():
     with pytest.raises(InvalidParameter, match="scale=0 is outside"):
         export_world(TINY, "svg+scale=0")

@@ -20,6 +20,7 @@ from worldgen.interop.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
 from worldgen.parameters import check_between
 from worldgen.render import palette
+from worldgen.render.caption import printable
 from worldgen.world import Witness, World
 
 __all__ = ["svg", "write_svg"]
@@ -52,7 +53,7 @@ def write_svg(world: World, destination: Destination, *, scale: float = 20.0, wi
     bottom, top = lines.y[-more], lines.y[world.height + more]
     view = " ".join(decimal_text(value) for value in (left, -top, right - left, top - bottom))
     across, down = (float(1000 * length / exact(scale)) for length in (right - left, top - bottom))
-    name = html.escape(destination.name)
+    name = html.escape(printable(destination.name))
     text = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{view}" width="{across!r}mm" height="{down!r}mm">',
         f"<title>{name}</title>",
