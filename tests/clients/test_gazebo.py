@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -34,31 +35,29 @@ HALL = """
 WALL = 0.8  # m: where the wall on the right begins, in the start's row
 
 
+def _flags():
+    """What the compiler is to be told of Fortress's libraries; None where they are not installed."""
+    if shutil.which("pkg-config") is None:
+        return None
+    words = ["pkg-config", "--cflags", "--libs", *LIBRARIES]
+    asked = subprocess.run(words, capture_output=True, text=True, check=False)
+    return None if asked.returncode else [*asked.stdout.split(), "-I/usr/include/ignition/physics5"]
+
+
 @pytest.fixture(scope="module")
 def engine():
     """The command that runs the program; it is compiled once for its text."""
-    compiler = program("g++")
+    compiler, flags = program("g++"), _flags()
     plugins = sorted(Path("/usr/lib").glob("*/libignition-physics5-dartsim-plugin.so"))
-    asked = subprocess.run(
-        ["pkg-config", "--cflags", "--libs", *LIBRARIES], capture_output=True, text=True, check=False
-    )
-    if asked.returncode or not plugins:
+    if flags is None or not plugins:
         pytest.skip(f"Fortress's physics is not here, so it judged nothing; apt-get install {PROGRAMS['g++']}")
     source = SCRIPTS / "gazebo_physics.cc"
     binary = FOLDER / f"gazebo-physics-{hashlib.sha256(source.read_bytes()).hexdigest()[:12]}"
     if not binary.exists():
         FOLDER.mkdir(parents=True, exist_ok=True)
-        words = [
-            compiler,
-            "-std=c++17",
-            "-w",
-            source,
-            "-o",
-            binary.with_suffix(".new"),
-            "-I/usr/include/ignition/physics5",
-        ]
-        subprocess.run([*words, *asked.stdout.split(), "-lignition-physics5"], check=True)
-        binary.with_suffix(".new").rename(binary)
+        fresh = binary.with_suffix(f".{os.getpid()}")
+        subprocess.run([compiler, "-std=c++17", "-w", source, "-o", fresh, *flags, "-lignition-physics5"], check=True)
+        fresh.rename(binary)
     return [binary, plugins[0]]
 
 
