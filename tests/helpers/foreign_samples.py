@@ -67,7 +67,10 @@ def samples(name):
     found = list(AS_OTHERS_WRITE.get(name, ()))
     if name == "grid":
         found += [{"world.grid": dumps(world)} for world in (_room(), generate("shift", 1, size=16))]
-    for world in (_room(), _square(), replace(generate("maze", 1, size=13), certificate=None)):
+    mazes = [
+        replace(generate("maze", 1, size=13, robot_radius=radius), certificate=None) for radius in (0.07, 0.04)
+    ]  # the second has corridors of one cell
+    for world in (_room(), _square(), *mazes):
         try:
             found += [dict(export_world(world, name).files)] if FORMATS.get(name).write else []
         except InvalidWorld:  # the thesis's maps are squares, a micromouse's maze has posts
