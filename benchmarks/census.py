@@ -33,7 +33,6 @@ __all__ = ["ROWS", "Row", "measure"]
 EXAMPLES = Path(__file__).parents[1] / "examples" / "census"
 CELLS = ("0.45c", "0.7c", "1c")
 SEED = 1
-WHOLE = 300
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,6 @@ class Row:
         radii: As ``--radius`` takes them.
         pairs: Starts and targets a map.
         clear_ends: As the option.
-        whole: Whether all maps are taken, for a collection that has no more than 300.
     """
 
     name: str
@@ -60,13 +58,12 @@ class Row:
     radii: tuple[str, ...] = CELLS
     pairs: int = 1
     clear_ends: bool = False
-    whole: bool = False
 
     def command(self, count: int) -> str:
         """The command line that gives the same figures."""
         sources = [*self.folders] or [f"./examples/census/{self.adapter}.py:maps"]
         words = ["worldgen", "census", *sources, *(word for radius in self.radii for word in ("--radius", radius))]
-        words += [] if self.folders else ["--count", str(WHOLE if self.whole else count)]
+        words += [] if self.folders else ["--count", str(count)]
         words += [word for key, value in self.options for word in ("--option", f"{key}={value}")]
         words += ["--pairs", str(self.pairs)] if self.pairs > 1 else []
         words += ["--clear-ends"] if self.clear_ends else []
@@ -96,9 +93,8 @@ def _generators() -> Iterator[Row]:
 
 
 def _collections() -> Iterator[Row]:
-    options = (("folder", "{barn}"), ("raster", "outer"), ("cell", "0.15"))
     metres = ("0.35", "0.375", "0.376", "0.45")  # its generator keeps 0.375 m free, so 0.376 is the first to matter
-    yield Row("BARN, posts as squares", "barn_worlds", None, options, radii=metres, whole=True)
+    yield Row("BARN, posts as squares", folders=("{barn}",), radii=metres)
     for name in ("mazes", "random", "rooms", "dao"):
         folders = (f"{{movingai}}/maps/{name}", f"{{movingai}}/scenarios/{name}")
         yield Row(f"MovingAI {name}", folders=folders)
@@ -122,7 +118,7 @@ def measure(row: Row, count: int, given: dict[str, str]) -> dict[str, Any]:
         keywords = {key: value.format(**given) for key, value in row.options}
         place = f"{EXAMPLES / row.adapter}.py:maps"
         try:
-            maps = generated_maps(place, count=WHOLE if row.whole else count, seed=SEED, options=keywords)
+            maps = generated_maps(place, count=count, seed=SEED, options=keywords)
         except InvalidParameter as error:  # installed, and does not load
             return {"name": row.name, "skipped": str(error)}
     census = take_census(maps, options)

@@ -6,13 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from benchmarks.census import ROWS, main
-from tests.helpers.command_line import worldgen
-from worldgen.census import generated_maps
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "examples" / "census"
@@ -43,8 +40,8 @@ def test_an_adapter_gives_judgeable_maps_and_the_same_for_the_same_seed(name, tm
 
 
 def test_every_generators_adapter_is_tested_here():
-    assert {path.stem for path in FOLDER.glob("*.py")} == {*MODULES, "barn_worlds"}
-    assert {row.adapter for row in ROWS if row.adapter} == {*MODULES, "barn_worlds"}
+    assert {path.stem for path in FOLDER.glob("*.py")} == {*MODULES}
+    assert {row.adapter for row in ROWS if row.adapter} == {*MODULES}
 
 
 @pytest.fixture
@@ -55,31 +52,6 @@ def barn(tmp_path):
         text = f"<sdf version='1.6'><world name='w'>{PLANE}{''.join(posts)}</world></sdf>"
         (tmp_path / f"world_{number}.world").write_text(text)
     return tmp_path
-
-
-@pytest.mark.parametrize(("raster", "radius", "reachable"), [
-    ("outer", "0.3", 1), ("outer", "0.31", 0), ("inner", "0.35", 1), ("inner", "0.36", 0),
-])  # fmt: skip
-def test_posts_are_rasterised_from_outside_or_inside(barn, raster, radius, reachable):
-    options = ["--option", f"folder={barn}", "--option", f"raster={raster}", "--option", "cell=0.05"]
-    args = [f"{FOLDER}/barn_worlds.py:maps", *options, "--radius", radius, "--json"]
-    found = json.loads(worldgen("census", *args, "--seed", 1).out)
-    assert found["maps"] == 2 and found["radii"][0]["reachable"]["count"] == reachable
-
-
-def test_an_inner_raster_lies_in_the_outer_one_and_a_coarse_one_has_a_cell_for_each_post(barn):
-    def cells(**options):
-        text = {key: str(value) for key, value in {"folder": barn, **options}.items()}
-        return next(iter(generated_maps(f"{FOLDER}/barn_worlds.py:maps", count=1, seed=1, options=text))).walls
-
-    inner, outer = cells(raster="inner", cell=0.025), cells(raster="outer", cell=0.025)
-    assert 0 < np.count_nonzero(inner) < np.count_nonzero(outer) and not (inner & ~outer).any()
-    assert np.count_nonzero(cells(raster="outer", cell=0.15)) == 26
-
-
-def test_a_folder_without_worlds_is_one_sentence():
-    result = worldgen("census", f"{FOLDER}/barn_worlds.py:maps", "--option", "folder=none", "--seed", 1)
-    assert result.code == 2 and "none has no world_*.world; name the challenge's" in result.err
 
 
 def test_the_table_says_loudly_what_it_skips(barn):

@@ -120,10 +120,15 @@ def found(tmp_path):
         Image.fromarray(grey).save(tmp_path / "m.png")
         path = tmp_path / "w.world"
         path.write_text(text)
-        assert find_format(path).name == "stage"
-        return read_map(path, options=options)
+        return read_map(path, "stage", options=options)
 
     return read
+
+
+@pytest.mark.parametrize("text", ['include "x.inc"', "# a world\ndefine a model ( )", "resolution 0.1\nfloorplan (\n)"])
+def test_a_world_of_stage_is_told_from_one_of_gazebo(tmp_path, text):
+    (tmp_path / "w.world").write_text(text)
+    assert find_format(tmp_path / "w.world").name == "stage"
 
 
 def test_the_black_part_of_the_picture_is_what_the_size_is_of(found):

@@ -18,7 +18,8 @@ from worldgen.family import check_between
 from worldgen.interop.companion import companion
 from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
 from worldgen.interop.grey_image import read_grey_image
-from worldgen.interop.raster import Box, Circle, Raster, natural_cell_size
+from worldgen.interop.raster import Box, Raster, natural_cell_size
+from worldgen.interop.shapes import Shapes, turned
 from worldgen.interop.yaml_table import YamlTable, read_yaml
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, MAX_SIDE, Value
@@ -29,7 +30,6 @@ _MAX_YAML_BYTES = 16 << 20  # a maze of 1000 x 1000 cells has 6 MB of boxes
 _MOST_OBJECTS = 1_000_000
 _SIZE = Fraction(10)  # m, IR-SIM's width and height where nothing is said
 _STATE, _GOAL = [Fraction(1), Fraction(1), Fraction(0)], [Fraction(1), Fraction(9), Fraction(0)]
-_NEAR_QUARTER = 1e-3  # rad; people write 1.57 for a quarter turn
 
 
 @dataclass
@@ -39,9 +39,7 @@ class _Scene:
     width: Fraction
     height: Fraction
     corner: tuple[Fraction, Fraction]
-    boxes: list[Box] = field(default_factory=list)
-    circles: list[Circle] = field(default_factory=list)
-    polygons: list[npt.NDArray[np.float64]] = field(default_factory=list)
+    shapes: Shapes = field(default_factory=Shapes)
     image: tuple[npt.NDArray[np.bool_], str, str] | None = None
     notes: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
@@ -76,7 +74,7 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
     robot = _robot(top, scene)
     origin = (float(scene.corner[0]), float(scene.corner[1]))
     return ForeignMap(
-        walls, size, params, tuple(scene.notes), tuple(scene.warnings), None, *robot, origin=origin
+        walls, size, params, (*scene.notes, *scene.shapes.notes), tuple(scene.warnings), None, *robot, origin=origin
     )  # fmt: skip
 
 
@@ -182,25 +180,24 @@ def _add_shape(scene: _Scene, owner: YamlTable, shape: YamlTable | None, state: 
     elif name == "circle":
         radius = Fraction(1) if shape is None else _length(shape, "radius", Fraction(1, 5))
         middle = _middle(shape)
-        turned = _turned(np.array([middle], np.float64), at, float(heading))[0]
-        scene.circles.append(Circle(float(turned[0]), float(turned[1]), float(radius)))
+        scene.shapes.disc(middle, radius, at, heading)
     elif shape is not None and name == "rectangle":
         half = _length(shape, "length", Fraction(1)) / 2, _length(shape, "width", Fraction(1)) / 2
         back = half[0] if "wheelbase" not in shape else (2 * half[0] - shape.fraction("wheelbase")) / 2
-        _add_corners(scene, _corners(-back, -half[1], 2 * half[0] - back, half[1]), at, heading)
+        scene.shapes.outline(_corners(-back, -half[1], 2 * half[0] - back, half[1]), at, heading)
     elif shape is not None and name in ("polygon", "linestring") and "vertices" in shape:
-        _add_corners(scene, _vertices(shape), at, heading, closed=name == "polygon")
+        scene.shapes.outline(_vertices(shape), at, heading, closed=name == "polygon")
     elif shape is not None and name == "compound":
         _add_parts(scene, owner, shape, (x, y, heading))
     else:
         raise owner.fault("shape", f"shape {shown(name)} is not read; circle, rectangle, polygon and linestring are")
 
 
-def _middle(shape: YamlTable | None) -> list[Fraction]:
+def _middle(shape: YamlTable | None) -> tuple[Fraction, Fraction]:
     rows = shape.rows("center") if shape is not None and "center" in shape else [[Fraction(0), Fraction(0)]]
     if shape is not None and len(rows[0]) != 2:
         raise shape.fault("center", "center must be two numbers, [x m, y m]")
-    return rows[0]
+    return rows[0][0], rows[0][1]
 
 
 def _vertices(shape: YamlTable) -> list[tuple[Fraction, Fraction]]:
@@ -221,41 +218,9 @@ def _add_parts(scene: _Scene, owner: YamlTable, shape: YamlTable, pose: tuple[Fr
         if _word(part, "name", "circle") == "compound":
             raise part.fault("name", "a compound in a compound is not read; put its parts into the outer one")
         own = [*part.rows("pose")[0], Fraction(0), Fraction(0)] if "pose" in part else [Fraction(0)] * 3
-        turned = _turned(np.array([own[:2]], np.float64), (Fraction(0), Fraction(0)), float(heading))[0]
-        moved = own[:2] if heading == 0 else [Fraction(float(value)) for value in turned]
+        turned_point = turned(np.array([own[:2]], np.float64), (Fraction(0), Fraction(0)), float(heading))[0]
+        moved = own[:2] if heading == 0 else [Fraction(float(value)) for value in turned_point]
         _add_shape(scene, owner, part, [x + moved[0], y + moved[1], heading + own[2]])
-
-
-def _turned(points: npt.NDArray[np.float64], at: tuple[Fraction, Fraction], heading: float) -> npt.NDArray[np.float64]:
-    cos, sin = math.cos(heading), math.sin(heading)
-    turned: npt.NDArray[np.float64] = points @ np.array([[cos, sin], [-sin, cos]]) + np.array(at, np.float64)
-    return turned
-
-
-def _add_corners(
-    scene: _Scene,
-    corners: list[tuple[Fraction, Fraction]],
-    at: tuple[Fraction, Fraction],
-    heading: Fraction,
-    *,
-    closed: bool = True,
-) -> None:
-    """A polygon, as a box where its sides lie along the axes, else turned in floating point."""
-    quarters = round(float(heading) / (math.pi / 2))
-    off = abs(float(heading) - quarters * math.pi / 2)
-    sides = [sorted({corner[axis] for corner in corners}) for axis in (0, 1)]
-    is_box = closed and len(corners) == 4 and len(set(corners)) == 4 and len(sides[0]) == len(sides[1]) == 2
-    if off < _NEAR_QUARTER and is_box:
-        if off > 1e-6:
-            scene.notes.append(f"an obstacle turned by {float(heading):g} rad counts as turned by {quarters} quarters")
-        (left, right), (low, high) = sides
-        for _ in range(quarters % 4):
-            left, low, right, high = -high, left, -low, right
-        scene.boxes.append(Box(left + at[0], low + at[1], right + at[0], high + at[1]))
-        return
-    points = _turned(np.array(corners, np.float64), at, float(heading))
-    pairs = [points] if closed else [points[index : index + 2] for index in range(len(points) - 1)]
-    scene.polygons.extend(pairs)
 
 
 def _cells(scene: _Scene, wanted: float, source: str) -> tuple[npt.NDArray[np.bool_], float]:
@@ -288,7 +253,7 @@ def _cell_size(scene: _Scene, wanted: float) -> Fraction:
         rows, columns = scene.image[0].shape
         return min(scene.width / int(columns), scene.height / int(rows))
     usual = Fraction(repr(DEFAULT_CELL_SIZE))
-    return natural_cell_size(scene.width, scene.height, scene.boxes) or usual
+    return natural_cell_size(scene.width, scene.height, scene.shapes.boxes) or usual
 
 
 def _paint(raster: Raster, scene: _Scene, size: Fraction) -> None:
@@ -296,12 +261,7 @@ def _paint(raster: Raster, scene: _Scene, size: Fraction) -> None:
     if scene.image is not None:
         rows, columns = scene.image[0].shape
         raster.picture(scene.image[0], scene.width / int(columns), scene.height / int(rows))
-    for box in scene.boxes:
-        raster.box(box)
-    for circle in scene.circles:
-        raster.circle(circle)
-    for polygon in scene.polygons:
-        raster.polygon(polygon)
+    scene.shapes.paint(raster)
     raster.box(Box(scene.width, Fraction(0), width * size, height * size))  # where the last cells stick out
     raster.box(Box(Fraction(0), scene.height, width * size, height * size))
 
@@ -353,10 +313,10 @@ def _radius(robot: YamlTable, scene: _Scene) -> float:
         return float(_length(shape, "radius", Fraction(1, 5)))
     around = _Scene(_SIZE, _SIZE, (Fraction(0), Fraction(0)))
     _add_shape(around, robot, shape, [Fraction(0)] * 3)
-    boxes = [corner for box in around.boxes for corner in _corners(*box)]
-    points = [*boxes, *(point for polygon in around.polygons for point in polygon.tolist())]
+    boxes = [corner for box in around.shapes.boxes for corner in _corners(*box)]
+    points = [*boxes, *(point for polygon in around.shapes.polygons for point in polygon.tolist())]
     radius = max((math.sqrt(float(x) ** 2 + float(y) ** 2) for x, y in points), default=0.0)
-    radius = max([radius, *(math.sqrt(c.x * c.x + c.y * c.y) + c.radius for c in around.circles)])
+    radius = max([radius, *(math.sqrt(c.x * c.x + c.y * c.y) + c.radius for c in around.shapes.circles)])
     if radius <= 0.0:
         raise robot.fault("shape", f"the robot's shape {shown(name)} is not read; give it a circle with a radius")
     scene.notes.append(f"the robot is a {name}; the disc round it that its turning needs has {radius:g} m")

@@ -167,7 +167,7 @@ stage = Format(
     (".world",),
     re.compile(
         rb"(?s)(?!\s*<)(.*\n)?[ \t]*(define[ \t]+[\w.-]+[ \t]+[\w.-]+|include[ \t]+\"[^\"\n]*\"|floorplan)"
-        rb"[ \t]*(#[^\n]*)?(\r?\n|\()"
+        rb"[ \t]*(#[^\n]*)?(\r?\n|\(|\Z)"
     ),
     read_stage,
     write_stage,

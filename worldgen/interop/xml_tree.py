@@ -1,0 +1,113 @@
+"""XML read as a tree of names and words: no document type, no entity, no endless depth, every fault with its line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from worldgen.errors import FormatError
+from worldgen.interop.foreign_map import shown
+
+__all__ = ["XmlElement", "read_xml"]
+
+_MOST_DEPTH = 64
+_MOST_ELEMENTS = 2_000_000
+_CHUNK = 1 << 16
+
+
+@dataclass
+class XmlElement:
+    """An element.
+
+    Args:
+        name: Its name, with the prefix that the file gives it.
+        line: Where it begins.
+        attributes: Words by name.
+        children: The elements inside.
+        text: The characters inside, without those of its children.
+    """
+
+    name: str
+    line: int
+    attributes: dict[str, str] = field(default_factory=dict)
+    children: list[XmlElement] = field(default_factory=list)
+    text: str = ""
+
+    def all(self, *names: str) -> Iterator[XmlElement]:
+        """The elements at the end of a path of names."""
+        for child in self.children:
+            if child.name == names[0]:
+                yield from child.all(*names[1:]) if names[1:] else (child,)
+
+    def first(self, *names: str) -> XmlElement | None:
+        """The first of them."""
+        return next(self.all(*names), None)
+
+    def word(self, *names: str, default: str = "") -> str:
+        """The characters in the first of them, without white space around."""
+        found = self.first(*names)
+        return default if found is None else found.text.strip()
+
+
+def read_xml(data: bytes, source: str) -> XmlElement:
+    """The root of a file.
+
+    Args:
+        data: The file.
+        source: Its name for messages.
+
+    Raises:
+        FormatError: If it is no well-formed XML, declares a document type, or is nested too deep.
+    """
+    reader = _Reader(source)
+    try:
+        for at in range(0, len(data), _CHUNK):
+            reader.parser.Parse(data[at : at + _CHUNK], False)
+        reader.parser.Parse(b"", True)
+    except expat.ExpatError as error:
+        reason = expat.ErrorString(error.code)
+        message = f"is no XML: {reason} in column {error.offset + 1}; correct it there, or just before"
+        raise FormatError(message, line=error.lineno, source=source) from error
+    except (ValueError, LookupError) as error:  # an encoding that Python does not have
+        raise FormatError(f"is no XML: {error}; save it as UTF-8", line=1, source=source) from error
+    return reader.open[0].children[0]
+
+
+class _Reader:
+    """Builds the tree; everything that could make a small file large is refused as soon as it is named."""
+
+    def __init__(self, source: str) -> None:
+        self.source, self.open, self._count = source, [XmlElement("", 0)], 0
+        self._texts: list[list[str]] = [[]]
+        self.parser = expat.ParserCreate()
+        self.parser.buffer_text = True
+        self.parser.StartDoctypeDeclHandler = self._doctype
+        self.parser.EntityDeclHandler = self._entity
+        self.parser.StartElementHandler = self._begin
+        self.parser.EndElementHandler = self._end
+        self.parser.CharacterDataHandler = self._characters
+
+    def _fault(self, message: str) -> FormatError:
+        return FormatError(message, line=self.parser.CurrentLineNumber, source=self.source)
+
+    def _doctype(self, name: str, *_: object) -> None:
+        raise self._fault(f"a document type ({shown(name)}) is declared; worlds have none, delete the <!DOCTYPE ...>")
+
+    def _entity(self, name: str, *_: object) -> None:
+        raise self._fault(f"an entity ({shown(name)}) is declared; write its text where it is used")
+
+    def _begin(self, name: str, attributes: dict[str, str]) -> None:
+        self._count += 1
+        if len(self.open) > _MOST_DEPTH or self._count > _MOST_ELEMENTS:
+            raise self._fault(f"more than {_MOST_DEPTH} levels or {_MOST_ELEMENTS} elements; cut a smaller world out")
+        element = XmlElement(name, self.parser.CurrentLineNumber, attributes)
+        self.open[-1].children.append(element)
+        self.open.append(element)
+        self._texts.append([])
+
+    def _end(self, _: str) -> None:
+        self.open.pop().text = "".join(self._texts.pop())
+
+    def _characters(self, text: str) -> None:
+        self._texts[-1].append(text)
