@@ -21,6 +21,7 @@ from sim.controllers import (
     PythonController,
     VectorController,
 )
+from sim.controllers.base import wants_world
 from sim.controllers.vector import OneOfMany
 from worldgen.errors import InvalidParameter, WorldgenError
 
@@ -66,6 +67,10 @@ def _load(arguments: list[str]) -> PythonController:
     found = CONTROLLERS.get(arguments[0])
     if isinstance(found, CompiledController | ProcessController):
         raise InvalidParameter(f"{arguments[0]} is no Python class; give it to --controller as it is")
+    if wants_world(found):
+        raise InvalidParameter(
+            f"{arguments[0]} plans with the world, which a program is not told; give it to --controller as it is"
+        )
     return OneOfMany(found) if isinstance(found, VectorController) else found
 
 

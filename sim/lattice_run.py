@@ -187,7 +187,7 @@ class LatticeRun:
         self.settings[layout.SET_FIND_LOOP] = int(find_loop and self.can_loop)
         if isinstance(self.controller, CompiledController):
             return self._run_compiled(self.controller, steps, record)
-        loop = PythonLoop(self.controller, self.arena(), self.settings, self.scales)
+        loop = PythonLoop(self.controller, self.arena(), self.settings, self.scales, self.world)
         loop.run(steps, record=record)
         return self._outcome(loop.robot, loop.recording(), loop.complete, loop.fault)
 

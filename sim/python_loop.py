@@ -12,12 +12,13 @@ import struct
 import sys
 import types
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import Command, Memory, Observation, PythonController, VectorController
+from sim.controllers.base import Command, Memory, Observation, PythonController, VectorController, wants_world
 from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour
 from sim.controllers.vector import ask
@@ -25,6 +26,7 @@ from sim.kernels import layout
 from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_motion import MOST_POINTS
 from sim.kernels.lattice_state import Arena, Room, new_robot, new_room
+from worldgen.world import World
 
 __all__ = ["PythonLoop", "flat_memory", "hidden_state"]
 
@@ -43,11 +45,18 @@ class PythonLoop:
         arena: Surroundings at the start.
         settings: As for the compiled episode.
         scales: Likewise.
+        world: What a controller that plans first is told.
     """
 
     def __init__(
-        self, controller: PythonController | VectorController, arena: Arena, settings: Ints, scales: Floats
+        self,
+        controller: PythonController | VectorController,
+        arena: Arena,
+        settings: Ints,
+        scales: Floats,
+        world: World,
     ) -> None:
+        self._world = world
         self._controller, self._arena, self._settings, self._scales = controller, arena, settings, scales
         self.robot = new_robot(0, arena.events)
         self.complete = True
@@ -84,7 +93,7 @@ class PythonLoop:
 
     def _guarded(self, steps: int, record: bool) -> None:
         try:
-            self._episode(flat_memory(self._controller.reset()), steps, record)
+            self._episode(flat_memory(self._reset()), steps, record)
         except Misbehaviour as fault:
             self.fault = fault
         except KeyboardInterrupt:
@@ -92,6 +101,15 @@ class PythonLoop:
         except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
             self.fault = Misbehaviour("crash", text[:_LONGEST_ERROR].encode("utf-8", "replace").decode())
+
+    def _reset(self) -> Memory:
+        """Memory at the start; who plans gets the world as anybody would find it, without its proof."""
+        controller: Any = self._controller
+        if isinstance(controller, VectorController) or not wants_world(controller):
+            memory: Memory = controller.reset()
+            return memory
+        planned: Memory = controller.reset(replace(self._world, certificate=None, provenance=None, failure=None))
+        return planned
 
     def _episode(self, memory: Memory, steps: int, record: bool) -> None:
         """Lets the kernel stop in each step, and the controller act."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,6 +33,7 @@ __all__ = [
     "compiled_act",
     "robot_for",
     "senses_of",
+    "wants_world",
 ]
 
 Floats: TypeAlias = npt.NDArray[np.float64]
@@ -198,8 +200,9 @@ class PythonController(Protocol):
     """A controller as a Python class; make it a frozen dataclass and keep all its state in ``memory``.
 
     ``memory`` is a tuple of numbers. A loop is only proved for a controller that keeps to this; one that
-    changes itself is at most ``stalled`` or ``timeout``. Attributes ``senses`` and ``needs`` may say what it looks at
-    and which robot it needs, as for a :class:`CompiledController`.
+    changes itself is at most ``stalled`` or ``timeout``. One that plans first writes ``reset(self, world)`` and gets
+    the :class:`~worldgen.world.World`, without certificate and provenance. Attributes ``senses`` and ``needs`` may say
+    what it looks at and which robot it needs, as for a :class:`CompiledController`.
     """
 
     def reset(self) -> Memory:
@@ -259,6 +262,16 @@ def robot_for(controller: Controller, robot: RobotOptions) -> RobotOptions:
     """A run's robot, with what the controller needs where the run leaves the default."""
     needs: RobotOptions = getattr(controller, "needs", _PLAIN)
     return RobotOptions.of({**needs.changed(), **robot.changed()})
+
+
+def wants_world(controller: Any) -> bool:
+    """Whether a class plans first: its ``reset`` takes an argument, the world."""
+    try:
+        parameters = inspect.signature(controller.reset).parameters.values()
+    except (AttributeError, TypeError, ValueError):  # no such method, or one that does not say what it takes
+        return False
+    by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    return any(one.default is one.empty and one.kind in by_place for one in parameters)
 
 
 def senses_of(controller: Controller) -> int:

@@ -9,7 +9,7 @@ import pytest
 from sim import Command, CompiledController, Observation, RunOptions, simulate, simulate_many
 from sim.episode import prepare
 from sim.kernels import layout
-from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World
+from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World, generate
 
 TURN_RATE = 512 / 65536 * 2 * math.pi / 0.015  # rad/s: 512 heading units a step, 128 steps a turn
 
@@ -435,3 +435,37 @@ def test_an_observation_is_no_memory():
     jot = CompiledController("jot", _jot, senses=("top_speed",))
     run = prepare(arena(), jot, RunOptions())
     assert run.run(100, find_loop=False, record=False).path_length == 0.0  # what it counts would make a loop a lie
+
+
+class Follower:
+    """Plans a way of two points in ``reset``, round the wall of ``planned_world``, and follows it."""
+
+    def reset(self, world):
+        assert world.certificate is None and world.provenance is None and world.failure is None
+        top = 0.5 + float(np.argmin(world.walls[:, 10])) * world.cell_size
+        return (1.05, top, world.target.x, world.target.y, 0.0)
+
+    def act(self, observation, memory):
+        goal = 2 * int(memory[4])
+        x, y = memory[goal] - observation.x, memory[goal + 1] - observation.y
+        reached = memory[4] == 0.0 and math.hypot(x, y) < 0.1
+        turn = math.remainder(math.atan2(y, x) - observation.heading, 2.0 * math.pi)
+        speed = 1.0 if abs(turn) < 0.2 else 0.0
+        return Command(speed, turn / observation.time_step), (*memory[:4], 1.0 if reached else memory[4])
+
+
+def planned_world():
+    walls = np.zeros((30, 20), bool)
+    walls[:20, 10] = True
+    return World(walls, start=Pose(0.5, 0.5, 0.0), target=Target(1.5, 0.5, 0.05), cell_size=0.1, robot_radius=0.07)
+
+
+def test_a_class_whose_reset_takes_the_world_plans_in_it():
+    assert simulate(planned_world(), Follower(), steps=3000).verdict == "reached"
+
+
+def test_a_planner_sees_the_same_world_with_and_without_its_proof():
+    world = generate("rooms", 3, size=24)
+    bare = replace(world, certificate=None, provenance=None)
+    first, second = (simulate(one, Follower(), steps=200, record=True) for one in (world, bare))
+    assert first.verdict != "crash" and first.trace_digest == second.trace_digest

@@ -4,6 +4,7 @@ import json
 import shlex
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -126,6 +127,7 @@ def test_a_hosted_class_that_hangs_has_a_verdict_and_its_prints_are_no_commands(
         ((), "takes one controller"),
         (("turn-left",), "turn-left is no Python class"),
         (("./absent.py:Robot",), "no such file"),
+        ((f"{Path(__file__).with_name('test_episode.py')}:Follower",), "a program is not told"),
     ],
 )
 def test_what_cannot_be_hosted_is_one_line(arguments, message):
