@@ -20,7 +20,6 @@ from worldgen.errors import FormatError
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.octile import OctileMap
 from worldgen.interop.text import cell_of, off_centre
 from worldgen.lattice import UNIT, exact, lattice_to_metres, radius_in_cells
 from worldgen.rows import flip_rows
@@ -385,6 +384,8 @@ def write_movingai(world: World, destination: Destination) -> Exported:
         world: The world.
         destination: Where the map goes; ``.scen`` is put behind its name for the other.
     """
+    from worldgen.interop.octile import OctileMap
+
     cells = np.where(flip_rows(world.walls), np.uint8(BLOCKED[0]), np.uint8(PASSABLE[0]))
     head = f"type octile\nheight {world.height}\nwidth {world.width}\nmap\n".encode()
     files = {destination.name: head + b"".join(row.tobytes() + b"\n" for row in cells)}

@@ -26,5 +26,8 @@ class Absent(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 sys.meta_path.append(Absent())
 from pogema_toolbox.moving_ai_ingestion import map_to_grid  # noqa: E402
 
-grids = {name: map_to_grid(Path(name).open("rb"), remove_border=False) for name in sys.argv[1:]}
-print(json.dumps({name: text.split("\n") for name, text in grids.items()}))
+grids = {}
+for name in sys.argv[1:]:
+    with Path(name).open("rb") as stream:
+        grids[name] = map_to_grid(stream, remove_border=False).split("\n")
+print(json.dumps(grids))
