@@ -272,6 +272,7 @@ class ThesisRun:
             words=_digest_words(rows[1:]),
             states=np.ascontiguousarray(rows[:, : at.ROW_MODE + at.MODE_STATE_SIZE]).view(np.uint64),
             complete=not self.options.thesis.random,
+            active=rows[:, at.ROW_MODE + at.ACTIVE].astype(np.int8),
         )
 
 

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Trace", "fnv1a", "state_digest"]
+__all__ = ["BEHAVIOURS", "Trace", "fnv1a", "state_digest"]
+
+BEHAVIOURS = ("collide", "seek", "drive")
+"""The behaviours of the thesis's robot."""
 
 Floats = npt.NDArray[np.float64]
 Words = npt.NDArray[np.uint64]
@@ -34,6 +37,7 @@ class Trace:
         words: uint64, in any shape: what the digest runs over.
         states: (n + 1, k) uint64: the complete state, what a recurrence repeats.
         complete: Whether ``states`` is really all that decides the future (a controller may hide memory).
+        active: (n + 1,) int8: which of :data:`BEHAVIOURS` acted in the step, -1 for none; None for other robots.
     """
 
     time_step: float
@@ -48,6 +52,7 @@ class Trace:
     words: Words
     states: Words
     complete: bool
+    active: npt.NDArray[np.int8] | None = None
 
     @property
     def steps(self) -> int:

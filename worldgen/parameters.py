@@ -15,6 +15,7 @@ from worldgen.world import Value
 
 __all__ = [
     "Parameter",
+    "argument_notes",
     "check_at_least",
     "check_between",
     "check_choice",
@@ -106,7 +107,7 @@ def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, 
         hints = typing.get_type_hints(function)
     except NameError as error:
         raise InvalidParameter(f"{owner}: {error}; import what its annotations name outside TYPE_CHECKING") from error
-    notes = _argument_notes(function.__doc__ or "")
+    notes = argument_notes(function.__doc__ or "")
     return tuple(
         Parameter(name, parameter.default, _choices(hints.get(name)), notes.get(name, ""))
         for name, parameter in inspect.signature(function).parameters.items()
@@ -142,8 +143,8 @@ def _choices(hint: Any) -> tuple[str, ...]:
     return typing.get_args(hint) if typing.get_origin(hint) is typing.Literal else ()
 
 
-def _argument_notes(docstring: str) -> dict[str, str]:
-    """The entries of a Google-style ``Args`` section, each on one line."""
+def argument_notes(docstring: str) -> dict[str, str]:
+    """The entries of a docstring's ``Args`` section, Google style, each on one line."""
     section = re.search(r"^Args:\n((?:[ ]+.*\n?|\n)+)", inspect.cleandoc(docstring), re.MULTILINE)
     if section is None:
         return {}

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from fuzz.player.streams import bits, numbers
 from sim.episode import Episode
-from sim.trace import Trace
+from sim.trace import BEHAVIOURS, Trace
 from worldgen.lattice import TURN, UNIT
 from worldgen.world import Value
 
@@ -38,7 +38,8 @@ def drawn_run(episode: Episode, cell_size: float, judged: Episode | None = None)
 
     Returns:
         ``steps`` and ``dt`` (s); the columns ``at`` (step times ``SHARE``), ``x``, ``y`` (lattice units of the world),
-        ``heading`` (units of a turn, without jumps) and ``bump`` (bits), one row a state or corner; ``thinned`` (one in
+        ``heading`` (units of a turn, without jumps), ``bump`` (bits) and, of a robot that has behaviours, ``active``
+        (which of ``behaviours`` acted; -1 none), one row a state or corner; ``thinned`` (one in
         how many steps is there, at the coarsest); ``loop`` (entry and period) and ``marks``.
     """
     trace = episode.trace
@@ -57,7 +58,7 @@ def drawn_run(episode: Episode, cell_size: float, judged: Episode | None = None)
     }
 
 
-def _columns(trace: Trace, kept: npt.NDArray[np.int64], cell_size: float) -> dict[str, str]:
+def _columns(trace: Trace, kept: npt.NDArray[np.int64], cell_size: float) -> dict[str, str | list[str]]:
     """The states of the steps that are kept, and in between the corners of their paths."""
     step, share = trace.path_step, np.rint(trace.path_share * SHARE).astype(np.int64)
     corner = np.isin(step, kept) & (step > 0) & (share < SHARE)
@@ -73,6 +74,7 @@ def _columns(trace: Trace, kept: npt.NDArray[np.int64], cell_size: float) -> dic
         "y": numbers(np.rint(y / cell_size * UNIT)),
         "heading": numbers(np.rint(turns * TURN)),
         "bump": bits(trace.bump[whose]),
+        **({} if trace.active is None else {"active": numbers(trace.active[whose]), "behaviours": list(BEHAVIOURS)}),
     }
 
 

@@ -15,7 +15,7 @@ _FLAGS = (
 
 def missing_browser():
     """What a test of the page lacks here; empty if nothing."""
-    if _chromium() is None:
+    if chromium() is None:
         return "no Chromium here: the report is not tested in a browser (apt-get install chromium chromium-driver)"
     if shutil.which("chromedriver") is None:
         return "no chromedriver here: the report is not tested in a browser (apt-get install chromium-driver)"
@@ -25,7 +25,7 @@ def missing_browser():
 def start_browser(profile: Path, downloads: Path):
     """A browser with a fresh profile that logs its console and every request."""
     options = webdriver.ChromeOptions()
-    options.binary_location = str(_chromium())
+    options.binary_location = str(chromium())
     for flag in (*_FLAGS, f"--user-data-dir={profile}"):
         options.add_argument(flag)
     options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
@@ -47,6 +47,7 @@ def colour_scheme(browser, name):
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
 
 
-def _chromium():
+def chromium():
+    """The browser's program, or None."""
     found = (shutil.which(name) for name in ("chromium", "chromium-browser", "google-chrome"))
     return next((path for path in found if path is not None), None)

@@ -94,6 +94,7 @@ _SUMMARY = {
     "replay": "Run saved failures again and compare verdict, evidence, trace digest and certificate.",
     "run": "Run a controller in a world and say how it ends.",
     "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
+    "studio": "Draw worlds, run robots in them and watch, in the browser.",
     "shrink": "Make a failure's world as small as it can be, keeping verdict and certificate.",
     "verify": "Check a world's proof, or decide a map afresh.",
 }

@@ -12,11 +12,14 @@ export const LAYERS = {
   witness: ["Witness", "w"],
 };
 
-// The controls under the stage. What was chosen before, such as layers, stays.
-export function buildPlayer(canvas, under, drawn, former) {
+// The controls under the stage. What was chosen before, such as layers, stays; `also` is called at each change.
+export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
   const parts = {};
   fitStage(canvas, drawn.world);
-  const player = makePlayer(canvas, drawn, (now) => showState(now, parts));
+  const player = makePlayer(canvas, drawn, (now) => {
+    showState(now, parts);
+    also(now);
+  });
   if (former) Object.assign(player.show, former.show);
   if (!drawn.run) {
     const why = "The controller could not be run here, so the world is shown without the robot's way.";

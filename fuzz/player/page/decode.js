@@ -70,6 +70,7 @@ export function openRun(run) {
       y: numbersOf(run.y).map((value) => value / UNIT),
       heading: numbersOf(run.heading).map((value) => (value / TURN) * 2 * Math.PI),
       bump: bitsOf(run.bump, at.length),
+      active: run.active && numbersOf(run.active),
     };
   });
 }
@@ -105,6 +106,12 @@ export function rowAt(run, step) {
     else high = middle - 1;
   }
   return low;
+}
+
+// What is known of the robot at a row beside its place: the behaviour that acted, where it has any.
+export function behaviourAt(run, row) {
+  const { active } = openRun(run);
+  return active ? run.behaviours[active[row]] || "none" : null;
 }
 
 // The step of a run that stands for a step beyond its end: a loop goes round for ever, another run stays where it is.

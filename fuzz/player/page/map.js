@@ -99,7 +99,7 @@ export function drawGround(pen, world, cells, scene) {
   context.fillStyle = colours.floor;
   context.fillRect(left, top, right - left, bottom - top);
   if (scene.show.signal && scene.sensors && scene.sensors.signal) drawSignal(pen, world, [left, top, right, bottom]);
-  if (pen.scale > 9) drawGrid(pen, world);
+  if (pen.scale > 9 && scene.show.grid !== false) drawGrid(pen, world);
   drawCells(pen, world, cells, SOLID, colours.wall);
   context.globalAlpha = 0.6; // so that ways stand out from flames
   drawCells(pen, world, cells, BURNING, colours.fire);

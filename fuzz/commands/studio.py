@@ -1,0 +1,55 @@
+"""``worldgen studio``: draw worlds, run robots in them and watch, in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from worldgen.cli.output import note
+
+__all__ = ["studio"]
+
+EXAMPLES = "\b\n  worldgen studio\n  worldgen studio worlds/maze.grid\n  worldgen studio --controller ./mine.py:Robot"
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("path", type=click.Path(path_type=Path), default=".", metavar="[PATH|DIR]")
+@click.option(
+    "--controller",
+    "controllers",
+    multiple=True,
+    help="A controller of your own that the page may run, such as ./mine.py:Robot; as often as you like.",
+)
+@click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen at; any but this is a risk.")
+@click.option("--port", type=click.IntRange(1, 65535), help="Port to listen at.  [default: 8642, or one that is free]")
+@click.option("--browser/--no-browser", default=True, help="Open the page.  [default: open]")
+def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None, browser: bool) -> None:
+    """Draw worlds, run robots in them and watch, in the browser.
+
+    PATH is a world's file, or a folder; only that folder, or the file's, can be read and written from the page. The
+    server answers this machine alone, and only the browser that opens the address that is printed. docs/studio.md
+    has the whole of it.
+    """
+    import importlib.util
+
+    from sim.scenario import Scenario
+    from worldgen.errors import FormatError, InvalidParameter
+
+    missing = [name for name in ("starlette", "uvicorn", "websockets") if importlib.util.find_spec(name) is None]
+    if missing:
+        raise InvalidParameter(f"the studio needs {', '.join(missing)}; install it: pip install 'worldgen[studio]'")
+    if not path.exists():
+        raise FormatError("there is no such file or folder; check the name", source=str(path))
+    for label in controllers:
+        Scenario.parse(label)
+
+    from fuzz.studio import Folder, Gate, Studio
+    from fuzz.studio.serving import bind, serve
+
+    listener = bind(host, port)
+    if host not in ("127.0.0.1", "localhost", "::1"):
+        note(f"warning: whoever can reach {host} and learns the address can read and write the folder")
+    gate = Gate(host, listener.getsockname()[1])
+    folder, file = (path, None) if path.is_dir() else (path.parent, path.name)
+    serve(Studio(Folder(folder), gate, controllers, file), listener, browse=browser, said=note)

@@ -1,0 +1,226 @@
+"""What a message of the page asks for, each as one call of the library. This runs in the processes of ``lanes``.
+
+An answer is a table; parts of it that are there earlier are handed to ``part``.
+"""
+
+from __future__ import annotations
+
+import base64
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from fuzz.player import drawn_run, drawn_world, sensors_of
+from fuzz.player.worlds import drawn_certificate
+from fuzz.studio.catalogue import catalogue
+from fuzz.studio.folder import Folder
+from fuzz.studio.messages import field, message_of, restored, world_of
+from sim.controllers import CONTROLLERS
+from sim.episode import simulate
+from sim.run_options import RunOptions, step_budget
+from sim.scenario import Scenario
+from sim.words import evidence_in_words
+from worldgen.errors import FormatError, InvalidParameter
+from worldgen.family import FAMILIES
+from worldgen.files import check_output
+from worldgen.generation import generate
+from worldgen.grid_file import read_world, write_world
+from worldgen.interop import FORMATS, export_world, import_world, write_export
+from worldgen.reach import Decision, decide
+from worldgen.reach.widest import widest_disc
+from worldgen.timeline import Timeline
+from worldgen.world import Cut, Value, Witness, World
+from worldgen.world_files import is_world_file
+
+__all__ = ["MOST_STEPS", "Answers"]
+
+MOST_STEPS = 1_000_000  # of a run that is played: its recording takes 300 MB
+_MOST_ROBOTS = 6  # at once: more colours cannot be told apart
+_MOST_FILE = 16 << 20  # bytes of a file that is dropped on the page
+
+Message = Mapping[str, Any]
+Part = Callable[[dict[str, Any]], None]
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Everything that can be asked for, by the names of the protocol.
+
+    Args:
+        folder: What can be read and written.
+        named: Controllers that were named at the start, beside the registered ones.
+    """
+
+    folder: Folder
+    named: Sequence[str] = ()
+
+    def hello(self, message: Message, part: Part) -> dict[str, Any]:
+        """What there is to choose from."""
+        return catalogue(self.named)
+
+    def files(self, message: Message, part: Part) -> dict[str, Any]:
+        """What is in the folder."""
+        return {"folder": str(self.folder.root), "files": self.folder.files()}
+
+    def open(self, message: Message, part: Part) -> dict[str, Any]:
+        """A world of the folder."""
+        return _opened(read_world(self.folder.place(field(message, "name", str))))
+
+    def save(self, message: Message, part: Part) -> dict[str, Any]:
+        """Writes a world into the folder; with the proof that is decided for it now, or its file's own."""
+        place = self.folder.place(field(message, "name", str))
+        force = field(message, "overwrite", bool)
+        check_output(place, force)
+        world = restored(field(message, "world", dict))
+        if world.certificate is None:
+            world = replace(world, certificate=decide(world).certificate)
+        write_world(world, place, force=force)
+        return {"name": place.relative_to(self.folder.root).as_posix(), **_opened(world)}
+
+    def decide(self, message: Message, part: Part) -> dict[str, Any]:
+        """Whether the target can be reached, with the way or the cut."""
+        return _decided(world := world_of(field(message, "world", dict)), decide(world))
+
+    def widest(self, message: Message, part: Part) -> dict[str, Any]:
+        """The largest radius that could pass; null in a world that changes."""
+        world = world_of(field(message, "world", dict))
+        return {"widest": None if world.is_dynamic else widest_disc(world)}
+
+    def generate(self, message: Message, part: Part) -> dict[str, Any]:
+        """A world of a registered family."""
+        family, seed = field(message, "family", str), field(message, "seed", str)
+        if family not in FAMILIES.names():
+            raise InvalidParameter(f"family {family[:40]!r} is not registered; choose one of the list")
+        if not (seed.isascii() and seed.isdigit() and int(seed[:40]) < 1 << 64):
+            raise InvalidParameter(f"seed={seed[:40]!r} is no whole number from 0 to 2**64 - 1; give one")
+        return _opened(generate(family, int(seed), **field(message, "parameters", dict)))
+
+    def bring(self, message: Message, part: Part) -> dict[str, Any]:
+        """A foreign map, of the folder or dropped on the page, with start and target placed where it has none."""
+        known = _format_name(message)
+        if "data" not in message:
+            return _imported(self.folder.place(field(message, "name", str)), known)
+        data = base64.b64decode(field(message, "data", str), validate=True)
+        if len(data) > _MOST_FILE:
+            raise InvalidParameter(
+                f"{len(data)} bytes are more than the {_MOST_FILE} of a dropped file; put it into the folder"
+            )
+        with tempfile.TemporaryDirectory() as there:
+            name = PurePosixPath(field(message, "name", str).replace("\\", "/")).name or "map"
+            place = Folder(Path(there)).place(name.lstrip("."))
+            place.write_bytes(data)
+            try:
+                plain = is_world_file(place.name) and known is None
+                return _opened(read_world(place)) if plain else _imported(place, known)
+            except FormatError as error:  # without the folder, which nobody has heard of
+                raise FormatError(error.message, line=error.line, source=place.name) from error
+
+    def export(self, message: Message, part: Part) -> dict[str, Any]:
+        """A world in another program's format: for the browser to keep, or into the folder."""
+        known = _format_name(message)
+        if known is None:
+            raise InvalidParameter("no format is named; choose one")
+        world, place = restored(field(message, "world", dict)), self.folder.place(field(message, "name", str))
+        export = export_world(world, known, file=place.name, at=0.0 if world.is_dynamic else None)
+        said = {"lost": list(export.lost), "notes": list(export.notes)}
+        if field(message, "keep", bool):
+            written = write_export(export, place.parent, force=field(message, "overwrite", bool))
+            return said | {"written": [path.relative_to(self.folder.root).as_posix() for path in written]}
+        return said | {
+            "files": [{"name": name, "data": base64.b64encode(data).decode()} for name, data in export.files.items()]
+        }
+
+    def run(self, message: Message, part: Part) -> dict[str, Any]:
+        """Runs controllers in a world, one after the other; each is a part as soon as it is done."""
+        world = restored(field(message, "world", dict))
+        if message.get("still") is True:
+            world = replace(world, timeline=Timeline(), certificate=None)
+        labels = field(message, "controllers", list)
+        if not 1 <= len(labels) <= _MOST_ROBOTS:
+            raise InvalidParameter(f"{len(labels)} controllers; choose 1 to {_MOST_ROBOTS}")
+        if world.certificate is None:
+            world = replace(world, certificate=decide(world).certificate)
+        part({"world": drawn_world(world)})
+        for number, label in enumerate(labels):
+            try:
+                part({"number": number, **self._one_run(world, label, message)})
+            except InvalidParameter as error:
+                part({"number": number, "name": str(label), "error": str(error)})
+        return {}
+
+    def _one_run(self, world: World, label: object, message: Message) -> dict[str, Any]:
+        scenario = self._scenario(label, message)
+        steps = message.get("steps")
+        budget = step_budget(world, scenario.time_step) if steps is None else field(message, "steps", int)
+        options = scenario.options(world, min(max(budget, 1), MOST_STEPS))
+        episode = simulate(world, scenario.controller, options, record=True)
+        return {
+            "name": str(label),
+            "verdict": episode.verdict,
+            "words": f"{episode.verdict}{evidence_in_words(episode)}",
+            "steps": episode.steps,
+            "time": episode.time,
+            "path": episode.path_length,
+            "collisions": episode.collisions,
+            "digest": episode.trace_digest,
+            "run": drawn_run(episode, world.cell_size),
+            "sensors": sensors_of(CONTROLLERS.get(scenario.controller), options, world.cell_size),
+        }
+
+    def _scenario(self, label: object, message: Message) -> Scenario:
+        """A controller that the page may run, with the options that it asks for."""
+        if label not in self.named and label not in CONTROLLERS.names():
+            raise InvalidParameter(
+                f"controller {str(label)[:60]!r} was not named when the studio was started; start it with --controller"
+            )
+        seed = field(message, "seed", int)
+        motion, time_step = field(message, "motion", str), field(message, "time_step", float)
+        scenario = Scenario.parse(str(label), motion=motion, time_step=time_step, seed=seed)
+        asked: dict[str, Value] = field(message, "options", dict)
+        changed = scenario.thesis.changed() | scenario.robot.changed() | asked
+        parameters: dict[str, Value] = {"time_step": scenario.time_step, **changed}
+        return Scenario.of(scenario.controller, RunOptions.of(scenario.motion, seed, parameters))
+
+
+def _format_name(message: Message) -> str | None:
+    """The format that a message names: a registered one, for others are code of files."""
+    name = message.get("format")
+    if name is None or (isinstance(name, str) and name in FORMATS.names()):
+        return name
+    raise InvalidParameter(f"format {str(name)[:40]!r} is not registered; choose one of the list")
+
+
+def _opened(world: World) -> dict[str, Any]:
+    """A world with what its file says of it."""
+    made, failure = world.provenance, world.failure
+    return {
+        "world": message_of(world),
+        "made": None if made is None else f"{made.family}, version {made.version}, seed {made.seed}",
+        "failure": None
+        if failure is None
+        else {
+            "controller": failure.controller,
+            "motion": failure.motion,
+            "seed": failure.seed,
+            "verdict": failure.verdict,
+            "digest": failure.trace_digest,
+            "parameters": dict(failure.parameters),
+        },
+    }
+
+
+def _imported(place: Path, known: str | None) -> dict[str, Any]:
+    imported = import_world(place, name=known)
+    return _opened(imported.world) | {"notes": [*imported.notes, *imported.warnings]}
+
+
+def _decided(world: World, decision: Decision) -> dict[str, Any]:
+    proof = decision.certificate
+    facts: dict[str, Any] = {}
+    if isinstance(proof, Witness):
+        facts = {"length": proof.length, "duration": proof.duration}
+    if isinstance(proof, Witness | Cut):
+        facts |= {"clearance": proof.clearance, **drawn_certificate(replace(world, certificate=proof))}
+    return {"result": decision.result, "reason": decision.reason, **facts}

@@ -1,0 +1,82 @@
+"""The server: one page, its parts, and one connection."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
+from importlib.resources import files
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp
+from starlette.websockets import WebSocket
+
+from fuzz.studio.folder import Folder
+from fuzz.studio.gate import Gate, Guarded
+from fuzz.studio.lanes import LANES, Lane
+from fuzz.studio.session import Session
+
+__all__ = ["MOST_MESSAGE", "Studio", "make_app"]
+
+MOST_MESSAGE = 32 << 20  # bytes of a message to the server: a dropped file, or the largest world with its text
+_KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
+
+
+def _parts() -> dict[str, bytes]:
+    """The page's files by address. Nothing else is ever read for an address, so none can lead anywhere."""
+    found = {}
+    for address, package in (("studio", "fuzz.studio"), ("player", "fuzz.player")):
+        for part in (files(package) / "page").iterdir():
+            if part.name.endswith(tuple(_KINDS)):
+                found[f"/{address}/{part.name}"] = part.read_bytes()
+    return found | {"/": found["/studio/index.html"]}
+
+
+@dataclass(frozen=True)
+class Studio:
+    """A studio's settings.
+
+    Args:
+        folder: What can be read and written.
+        gate: Who is let in.
+        named: Controllers from files, modules and programs that the page may run, as the command line takes them.
+        file: Name, in the folder, of the world to open first.
+    """
+
+    folder: Folder
+    gate: Gate
+    named: tuple[str, ...] = ()
+    file: str | None = None
+    parts: dict[str, bytes] = field(default_factory=_parts, repr=False)
+
+
+def make_app(studio: Studio) -> ASGIApp:
+    """The studio as an ASGI application, behind its gate."""
+    lanes = {name: Lane(studio.folder, studio.named) for name in dict.fromkeys(LANES.values())}
+
+    async def part(request: Request) -> Response:
+        data = studio.parts.get(request.url.path)
+        if data is None:
+            return Response("There is no such page.\n", 404, media_type="text/plain")
+        ending = "." + request.url.path.rpartition(".")[2] if request.url.path != "/" else ".html"
+        return Response(data, media_type=_KINDS[ending])
+
+    async def connection(socket: WebSocket) -> None:
+        await Session(socket, lanes, _begins(studio)).serve()
+
+    @contextlib.asynccontextmanager
+    async def life(app: Starlette) -> AsyncIterator[None]:
+        yield
+        for lane in lanes.values():
+            lane.end()
+
+    routes = [WebSocketRoute("/socket", connection), Route("/{path:path}", part)]
+    return Guarded(Starlette(routes=routes, lifespan=life), studio.gate)
+
+
+def _begins(studio: Studio) -> dict[str, Any]:
+    return {"folder": str(studio.folder.root), "file": studio.file}

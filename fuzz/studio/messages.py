@@ -1,0 +1,175 @@
+"""Worlds as messages: JSON that a browser's numbers hold exactly."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, TypedDict
+
+import numpy as np
+import numpy.typing as npt
+
+from fuzz.player import MOST_CELLS
+from fuzz.player.streams import bits
+from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.grid_file import dumps, loads
+from worldgen.timeline import Timeline
+from worldgen.world import Pose, Target, World
+
+__all__ = ["EventsMessage", "WorldMessage", "field", "is_same_place", "message_of", "restored", "world_of"]
+
+_MOST_EVENTS = 1_000_000
+_SOURCE_LIMIT = 8 << 20  # characters of the text of a file, which the page keeps to give it back
+
+
+class EventsMessage(TypedDict):
+    """Changes of cells, in columns: s, column, row from the lowest, and 0 free, 1 solid or 2 burning."""
+
+    times: list[float]
+    ix: list[int]
+    iy: list[int]
+    state: list[int]
+
+
+class WorldMessage(TypedDict):
+    """A world without its proof: lengths in m, ``cells`` as bits in base64, row by row from the lowest y.
+
+    ``source`` is the text of the file that it was opened from, or null: a world that is the same still is written with
+    that file's proof, provenance and failure.
+    """
+
+    width: int
+    height: int
+    cells: str
+    cell_size: float
+    robot_radius: float
+    robot_speed: float
+    start: list[float]
+    target: list[float]
+    events: EventsMessage | None
+    source: str | None
+
+
+def message_of(world: World) -> WorldMessage:
+    """A world as the page edits it.
+
+    Raises:
+        InvalidWorld: If it has more cells, or changes more often, than a page takes.
+    """
+    if world.walls.size > MOST_CELLS or len(world.timeline) > _MOST_EVENTS:
+        raise InvalidWorld(
+            f"{world.width} x {world.height} cells with {len(world.timeline)} changes are more than the studio's "
+            f"{MOST_CELLS} cells and {_MOST_EVENTS} changes; worldgen show draws larger worlds"
+        )
+    line = world.timeline
+    text = dumps(world)
+    return {
+        "width": world.width,
+        "height": world.height,
+        "cells": bits(world.walls),
+        "cell_size": world.cell_size,
+        "robot_radius": world.robot_radius,
+        "robot_speed": world.robot_speed,
+        "start": [world.start.x, world.start.y, world.start.heading],
+        "target": [world.target.x, world.target.y, world.target.radius],
+        "events": {
+            "times": line.times.tolist(),
+            "ix": line.ix.tolist(),
+            "iy": line.iy.tolist(),
+            "state": line.states.tolist(),
+        }
+        if world.is_dynamic
+        else None,
+        "source": text.decode("utf-8") if len(text) <= _SOURCE_LIMIT else None,
+    }
+
+
+def world_of(message: Mapping[str, Any]) -> World:
+    """The world that a message holds, without proof.
+
+    Raises:
+        InvalidParameter: If a part of the message is missing or of another kind.
+        InvalidWorld: If the parts make no world.
+    """
+    width, height = (field(message, side, int) for side in ("width", "height"))
+    if min(width, height) < 1 or width * height > MOST_CELLS:
+        raise InvalidWorld(f"{width} x {height} cells; the studio draws worlds of 1 to {MOST_CELLS} cells")
+    events = message.get("events")
+    return World(
+        walls=_cells(field(message, "cells", str), width, height),
+        start=Pose(*_numbers(message, "start", 3)),
+        target=Target(*_numbers(message, "target", 3)),
+        cell_size=field(message, "cell_size", float),
+        robot_radius=field(message, "robot_radius", float),
+        robot_speed=field(message, "robot_speed", float),
+        timeline=Timeline() if events is None else _timeline(events),
+    )
+
+
+def restored(message: Mapping[str, Any]) -> World:
+    """The world that a message holds; with proof, provenance and failure of its file where it is still the same.
+
+    Raises:
+        InvalidParameter: If a part of the message is missing or of another kind.
+        InvalidWorld: If the parts make no world.
+        FormatError: If the file's text was changed on the way.
+    """
+    world = world_of(message)
+    source = message.get("source")
+    if not isinstance(source, str):
+        return world
+    opened = loads(source.encode("utf-8"))
+    return opened if is_same_place(opened, world) else world
+
+
+def is_same_place(one: World, other: World) -> bool:
+    """Whether two worlds differ in nothing but proof, provenance and failure."""
+    bare = (dataclasses.replace(world, certificate=None, provenance=None, failure=None) for world in (one, other))
+    return next(bare) == next(bare)
+
+
+def field(message: Mapping[str, Any], name: str, kind: type) -> Any:
+    """A part of a message, of the kind that it must have; a whole number is a number too.
+
+    Raises:
+        InvalidParameter: If it is missing or of another kind.
+    """
+    value = message.get(name)
+    if kind is float and type(value) is int:
+        value = float(value) if abs(value) < 1 << 53 else math.inf
+    if type(value) is not kind:
+        raise InvalidParameter(f"the message's {name} is {type(value).__name__}; it must be {kind.__name__}")
+    return value
+
+
+def _numbers(message: Mapping[str, Any], name: str, count: int) -> list[float]:
+    values = field(message, name, list)
+    if len(values) != count:
+        raise InvalidParameter(f"the message's {name} has {len(values)} numbers; it must have {count}")
+    return [field({name: value}, name, float) for value in values]
+
+
+def _cells(text: str, width: int, height: int) -> npt.NDArray[np.bool_]:
+    try:
+        data = np.frombuffer(base64.b64decode(text, validate=True), np.uint8)
+    except (binascii.Error, ValueError) as error:
+        raise InvalidParameter("the message's cells are no base64; send the cells' bits") from error
+    if len(data) != -(-width * height // 8):
+        raise InvalidParameter(f"the message's cells have {len(data)} bytes; send one bit for each cell")
+    return np.unpackbits(data, count=width * height, bitorder="little").astype(np.bool_).reshape(height, width)
+
+
+def _timeline(events: object) -> Timeline:
+    if not isinstance(events, dict):
+        raise InvalidParameter("the message's events are no table; send times, ix, iy and state")
+    columns: list[Sequence[Any]] = [field(events, name, list) for name in ("times", "ix", "iy", "state")]
+    if len({len(column) for column in columns}) != 1 or len(columns[0]) > _MOST_EVENTS:
+        raise InvalidParameter(f"the message's events are not columns of one length up to {_MOST_EVENTS}")
+    times = [field({"times": value}, "times", float) for value in columns[0]]
+    ix, iy, state = ([field({"events": value}, "events", int) for value in column] for column in columns[1:])
+    if any(not 0 <= value <= 2 for value in state) or any(abs(value) > 1 << 20 for value in (*ix, *iy)):
+        raise InvalidParameter("the message's events hold a state other than 0, 1 and 2, or a cell far outside")
+    return Timeline(np.array(times), np.array(ix, np.int64), np.array(iy, np.int64), np.array(state, np.uint8))

@@ -1,0 +1,240 @@
+// The drawing board: a canvas that shows the world, what is being done to it, and its proof.
+
+import { numbersOf } from "/player/decode.js";
+import { drawScene, line, penFor, ring, stroke } from "/player/map.js";
+
+const UNIT = 1024; // lattice units a cell
+const NEAREST = 200; // pixels a cell
+const MARGIN = 34; // pixels around the whole world, for the rulers
+
+/* A board.
+     canvas   where
+     model    what
+     show     { grid, ruler, proof, signal }: which of them */
+export function makeBoard(canvas, model, show) {
+  const board = {
+    canvas,
+    model,
+    show,
+    view: null, // null: the whole world
+    proof: null, // of the server, for this very world
+    ghost: null, // { pattern, at }: what would be put down
+    marks: [], // cells that would be changed
+    selection: null, // a rectangle of cells
+    measure: null, // two points, in cells
+    cursor: null, // the cell that keys draw at
+    draw: () => drawBoard(board),
+  };
+  return Object.assign(board, cameraOf(board));
+}
+
+function cameraOf(board) {
+  const { canvas, model } = board;
+  const whole = () => {
+    const { width, height } = model.world;
+    const scale = Math.min((canvas.clientWidth - 2 * MARGIN) / width, (canvas.clientHeight - 2 * MARGIN) / height);
+    return { x: width / 2, y: height / 2, scale: Math.max(scale, 0.05) };
+  };
+  const now = () => board.view || whole();
+  return {
+    now,
+    /** The point of the world under a place in the window, in cells. */
+    pointAt({ clientX, clientY }) {
+      const box = canvas.getBoundingClientRect(),
+        { x, y, scale } = now();
+      return [
+        x + (clientX - box.left - canvas.clientWidth / 2) / scale,
+        y - (clientY - box.top - canvas.clientHeight / 2) / scale,
+      ];
+    },
+    /** Zooms; the point under the pointer stays where it is. */
+    zoom(factor, event = null) {
+      const before = now(),
+        scale = Math.min(NEAREST, Math.max(whole().scale / 2, before.scale * factor));
+      const [x, y] = event ? board.pointAt(event) : [before.x, before.y];
+      const share = before.scale / scale;
+      board.view = { x: x + (before.x - x) * share, y: y + (before.y - y) * share, scale };
+      board.draw();
+    },
+    pan(dx, dy) {
+      const { x, y, scale } = now();
+      board.view = { x: x - dx / scale, y: y + dy / scale, scale };
+      board.draw();
+    },
+    fit() {
+      board.view = null;
+      board.draw();
+    },
+  };
+}
+
+/** A world as the player draws it, without a copy of its cells. */
+export function sceneWorld(world, proof) {
+  const side = world.cell_size;
+  const inCells = ([x, y, rest]) => [x / side, y / side, rest];
+  const target = inCells(world.target);
+  target[2] /= side;
+  return {
+    width: world.width,
+    height: world.height,
+    radius: world.robot_radius / side,
+    start: inCells(world.start),
+    target,
+    witness: proof && proof.witness,
+    cut: proof && proof.cut,
+    open: { cells: world.cells, events: null, witness: proof && proof.witness ? openWitness(proof) : null },
+  };
+}
+
+function openWitness(proof) {
+  proof.opened ||= {
+    ms: numbersOf(proof.witness.ms),
+    x: numbersOf(proof.witness.x).map((value) => value / UNIT),
+    y: numbersOf(proof.witness.y).map((value) => value / UNIT),
+  };
+  return proof.opened;
+}
+
+function drawBoard(board) {
+  const { canvas, model, show } = board;
+  const world = sceneWorld(model.world, show.proof ? board.proof : null),
+    view = board.now();
+  const scene = { world, show: { witness: show.proof, grid: show.grid, signal: show.signal }, sensors: { signal: true } };
+  drawScene(canvas, scene, view);
+  const pen = penFor(canvas, view, world);
+  if (pen.width === 0) return;
+  drawFootprint(pen, world);
+  if (show.proof && board.proof && board.proof.result === "reachable") drawTube(pen, board);
+  drawMarks(pen, board);
+  if (board.ghost) drawGhost(pen, board.ghost);
+  if (board.selection) drawSelection(pen, board.selection);
+  if (board.measure) drawMeasure(pen, board);
+  if (board.cursor) frame(pen, { x: board.cursor[0], y: board.cursor[1], width: 1, height: 1 }, pen.colours.focus, []);
+  if (show.ruler) drawRulers(pen, board);
+}
+
+// The robot's disc at the start, with its heading.
+function drawFootprint(pen, world) {
+  const [x, y, heading] = world.start;
+  ring(pen, x, y, world.radius, pen.colours.start, 1.5);
+  const { context, px, py } = pen;
+  context.beginPath();
+  context.moveTo(px(x), py(y));
+  context.lineTo(px(x + Math.cos(heading) * (world.radius + 0.6)), py(y + Math.sin(heading) * (world.radius + 0.6)));
+  stroke(pen, pen.colours.start, 2.5);
+}
+
+// What the robot's disc sweeps on the way of the proof.
+function drawTube(pen, board) {
+  const { x, y } = board.proof.opened || { x: [], y: [] };
+  const { context } = pen;
+  context.save();
+  context.globalAlpha = 0.13;
+  line(pen, x, y, 0, x.length);
+  stroke(pen, pen.colours.start, Math.max(2, (2 * board.model.world.robot_radius * pen.scale) / board.model.world.cell_size));
+  context.restore();
+}
+
+function drawMarks(pen, { marks }) {
+  const { context, px, py, colours } = pen;
+  context.save();
+  context.globalAlpha = 0.45;
+  context.fillStyle = colours.focus;
+  for (const [ix, iy] of marks) context.fillRect(px(ix), py(iy + 1), pen.scale, pen.scale);
+  context.restore();
+}
+
+function drawGhost(pen, { pattern, at }) {
+  const { context, px, py, colours } = pen;
+  context.save();
+  context.globalAlpha = 0.6;
+  pattern.cells.forEach((cell, k) => {
+    if (cell > 1) return;
+    context.fillStyle = cell === 1 ? colours.focus : colours.floor;
+    const ix = at[0] + (k % pattern.width),
+      iy = at[1] + Math.floor(k / pattern.width);
+    context.fillRect(px(ix), py(iy + 1), pen.scale, pen.scale);
+  });
+  context.restore();
+  frame(pen, { x: at[0], y: at[1], width: pattern.width, height: pattern.height }, colours.focus, [3, 3]);
+}
+
+function frame(pen, { x, y, width, height }, colour, dash) {
+  const { context, px, py } = pen;
+  context.save();
+  context.strokeStyle = colour;
+  context.lineWidth = 2;
+  context.setLineDash(dash);
+  context.strokeRect(px(x), py(y + height), width * pen.scale, height * pen.scale);
+  context.restore();
+}
+
+function drawSelection(pen, selection) {
+  frame(pen, selection, pen.colours.paper, []);
+  frame(pen, selection, pen.colours.focus, [6, 4]);
+}
+
+function drawMeasure(pen, { measure: [from, to], model }) {
+  const { context, px, py, colours } = pen;
+  context.beginPath();
+  context.moveTo(px(from[0]), py(from[1]));
+  context.lineTo(px(to[0]), py(to[1]));
+  stroke(pen, colours.breach, 2);
+  const length = Math.hypot(to[0] - from[0], to[1] - from[1]) * model.world.cell_size;
+  label(pen, `${length.toFixed(3)} m`, px(to[0]) + 10, py(to[1]) - 12);
+}
+
+function label(pen, text, x, y) {
+  const { context, colours } = pen;
+  context.font = "600 13px system-ui, sans-serif";
+  const wide = context.measureText(text).width;
+  context.fillStyle = colours.paper;
+  context.fillRect(x - 4, y - 14, wide + 8, 20);
+  context.fillStyle = colours.ink;
+  context.fillText(text, x, y);
+}
+
+// Metres along the upper and left edge of the window.
+function drawRulers(pen, { model }) {
+  const { context, colours, width, height } = pen,
+    { world } = model;
+  const metres = niceMetres((70 / pen.scale) * world.cell_size);
+  context.save();
+  context.fillStyle = colours.paper;
+  context.globalAlpha = 0.88;
+  context.fillRect(0, 0, width, 20);
+  context.fillRect(0, 20, 40, height - 20);
+  context.globalAlpha = 1;
+  context.font = "11px system-ui, sans-serif";
+  context.fillStyle = context.strokeStyle = colours.quiet;
+  context.lineWidth = 1;
+  context.beginPath();
+  for (const [at, words] of ticks(world.width * world.cell_size, metres)) {
+    const x = Math.round(pen.px(at / world.cell_size)) + 0.5;
+    if (x < 40) continue;
+    context.moveTo(x, 14);
+    context.lineTo(x, 20);
+    context.fillText(words, x + 3, 12);
+  }
+  for (const [at, words] of ticks(world.height * world.cell_size, metres)) {
+    const y = Math.round(pen.py(at / world.cell_size)) + 0.5;
+    if (y < 24) continue;
+    context.moveTo(34, y);
+    context.lineTo(40, y);
+    context.fillText(words, 4, y + 4);
+  }
+  context.stroke();
+  context.restore();
+}
+
+function ticks(length, metres) {
+  const digits = Math.max(0, -Math.floor(Math.log10(metres) + 1e-9));
+  const count = Math.floor(length / metres + 1e-9) + 1;
+  return Array.from({ length: count }, (_, k) => [k * metres, `${(k * metres).toFixed(digits)}${k === 0 ? " m" : ""}`]);
+}
+
+// 1, 2 or 5 times a power of ten, at least as long as asked.
+function niceMetres(least) {
+  const power = 10 ** Math.floor(Math.log10(least));
+  return [1, 2, 5, 10].map((factor) => factor * power).find((value) => value >= least * 0.999);
+}

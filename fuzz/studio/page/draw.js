@@ -1,0 +1,218 @@
+// The page on which worlds are drawn: tools, board, panels, and what is true of the world below it.
+
+import { choice, el, grouped, keyButton, svg } from "/player/dom.js";
+import { makeBoard } from "./board.js";
+import { makeFiles } from "./files.js";
+import { makeMaker } from "./maker.js";
+import { proofWords } from "./proof.js";
+import { STAMPS } from "./shapes.js";
+import { SELECTION, TOOLS, makeTools, withSelection } from "./tools.js";
+import { makeWorldPanel } from "./world_panel.js";
+
+const VIEWS = { grid: ["Grid", "#"], ruler: ["Ruler", "u"], proof: ["Way or cut", "w"], signal: ["Signal", "i"] };
+const PANELS = { world: "World", maker: "Generate", files: "Files" };
+
+/* The page.
+     studio    { model, connection, offered, say, ... }: what all pages share */
+export function makeDraw(section, studio) {
+  const canvas = el("canvas", { id: "board", tabindex: "0", role: "application", "aria-label": "Drawing board" });
+  const show = { grid: true, ruler: true, proof: true, signal: false };
+  const board = makeBoard(canvas, studio.model, show);
+  const setting = { size: 1, hollow: false, stamp: "U trap", stampSize: 12 };
+  const draw = { studio, board, canvas, show, setting, tool: "brush", tools: makeTools(board, setting, studio.say) };
+  const parts = { options: el("div", { class: "options" }), status: el("div", { class: "status" }) };
+  section.replaceChildren(
+    palette(draw, parts),
+    el("div", { class: "middle" }, parts.options, el("div", { class: "stage board" }, canvas), parts.status),
+    panels(draw, parts),
+  );
+  Object.assign(draw, {
+    choose: (tool) => choose(draw, parts, tool),
+    act: (what) => act(draw, parts, what),
+    resize: (by) => resize(draw, parts, by),
+    toggle: (name) => toggle(draw, parts, name),
+    refresh: () => refresh(draw, parts),
+    panel: (name) => openPanel(draw, parts, name),
+    where: (point) => showPlace(draw, parts, point),
+    bring: (file) => {
+      draw.panel("files");
+      parts.bodies.files.bring(file);
+    },
+  });
+  draw.choose("brush");
+  draw.panel("world");
+  new ResizeObserver(() => board.draw()).observe(canvas);
+  return draw;
+}
+
+function palette(draw, parts) {
+  const button = (name) => {
+    const [words, key, path] = TOOLS[name];
+    const picture = svg("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: path }));
+    return keyButton(picture, words, key, () => draw.choose(name), { "data-tool": name });
+  };
+  parts.tools = Object.keys(TOOLS).map(button);
+  return el("div", { class: "palette", role: "toolbar", "aria-label": "Tools", "aria-orientation": "vertical" }, parts.tools);
+}
+
+function choose(draw, parts, tool) {
+  draw.tool = tool;
+  draw.board.ghost = null;
+  draw.board.marks = [];
+  if (tool !== "select") draw.board.selection = null;
+  if (tool !== "measure") draw.board.measure = null;
+  if (tool !== "stamp") draw.tools.kit.turns = [];
+  for (const button of parts.tools) button.setAttribute("aria-pressed", String(button.dataset.tool === tool));
+  draw.canvas.dataset.tool = tool;
+  showOptions(draw, parts);
+  draw.board.draw();
+}
+
+// What can be set for the tool in hand, and what is shown on the board.
+function showOptions(draw, parts) {
+  const { setting, tool } = draw,
+    shown = [];
+  if (["brush", "erase", "line"].includes(tool)) shown.push(range("Width", "[ ]", setting, "size", 1, 15, draw));
+  if (tool === "rectangle") shown.push(box("Outline only", setting, "hollow"));
+  if (tool === "stamp") {
+    const names = Object.keys(STAMPS).map((name) => [name, name]);
+    if (draw.tools.kit.clipboard) names.unshift(["clipboard", "What was copied"]);
+    const list = choice(names, setting.stamp, (event) => {
+      setting.stamp = event.target.value;
+    });
+    shown.push(el("label", { class: "field" }, "Stamp", list), range("Size", "[ ]", setting, "stampSize", 5, 60, draw));
+    shown.push(["mirror", "flip", "turn"].map((what) => actButton(draw, what)));
+  }
+  if (tool === "select") shown.push(Object.keys(SELECTION).map((what) => actButton(draw, what)));
+  const help = HELP[tool];
+  const views = Object.entries(VIEWS).map(([name, [words, key]]) =>
+    el(
+      "label",
+      { class: "check", title: `Key ${key}` },
+      el("input", { type: "checkbox", checked: draw.show[name], "data-view": name, onchange: () => draw.toggle(name) }),
+      words,
+    ),
+  );
+  const zoom = [
+    keyButton("−", "Zoom out", "-", () => draw.board.zoom(1 / 1.4)),
+    keyButton("+", "Zoom in", "+", () => draw.board.zoom(1.4)),
+    keyButton("Fit", "Show the whole world", "0", () => draw.board.fit()),
+  ];
+  parts.options.replaceChildren(
+    el("div", { class: "tool-options" }, el("b", {}, TOOLS[tool][0]), shown, help ? el("span", { class: "quiet" }, help) : null),
+    el("div", { class: "views", role: "group", "aria-label": "Show" }, views, el("div", { class: "view" }, zoom)),
+  );
+}
+
+const HELP = {
+  brush: "right button erases",
+  fill: "click an open region",
+  start: "drag to turn; Alt: anywhere",
+  target: "Alt: anywhere",
+  measure: "drag",
+  pan: "drag; wheel zooms",
+};
+
+function actButton(draw, what) {
+  const [words, key] = SELECTION[what];
+  return keyButton(words, words, key, () => draw.act(what), { class: "small" });
+}
+
+function range(words, keys, setting, name, low, high, draw) {
+  const shown = el("output", {}, setting[name]);
+  const input = el("input", {
+    type: "range",
+    min: low,
+    max: high,
+    value: setting[name],
+    title: `Keys ${keys}`,
+    oninput: (event) => {
+      setting[name] = Number(event.target.value);
+      shown.textContent = setting[name];
+      draw.board.draw();
+    },
+  });
+  return el("label", { class: "field" }, words, input, shown);
+}
+
+function box(words, setting, name) {
+  const input = el("input", {
+    type: "checkbox",
+    checked: setting[name],
+    onchange: (event) => {
+      setting[name] = event.target.checked;
+    },
+  });
+  return el("label", { class: "check" }, input, words);
+}
+
+function resize(draw, parts, by) {
+  const name = draw.tool === "stamp" ? "stampSize" : "size",
+    [low, high] = draw.tool === "stamp" ? [5, 60] : [1, 15];
+  draw.setting[name] = Math.min(high, Math.max(low, draw.setting[name] + by));
+  showOptions(draw, parts);
+}
+
+function toggle(draw, parts, name) {
+  draw.show[name] = !draw.show[name];
+  showOptions(draw, parts);
+  draw.board.draw();
+}
+
+function act(draw, parts, what) {
+  if (what === "paste" && draw.tools.kit.clipboard) {
+    draw.setting.stamp = "clipboard";
+    draw.choose("stamp");
+    return;
+  }
+  withSelection(draw.tools.kit, what, draw.tool === "stamp");
+  showOptions(draw, parts);
+}
+
+function panels(draw, parts) {
+  parts.bodies = {
+    world: makeWorldPanel(draw.studio, draw),
+    maker: makeMaker(draw.studio),
+    files: makeFiles(draw.studio),
+  };
+  parts.tabs = Object.entries(PANELS).map(([name, words]) =>
+    el(
+      "button",
+      { type: "button", role: "tab", id: `tab-${name}`, "aria-controls": `panel-${name}`, onclick: () => draw.panel(name) },
+      words,
+    ),
+  );
+  parts.panels = Object.entries(parts.bodies).map(([name, panel]) =>
+    el("div", { class: "panel", role: "tabpanel", id: `panel-${name}`, "aria-labelledby": `tab-${name}` }, panel.element),
+  );
+  const tabs = el("div", { class: "panel-tabs", role: "tablist", "aria-label": "Panels" }, parts.tabs);
+  return el("aside", { class: "side" }, tabs, parts.panels);
+}
+
+function openPanel(draw, parts, name) {
+  for (const tab of parts.tabs) tab.setAttribute("aria-selected", String(tab.id === `tab-${name}`));
+  for (const panel of parts.panels) panel.hidden = panel.id !== `panel-${name}`;
+  if (name === "files") parts.bodies.files.list();
+}
+
+function refresh(draw, parts) {
+  for (const panel of Object.values(parts.bodies)) panel.refresh();
+  draw.board.draw();
+  showPlace(draw, parts, parts.place);
+}
+
+// Where the pointer is, how large the world is, and whether the target can be reached.
+function showPlace(draw, parts, point) {
+  parts.place = point;
+  const { world } = draw.studio.model,
+    side = world.cell_size;
+  const solid = world.cells.reduce((sum, cell) => sum + cell, 0);
+  const place = point
+    ? `cell ${Math.floor(point[0])}, ${Math.floor(point[1])} · ${(point[0] * side).toFixed(3)}, ${(point[1] * side).toFixed(3)} m`
+    : `${world.width} x ${world.height} cells, ${grouped(solid)} solid · ${(world.width * side).toFixed(2)} x ${(world.height * side).toFixed(2)} m`;
+  const { words, kind } = proofWords(draw.board.proof);
+  parts.status.replaceChildren(
+    el("span", { class: "place" }, place),
+    el("span", { class: `proof ${kind}`, id: "proof", role: "status" }, words),
+  );
+}

@@ -1,0 +1,114 @@
+// What the keys do, on both pages.
+
+import { cameraKeys, clockKeys, layerKeys } from "/player/keys.js";
+import { byId, el } from "/player/dom.js";
+import { TOOLS } from "./tools.js";
+
+const EVERYWHERE = [
+  ["?", "Show these keys"],
+  ["d", "Dark or light"],
+  ["1, 2", "Draw, play"],
+  ["Ctrl+S", "Save"],
+  ["Ctrl+Enter", "Run the robots in what is drawn"],
+];
+const DRAWING = [
+  ...Object.values(TOOLS).map(([words, key]) => [key, words]),
+  ["Ctrl+Z, Ctrl+Y", "Undo, redo"],
+  ["[ ]", "Brush or stamp smaller, larger"],
+  ["Arrows, Space", "On the board: move the cursor, use the tool; Shift+Space the other way"],
+  ["x y .", "Mirror, flip, turn the selection or the stamp"],
+  ["Ctrl+C, X, V", "Copy, cut, paste the selection"],
+  ["Enter, Delete", "Fill, clear the selection"],
+  ["# u w i", "Grid, ruler, way or cut, signal"],
+  ["+ − 0", "Zoom; show the whole world. Space and drag, or the middle button, moves it"],
+];
+const PLAYING = [
+  ["Space", "Play, pause"],
+  ["← →", "One step; with Shift ten"],
+  ["Home End", "To the start, to the end"],
+  ["l", "One period of a loop again and again"],
+  ["e", "To the next marked step"],
+  ["r", "Follow the robot"],
+  ["t u s i w", "Trail, touched walls, sensors, signal, witness"],
+  ["+ − 0", "Zoom; show the whole world"],
+];
+
+export function showKeys() {
+  const dialog = byId("keys");
+  const table = (title, rows) =>
+    el(
+      "div",
+      {},
+      el("h3", {}, title),
+      el("table", {}, el("tbody", {}, rows.map(([keys, words]) => el("tr", {}, el("th", { scope: "row" }, el("kbd", {}, keys)), el("td", {}, words))))),
+    );
+  dialog.replaceChildren(
+    el("div", { class: "line" }, el("h2", { id: "keys-title" }, "Keys"), el("button", { type: "button", onclick: () => dialog.close() }, "Close")),
+    el("div", { class: "key-tables" }, table("Draw", DRAWING), el("div", {}, table("Play", PLAYING), table("Everywhere", EVERYWHERE))),
+  );
+  dialog.showModal();
+}
+
+/* Listens to the keys.
+     studio    { page(), draw, play, undo, redo, save, run, go } */
+export function listen(studio) {
+  addEventListener("keydown", (event) => {
+    if (byId("keys").open) return;
+    const act = commandFor(studio, event) || plainFor(studio, event);
+    if (!act) return;
+    event.preventDefault();
+    act();
+  });
+}
+
+function commandFor(studio, event) {
+  if (!(event.ctrlKey || event.metaKey) || event.altKey) return null;
+  const key = event.key.toLowerCase();
+  if (key === "s") return studio.save;
+  if (key === "enter") return studio.run;
+  if (event.target.matches("input, select, textarea") || studio.page() !== "draw") return null;
+  if (key === "z") return event.shiftKey ? studio.redo : studio.undo;
+  if (key === "y") return studio.redo;
+  const what = { c: "copy", x: "cut", v: "paste" }[key];
+  return what ? () => studio.draw.act(what) : null;
+}
+
+function plainFor(studio, event) {
+  if (event.ctrlKey || event.metaKey || event.altKey) return null;
+  const { target, key } = event;
+  if (target.matches("input:not([type=range], [type=checkbox]), select, textarea")) return null;
+  if (target.matches("input[type=range]") && /^(Arrow|Home|End|Page)/.test(key)) return null;
+  if (/^( |Enter)$/.test(key) && target.matches("button, a, summary, input")) return null;
+  const keys = { "?": showKeys, d: () => byId("theme").click(), 1: () => studio.go("draw"), 2: () => studio.go("play") };
+  return keys[key] || (studio.page() === "draw" ? drawKeys(studio.draw) : playKeys(studio.play, event))[key] || null;
+}
+
+function drawKeys(draw) {
+  const keys = { "[": () => draw.resize(-1), "]": () => draw.resize(1) };
+  for (const [tool, [, key]] of Object.entries(TOOLS)) keys[key] = () => draw.choose(tool);
+  Object.assign(keys, {
+    "+": () => draw.board.zoom(1.4),
+    "=": () => draw.board.zoom(1.4),
+    "-": () => draw.board.zoom(1 / 1.4),
+    0: () => draw.board.fit(),
+    "#": () => draw.toggle("grid"),
+    u: () => draw.toggle("ruler"),
+    w: () => draw.toggle("proof"),
+    i: () => draw.toggle("signal"),
+    x: () => draw.act("mirror"),
+    y: () => draw.act("flip"),
+    ".": () => draw.act("turn"),
+    Delete: () => draw.act("clear"),
+    Backspace: () => draw.act("clear"),
+    Escape: () => draw.choose(draw.tool),
+  });
+  if (draw.tool === "select" && draw.board.selection) keys.Enter = () => draw.act("fill");
+  return keys;
+}
+
+function playKeys(play, event) {
+  const player = play.player();
+  if (!player) return {};
+  const keys = { ...cameraKeys(player) };
+  return Object.assign(keys, layerKeys(player), clockKeys(player, event.shiftKey ? 10 : 1));
+}

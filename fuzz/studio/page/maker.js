@@ -1,0 +1,73 @@
+// The generator: a family, its parameters, a seed; the dice take the next one.
+
+import { choice, el } from "/player/dom.js";
+import { Ended, Refused } from "./connection.js";
+import { labelled, parameterField, words } from "./fields.js";
+
+const OF_THE_ROBOT = ["cell_size", "robot_radius", "robot_speed"];
+
+export function makeMaker(studio) {
+  const state = { family: null, given: {}, seed: "1" };
+  const parts = { fields: el("div"), about: el("p", { class: "quiet" }), said: el("p", { role: "status" }) };
+  parts.seed = el("input", { type: "text", inputmode: "numeric", value: "1", id: "maker-seed", pattern: "[0-9]+" });
+  const element = el("div", {}, el("div", { id: "maker-family" }), parts.about, seedPart(studio, state, parts), parts.said, parts.fields);
+  return {
+    element,
+    refresh: () => {
+      if (state.family || !studio.offered) return;
+      const names = studio.offered.families.map(({ name }) => [name, name]);
+      const list = choice(names, "maze", (event) => chooseFamily(studio, state, parts, event.target.value));
+      element.firstChild.replaceChildren(labelled("Family", list));
+      chooseFamily(studio, state, parts, "maze");
+    },
+  };
+}
+
+function seedPart(studio, state, parts) {
+  const make = () => generate(studio, state, parts);
+  parts.make = el("button", { type: "button", class: "main", onclick: make }, "Generate");
+  const roll = () => {
+    parts.seed.value = String(BigInt.asUintN(64, BigInt(parts.seed.value.replace(/\D/g, "") || "0") + 1n));
+    make();
+  };
+  return el(
+    "div",
+    { class: "seed" },
+    labelled("Seed", parts.seed),
+    parts.make,
+    el("button", { type: "button", title: "The next seed", onclick: roll }, "Next seed"),
+  );
+}
+
+function chooseFamily(studio, state, parts, name) {
+  state.family = studio.offered.families.find((family) => family.name === name);
+  state.given = {};
+  parts.about.textContent = state.family.about.split("\n\n")[0];
+  const field = (parameter) => {
+    const input = parameterField({ low: null, high: null, ...parameter }, parameter.default, (value) => {
+      state.given[parameter.name] = value;
+    });
+    return labelled(words(parameter.name), input, { help: parameter.help });
+  };
+  const own = state.family.parameters.filter((parameter) => !OF_THE_ROBOT.includes(parameter.name));
+  const robot = state.family.parameters.filter((parameter) => OF_THE_ROBOT.includes(parameter.name));
+  parts.fields.replaceChildren(
+    ...own.map(field),
+    robot.length > 0 ? el("details", {}, el("summary", {}, "Cells and robot"), robot.map(field)) : "",
+  );
+}
+
+async function generate(studio, state, parts) {
+  parts.said.className = "quiet";
+  parts.said.textContent = "…";
+  const message = { family: state.family.name, seed: parts.seed.value.trim(), parameters: state.given };
+  try {
+    const answer = await studio.connection.ask("generate", message);
+    studio.show(answer, "", `${state.family.name} ${message.seed}`);
+    parts.said.textContent = `Made by ${answer.made}.`;
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    parts.said.className = error instanceof Refused ? "bad" : "quiet";
+    parts.said.textContent = error.message;
+  }
+}

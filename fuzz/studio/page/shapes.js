@@ -1,0 +1,159 @@
+// Cells by geometry: lines, rectangles, floods, and patterns that can be turned and mirrored.
+// A pattern has width, height and cells, row by row from the lowest: 1 solid, 0 free, KEEP what was there.
+
+export const KEEP = 2;
+
+// The cells of a straight line, both ends included.
+// Source: Jack E. Bresenham, "Algorithm for computer control of a digital plotter", IBM Systems Journal 4 (1965).
+export function lineCells([x0, y0], [x1, y1]) {
+  const dx = Math.abs(x1 - x0),
+    dy = -Math.abs(y1 - y0);
+  const stepX = x0 < x1 ? 1 : -1,
+    stepY = y0 < y1 ? 1 : -1;
+  const cells = [];
+  let x = x0,
+    y = y0,
+    error = dx + dy;
+  for (;;) {
+    cells.push([x, y]);
+    if (x === x1 && y === y1) return cells;
+    const twice = 2 * error;
+    if (twice >= dy) {
+      error += dy;
+      x += stepX;
+    }
+    if (twice <= dx) {
+      error += dx;
+      y += stepY;
+    }
+  }
+}
+
+/** The rectangle with two opposite corners. */
+export function rectangleOf([x0, y0], [x1, y1]) {
+  const x = Math.min(x0, x1),
+    y = Math.min(y0, y1);
+  return { x, y, width: Math.abs(x1 - x0) + 1, height: Math.abs(y1 - y0) + 1 };
+}
+
+export function rectangleCells({ x, y, width, height }, hollow = false) {
+  const cells = [];
+  for (let iy = y; iy < y + height; iy += 1)
+    for (let ix = x; ix < x + width; ix += 1) {
+      const edge = ix === x || iy === y || ix === x + width - 1 || iy === y + height - 1;
+      if (edge || !hollow) cells.push([ix, iy]);
+    }
+  return cells;
+}
+
+/** A square brush of so many cells around a cell. */
+export function brushCells([x, y], size) {
+  const low = Math.floor((size - 1) / 2);
+  return rectangleCells({ x: x - low, y: y - low, width: size, height: size });
+}
+
+/** All cells like the one at (x, y) that hang together with it by their sides. */
+export function floodCells({ cells, width, height }, [x, y]) {
+  const wanted = cells[y * width + x],
+    seen = new Uint8Array(width * height),
+    found = [];
+  const stack = [y * width + x];
+  seen[stack[0]] = 1;
+  while (stack.length > 0) {
+    const at = stack.pop(),
+      ix = at % width,
+      iy = (at - ix) / width;
+    found.push([ix, iy]);
+    const next = [];
+    if (ix > 0) next.push(at - 1);
+    if (ix < width - 1) next.push(at + 1);
+    if (iy > 0) next.push(at - width);
+    if (iy < height - 1) next.push(at + width);
+    for (const to of next)
+      if (!seen[to] && cells[to] === wanted) {
+        seen[to] = 1;
+        stack.push(to);
+      }
+  }
+  return found;
+}
+
+/** What stands in a rectangle of a map; outside the map nothing is changed. */
+export function patternIn(map, { x, y, width, height }) {
+  return patternOf(width, height, (ix, iy) => {
+    const column = x + ix,
+      row = y + iy;
+    const inside = column >= 0 && row >= 0 && column < map.width && row < map.height;
+    return inside ? map.cells[row * map.width + column] : KEEP;
+  });
+}
+
+export function patternOf(width, height, cell) {
+  const cells = new Uint8Array(width * height);
+  for (let iy = 0; iy < height; iy += 1) for (let ix = 0; ix < width; ix += 1) cells[iy * width + ix] = cell(ix, iy);
+  return { width, height, cells };
+}
+
+const at = (pattern, ix, iy) => pattern.cells[iy * pattern.width + ix];
+
+/** A quarter turn to the left. */
+export function turned(pattern) {
+  return patternOf(pattern.height, pattern.width, (ix, iy) => at(pattern, iy, pattern.height - 1 - ix));
+}
+
+export function mirrored(pattern) {
+  return patternOf(pattern.width, pattern.height, (ix, iy) => at(pattern, pattern.width - 1 - ix, iy));
+}
+
+export function flipped(pattern) {
+  return patternOf(pattern.width, pattern.height, (ix, iy) => at(pattern, ix, pattern.height - 1 - iy));
+}
+
+const walls = (size, solid) => patternOf(size, size, (ix, iy) => (solid(ix, iy, size - 1) ? 1 : KEEP));
+
+/** Stamps by name: each makes a pattern of about so many cells a side. */
+export const STAMPS = {
+  "U trap": (size) => walls(size, (ix, iy, last) => ix === last || iy === 0 || iy === last),
+  "L trap": (size) => walls(size, (ix, iy, last) => ix === last || iy === 0),
+  "V trap": (size) => walls(size, (ix, iy, last) => Math.abs(2 * iy - last) <= 2 * (last - ix) + 1 && vEdge(ix, iy, last)),
+  Spiral: (size) => spiral(size),
+  Comb: (size) => walls(size, (ix, iy, last) => ix === last || iy % 4 === 0 || (iy === last && last % 4 === 0)),
+  Corridor: (size) =>
+    patternOf(size, Math.max(4, Math.round(size / 3)), (ix, iy) => {
+      const high = Math.max(4, Math.round(size / 3));
+      return iy === 0 || iy === high - 1 ? 1 : 0;
+    }),
+  Room: (size) =>
+    patternOf(size, size, (ix, iy) => {
+      const last = size - 1,
+        door = ix === 0 && Math.abs(2 * iy - last) <= 3;
+      return (ix === 0 || iy === 0 || ix === last || iy === last) && !door ? 1 : 0;
+    }),
+};
+
+// Two slanted walls that meet at the right, two cells thick so that no disc slips through between corners.
+function vEdge(ix, iy, last) {
+  const across = Math.abs(2 * iy - last) / 2;
+  return Math.abs(across - (last - ix) / 2) < 0.9;
+}
+
+// A wall that winds inwards, three free cells between its turns, open at the lower left.
+function spiral(size) {
+  const made = { width: size, height: size, cells: new Uint8Array(size * size).fill(KEEP) };
+  const ways = [
+    [1, 0],
+    [0, 1],
+    [-1, 0],
+    [0, -1],
+  ];
+  let x = 0,
+    y = 0;
+  for (let turn = 0; ; turn += 1) {
+    const length = size - 1 - (turn > 2 ? 4 * Math.ceil((turn - 2) / 2) : 0);
+    if (length < 1) return made;
+    const [dx, dy] = ways[turn % 4];
+    for (let step = 0; step <= length; step += 1) made.cells[(y + dy * step) * size + x + dx * step] = 1;
+    x += dx * length;
+    y += dy * length;
+  }
+}

@@ -1,0 +1,190 @@
+// The studio: what all pages share, which page is shown, and whether the server is there.
+
+import { byId, el, keyButton, say } from "/player/dom.js";
+import { followSystem } from "/player/theme.js";
+import { Ended, Refused, makeConnection } from "./connection.js";
+import { makeDraw } from "./draw.js";
+import { openFile, saveAs } from "./files.js";
+import { listen, showKeys } from "./keys.js";
+import { Model, draft, emptyWorld, worldOf } from "./model.js";
+import { makePlay } from "./play.js";
+import { listenToBoard } from "./pointer.js";
+import { makeProver } from "./proof.js";
+
+const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"] };
+const SIDE = 40; // cells of the world that one begins with
+
+const studio = {
+  model: new Model(emptyWorld(SIDE, SIDE), () => changed()),
+  connection: null,
+  offered: null, // what the server has to choose from
+  name: "", // of the file in the folder; empty: not saved yet
+  widest: null,
+  say: (words) => say(words),
+  page: () => (location.hash === "#play" ? "play" : "draw"),
+  go: (page) => {
+    location.hash = page;
+  },
+  rename,
+  show,
+  undo: () => step("Undone", studio.model.undo()),
+  redo: () => step("Redone", studio.model.redo()),
+  save,
+  run: () => (studio.page() === "play" ? studio.play.run() : studio.go("play")),
+};
+const prove = makeProver(studio, setProof, setWidest);
+let scheduled = 0;
+
+// After a change: everything is drawn once a frame, however much has changed.
+function changed() {
+  if (!studio.draw) return;
+  studio.draw.board.proof = null;
+  if (!scheduled)
+    scheduled = requestAnimationFrame(() => {
+      scheduled = 0;
+      studio.draw.refresh();
+      showName();
+    });
+  prove();
+  clearTimeout(changed.keeping);
+  changed.keeping = setTimeout(() => studio.model.keepDraft(studio.name), 800);
+}
+
+function step(what, label) {
+  if (label) say(`${what}: ${label}`);
+}
+
+function setProof(proof) {
+  studio.draw.board.proof = proof;
+  studio.draw.refresh();
+}
+
+function setWidest(widest) {
+  if (studio.widest === widest) return;
+  studio.widest = widest;
+  studio.draw.refresh();
+}
+
+function rename(name) {
+  studio.name = name;
+  showName();
+}
+
+function showName() {
+  const { unsaved, past, future } = studio.model;
+  byId("name").replaceChildren(studio.name || "not saved yet", unsaved ? el("span", { class: "quiet" }, " · changed") : "");
+  document.title = `${unsaved ? "• " : ""}${studio.name || "new world"} - worldgen studio`;
+  byId("undo").disabled = past.length === 0;
+  byId("redo").disabled = future.length === 0;
+}
+
+/** Another world takes the place of the one that is drawn; undo brings that back. */
+function show(answer, name, label) {
+  const saved = !studio.model.unsaved || name !== "";
+  studio.model.change(`open ${label}`, worldOf(answer.world));
+  studio.draw.board.view = null;
+  if (name && saved) studio.model.markSaved();
+  rename(name);
+  if (answer.failure) studio.play.prefer(answer.failure);
+  say(`Opened ${label}`);
+}
+
+async function save() {
+  if (!studio.name) {
+    studio.go("draw");
+    studio.draw.panel("files");
+    byId("save-name").focus();
+    return;
+  }
+  try {
+    say(await saveAs(studio, null, studio.name));
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    notice(error.message);
+  }
+}
+
+function route() {
+  const page = studio.page();
+  for (const name of Object.keys(PAGES)) byId(name).hidden = name !== page;
+  byId("tabs").replaceChildren(
+    ...Object.entries(PAGES).map(([name, [words, key]]) =>
+      el("a", { href: `#${name}`, "aria-current": name === page ? "page" : null, "aria-keyshortcuts": key }, words),
+    ),
+  );
+  if (page === "play") studio.play.begin();
+  else {
+    studio.play.pause();
+    studio.draw.refresh();
+  }
+}
+
+function notice(words) {
+  byId("gone").textContent = words;
+  byId("gone").hidden = words === "";
+}
+
+// The connection is there, at first or again: what was asked for in vain is asked again.
+async function begun(begins) {
+  notice("");
+  const first = studio.offered === null;
+  try {
+    studio.offered = await studio.connection.ask("hello");
+    if (first && begins.file && studio.model.past.length === 0) await openFile(studio, { name: begins.file, world: /\.grid(\.gz)?$/.test(begins.file) });
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    if (error instanceof Refused) notice(error.message);
+  }
+  studio.play.refresh();
+  changed();
+  if (first && studio.page() === "play") studio.play.begin();
+}
+
+function lost(forbidden) {
+  studio.draw.board.proof = null;
+  notice(
+    forbidden
+      ? "The studio was started anew and does not know this page any more. Open the address that it has printed: what is drawn here comes along."
+      : "The studio does not answer. What you draw stays here, and this page comes back by itself when worldgen studio runs again.",
+  );
+}
+
+function begin() {
+  history.replaceState(null, "", `${location.pathname}${location.hash}`); // the token has done its work
+  byId("tools").append(
+    keyButton("↶", "Undo", "Control+Z", studio.undo, { id: "undo" }),
+    keyButton("↷", "Redo", "Control+Y", studio.redo, { id: "redo" }),
+    keyButton("Save", "Save", "Control+S", save),
+    el("button", { type: "button", id: "theme", "aria-keyshortcuts": "d" }),
+    keyButton(["Keys ", el("kbd", {}, "?")], "Keys", "?", showKeys),
+  );
+  studio.draw = makeDraw(byId("draw"), studio);
+  studio.play = makePlay(byId("play"), studio);
+  listenToBoard(studio.draw);
+  followSystem(byId("theme"), () => {
+    studio.draw.board.draw();
+    studio.play.redraw();
+  });
+  listen(studio);
+  takeDrops();
+  addEventListener("hashchange", route);
+  addEventListener("beforeunload", () => studio.model.keepDraft(studio.name));
+  const kept = draft();
+  if (kept) {
+    studio.model.change("what was drawn before", kept.world);
+    rename(kept.name);
+  }
+  studio.connection = makeConnection(begun, lost);
+  route();
+  showName();
+}
+
+function takeDrops() {
+  addEventListener("dragover", (event) => event.preventDefault());
+  addEventListener("drop", (event) => {
+    event.preventDefault();
+    if (event.dataTransfer.files.length > 0) studio.draw.bring(event.dataTransfer.files[0]);
+  });
+}
+
+begin();

@@ -1,0 +1,280 @@
+// The tools: what the pointer does on the board. Each begins, drags and ends at points in cells.
+
+import {
+  STAMPS,
+  brushCells,
+  flipped,
+  floodCells,
+  lineCells,
+  mirrored,
+  patternIn,
+  patternOf,
+  rectangleCells,
+  rectangleOf,
+  turned,
+} from "./shapes.js";
+import { round } from "./model.js";
+
+/** Every tool: its words, its key, its picture in a square of 16. */
+export const TOOLS = {
+  brush: ["Brush", "b", "M10.5 1.5l4 4-7 7-4.5.5.5-4.5zM1 15.5h14v-1.5H1z"],
+  erase: ["Eraser", "e", "M6 13l-4-4 7-7 5 5-6 6zm-4 1.5h12v1H2z"],
+  line: ["Line", "l", "M2 12.6L12.6 2 14 3.4 3.4 14z"],
+  rectangle: ["Rectangle", "r", "M2 3h12v10H2zm1.6 1.6v6.8h8.8V4.6z"],
+  fill: ["Fill", "f", "M7 1l7 7-6 6-6-6 5-5-1.5-1.5zm-3.200 7h8L7.500 4zM14 10c1 1.700 1.500 2.500 1.500 3.200a1.500 1.500 0 0 1-3 0c0-.7.5-1.500 1.500-3.200z"],
+  select: ["Select", "s", "M1 1h4v1.500H2.500V5H1zm10 0h4v4h-1.500V2.500H11zM1 11h1.500v2.500H5V15H1zm12.500 0H15v4h-4v-1.500h2.500zM6.500 1h3v1.500h-3zm0 12.500h3V15h-3zM1 6.500h1.500v3H1zm12.500 0H15v3h-1.500z"],
+  stamp: ["Stamp", "t", "M6 1h4v5l1 2h3v3H2V8h3l1-2zM2 12.500h12V15H2z"],
+  start: ["Start", "a", "M8 1.500a6.500 6.500 0 1 0 0 13 6.500 6.500 0 0 0 0-13zm0 1.600a4.900 4.900 0 1 1 0 9.800 4.900 4.900 0 0 1 0-9.800zM7.200 7.200H16v1.600H7.200z"],
+  target: ["Target", "g", "M8 1a7 7 0 1 0 0 14A7 7 0 0 0 8 1zm0 1.600a5.400 5.400 0 1 1 0 10.800A5.400 5.400 0 0 1 8 2.600zM8 5a3 3 0 1 0 0 6 3 3 0 0 0 0-6z"],
+  measure: ["Measure", "m", "M1 11L11 1l4 4L5 15zm2.300 0L5 12.700 12.700 5l-.8-.8-1.400 1.400-.9-.9L11 3.300z"],
+  pan: ["Move view", "h", "M8 0l3 3H9v4h4V5l3 3-3 3V9H9v4h2l-3 3-3-3h2V9H3v2L0 8l3-3v2h4V3H5z"],
+}; // prettier-ignore
+
+const cellOf = ([x, y]) => [Math.floor(x), Math.floor(y)];
+const holds = (box, [x, y]) => box && x >= box.x && y >= box.y && x < box.x + box.width && y < box.y + box.height;
+
+/* The tools of a board.
+     setting   { size, hollow, stamp, stampSize }
+     said      called with what was done */
+export function makeTools(board, setting, said) {
+  const kit = { board, model: board.model, setting, said, clipboard: null, turns: [] };
+  return {
+    kit,
+    brush: painter(kit, 1),
+    erase: painter(kit, 0),
+    line: spanned(kit, "line", (from, to) => thick(lineCells(from, to), setting.size)),
+    rectangle: spanned(kit, "rectangle", (from, to) => rectangleCells(rectangleOf(from, to), setting.hollow)),
+    fill: filler(kit),
+    select: selector(kit),
+    stamp: stamper(kit),
+    start: starter(kit),
+    target: targeter(kit),
+    measure: measurer(kit),
+    pan: { begin() {}, drag() {}, end() {} }, // the board itself pans
+  };
+}
+
+// Each cell of a line as wide as the brush.
+function thick(cells, size) {
+  return size === 1 ? cells : cells.flatMap((cell) => brushCells(cell, size));
+}
+
+function painter(kit, value) {
+  let last = null;
+  const paint = (point, erase) => {
+    const here = cellOf(point);
+    kit.model.paint(thick(lineCells(last || here, here), kit.setting.size), erase ? 0 : value);
+    last = here;
+  };
+  return {
+    begin: (point, { erase }) => paint(point, erase),
+    drag: (point, { erase }) => paint(point, erase),
+    end() {
+      last = null;
+      kit.model.lift(value ? "brush" : "eraser");
+    },
+    hover: (point) => {
+      kit.board.marks = brushCells(cellOf(point), kit.setting.size);
+    },
+  };
+}
+
+function spanned(kit, label, cellsOf) {
+  let from = null,
+    to = null;
+  const show = () => {
+    kit.board.marks = cellsOf(from, to);
+    kit.board.draw();
+  };
+  return {
+    begin(point) {
+      from = to = cellOf(point);
+      show();
+    },
+    drag(point) {
+      to = cellOf(point);
+      show();
+    },
+    end(point, { erase }) {
+      kit.board.marks = [];
+      kit.model.paint(cellsOf(from, to), erase ? 0 : 1);
+      kit.model.lift(label);
+    },
+    hover: (point) => {
+      kit.board.marks = brushCells(cellOf(point), label === "line" ? kit.setting.size : 1);
+    },
+  };
+}
+
+function filler(kit) {
+  return {
+    begin(point, { erase }) {
+      const { world } = kit.model,
+        [x, y] = cellOf(point);
+      if (x < 0 || y < 0 || x >= world.width || y >= world.height) return;
+      const solid = world.cells[y * world.width + x];
+      if (erase && !solid) return;
+      kit.model.paint(floodCells(world, [x, y]), erase ? 0 : 1);
+      kit.model.lift("fill");
+    },
+    drag() {},
+    end() {},
+    hover: (point) => {
+      kit.board.marks = [cellOf(point)];
+    },
+  };
+}
+
+function selector(kit) {
+  const { board, model } = kit;
+  let from = null,
+    moving = null;
+  return {
+    begin(point) {
+      from = cellOf(point);
+      moving = holds(board.selection, from) ? { box: board.selection, pattern: patternIn(model.world, board.selection) } : null;
+      if (!moving) board.selection = rectangleOf(from, from);
+      board.draw();
+    },
+    drag(point) {
+      const to = cellOf(point);
+      if (!moving) board.selection = rectangleOf(from, to);
+      else {
+        const at = [moving.box.x + to[0] - from[0], moving.box.y + to[1] - from[1]];
+        board.ghost = { pattern: moving.pattern, at };
+      }
+      board.draw();
+    },
+    end() {
+      if (!moving || !board.ghost) return;
+      const { at } = board.ghost;
+      board.ghost = null;
+      model.paint(rectangleCells(moving.box), 0);
+      model.put(moving.pattern, at);
+      model.lift("move");
+      board.selection = { ...moving.box, x: at[0], y: at[1] };
+      board.draw();
+    },
+  };
+}
+
+/** What can be done with the selection; each is one step of the history. */
+export const SELECTION = {
+  copy: ["Copy", "Ctrl+C"],
+  cut: ["Cut", "Ctrl+X"],
+  paste: ["Paste", "Ctrl+V"],
+  mirror: ["Mirror ↔", "x"],
+  flip: ["Mirror ↕", "y"],
+  turn: ["Turn ↺", "."],
+  fill: ["Fill", "Enter"],
+  clear: ["Clear", "Delete"],
+};
+
+/** Does something with the selection; with the stamp in hand, turns and mirrors that. */
+export function withSelection(kit, what, stamping) {
+  const { board, model } = kit,
+    changes = { mirror: mirrored, flip: flipped, turn: turned };
+  if (what === "paste") return kit.clipboard !== null;
+  if (stamping && what in changes) {
+    kit.turns.push(changes[what]);
+    return true;
+  }
+  const box = board.selection;
+  if (!box) return false;
+  const pattern = patternIn(model.world, box);
+  if (what === "copy" || what === "cut") kit.clipboard = pattern;
+  if (what === "cut" || what === "clear") model.paint(rectangleCells(box), 0);
+  if (what === "fill") model.paint(rectangleCells(box), 1);
+  if (what in changes) {
+    const made = changes[what](pattern);
+    model.paint(rectangleCells(box), 0);
+    model.put(made, [box.x, box.y]);
+    board.selection = { x: box.x, y: box.y, width: made.width, height: made.height };
+  }
+  if (what !== "copy") model.lift(what);
+  kit.said(`${SELECTION[what][0]}: ${box.width} x ${box.height} cells`);
+  board.draw();
+  return true;
+}
+
+/** The pattern that the stamp puts down. */
+function stampOf(kit) {
+  const { stamp, stampSize } = kit.setting;
+  const made = stamp === "clipboard" && kit.clipboard ? kit.clipboard : STAMPS[stamp in STAMPS ? stamp : "U trap"](stampSize);
+  return kit.turns.reduce((pattern, change) => change(pattern), made);
+}
+
+function stamper(kit) {
+  const place = (point) => {
+    const pattern = stampOf(kit);
+    const at = [Math.round(point[0] - pattern.width / 2), Math.round(point[1] - pattern.height / 2)];
+    kit.board.ghost = { pattern, at };
+    kit.board.draw();
+    return { pattern, at };
+  };
+  return {
+    begin(point, { erase }) {
+      const { pattern, at } = place(point);
+      if (erase) kit.model.put(patternOf(pattern.width, pattern.height, (ix, iy) => (pattern.cells[iy * pattern.width + ix] === 1 ? 0 : 2)), at);
+      else kit.model.put(pattern, at);
+      kit.model.lift("stamp");
+    },
+    drag: place,
+    end() {},
+    hover: place,
+  };
+}
+
+// Moves the start to the middle of a cell, or to the exact place with Alt; a drag away from it turns it.
+function starter(kit) {
+  let at = null;
+  return {
+    begin(point, { exact }) {
+      at = placed(kit, point, exact);
+      kit.model.change("start", { start: [...at, kit.model.world.start[2]] });
+    },
+    drag(point) {
+      const side = kit.model.world.cell_size;
+      const dx = point[0] * side - at[0],
+        dy = point[1] * side - at[1];
+      if (Math.hypot(dx, dy) < 0.6 * side) return;
+      const heading = Math.atan2(dy, dx),
+        steps = Math.round((heading * 180) / Math.PI / 5) * 5; // five degrees, as by hand
+      kit.model.change("turn of the start", { start: [...at, round((steps * Math.PI) / 180)] }, true);
+    },
+    end() {},
+  };
+}
+
+function targeter(kit) {
+  const move = (point, { exact }) =>
+    kit.model.change("target", { target: [...placed(kit, point, exact), kit.model.world.target[2]] }, true);
+  return { begin: move, drag: move, end() {} };
+}
+
+function placed(kit, [x, y], exact) {
+  const { width, height, cell_size: side } = kit.model.world;
+  const inside = (value, most) => Math.min(most, Math.max(0, value));
+  if (exact) return [round(inside(x, width) * side), round(inside(y, height) * side)];
+  return [
+    round((inside(Math.floor(x), width - 1) + 0.5) * side),
+    round((inside(Math.floor(y), height - 1) + 0.5) * side),
+  ];
+}
+
+function measurer(kit) {
+  return {
+    begin(point) {
+      kit.board.measure = [point, point];
+      kit.board.draw();
+    },
+    drag(point) {
+      kit.board.measure = [kit.board.measure[0], point];
+      kit.board.draw();
+    },
+    end() {
+      const [from, to] = kit.board.measure;
+      kit.said(`${(Math.hypot(to[0] - from[0], to[1] - from[1]) * kit.model.world.cell_size).toFixed(3)} m`);
+    },
+  };
+}

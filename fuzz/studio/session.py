@@ -1,0 +1,130 @@
+"""One page's connection: questions come in, answers and their parts go out; a newer question replaces an older one."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from fuzz.studio.lanes import LANES, Ended, Lane
+
+__all__ = ["PROTOCOL", "Session"]
+
+PROTOCOL = 1  # goes up whenever a page of before would not understand
+_REPLACED = frozenset({"decide", "widest", "generate", "run"})  # of each only the newest counts
+_PATIENCE = 0.7  # s: what is replaced may finish in this time, for a new process takes longer to start
+_MOST_WAITING = 64
+
+
+@dataclass(eq=False)
+class _Job:
+    """A question that is being answered."""
+
+    number: int
+    kind: str
+    lane: Lane
+    task: asyncio.Task[None] | None = None
+    running: bool = False
+    replaced: bool = False
+
+
+@dataclass(eq=False)
+class Session:
+    """One connection.
+
+    Args:
+        socket: To the page.
+        lanes: Where the work is done, by name.
+        begins: What the page is told first: the file to open, if the studio was started with one.
+    """
+
+    socket: WebSocket
+    lanes: Mapping[str, Lane]
+    begins: Mapping[str, Any]
+    _jobs: dict[int, _Job] = field(default_factory=dict)
+    _newest: dict[str, _Job] = field(default_factory=dict)
+
+    async def serve(self) -> None:
+        """Answers until the page is gone."""
+        await self.socket.accept()
+        await self._send({"protocol": PROTOCOL, **self.begins})
+        with contextlib.suppress(WebSocketDisconnect):
+            while True:
+                await self._take(await self.socket.receive_text())
+        for job in list(self._jobs.values()):
+            self._end(job)
+
+    async def _take(self, text: str) -> None:
+        try:
+            message = json.loads(text)
+        except (ValueError, RecursionError):
+            await self._send({"id": -1, "error": "this is no JSON; send one object"})
+            return
+        number = message.get("id") if isinstance(message, dict) else None
+        if type(number) is not int or number < 0 or number in self._jobs:
+            await self._send({"id": -1, "error": "a message needs an id of its own, a whole number from 0"})
+            return
+        kind = message.get("do")
+        if kind == "cancel":
+            job = self._jobs.get(message.get("of", -1)) if type(message.get("of")) is int else None
+            if job is not None and job.kind in _REPLACED:
+                self._end(job)
+            await self._send({"id": number, "answer": {}})
+        elif not isinstance(kind, str) or kind not in LANES:
+            await self._send({"id": number, "error": f"nothing is called {str(kind)[:40]!r}; see the protocol"})
+        elif len(self._jobs) >= _MOST_WAITING:
+            await self._send({"id": number, "error": "too much is waiting; wait for answers"})
+        else:
+            self._begin(_Job(number, kind, self.lanes[LANES[kind]]), message)
+
+    def _begin(self, job: _Job, message: dict[str, Any]) -> None:
+        old = self._newest.get(job.kind) if job.kind in _REPLACED else None
+        if old is not None:
+            old.replaced = True
+        self._jobs[job.number] = self._newest[job.kind] = job
+        job.task = asyncio.create_task(self._do(job, old, message))
+
+    async def _do(self, job: _Job, old: _Job | None, message: dict[str, Any]) -> None:
+        """Does one job after what it replaces is out of the way."""
+        said: dict[str, Any] = {"ended": True}
+        try:
+            if old is not None and old.task is not None and not old.task.done():
+                await asyncio.wait({old.task}, timeout=_PATIENCE if old.running else 0)
+                self._end(old)
+            if not job.replaced:
+                said = await self._ask(job, message)
+        except Ended:
+            pass
+        finally:
+            self._jobs.pop(job.number, None)
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # RuntimeError: the page has gone meanwhile
+            await self._send({"id": job.number, **said})
+
+    async def _ask(self, job: _Job, message: dict[str, Any]) -> dict[str, Any]:
+        try:
+            async with contextlib.aclosing(job.lane.ask(job.kind, message)) as said:
+                async for what, table in said:
+                    if job.replaced:
+                        break
+                    job.running = True
+                    if what == "part":
+                        await self._send({"id": job.number, "part": table})
+                    elif what != "turn":
+                        return {what: table}
+            raise Ended
+        finally:
+            job.running = False
+
+    def _end(self, job: _Job) -> None:
+        """Ends a job: what is running with its process, what waits by not beginning it."""
+        job.replaced = True
+        if job.kind in _REPLACED and job.running:
+            job.lane.end()
+
+    async def _send(self, message: Mapping[str, Any]) -> None:
+        await self.socket.send_text(json.dumps(message, separators=(",", ":"), allow_nan=False))

@@ -1,0 +1,316 @@
+"""The studio's server: what it answers, and whom."""
+
+import base64
+import json
+import threading
+
+import numpy as np
+import pytest
+from starlette.datastructures import Headers
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from fuzz.studio import Folder, Gate
+from fuzz.studio.messages import message_of, restored, world_of
+from sim.episode import simulate
+from tests.helpers.command_line import worldgen
+from tests.helpers.studio import get, page_of, studio_of
+from worldgen import generate
+from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.grid_file import dumps, read_world, write_world
+from worldgen.interop import export_world
+
+CONTROLLER = """
+class Robot:
+    def reset(self):
+        return []
+
+    def act(self, observation, memory):
+        return (0.0, 1.0), memory
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("opened")
+    (folder.parent / "secret.grid").write_bytes(dumps(generate("trap", 1)))
+    (folder / "out.grid").symlink_to(folder.parent / "secret.grid")
+    (folder / "outside").symlink_to(folder.parent)
+    (folder / "mine.py").write_text(CONTROLLER)
+    write_world(generate("corridor", 3), folder / "w.grid")
+    write_world(generate("fire", 3), folder / "fire.grid")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def gate(folder):
+    with studio_of(folder, named=[f"{folder}/mine.py:Robot"], file="w.grid") as gate:
+        yield gate
+
+
+@pytest.fixture(scope="module")
+def page(gate):
+    with page_of(gate) as page:
+        yield page
+
+
+def refused(gate, **how):
+    """The status with which a connection is refused."""
+    with pytest.raises(InvalidStatus) as caught, page_of(gate, **how):
+        pass
+    return caught.value.response.status_code
+
+
+def world(**changes):
+    return message_of(generate("corridor", 3)) | changes
+
+
+def run_message(**changes):
+    usual = {"world": world(), "motion": "swept", "time_step": 0.015, "seed": 0, "options": {}}
+    return usual | {"controllers": ["turn-left"], "steps": 300} | changes
+
+
+# Who is let in.
+
+
+def test_the_address_with_the_token_gives_a_cookie_that_other_sites_cannot_send(gate):
+    answer = get(gate, f"/?token={gate.token}", token=False)
+    cookie = answer.headers["set-cookie"]
+    assert answer.status == 200 and gate.token in cookie
+    assert "HttpOnly" in cookie and "SameSite=Strict" in cookie
+
+
+@pytest.mark.parametrize("path", ["/", "/?token=", "/?token=wrong", "/studio/start.js", "/player/map.js", "/nowhere"])
+def test_nobody_gets_anything_without_the_token(gate, path):
+    answer = get(gate, path, token=False)
+    assert answer.status == 403 and b"does not know you" in answer.body
+
+
+@pytest.mark.parametrize("host", ["evil.example:{port}", "evil.example", "127.0.0.1", "127.0.0.1:1", "10.0.0.1:{port}"])
+def test_a_name_that_was_made_to_lead_here_is_refused(gate, host):
+    assert get(gate, Host=host.format(port=gate.port)).status == 421
+
+
+@pytest.mark.parametrize(
+    "headers", [{"Origin": "http://evil.example"}, {"Origin": "null"}, {"Sec_Fetch_Site": "cross-site"}]
+)
+def test_a_request_of_another_site_is_refused_though_the_browser_knows_the_cookie(gate, headers):
+    assert get(gate, "/studio/start.js", **headers).status == 403
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS"])
+def test_nothing_is_done_over_http(gate, method):
+    assert get(gate, method=method).status == 405
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "", "https://127.0.0.1"])
+def test_a_connection_of_another_site_or_of_none_is_refused(gate, origin):
+    assert refused(gate, origin=origin) == 403
+
+
+def test_a_connection_without_the_cookie_is_refused(gate):
+    assert refused(gate, token=False) == 403
+
+
+@pytest.mark.parametrize("path", ["/../answers.py", "/studio/../gate.py", "/studio/%2e%2e/gate.py", "/player/", "/x"])
+def test_the_server_gives_the_page_s_parts_and_nothing_else(gate, path):
+    assert get(gate, path).status == 404
+
+
+def test_every_answer_forbids_scripts_in_the_page_s_text_and_everything_from_elsewhere(gate):
+    for answer in (get(gate), get(gate, token=False), get(gate, "/nowhere")):
+        policy = answer.headers["content-security-policy"]
+        assert "default-src 'none'" in policy and "script-src 'self';" in policy and "unsafe" not in policy
+        assert answer.headers["x-content-type-options"] == "nosniff"
+
+
+def test_it_listens_to_this_machine_alone_unless_told():
+    gate = Gate("127.0.0.1", 80)
+    assert gate.knows_host("localhost:80") and not gate.knows_host("192.168.1.2:80")
+
+
+def test_bound_to_every_address_it_still_knows_no_name_but_its_own():
+    gate = Gate("0.0.0.0", 80)
+    assert gate.knows_host("192.168.1.2:80") and not gate.knows_host("evil.example:80")
+
+
+def test_a_cookie_that_is_none_lets_nobody_in():
+    gate = Gate("127.0.0.1", 80)
+    assert not any(
+        gate.has_cookie(Headers({"cookie": text})) for text in ("", "=", "\x00", f"other={gate.token}", "[]")
+    )
+
+
+def test_two_studios_have_two_tokens():
+    assert Gate("127.0.0.1", 80).token != Gate("127.0.0.1", 80).token
+
+
+# The folder.
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../secret.grid", "/etc/passwd", "out.grid", "outside/secret.grid", "a/../../secret.grid", ".hidden", "", "a//b",
+     "a\\..\\b", "C:x", "a\0b", "x" * 1000, "./w.grid", "sub/.git/config"],
+)  # fmt: skip
+def test_no_name_leads_out_of_the_folder(folder, name):
+    with pytest.raises(InvalidParameter, match=r"the (opened )?folder"):
+        Folder(folder).place(name)
+
+
+def test_links_and_hidden_files_are_not_listed(folder):
+    assert [entry["name"] for entry in Folder(folder).files()] == ["fire.grid", "mine.py", "w.grid"]
+
+
+@pytest.mark.parametrize("do", ["open", "save", "bring", "export"])
+def test_no_question_leads_out_of_the_folder(page, folder, do):
+    said = page.ask(do, name="outside/new.grid", world=world(), overwrite=True, keep=True, format="thesis")
+    assert "leads out of the folder" in said["error"] or "leads out of the opened folder" in said["error"]
+    assert not (folder.parent / "new.grid").exists()
+
+
+def test_a_file_is_overwritten_only_if_that_is_asked_for(page, folder):
+    assert "is there already" in page.ask("save", name="w.grid", world=world(), overwrite=False)["error"]
+
+
+# What is answered.
+
+
+def test_it_says_first_what_is_open(page, folder):
+    assert page.begins == {"protocol": 1, "folder": str(folder), "file": "w.grid"}
+
+
+def test_it_offers_what_is_registered_and_what_was_named(page, folder):
+    offered = page.ask("hello")["answer"]
+    assert offered["controllers"][0]["name"] == f"{folder}/mine.py:Robot"
+    assert {"maze", "trap"} <= {family["name"] for family in offered["families"]}
+    assert next(motion for motion in offered["motions"] if motion["name"] == "stepped")["thesis"]
+
+
+def test_a_world_saved_as_it_was_opened_is_the_same_file(page, folder):
+    opened = page.ask("open", name="fire.grid")["answer"]["world"]
+    page.ask("save", name="same.grid", world=opened, overwrite=True)
+    assert (folder / "same.grid").read_bytes() == (folder / "fire.grid").read_bytes()
+    (folder / "same.grid").unlink()
+
+
+def test_an_edited_world_is_saved_with_a_proof_of_its_own(page, folder):
+    opened = page.ask("open", name="w.grid")["answer"]["world"]
+    page.ask("save", name="sub.grid", world=opened | {"robot_radius": 0.05}, overwrite=True)
+    saved = read_world(folder / "sub.grid")
+    assert saved.provenance is None and saved.certificate.clearance >= 0.05
+    (folder / "sub.grid").unlink()
+
+
+def test_a_proof_comes_with_its_way_or_its_cut(page):
+    free = page.ask("decide", world=world())["answer"]
+    wide = page.ask("decide", world=world(robot_radius=1.0))["answer"]
+    assert free["result"] == "reachable" and "witness" in free
+    assert wide["result"] == "blocked" and wide["cut"]
+
+
+def test_the_widest_robot_just_passes(page):
+    widest = page.ask("widest", world=world())["answer"]["widest"]
+    assert page.ask("decide", world=world(robot_radius=widest))["answer"]["result"] == "reachable"
+    wider = float(np.nextafter(widest, 1.0))
+    assert page.ask("decide", world=world(robot_radius=wider))["answer"]["result"] == "blocked"
+
+
+def test_a_generated_world_is_the_command_line_s(page):
+    made = page.ask("generate", family="maze", seed="7", parameters={"size": 20})["answer"]
+    assert made["world"]["source"] == dumps(generate("maze", 7, size=20)).decode()
+
+
+def test_a_run_is_the_library_s_to_the_digest(page):
+    said = page.ask("run", **run_message(controllers=["turn-left", "turn-right"]))
+    digests = [part["digest"] for part in said["parts"] if "digest" in part]
+    wanted = [simulate(generate("corridor", 3), name, steps=300).trace_digest for name in ("turn-left", "turn-right")]
+    assert digests == wanted
+
+
+def test_a_controller_named_at_the_start_may_run_and_its_fault_is_told(page, folder):
+    said = page.ask("run", **run_message(controllers=[f"{folder}/mine.py:Robot", "turn-left"]))
+    assert ["error" in part or part["verdict"] for part in said["parts"][1:]][1]
+    assert len(said["parts"]) == 3
+
+
+@pytest.mark.parametrize("name", ["./mine.py:Robot", "cmd:touch gone", "os:system", "fuzz.studio:Gate", 3])
+def test_no_other_controller_runs(page, name):
+    (_, part) = page.ask("run", **run_message(controllers=[name]))["parts"]
+    assert "was not named when the studio was started" in part["error"]
+
+
+@pytest.mark.parametrize(
+    ("do", "message"), [("generate", {"family": "./mine.py:Robot"}), ("bring", {"format": "./x:y"})]
+)
+def test_no_file_s_code_is_run_as_a_family_or_format(page, do, message):
+    said = page.ask(do, **({"seed": "1", "parameters": {}, "name": "w.grid"} | message))
+    assert "is not registered" in said["error"]
+
+
+DRAWING = "\n".join(["#" * 12, "#S" + "." * 9 + "#", *["#" + "." * 10 + "#"] * 8, "#" + "." * 9 + "G#", "#" * 12, ""])
+
+
+def test_a_dropped_map_becomes_a_world_and_is_exported_as_the_command_line_does(page, folder):
+    data = base64.b64encode(DRAWING.encode()).decode()
+    brought = page.ask("bring", name="../../drawing.txt", data=data)["answer"]["world"]
+    (made,) = page.ask("export", name="d.gex", world=brought, format="thesis", keep=False)["answer"]["files"][:1]
+    assert base64.b64decode(made["data"]) == export_world(restored(brought), "thesis", file="d.gex").data
+
+
+def test_what_is_wrong_with_a_dropped_file_is_said_by_its_own_name(page):
+    data = base64.b64encode(b"##\n#?\n").decode()
+    assert page.ask("bring", name="../drawing.txt", data=data)["error"].startswith("drawing.txt")
+
+
+def test_a_newer_question_replaces_an_older_one(gate):
+    with page_of(gate) as page:
+        first = page.send("decide", world=world())
+        second = page.send("decide", world=world())
+        said = {one["id"]: one for one in (page.hear(), page.hear())}
+    assert "answer" in said[second] and first in said
+
+
+def test_a_run_that_nobody_wants_is_ended_and_the_next_one_runs(gate, folder):
+    with page_of(gate) as page:
+        hanging = page.send("run", **run_message(steps=1_000_000, controllers=[f"{folder}/mine.py:Robot"]))
+        threading.Event().wait(0.3)
+        page.send("cancel", of=hanging)
+        ended = [page.hear() for _ in range(2)]
+        again = page.ask("run", **run_message())
+    assert {"id": hanging, "ended": True} in ended or any("part" in said for said in ended)
+    assert again["parts"][-1]["verdict"]
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "1", '{"id": 1}', '{"id": -1, "do": "files"}', '{"id": true, "do": "files"}', "[" * 100_000,
+             '{"id": 7, "do": "__init__"}', '{"id": 8, "do": "open"}', '{"id": 9, "do": "open", "name": 3}'],
+)  # fmt: skip
+def test_nonsense_gets_a_sentence(page, text):
+    page.socket.send(text)
+    assert page.hear()["error"]
+
+
+def test_a_message_larger_than_allowed_ends_the_connection(gate):
+    with pytest.raises(ConnectionClosed), page_of(gate) as page:
+        page.socket.send(json.dumps({"id": 1, "do": "files", "x": "x" * (33 << 20)}))
+        page.hear()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"width": 0}, {"width": 1 << 20, "height": 1 << 20}, {"cells": "%"}, {"cells": ""}, {"start": [1.0]},
+     {"cell_size": "a"}, {"events": []}, {"robot_radius": True},
+     {"events": {"times": [0.0], "ix": [], "iy": [], "state": []}}],
+)  # fmt: skip
+def test_a_message_that_is_no_world_is_refused(changes):
+    with pytest.raises((InvalidParameter, InvalidWorld)):
+        world_of(world(**changes))
+
+
+def test_a_world_with_changes_comes_back_from_its_message():
+    burning = generate("fire", 3)
+    assert restored(json.loads(json.dumps(message_of(burning)))) == burning
+
+
+def test_the_command_says_what_is_wrong_with_its_path(tmp_path):
+    assert "no such file" in worldgen("studio", tmp_path / "gone", "--no-browser").err

@@ -1,0 +1,94 @@
+"""A studio that serves in a thread, and a page's side of its connection."""
+
+import contextlib
+import http.client
+import json
+import threading
+import time
+
+import uvicorn
+from websockets.sync.client import connect
+
+from fuzz.studio import Folder, Gate, Studio, make_app
+from fuzz.studio.app import MOST_MESSAGE
+from fuzz.studio.serving import bind
+
+
+@contextlib.contextmanager
+def studio_of(folder, *, named=(), file=None):
+    """A studio of a folder, served at a free port; gives its gate."""
+    listener = bind("127.0.0.1", free_port())
+    gate = Gate("127.0.0.1", listener.getsockname()[1])
+    app = make_app(Studio(Folder(folder), gate, tuple(named), file))
+    server = uvicorn.Server(
+        uvicorn.Config(app, log_level="warning", ws="websockets-sansio", ws_max_size=MOST_MESSAGE, lifespan="on")
+    )
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
+    thread.start()
+    while not server.started:
+        time.sleep(0.01)
+    try:
+        yield gate
+    finally:
+        server.should_exit = True
+        thread.join(timeout=10)
+        listener.close()
+
+
+def free_port():
+    listener = bind("127.0.0.1", None)
+    port = listener.getsockname()[1]
+    listener.close()
+    return port
+
+
+def get(gate, path="/", *, method="GET", token=True, **headers):
+    """Asks the server over HTTP; gives the answer with its body read."""
+    connection = http.client.HTTPConnection("127.0.0.1", gate.port, timeout=20)
+    said = {"Cookie": f"{gate.cookie}={gate.token}"} if token else {}
+    said |= {name.replace("_", "-"): value for name, value in headers.items()}
+    connection.request(method, path, headers=said)
+    answer = connection.getresponse()
+    answer.body = answer.read()
+    connection.close()
+    return answer
+
+
+class Page:
+    """The page's side of a connection."""
+
+    def __init__(self, socket):
+        self.socket, self.number = socket, 0
+        self.begins = json.loads(socket.recv())
+
+    def send(self, do, **message):
+        """Asks and does not wait; gives the question's number."""
+        self.number += 1
+        self.socket.send(json.dumps({"id": self.number, "do": do, **message}))
+        return self.number
+
+    def hear(self):
+        """The next thing that the server says."""
+        return json.loads(self.socket.recv(timeout=60))
+
+    def ask(self, do, **message):
+        """Asks and waits; gives the answer, with its parts as ``parts``."""
+        number, parts = self.send(do, **message), []
+        while True:
+            said = self.hear()
+            if said["id"] == number and "part" in said:
+                parts.append(said["part"])
+            elif said["id"] == number:
+                return said | {"parts": parts}
+
+
+@contextlib.contextmanager
+def page_of(gate, *, origin=None, token=True, host=None):
+    """A connection as the page opens it."""
+    headers = {"Cookie": f"{gate.cookie}={gate.token}"} if token else {}
+    if host is not None:
+        headers["Host"] = host
+    place = f"http://127.0.0.1:{gate.port}" if origin is None else origin
+    address = f"ws://127.0.0.1:{gate.port}/socket"
+    with connect(address, origin=place or None, additional_headers=headers, max_size=None) as socket:
+        yield Page(socket)

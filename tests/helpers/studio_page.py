@@ -1,0 +1,59 @@
+"""The studio's page in Debian's Chromium, driven by Playwright with real mouse and keyboard."""
+
+import contextlib
+
+from playwright.sync_api import sync_playwright
+
+from tests.helpers.browser import chromium
+
+SECONDS = 20  # that a page gets for what a new process has to be started for
+
+
+@contextlib.contextmanager
+def chromium_browser():
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox", "--disable-gpu"])
+        yield browser
+        browser.close()
+
+
+@contextlib.contextmanager
+def opened(browser, gate, **how):
+    """The page of a studio, in a browser that knows nothing yet; gives it with what it said on the console."""
+    with browser.new_context(**({"viewport": {"width": 1280, "height": 720}} | how)) as context:
+        page = context.new_page()
+        page.set_default_timeout(SECONDS * 1000)
+        page.complaints = []
+        page.on("console", lambda message: page.complaints.append(message.text))
+        page.on("pageerror", lambda error: page.complaints.append(str(error)))
+        page.goto(gate.address)
+        page.wait_for_selector("#proof.good, #proof.bad")
+        yield page
+
+
+def place(page, x, y):
+    """Where a point of the world, in cells, is in the window; the whole world is shown."""
+    box = page.locator("#board").bounding_box()
+    columns, rows = (int(page.get_by_label(name).first.input_value()) for name in ("Columns", "Rows"))
+    scale = min((box["width"] - 68) / columns, (box["height"] - 68) / rows)
+    return (
+        box["x"] + box["width"] / 2 + (x - columns / 2) * scale,
+        box["y"] + box["height"] / 2 - (y - rows / 2) * scale,
+    )
+
+
+def drag(page, first, last, *, button="left"):
+    """Drags from the middle of one cell to that of another."""
+    page.mouse.move(*place(page, first[0] + 0.5, first[1] + 0.5))
+    page.mouse.down(button=button)
+    page.mouse.move(*place(page, last[0] + 0.5, last[1] + 0.5), steps=5)
+    page.mouse.up(button=button)
+
+
+def solid_cells(page):
+    """How many cells are solid, as the page says below the board."""
+    page.mouse.move(*place(page, 1, 1))
+    page.mouse.move(640, 20)
+    words = page.locator(".status .place")
+    words.filter(has_text="solid").wait_for()
+    return int(words.inner_text().split(" cells, ")[1].split(" solid")[0].replace(",", ""))
