@@ -20,14 +20,14 @@ floorplan
 (
   name "walls-in-a-ring"
   bitmap "w.png"
-  size [ 0.6 0.4 0.5 ]
+  size [ 0.6 0.4 0.8 ]
   pose [ 1.7 -1.9 0 0 ]
 )
 
 disc
 (
   name "robot"
-  size [ 0.14 0.14 0.5 ]
+  size [ 0.14 0.14 0.2 ]
   pose [ 1.55 -1.95 0 0 ]
   velocity_bounds [ -2 2 0 0 0 0 -360 360 ]
 )

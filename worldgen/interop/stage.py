@@ -54,16 +54,17 @@ define goal model
 """
 # A polygon of 16 corners in the robot's disc; four lie on the axes, so that Stage stretches it to just the size.
 _QUADRANT = (("1", "0"), ("0.9238", "0.3826"), ("0.7071", "0.7071"), ("0.3826", "0.9238"))
-_HEIGHT = "0.5"  # m
+_TALL, _LOW = "0.8", "0.2"  # m, of walls and robot; a ranger stands on top of its robot, and must not look over walls
 _TURN_RATE = "360"  # degrees/s; a world of ours has no limit
 
 
-def write_stage(world: World, destination: Destination) -> Exported:
+def write_stage(world: World, destination: Destination, *, lidar: bool = False) -> Exported:
     """The world file, and the picture of the walls.
 
     Args:
         world: The world.
         destination: Where it goes.
+        lidar: Whether the robot has a ranger: 257 beams all round, the last as the first, 10 m.
 
     Raises:
         InvalidParameter: If the file's name has a quotation mark, for which Stage has no way.
@@ -81,7 +82,7 @@ def write_stage(world: World, destination: Destination) -> Exported:
         _disc(),
         _TARGET,
         *_floor_plan(world, destination, picture, ringed),
-        *_robot(world, destination),
+        *_robot(world, destination, lidar),
         *_target(world, destination),
     ]
     solid = np.pad(world.walls, 1, constant_values=True) if ringed else world.walls
@@ -129,19 +130,21 @@ def _floor_plan(world: World, destination: Destination, picture: str, ringed: bo
     yield "("
     yield f'  name "{RINGED if ringed else "walls"}"'
     yield f'  bitmap "{picture}"'
-    yield f"  size [ {width} {height} {_HEIGHT} ]"
+    yield f"  size [ {width} {height} {_TALL} ]"
     yield f"  pose [ {middle[0]} {middle[1]} 0 0 ]"
     yield ")\n"
 
 
-def _robot(world: World, destination: Destination) -> Iterator[str]:
+def _robot(world: World, destination: Destination, lidar: bool) -> Iterator[str]:
     start, speed, across = world.start, decimal(world.robot_speed), decimal_text(2 * exact(world.robot_radius))
     yield "disc"
     yield "("
     yield '  name "robot"'
-    yield f"  size [ {across} {across} {_HEIGHT} ]"
+    yield f"  size [ {across} {across} {_LOW} ]"
     yield f"  pose [ {destination.x(start.x)} {destination.y(start.y)} 0 {degrees_text(start.heading)} ]"
     yield f"  velocity_bounds [ -{speed} {speed} 0 0 0 0 -{_TURN_RATE} {_TURN_RATE} ]"
+    if lidar:
+        yield "  ranger ( sensor ( range [ 0 10 ] fov 360 samples 257 ) )"
     yield ")\n"
 
 
