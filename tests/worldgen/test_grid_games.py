@@ -5,6 +5,8 @@ import math
 from dataclasses import replace
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.helpers.drawn_worlds import drawn
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
@@ -154,6 +156,20 @@ def test_a_fault_in_a_micromouse_maze_has_its_line(write, text, line, message):
     with pytest.raises(FormatError, match=message) as caught:
         read_map(write(text), "micromouse")
     assert caught.value.line == line
+
+
+@pytest.mark.parametrize(("name", "text"), [("pogema", POGEMA), ("minigrid", MINIGRID), ("micromouse", MOUSE)])
+@given(st.lists(st.tuples(st.integers(0, 60), st.sampled_from("#.aAbB@WG>oV-| S\n\r0é"), st.booleans()), max_size=5))
+def test_any_text_gives_a_map_or_a_fault_in_one_line(tmp_path, name, text, edits):
+    for at, letter, instead in edits:
+        text = text[:at] + letter + text[at + instead :]
+    (tmp_path / "m.txt").write_bytes(text.encode())
+    try:
+        found = read_map(tmp_path / "m.txt", name)
+    except (FormatError, InvalidParameter) as error:
+        assert "m.txt" in str(error) and "\n" not in str(error)
+    else:
+        assert found.start is None or 0 < found.start[0] < 0.1 * found.walls.shape[1]
 
 
 def test_a_maze_map_is_a_list_of_rows_with_a_wall_all_round():

@@ -12,7 +12,7 @@ import pytest
 from tests.helpers.drawn_worlds import drawn
 from worldgen.errors import FormatError
 from worldgen.interop import export_world, import_world, read_map, write_export
-from worldgen.world import Pose
+from worldgen.world import Pose, Target, World
 
 ROOM = "#####\n#S.G#\n#..##\n#####"
 NUMBERS = [int(letter == "#") for row in ROOM.split() for letter in row]
@@ -133,6 +133,15 @@ BAD = [
 def test_a_map_that_is_no_world_is_refused(made, function, message):
     with pytest.raises(FormatError, match=message):
         read_map(made(function), "tiled")
+
+
+def test_a_large_map_is_packed_and_comes_back(tmp_path):
+    walls = np.zeros((1001, 1000), np.bool_)
+    walls[::7, ::3] = True
+    world = World(walls, Pose(0.15, 0.15), Target(0.25, 0.15, 0.05))
+    path = write_export(export_world(world, "tiled"), tmp_path)[0]
+    assert path.stat().st_size < 100_000
+    assert np.array_equal(read_map(path).walls, walls)
 
 
 @pytest.mark.parametrize("text", [b"", b"[" * 100_000, b'{"layers": \xff}', b'{"width": ' + b"9" * 10_000 + b"}"])

@@ -22,7 +22,8 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
 __all__ = ["micromouse", "read_micromouse", "write_micromouse"]
 
-_POSTS = b"o+"
+_MOST_BYTES = 4 << 20  # some 700 squares a side; a contest's maze has 32
+_POSTS = (b"o", b"+")
 _PARTS = {b"---": True, b"   ": False, b"|": True, b" ": False}
 _SQUARE = re.compile(rb" [SG ] ")
 
@@ -37,7 +38,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
     Raises:
         FormatError: If a part is no post, wall or square, with line and column, or there are two starts.
     """
-    data, source = read_bounded(path), str(path)
+    data, source = read_bounded(path, _MOST_BYTES), str(path)
     rows = [row.rstrip() for row in data.split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
@@ -72,7 +73,7 @@ def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
     parts = []
     for at in range(0, len(line), 4):
         narrow, wide = line[at : at + 1], line[at + 1 : at + 4]
-        if (narrow not in _PARTS) if row % 2 else (narrow not in (b"o", b"+")):
+        if (narrow not in _PARTS) if row % 2 else (narrow not in _POSTS):
             form = "| or a blank" if row % 2 else "a post, o,"
             raise FormatError(
                 f"{shown(narrow)} in column {at + 1} where {form} belongs; posts stand four characters apart",

@@ -5,9 +5,11 @@ Source: the documentation of Tiled, "JSON Map Format" and "Global Tile IDs".
 
 from __future__ import annotations
 
+import base64
 import json
 import math
 import re
+import zlib
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
@@ -36,7 +38,8 @@ from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 __all__ = ["read_tiled", "tiled", "write_tiled"]
 
 _PIXELS = 16  # a side of a tile
-_MOST_BYTES = 64 << 20  # parsed, JSON takes some ten times the file
+_MOST_BYTES = 16 << 20  # parsed, JSON takes up to some thirty times the file
+_MOST_LISTED = 1_000_000  # cells that are written as numbers; of more, the list alone would be megabytes
 _STARTS = ("start", "spawn", "robot")
 _TARGETS = ("target", "goal", "end", "finish")
 _MOVED = 1e-3  # pixels, degrees: less is no edit by hand but another program's rounding
@@ -149,7 +152,7 @@ def write_tiled(world: World, destination: Destination) -> Exported:
         "tilewidth": _PIXELS, "type": "map", "version": "1.8", "width": world.width,
     }  # fmt: skip
     text = json.dumps(made, indent=1, allow_nan=False)
-    rows = flip_rows(world.walls).astype(int).tolist()
+    rows = flip_rows(world.walls).astype(int).tolist() if world.walls.size <= _MOST_LISTED else []
     text = text.replace('"@rows"', "[" + ",\n".join(json.dumps(row)[1:-1] for row in rows) + "]", 1)
     files = {destination.name: (text + "\n").encode()}
     files[picture] = png_bytes(np.full((_PIXELS, _PIXELS), 60, np.uint8))
@@ -157,8 +160,12 @@ def write_tiled(world: World, destination: Destination) -> Exported:
 
 
 def _wall_layer(world: World) -> dict[str, object]:
+    data: dict[str, object] = {"data": "@rows"}
+    if world.walls.size > _MOST_LISTED:
+        packed = zlib.compress(flip_rows(world.walls).astype("<u4").tobytes())
+        data = {"compression": "zlib", "data": base64.b64encode(packed).decode(), "encoding": "base64"}
     return {
-        "data": "@rows", "height": world.height, "id": 1, "name": "walls", "opacity": 1, "type": "tilelayer",
+        **data, "height": world.height, "id": 1, "name": "walls", "opacity": 1, "type": "tilelayer",
         "visible": True, "width": world.width, "x": 0, "y": 0,
     }  # fmt: skip
 
