@@ -21,7 +21,7 @@ Step = Callable[[int], Any]
 
 
 def _rate(step: Step, robots: int) -> float:
-    """Steps a second of CPU time; a first second warms up."""
+    """Steps a second of CPU time, after some calls that compile and fill caches."""
     for k in range(20):
         step(k)
     begin, count = time.process_time(), 0

@@ -1,9 +1,11 @@
 """The Gymnasium environments: what the checker asks, what seeds promise, what is refused."""
 
+import re
 import subprocess
 import sys
 import warnings
 from dataclasses import replace
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -19,7 +21,10 @@ from worldgen import InvalidParameter, Pose, Target, World, generate, read_world
 from worldgen.difficulty import measure
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen_plugins.for_gymnasium import Interface, NavigateEnv, NavigateVectorEnv
+from worldgen_plugins.for_gymnasium.interface import SENSORS
+from worldgen_plugins.for_gymnasium.options import REWARD, Options
 
+GUIDE = (Path(__file__).parents[2] / "docs" / "gymnasium.md").read_text(encoding="utf-8")
 PLAIN = ("target_direction", "target_distance", "bump")
 ALL = (*PLAIN, "bump_direction", "signal", "signal_direction", "heading", "position", "odometry", "beams")
 TRAPS = {"family": "trap", "params": {"size": 16}, "pool": 5, "sensors": PLAIN}
@@ -60,6 +65,18 @@ def test_without_gymnasium_the_import_says_how_to_get_it():
     code = "import sys; sys.modules['gymnasium'] = None; import worldgen.gym"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.stderr.endswith("which is not installed; pip install 'worldgen[gym]'\n")
+
+
+@pytest.mark.parametrize("block", [0, 2, 3], ids=["single", "vector", "policy"])
+def test_an_example_of_the_guide_works(block):
+    names = {"gymnasium": gymnasium, "best_action": lambda seen: 0}
+    exec(re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)[block], names)
+    if "Policy" in names:
+        assert simulate(generate("trap", seed=1), names["Policy"](), steps=50).steps == 50
+
+
+def test_the_guide_names_every_option_and_sensor():
+    assert all(f"`{name}`" in GUIDE or f"`{name}=" in GUIDE for name in (*Options.__annotations__, *SENSORS, *REWARD))
 
 
 def played(env, seed, steps=150):
