@@ -9,6 +9,9 @@ from typing import ClassVar
 
 import dwa
 import numpy as np
+from scipy.ndimage import distance_transform_edt
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
 
 from sim import Command, RobotOptions
 
@@ -34,17 +37,63 @@ class DynamicWindow:
         r, top = seen.radius, min(seen.top_speed, self.pace * seen.radius, self.approach * seen.target_distance)
         ahead = min(self.look_ahead, seen.target_distance / top)
         config = dwa.Config(
-            max_speed=top, min_speed=0.0, max_accel=4.0 * top, velocity_resolution=top / 8,
+            max_speed=top, min_speed=0.0, max_accel=4.0 * top,
+            velocity_resolution=min(top / 8, 1.3 * top * seen.time_step),
             max_yawrate=2.0, max_dyawrate=8.0, yawrate_resolution=0.2, dt=seen.time_step, predict_time=ahead,
             heading=self.heading, clearance=self.clearance * r, velocity=self.velocity / top, base=[r, r, -r, -r],
         )  # fmt: skip
         near = [(d, seen.heading + k * FIELD) for k, d in enumerate(seen.beams) if d < top * ahead + 4.0 * r]
         points = [(seen.x + d * math.cos(a), seen.y + d * math.sin(a)) for d, a in near]
         cloud = np.array(points, np.float32).reshape(-1, 2)
-        goal = (
+        velocity = (min(memory[0], top), memory[1])
+        chosen = dwa.planning((seen.x, seen.y, seen.heading), velocity, self.goal(seen, memory), cloud, config)
+        return Command(*chosen), (*chosen, *memory[2:])
+
+    def goal(self, seen, memory):
+        return (
             seen.x + seen.target_distance * math.cos(seen.target_heading),
             seen.y + seen.target_distance * math.sin(seen.target_heading),
         )
-        velocity = (min(memory[0], top), memory[1])
-        chosen = dwa.planning((seen.x, seen.y, seen.heading), velocity, goal, cloud, config)
-        return Command(*chosen), chosen
+
+
+@dataclass(frozen=True)
+class PlannedWindow(DynamicWindow):
+    """The same behind a planner, as Nav2 has it: it is sent to a point of the planned path a little way ahead."""
+
+    ahead: float = 6.0  # robot radii along the path
+
+    def reset(self, world):
+        return (0.0, 0.0, *np.ravel(plan(world)).tolist())
+
+    def goal(self, seen, memory):
+        path = np.reshape(memory[2:], (-1, 2))
+        nearest = int(np.argmin(np.hypot(*(path - (seen.x, seen.y)).T)))
+        way = np.cumsum(np.hypot(*np.diff(path[nearest:], axis=0).T))
+        k = nearest + int(np.searchsorted(way, self.ahead * seen.radius)) + 1
+        return tuple(map(float, path[min(k, len(path) - 1)]))
+
+
+def plan(world):
+    """A shortest way over cells whose centre is clear of walls by the radius, to the target: places (n, 2), m."""
+    room = distance_transform_edt(np.pad(~world.walls, 1))[1:-1, 1:-1] - 0.5  # cells from a centre to the nearest wall
+    clear, number = room * world.cell_size >= world.robot_radius, np.arange(world.walls.size).reshape(world.walls.shape)
+    edges = []
+    for here, there, length in (
+        (np.s_[:, :-1], np.s_[:, 1:], 1.0),
+        (np.s_[:-1], np.s_[1:], 1.0),
+        (np.s_[:-1, :-1], np.s_[1:, 1:], math.sqrt(2.0)),
+        (np.s_[:-1, 1:], np.s_[1:, :-1], math.sqrt(2.0)),
+    ):
+        both = clear[here] & clear[there]
+        edges.append((number[here][both], number[there][both], np.full(int(both.sum()), length)))
+    rows, columns, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
+    graph = coo_array((lengths, (rows, columns)), shape=(number.size, number.size)).tocsr()
+    start, target = (
+        number[int(p.y / world.cell_size), int(p.x / world.cell_size)] for p in (world.start, world.target)
+    )
+    _, before = dijkstra(graph, directed=False, indices=target, return_predecessors=True)
+    cells = [start]
+    while before[cells[-1]] >= 0:
+        cells.append(before[cells[-1]])
+    places = np.column_stack(np.unravel_index(np.array(cells[1:-1:2], int), world.walls.shape))[:, ::-1]
+    return np.vstack([(places + 0.5) * world.cell_size, [(world.target.x, world.target.y)]])

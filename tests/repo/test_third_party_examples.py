@@ -24,13 +24,13 @@ def test_a_stored_failure_can_be_reached_and_names_an_adapter_that_is_there(path
     assert check_certificate(world, world.certificate).valid
 
 
-def test_every_adapter_has_a_failure_and_a_line_in_the_readme():
+def test_every_adapter_has_a_line_in_the_readme_and_all_but_the_planned_one_a_failure():
     readme = (FOLDER / "README.md").read_text()
     stored = {read_world(path).failure.controller.rpartition("/")[2] for path in FAILURES}
     adapters = {
         f"{path.name}:{name}" for path in FOLDER.glob("*.py") for name in classes(path) if not name.startswith("_")
     }
-    assert adapters == stored
+    assert adapters - stored == {"dynamic_window.py:PlannedWindow"} and not stored - adapters
     assert all(f"| `{name}` |" in readme for name in adapters)
 
 
