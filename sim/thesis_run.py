@@ -30,7 +30,7 @@ from sim.kernels.thesis_signal import add_noise, signal_map
 from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_step, start_overlaps
 from sim.run_options import RunOptions, check_step_length
-from sim.thesis_options import ARBITERS, SIGNALS
+from sim.thesis_options import ARBITERS, SIGNALS, ThesisOptions
 from sim.trace import Trace
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import exact, in_cells, metres_to_lattice, radius_in_cells
@@ -39,7 +39,7 @@ from worldgen.rows import flip_rows
 from worldgen.timeline import CellState
 from worldgen.world import Value, World
 
-__all__ = ["ThesisRun"]
+__all__ = ["ThesisRun", "signal_in"]
 
 Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.int32]
@@ -198,6 +198,11 @@ class ThesisRun:
         given = np.array(self.options.thesis.draws)
         return np.concatenate([given, RandomStream(self.options.seed).floats(count)])
 
+    def signal(self) -> npt.NDArray[np.int32]:
+        """The signal with walls in the world's frame; see :func:`signal_in`."""
+        inner = slice(self._pad, -self._pad or None)
+        return np.ascontiguousarray(flip_rows(self._cells[inner, inner].T))
+
     def confinement(self, steps: int) -> dict[str, Value]:
         """What a run that neither arrives nor provably loops does in the second half of ``steps``.
 
@@ -274,6 +279,24 @@ class ThesisRun:
             complete=not self.options.thesis.random,
             active=rows[:, at.ROW_MODE + at.ACTIVE].astype(np.int8),
         )
+
+
+def signal_in(world: World, *, noise: bool = False) -> npt.NDArray[np.int32]:
+    """The signal that the thesis's robot reads in each cell: the squared distance to the target's cell, in cells.
+
+    Args:
+        world: Where.
+        noise: Whether the noise filter has changed it near walls.
+
+    Returns:
+        (height, width) int32, row 0 the lowest y; -2 in walls, and in a border that is no wall.
+
+    Raises:
+        InvalidWorld: If start or target are in a wall.
+        InvalidParameter: If the robot is wider than two cells.
+    """
+    run = ThesisRun(world, 1, RunOptions("stepped", thesis=ThesisOptions(noise=noise)))
+    return run.signal()
 
 
 def _drift(poses: Floats) -> tuple[int, int]:

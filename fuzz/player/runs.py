@@ -28,13 +28,16 @@ _BREACHES = {
 _LEAD_UP = 300  # steps before a breach, and after it, that are kept rather than others
 
 
-def drawn_run(episode: Episode, cell_size: float, judged: Episode | None = None) -> dict[str, Any] | None:
+def drawn_run(
+    episode: Episode, cell_size: float, judged: Episode | None = None, *, most: int = MOST_STEPS
+) -> dict[str, Any] | None:
     """A recorded run, or ``None`` without a recording.
 
     Args:
         episode: The run.
         cell_size: m.
         judged: The run whose evidence counts, where that is another: a breach's ends at the wall.
+        most: About how many steps are kept of a longer run.
 
     Returns:
         ``steps`` and ``dt`` (s); the columns ``at`` (step times ``SHARE``), ``x``, ``y`` (lattice units of the world),
@@ -47,7 +50,7 @@ def drawn_run(episode: Episode, cell_size: float, judged: Episode | None = None)
         return None
     marks = _marks(judged or episode)
     loop = _loop(judged or episode)
-    kept, coarsest = _kept_steps(trace.steps, _span_of_interest(trace.steps, loop, marks))
+    kept, coarsest = _kept_steps(trace.steps, _span_of_interest(trace.steps, loop, marks), most)
     return {
         "steps": trace.steps,
         "dt": trace.time_step,
@@ -78,11 +81,11 @@ def _columns(trace: Trace, kept: npt.NDArray[np.int64], cell_size: float) -> dic
     }
 
 
-def _kept_steps(steps: int, span: tuple[int, int]) -> tuple[npt.NDArray[np.int64], int]:
-    """Which states are kept, at most about ``MOST_STEPS``: densely in the span of interest, the others evenly."""
+def _kept_steps(steps: int, span: tuple[int, int], most: int) -> tuple[npt.NDArray[np.int64], int]:
+    """Which states are kept, at most about ``most``: densely in the span of interest, the others evenly."""
     inside = span[1] - span[0]
-    near = _stride(inside, MOST_STEPS // 2)
-    far = _stride(steps - inside, MOST_STEPS - inside // near)
+    near = _stride(inside, most // 2)
+    far = _stride(steps - inside, most - inside // near)
     parts = [np.arange(0, steps + 1, far), np.arange(span[0], span[1] + 1, near), np.array([*span, steps])]
     return np.unique(np.concatenate(parts)).astype(np.int64), max(near, far)
 

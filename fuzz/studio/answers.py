@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from fuzz.player import drawn_run, drawn_world, sensors_of
+from fuzz.player.streams import numbers
 from fuzz.player.worlds import drawn_certificate
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.folder import Folder
@@ -21,6 +22,7 @@ from sim.controllers import CONTROLLERS
 from sim.episode import simulate
 from sim.run_options import RunOptions, step_budget
 from sim.scenario import Scenario
+from sim.thesis_run import signal_in
 from sim.words import evidence_in_words
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import FAMILIES
@@ -37,6 +39,7 @@ from worldgen.world_files import is_world_file
 __all__ = ["MOST_STEPS", "Answers"]
 
 MOST_STEPS = 1_000_000  # of a run that is played: its recording takes 300 MB
+_KEPT_STEPS = 30_000  # of a run, in the page: more than a window has pixels
 _MOST_ROBOTS = 6  # at once: more colours cannot be told apart
 _MOST_FILE = 16 << 20  # bytes of a file that is dropped on the page
 
@@ -87,6 +90,11 @@ class Answers:
         """The largest radius that could pass; null in a world that changes."""
         world = world_of(field(message, "world", dict))
         return {"widest": None if world.is_dynamic else widest_disc(world)}
+
+    def signal(self, message: Message, part: Part) -> dict[str, Any]:
+        """The signal that the thesis's robot reads, cell by cell; -2 in walls."""
+        world = replace(world_of(field(message, "world", dict)), timeline=Timeline())
+        return {"signal": numbers(signal_in(world, noise=field(message, "noise", bool)).ravel())}
 
     def generate(self, message: Message, part: Part) -> dict[str, Any]:
         """A world of a registered family."""
@@ -165,7 +173,7 @@ class Answers:
             "path": episode.path_length,
             "collisions": episode.collisions,
             "digest": episode.trace_digest,
-            "run": drawn_run(episode, world.cell_size),
+            "run": drawn_run(episode, world.cell_size, most=_KEPT_STEPS),
             "sensors": sensors_of(CONTROLLERS.get(scenario.controller), options, world.cell_size),
         }
 

@@ -26,6 +26,7 @@ LANES = {
     "export": "files",
     "decide": "proofs",
     "widest": "widths",
+    "signal": "making",
     "generate": "making",
     "run": "runs",
 }

@@ -314,3 +314,8 @@ def test_a_world_with_changes_comes_back_from_its_message():
 
 def test_the_command_says_what_is_wrong_with_its_path(tmp_path):
     assert "no such file" in worldgen("studio", tmp_path / "gone", "--no-browser").err
+
+
+def test_the_signal_is_the_one_that_the_thesis_s_robot_reads(page):
+    plain, noisy = (page.ask("signal", world=world(), noise=noise)["answer"]["signal"] for noise in (False, True))
+    assert plain != noisy

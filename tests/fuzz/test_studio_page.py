@@ -22,6 +22,7 @@ pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser(
 from tests.helpers.studio_page import chromium_browser, drag, opened, place, solid_cells  # noqa: E402
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
+FAILURE = CONFIG_5.parents[1] / "thesis-faults/thesis-1-loop-104.grid"
 BORDER = 156  # solid cells of an empty world of 40 x 40
 
 
@@ -145,7 +146,7 @@ def test_a_wall_across_is_told_with_its_cut_and_a_way_with_its_clearance(page):
     page.mouse.click(*place(page, 10.5, 20.5))
     page.locator("#proof.bad").wait_for()
     drag(page, (10, 20), (11, 20))
-    page.locator("#proof.good", has_text="for a robot of up to").wait_for()
+    page.locator("#proof.good", has_text="radius up to").wait_for()
 
 
 def test_the_radius_slider_shows_where_the_way_closes(page):
@@ -237,3 +238,22 @@ def test_the_way_on_the_board_is_the_library_s(page):
     page.locator(".file", has_text="config-05.grid").click()
     length = decide(world).certificate.length
     page.locator("#proof.good", has_text=f"{length:.2f} m").wait_for()
+
+
+def test_a_failure_s_file_brings_its_controller_and_replays_to_its_digest(page, folder):
+    shutil.copy(FAILURE, folder / "failure.grid")
+    page.locator("#tab-files").click()
+    page.locator(".file", has_text="failure.grid").click()
+    page.get_by_text("Opened failure.grid").first.wait_for()
+    page.keyboard.press("2")
+    assert page.locator(".digest").inner_text() == read_world(FAILURE).failure.trace_digest
+
+
+def test_undo_after_opening_brings_the_drawing_back_and_its_name(page):
+    drag(page, (5, 5), (9, 5))
+    page.locator("#tab-files").click()
+    page.locator(".file", has_text="config-05.grid").click()
+    page.locator("#name", has_text="config-05.grid").wait_for()
+    page.keyboard.press("Control+z")
+    page.locator("#name", has_text="not saved yet").wait_for()
+    assert solid_cells(page) == BORDER + 5

@@ -14,6 +14,7 @@ from sim import simulate
 from sim.kernels import stepped_motion, thesis_signal
 from sim.kernels import thesis_layout as at
 from sim.thesis_options import ARBITERS
+from sim.thesis_run import signal_in
 from tests.sim.test_thesis_vectors import VECTORS, world_of
 from worldgen import InvalidParameter, Pose, Target, World, read_world
 
@@ -283,3 +284,10 @@ def test_a_robot_that_rolls_out_or_is_interrupted_drives_in_every_escape(switche
     world = read_world(Path(__file__).parents[2] / "corpora" / "thesis" / "config-06.grid")
     states = run(world, record=True, steps=3000, **switches).trace.states
     assert (states[:, at.OLD_SPEED].copy().view(float) > 0).all()  # the speed that an escape goes back to
+
+
+def test_the_signal_of_a_cell_is_its_squared_distance_and_walls_have_none():
+    walls = np.zeros((5, 7), bool)
+    walls[[0, -1]] = walls[:, [0, -1]] = walls[1, 4] = True
+    signal = signal_in(World(walls, Pose(0.15, 0.35), Target(0.25, 0.15, 0.05), robot_radius=0.04))
+    assert signal[1].tolist() == [-2, 1, 0, 1, -2, 9, -2] and signal[3, 5] == 9 + 4

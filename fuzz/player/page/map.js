@@ -2,6 +2,7 @@
 
 import { BURNING, SOLID, cellsAt, openRun, openWorld, poseAt, rowAt, stepWithin, touchedCells } from "./decode.js";
 import { grouped, plural } from "./dom.js";
+import { drawManyCells } from "./many_cells.js";
 import { beamHeadings, castBeam } from "./rays.js";
 
 const RIM = 0.4; // cells of the solid outside that are drawn around a world, if that is not too wide
@@ -100,6 +101,7 @@ export function drawGround(pen, world, cells, scene) {
   context.fillRect(left, top, right - left, bottom - top);
   if (scene.show.signal && scene.sensors && scene.sensors.signal) drawSignal(pen, world, [left, top, right, bottom]);
   if (pen.scale > 9 && scene.show.grid !== false) drawGrid(pen, world);
+  if (drawManyCells(pen, world, cells)) return;
   drawCells(pen, world, cells, SOLID, colours.wall);
   context.globalAlpha = 0.6; // so that ways stand out from flames
   drawCells(pen, world, cells, BURNING, colours.fire);
@@ -130,13 +132,15 @@ export function drawGrid(pen, world) {
   context.save();
   context.lineCap = "butt";
   context.beginPath();
+  const [left, right] = [0, world.width].map((x) => Math.round(px(x)));
+  const [bottom, top] = [0, world.height].map((y) => Math.round(py(y)));
   for (let ix = 1; ix < world.width; ix += 1) {
-    context.moveTo(Math.round(px(ix)) + 0.5, py(0));
-    context.lineTo(Math.round(px(ix)) + 0.5, py(world.height));
+    context.moveTo(Math.round(px(ix)) + 0.5, bottom);
+    context.lineTo(Math.round(px(ix)) + 0.5, top);
   }
   for (let iy = 1; iy < world.height; iy += 1) {
-    context.moveTo(px(0), Math.round(py(iy)) + 0.5);
-    context.lineTo(px(world.width), Math.round(py(iy)) + 0.5);
+    context.moveTo(left, Math.round(py(iy)) + 0.5);
+    context.lineTo(right, Math.round(py(iy)) + 0.5);
   }
   context.strokeStyle = colours.grid;
   context.lineWidth = 1;

@@ -18,6 +18,7 @@ export function makeBoard(canvas, model, show) {
     show,
     view: null, // null: the whole world
     proof: null, // of the server, for this very world
+    signal: null, // likewise: { values, most }
     ghost: null, // { pattern, at }: what would be put down
     marks: [], // cells that would be changed
     selection: null, // a rectangle of cells
@@ -69,7 +70,7 @@ function cameraOf(board) {
 }
 
 /** A world as the player draws it, without a copy of its cells. */
-export function sceneWorld(world, proof) {
+function sceneWorld({ world, version }, proof) {
   const side = world.cell_size;
   const inCells = ([x, y, rest]) => [x / side, y / side, rest];
   const target = inCells(world.target);
@@ -82,7 +83,7 @@ export function sceneWorld(world, proof) {
     target,
     witness: proof && proof.witness,
     cut: proof && proof.cut,
-    open: { cells: world.cells, events: null, witness: proof && proof.witness ? openWitness(proof) : null },
+    open: { cells: world.cells, events: null, done: version, witness: proof && proof.witness ? openWitness(proof) : null },
   };
 }
 
@@ -97,12 +98,13 @@ function openWitness(proof) {
 
 function drawBoard(board) {
   const { canvas, model, show } = board;
-  const world = sceneWorld(model.world, show.proof ? board.proof : null),
+  const world = sceneWorld(model, show.proof ? board.proof : null),
     view = board.now();
-  const scene = { world, show: { witness: show.proof, grid: show.grid, signal: show.signal }, sensors: { signal: true } };
+  const scene = { world, show: { witness: show.proof, grid: show.grid } };
   drawScene(canvas, scene, view);
   const pen = penFor(canvas, view, world);
   if (pen.width === 0) return;
+  if (show.signal && board.signal) drawSignal(pen, board);
   drawFootprint(pen, world);
   if (show.proof && board.proof && board.proof.result === "reachable") drawTube(pen, board);
   drawMarks(pen, board);
@@ -122,6 +124,28 @@ function drawFootprint(pen, world) {
   context.moveTo(px(x), py(y));
   context.lineTo(px(x + Math.cos(heading) * (world.radius + 0.6)), py(y + Math.sin(heading) * (world.radius + 0.6)));
   stroke(pen, pen.colours.start, 2.5);
+}
+
+// The signal as colours, stronger where it is stronger; one pixel a cell, made larger by the canvas.
+function drawSignal(pen, { signal, model }) {
+  const { width, height } = model.world;
+  if (signal.values.length !== width * height) return;
+  if (!signal.picture) {
+    const [red, green, blue] = pen.colours.signal.split(" ").map(Number);
+    signal.picture = new OffscreenCanvas(width, height);
+    const context = signal.picture.getContext("2d"),
+      image = context.createImageData(width, height);
+    signal.values.forEach((value, k) => {
+      if (value < 0) return;
+      const strength = 1 - Math.log1p(value) / Math.log1p(signal.most);
+      const row = height - 1 - Math.floor(k / width);
+      image.data.set([red, green, blue, 20 + 180 * strength], 4 * (row * width + (k % width)));
+    });
+    context.putImageData(image, 0, 0);
+  }
+  const { context, px, py, scale } = pen;
+  context.imageSmoothingEnabled = false;
+  context.drawImage(signal.picture, px(0), py(height), width * scale, height * scale);
 }
 
 // What the robot's disc sweeps on the way of the proof.
@@ -209,12 +233,12 @@ function drawRulers(pen, { model }) {
   context.fillStyle = context.strokeStyle = colours.quiet;
   context.lineWidth = 1;
   context.beginPath();
-  for (const [at, words] of ticks(world.width * world.cell_size, metres)) {
+  for (const [k, [at, words]] of ticks(world.width * world.cell_size, metres).entries()) {
     const x = Math.round(pen.px(at / world.cell_size)) + 0.5;
     if (x < 40) continue;
     context.moveTo(x, 14);
     context.lineTo(x, 20);
-    context.fillText(words, x + 3, 12);
+    context.fillText(k === 0 ? `${words} m` : words, x + 3, 12);
   }
   for (const [at, words] of ticks(world.height * world.cell_size, metres)) {
     const y = Math.round(pen.py(at / world.cell_size)) + 0.5;
@@ -230,7 +254,7 @@ function drawRulers(pen, { model }) {
 function ticks(length, metres) {
   const digits = Math.max(0, -Math.floor(Math.log10(metres) + 1e-9));
   const count = Math.floor(length / metres + 1e-9) + 1;
-  return Array.from({ length: count }, (_, k) => [k * metres, `${(k * metres).toFixed(digits)}${k === 0 ? " m" : ""}`]);
+  return Array.from({ length: count }, (_, k) => [k * metres, (k * metres).toFixed(digits)]);
 }
 
 // 1, 2 or 5 times a power of ten, at least as long as asked.

@@ -4,19 +4,20 @@ import { choice, el, grouped, keyButton, svg } from "/player/dom.js";
 import { makeBoard } from "./board.js";
 import { makeFiles } from "./files.js";
 import { makeMaker } from "./maker.js";
-import { proofWords } from "./proof.js";
+import { askSignal, proofWords } from "./proof.js";
 import { STAMPS } from "./shapes.js";
 import { SELECTION, TOOLS, makeTools, withSelection } from "./tools.js";
 import { makeWorldPanel } from "./world_panel.js";
 
-const VIEWS = { grid: ["Grid", "#"], ruler: ["Ruler", "u"], proof: ["Way or cut", "w"], signal: ["Signal", "i"] };
+const VIEWS = { grid: ["Grid", "#"], ruler: ["Ruler", "u"], proof: ["Way", "w"], signal: ["Signal", "i"], noise: ["Noise", "n"] };
+const SOON = 80; // ms
 const PANELS = { world: "World", maker: "Generate", files: "Files" };
 
 /* The page.
      studio    { model, connection, offered, say, ... }: what all pages share */
 export function makeDraw(section, studio) {
   const canvas = el("canvas", { id: "board", tabindex: "0", role: "application", "aria-label": "Drawing board" });
-  const show = { grid: true, ruler: true, proof: true, signal: false };
+  const show = { grid: true, ruler: true, proof: true, signal: false, noise: false };
   const board = makeBoard(canvas, studio.model, show);
   const setting = { size: 1, hollow: false, stamp: "U trap", stampSize: 12 };
   const draw = { studio, board, canvas, show, setting, tool: "brush", tools: makeTools(board, setting, studio.say) };
@@ -34,6 +35,7 @@ export function makeDraw(section, studio) {
     refresh: () => refresh(draw, parts),
     panel: (name) => openPanel(draw, parts, name),
     where: (point) => showPlace(draw, parts, point),
+    senseSignal: () => senseSignal(draw),
     bring: (file) => {
       draw.panel("files");
       parts.bodies.files.bring(file);
@@ -80,7 +82,8 @@ function showOptions(draw, parts) {
     const list = choice(names, setting.stamp, (event) => {
       setting.stamp = event.target.value;
     });
-    shown.push(el("label", { class: "field" }, "Stamp", list), range("Size", "[ ]", setting, "stampSize", 5, 60, draw));
+    list.setAttribute("aria-label", "Stamp");
+    shown.push(list, range("Size", "[ ]", setting, "stampSize", 5, 60, draw));
     shown.push(["mirror", "flip", "turn"].map((what) => actButton(draw, what)));
   }
   if (tool === "select") shown.push(Object.keys(SELECTION).map((what) => actButton(draw, what)));
@@ -114,8 +117,8 @@ const HELP = {
 };
 
 function actButton(draw, what) {
-  const [words, key] = SELECTION[what];
-  return keyButton(words, words, key, () => draw.act(what), { class: "small" });
+  const [words, key, sign] = SELECTION[what];
+  return keyButton(sign || words, words, key, () => draw.act(what), { class: "small" });
 }
 
 function range(words, keys, setting, name, low, high, draw) {
@@ -155,7 +158,25 @@ function resize(draw, parts, by) {
 
 function toggle(draw, parts, name) {
   draw.show[name] = !draw.show[name];
+  if (name === "noise" && draw.show.noise) draw.show.signal = true;
+  if (name === "signal" && !draw.show.signal) draw.show.noise = false;
+  if (name === "signal" || name === "noise") senseSignal(draw);
   showOptions(draw, parts);
+  draw.board.draw();
+}
+
+// Asks what the robot reads, while it is shown; soon after the last of several changes.
+async function senseSignal(draw) {
+  if (!draw.show.signal) return;
+  draw.asked = (draw.asked || 0) + 1;
+  const asked = draw.asked;
+  await new Promise((done) => setTimeout(done, SOON));
+  if (asked !== draw.asked) return;
+  const { model } = draw.studio,
+    version = model.version;
+  const signal = await askSignal(draw.studio, draw.show.noise);
+  if (version !== model.version) return;
+  draw.board.signal = signal;
   draw.board.draw();
 }
 
@@ -206,10 +227,10 @@ function showPlace(draw, parts, point) {
   parts.place = point;
   const { world } = draw.studio.model,
     side = world.cell_size;
-  const solid = world.cells.reduce((sum, cell) => sum + cell, 0);
+  const changes = world.events ? `, ${grouped(world.events.times.length)} changes` : "";
   const place = point
     ? `cell ${Math.floor(point[0])}, ${Math.floor(point[1])} · ${(point[0] * side).toFixed(3)}, ${(point[1] * side).toFixed(3)} m`
-    : `${world.width} x ${world.height} cells, ${grouped(solid)} solid · ${(world.width * side).toFixed(2)} x ${(world.height * side).toFixed(2)} m`;
+    : `${world.width} x ${world.height} cells, ${grouped(draw.studio.model.solid)} solid${changes} · ${(world.width * side).toFixed(2)} x ${(world.height * side).toFixed(2)} m`;
   const { words, kind } = proofWords(draw.board.proof);
   parts.status.replaceChildren(
     el("span", { class: "place" }, place),

@@ -17,7 +17,7 @@ export function makeFiles(studio) {
     list: () => list(studio, files),
     bring: (file) => bringFile(studio, parts, file),
     refresh: () => {
-      if (document.activeElement !== parts.name) parts.name.value = studio.name;
+      if (document.activeElement !== parts.name) parts.name.value = studio.model.world.name;
       fillFormats(studio, parts);
     },
   };
@@ -58,15 +58,13 @@ export async function saveAs(studio, files, name) {
   const message = { name: full, world: messageOf(studio.model.world) };
   let answer;
   try {
-    answer = await studio.connection.ask("save", { ...message, overwrite: full === studio.name });
+    answer = await studio.connection.ask("save", { ...message, overwrite: full === studio.model.world.name });
   } catch (error) {
     if (!(error instanceof Refused) || !error.message.includes("there already")) throw error;
     if (!confirm(`${full} is there already. Overwrite it?`)) return `${full} is as it was.`;
     answer = await studio.connection.ask("save", { ...message, overwrite: true });
   }
-  studio.model.world.source = answer.world.source;
-  studio.rename(answer.name);
-  studio.model.markSaved();
+  studio.model.markSaved(answer.name, answer.world.source);
   if (files) list(studio, files);
   return `Saved ${answer.name}.`;
 }
@@ -104,7 +102,7 @@ function fillFormats(studio, parts) {
 
 async function exportAs(studio, parts, keep) {
   const format = studio.offered.formats.find(({ name }) => name === parts.formats.value);
-  const name = (studio.name || "world.grid").replace(/\.grid(\.gz)?$/, "") + format.suffixes[0];
+  const name = (studio.model.world.name || "world.grid").replace(/\.grid(\.gz)?$/, "") + format.suffixes[0];
   const message = { format: format.name, name, world: messageOf(studio.model.world), keep, overwrite: false };
   const answer = await studio.connection.ask("export", message);
   for (const file of answer.files || []) download(file.name, file.data);
@@ -150,7 +148,7 @@ function showList(studio, files) {
         {},
         el(
           "button",
-          { type: "button", class: "file", "aria-current": file.name === studio.name ? "true" : null, onclick: open(file) },
+          { type: "button", class: "file", "aria-current": file.name === studio.model.world.name ? "true" : null, onclick: open(file) },
           el("span", { class: file.world ? "" : "quiet" }, file.name),
           el("span", { class: "quiet" }, `${grouped(Math.ceil(file.bytes / 1024))} kB`),
         ),

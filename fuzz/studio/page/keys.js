@@ -19,8 +19,8 @@ const DRAWING = [
   ["x y .", "Mirror, flip, turn the selection or the stamp"],
   ["Ctrl+C, X, V", "Copy, cut, paste the selection"],
   ["Enter, Delete", "Fill, clear the selection"],
-  ["# u w i", "Grid, ruler, way or cut, signal"],
-  ["+ − 0", "Zoom; show the whole world. Space and drag, or the middle button, moves it"],
+  ["# u w i n", "Grid, ruler, way or cut, signal, its noise filter"],
+  ["+ − 0", "Zoom; show the whole world; the middle button moves it"],
 ];
 const PLAYING = [
   ["Space", "Play, pause"],
@@ -95,6 +95,7 @@ function drawKeys(draw) {
     u: () => draw.toggle("ruler"),
     w: () => draw.toggle("proof"),
     i: () => draw.toggle("signal"),
+    n: () => draw.toggle("noise"),
     x: () => draw.act("mirror"),
     y: () => draw.act("flip"),
     ".": () => draw.act("turn"),

@@ -22,6 +22,7 @@ export function emptyWorld(width, height, usual = {}) {
     target: [round((width - 2.5) * cell), round((height - 2.5) * cell), round(0.5 * cell)],
     events: null,
     source: null,
+    name: "", // of its file in the folder; empty: it has none
   };
 }
 
@@ -30,11 +31,11 @@ export function round(value) {
   return Number(value.toFixed(9));
 }
 
-/** A world as the server sends it, made ready to edit. */
-export function worldOf(message) {
+/** A world as the server sends it, made ready to edit; with the name of its file, if it has one. */
+export function worldOf(message, name = "") {
   const bytes = Uint8Array.from(atob(message.cells), (letter) => letter.charCodeAt(0));
   const cells = Uint8Array.from({ length: message.width * message.height }, (_, k) => (bytes[k >> 3] >> (k & 7)) & 1);
-  return { ...message, cells };
+  return { ...message, cells, name };
 }
 
 /** A world as the server wants it. */
@@ -43,7 +44,7 @@ export function messageOf(world) {
   for (let k = 0; k < world.cells.length; k += 1) if (world.cells[k]) bytes[k >> 3] |= 1 << (k & 7);
   let text = "";
   for (let k = 0; k < bytes.length; k += 8192) text += String.fromCharCode(...bytes.subarray(k, k + 8192));
-  return { ...world, cells: btoa(text) };
+  return { ...world, name: undefined, cells: btoa(text) }; // what is undefined is not sent
 }
 
 /** A world and its history. `changed` is called after each change. */
@@ -54,12 +55,23 @@ export class Model {
     this.past = [];
     this.future = [];
     this.version = 0; // of what is seen; goes up with each change
+    this.counted = { version: -1, solid: 0 };
     this.saved = null; // the last entry of the past when it was saved
     this.stroke = null;
   }
 
   get unsaved() {
     return this.saved !== (this.past.at(-1) || null);
+  }
+
+  /** How many cells are solid; counted once for each version. */
+  get solid() {
+    if (this.counted.version !== this.version) {
+      let solid = 0;
+      for (const cell of this.world.cells) solid += cell;
+      this.counted = { version: this.version, solid };
+    }
+    return this.counted.solid;
   }
 
   /** Sets cells in the stroke that is being drawn; cells outside are passed over. */
@@ -141,15 +153,17 @@ export class Model {
     this.changed();
   }
 
-  markSaved() {
+  markSaved(name, source) {
+    this.world.name = name;
+    this.world.source = source;
     this.saved = this.past.at(-1) || null;
     this.changed();
   }
 
   /** Keeps what is drawn in the browser, in case the page or the server ends. */
-  keepDraft(name) {
+  keepDraft() {
     try {
-      const text = JSON.stringify({ name, world: messageOf(this.world) });
+      const text = JSON.stringify({ name: this.world.name, world: messageOf(this.world) });
       if (text.length < LARGEST_DRAFT && this.unsaved) localStorage.setItem(DRAFT, text);
       else localStorage.removeItem(DRAFT);
     } catch {
@@ -162,7 +176,7 @@ export class Model {
 export function draft() {
   try {
     const { name, world } = JSON.parse(localStorage.getItem(DRAFT));
-    return { name, world: worldOf(world) };
+    return worldOf(world, name);
   } catch {
     return null;
   }

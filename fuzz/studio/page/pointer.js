@@ -1,11 +1,10 @@
 // Pointers, wheel and keys on the board: draw with one, pan and zoom with two fingers, the middle button or Space.
 
 /* Listens to the board.
-     draw      the page: its board, its tool in hand
-     finished  called after each stroke */
+     draw      the page: its board, its tool in hand */
 export function listenToBoard(draw) {
   const { canvas, board } = draw;
-  const state = { pointers: new Map(), stroke: null, panning: null, space: false, pinch: 0, last: 0 };
+  const state = { pointers: new Map(), stroke: null, panning: null, pinch: 0, before: 0 };
   canvas.addEventListener("pointerdown", (event) => down(draw, state, event));
   canvas.addEventListener("pointermove", (event) => move(draw, state, event));
   for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => up(draw, state, event));
@@ -36,7 +35,7 @@ function down(draw, state, event) {
   canvas.setPointerCapture(event.pointerId);
   state.pointers.set(event.pointerId, event);
   if (state.pointers.size === 2) {
-    stopStroke(draw, state, event);
+    takeBack(draw, state, event);
     state.pinch = spread(state);
     return;
   }
@@ -44,15 +43,23 @@ function down(draw, state, event) {
     state.panning = event;
     return;
   }
+  state.before = draw.studio.model.past.length;
   state.stroke = how(event);
-  state.last = board.pointAt(event);
-  draw.tools[draw.tool].begin(state.last, state.stroke);
+  draw.tools[draw.tool].begin(board.pointAt(event), state.stroke);
 }
 
 function stopStroke(draw, state, event) {
   if (!state.stroke) return;
   draw.tools[draw.tool].end(draw.board.pointAt(event), state.stroke);
   state.stroke = null;
+}
+
+// The first finger of two has not meant to draw.
+function takeBack(draw, state, event) {
+  const { model } = draw.studio;
+  if (!state.stroke) return;
+  stopStroke(draw, state, event);
+  if (model.past.length > state.before) model.undo();
 }
 
 function spread({ pointers }) {

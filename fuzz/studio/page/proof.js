@@ -1,5 +1,6 @@
 // Whether the target can be reached, asked of the server while one draws: the newest world counts.
 
+import { numbersOf } from "/player/decode.js";
 import { Ended, Refused } from "./connection.js";
 import { messageOf } from "./model.js";
 
@@ -14,12 +15,25 @@ export function proofWords(proof) {
   if (proof.result === "reachable") {
     const clearance = (proof.clearance * 100).toPrecision(3);
     return {
-      words: `✓ reachable: ${proof.length.toFixed(2)} m in ${proof.duration.toFixed(2)} s, for a robot of up to ${clearance} cm`,
+      words: `✓ reachable: ${proof.length.toFixed(2)} m in ${proof.duration.toFixed(2)} s, radius up to ${clearance} cm`,
       kind: "good",
     };
   }
   const mark = proof.result === "blocked" ? "✗ blocked" : "? undecided";
   return { words: `${mark}: ${proof.reason}`, kind: proof.result === "blocked" ? "bad" : "waiting" };
+}
+
+/** What the thesis's robot reads in each cell, or the reason why it reads nothing. */
+export async function askSignal(studio, noise) {
+  const world = { ...messageOf(studio.model.world), source: null };
+  try {
+    const values = numbersOf((await studio.connection.ask("signal", { world, noise })).signal);
+    return { values, most: values.reduce((most, value) => Math.max(most, value), 1) };
+  } catch (error) {
+    if (error instanceof Refused) studio.say(error.message);
+    else if (!(error instanceof Ended)) throw error;
+    return null;
+  }
 }
 
 /* Asks for the proof after each change.

@@ -18,14 +18,12 @@ const studio = {
   model: new Model(emptyWorld(SIDE, SIDE), () => changed()),
   connection: null,
   offered: null, // what the server has to choose from
-  name: "", // of the file in the folder; empty: not saved yet
   widest: null,
   say: (words) => say(words),
   page: () => (location.hash === "#play" ? "play" : "draw"),
   go: (page) => {
     location.hash = page;
   },
-  rename,
   show,
   undo: () => step("Undone", studio.model.undo()),
   redo: () => step("Redone", studio.model.redo()),
@@ -46,8 +44,9 @@ function changed() {
       showName();
     });
   prove();
+  studio.draw.senseSignal();
   clearTimeout(changed.keeping);
-  changed.keeping = setTimeout(() => studio.model.keepDraft(studio.name), 800);
+  changed.keeping = setTimeout(() => studio.model.keepDraft(), 800);
 }
 
 function step(what, label) {
@@ -65,39 +64,34 @@ function setWidest(widest) {
   studio.draw.refresh();
 }
 
-function rename(name) {
-  studio.name = name;
-  showName();
-}
-
 function showName() {
-  const { unsaved, past, future } = studio.model;
-  byId("name").replaceChildren(studio.name || "not saved yet", unsaved ? el("span", { class: "quiet" }, " · changed") : "");
-  document.title = `${unsaved ? "• " : ""}${studio.name || "new world"} - worldgen studio`;
+  const { unsaved, past, future, world } = studio.model;
+  byId("name").replaceChildren(world.name || "not saved yet", unsaved ? el("span", { class: "quiet" }, " · changed") : "");
+  document.title = `${unsaved ? "• " : ""}${world.name || "new world"} - worldgen studio`;
   byId("undo").disabled = past.length === 0;
   byId("redo").disabled = future.length === 0;
 }
 
 /** Another world takes the place of the one that is drawn; undo brings that back. */
 function show(answer, name, label) {
-  const saved = !studio.model.unsaved || name !== "";
-  studio.model.change(`open ${label}`, worldOf(answer.world));
+  const world = worldOf(answer.world, name);
+  studio.model.change(`open ${label}`, world);
   studio.draw.board.view = null;
-  if (name && saved) studio.model.markSaved();
-  rename(name);
+  if (name) studio.model.markSaved(name, world.source);
   if (answer.failure) studio.play.prefer(answer.failure);
   say(`Opened ${label}`);
 }
 
 async function save() {
-  if (!studio.name) {
+  const { name } = studio.model.world;
+  if (!name) {
     studio.go("draw");
     studio.draw.panel("files");
     byId("save-name").focus();
     return;
   }
   try {
-    say(await saveAs(studio, null, studio.name));
+    say(await saveAs(studio, null, name));
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     notice(error.message);
@@ -162,17 +156,17 @@ function begin() {
   studio.play = makePlay(byId("play"), studio);
   listenToBoard(studio.draw);
   followSystem(byId("theme"), () => {
+    if (studio.draw.board.signal) studio.draw.board.signal.picture = null;
     studio.draw.board.draw();
     studio.play.redraw();
   });
   listen(studio);
   takeDrops();
   addEventListener("hashchange", route);
-  addEventListener("beforeunload", () => studio.model.keepDraft(studio.name));
+  addEventListener("beforeunload", () => studio.model.keepDraft());
   const kept = draft();
   if (kept) {
-    studio.model.change("what was drawn before", kept.world);
-    rename(kept.name);
+    studio.model.change("what was drawn before", kept);
   }
   studio.connection = makeConnection(begun, lost);
   route();

@@ -163,9 +163,9 @@ export const SELECTION = {
   copy: ["Copy", "Ctrl+C"],
   cut: ["Cut", "Ctrl+X"],
   paste: ["Paste", "Ctrl+V"],
-  mirror: ["Mirror ↔", "x"],
-  flip: ["Mirror ↕", "y"],
-  turn: ["Turn ↺", "."],
+  mirror: ["Mirror left and right", "x", "↔"],
+  flip: ["Mirror up and down", "y", "↕"],
+  turn: ["Turn left", ".", "↺"],
   fill: ["Fill", "Enter"],
   clear: ["Clear", "Delete"],
 };

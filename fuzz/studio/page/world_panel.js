@@ -102,8 +102,7 @@ function placePart({ model }, parts) {
   );
 }
 
-function sizePart(studio, draw, parts) {
-  const { model } = studio;
+function sizePart({ model }, draw, parts) {
   const whole = (name) => number(40, (value) => (parts.sizes[name] = value), { low: SMALLEST, high: LARGEST, step: 1 });
   parts.width = whole("width");
   parts.height = whole("height");
@@ -128,8 +127,7 @@ function sizePart(studio, draw, parts) {
       "div",
       { class: "actions" },
       button("New", "An empty world of this size", () => {
-        model.change("new world", { ...emptyWorld(...sizes(), model.world), source: null });
-        studio.rename("");
+        model.change("new world", emptyWorld(...sizes(), model.world));
       }),
       button("Resize", "Keep what is drawn, cut or add cells at the right and the top", () =>
         model.change("resize", resized(model.world, ...sizes())),

@@ -1,0 +1,48 @@
+// Cells of a large world, of which many share a pixel: a picture of one pixel a cell, made once and drawn in one go.
+
+import { BURNING, SOLID } from "./decode.js";
+
+const MANY = 100_000; // cells in the window; fewer are drawn one by one, with sharp edges
+const pictures = new WeakMap(); // by the array of cells
+
+// Draws all cells if there are many of them in the window; says whether it did.
+export function drawManyCells(pen, world, cells) {
+  const across = Math.min(world.width, pen.width / pen.scale),
+    up = Math.min(world.height, pen.height / pen.scale);
+  if (across * up < MANY) return false;
+  const { context, px, py, scale } = pen;
+  context.save();
+  context.imageSmoothingEnabled = scale < 1;
+  context.drawImage(pictureOf(pen, world, cells), px(0), py(world.height), world.width * scale, world.height * scale);
+  context.restore();
+  return true;
+}
+
+// The picture of the cells as they are now: `done` counts their changes.
+function pictureOf(pen, world, cells) {
+  const { wall, fire } = pen.colours,
+    { done } = world.open;
+  const known = pictures.get(cells);
+  if (known && known.done === done && known.wall === wall) return known.canvas;
+  const canvas = known ? known.canvas : new OffscreenCanvas(world.width, world.height);
+  const image = new ImageData(world.width, world.height),
+    pixels = new Uint32Array(image.data.buffer);
+  const colours = { [SOLID]: pixelOf(wall, 255), [BURNING]: pixelOf(fire, 150) };
+  for (let iy = 0; iy < world.height; iy += 1) {
+    const row = (world.height - 1 - iy) * world.width;
+    for (let ix = 0, k = iy * world.width; ix < world.width; ix += 1, k += 1)
+      if (cells[k] !== 0) pixels[row + ix] = colours[cells[k]];
+  }
+  canvas.getContext("2d").putImageData(image, 0, 0);
+  pictures.set(cells, { canvas, done, wall });
+  return canvas;
+}
+
+// A colour like #3b434e as a pixel of a little-endian machine, as all that run browsers are.
+function pixelOf(hex, alpha) {
+  const value = parseInt(hex.slice(1), 16);
+  const red = value >> 16,
+    green = (value >> 8) & 255,
+    blue = value & 255;
+  return ((alpha << 24) | (blue << 16) | (green << 8) | red) >>> 0;
+}

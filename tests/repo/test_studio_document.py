@@ -1,0 +1,33 @@
+"""What is written about the studio names what there is."""
+
+import re
+from importlib.resources import files
+from pathlib import Path
+
+from fuzz.studio.lanes import LANES
+from tests.helpers.command_line import worldgen
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def test_every_question_of_the_protocol_is_described():
+    rows = set(re.findall(r"^\| `(\w+)` \|", (DOCS / "studio-protocol.md").read_text(), re.MULTILINE))
+    assert rows - {"do"} == {*LANES, "cancel"}
+
+
+def test_every_option_of_the_command_is_described():
+    options = set(re.findall(r"--[a-z-]+", worldgen("studio", "--help").out)) - {"--help", "--browser"}
+    text = (DOCS / "studio.md").read_text()
+    assert all(option in text for option in options)
+
+
+def test_every_tool_is_described_with_its_key():
+    text = (DOCS / "studio.md").read_text()
+    script = (files("fuzz.studio") / "page" / "tools.js").read_text()
+    keys = re.findall(r'^  \w+: \["[^"]+", "(\w)", "M', script, re.MULTILINE)
+    assert len(keys) == 11 and all(f"`{key}`" in text for key in keys)
+
+
+def test_the_pictures_are_there():
+    pictures = re.findall(r"\]\((pictures/[^)]+)\)", (DOCS / "studio.md").read_text())
+    assert len(pictures) == 2 and all((DOCS / picture).exists() for picture in pictures)
