@@ -230,6 +230,8 @@ def test_coordinates_in_files_are_exact_sums_of_decimals(value, shift):
         ("thesis+noise=maybe", "noise='maybe' is not one of as-imported, on, off"),
         ("thesis+noise", "thesis: noise needs a value; write noise=off"),
         ("worldgen.world:World", "is .*, not a Format"),
+        ("+noise=on", r"'\+noise=on' lacks a name beside a \+; write FORMAT\+option=value"),
+        ("thesis+=on", r"lacks a name beside a \+"),
     ],
 )
 def test_a_wrong_format_or_option_is_one_sentence(name, message):
@@ -257,7 +259,8 @@ def test_export_says_on_stderr_what_the_file_does_not_hold_and_where_it_is(tmp_p
     write_world(room(), tmp_path / "w.grid")
     done = worldgen("export", tmp_path / "w.grid", "--out", tmp_path / "w.gex", "--origin", "1,2")
     assert done.code == 0 and "the robot's radius is not stored" in done.err
-    assert "the origin, (1, 2) m, is not stored (it is in w.gex.worldgen.toml)" in done.err
+    assert "not stored: the origin (1, 2) m\n" in done.err
+    assert "the exact values are in w.gex.worldgen.toml\n" in done.err
     assert str(tmp_path / "w.gex.worldgen.toml") in done.out
     assert worldgen("import", tmp_path / "w.gex", "--out", tmp_path / "again.grid").code == 0
     assert read_world(tmp_path / "again.grid").provenance.params["origin"] == [1.0, 2.0]
@@ -270,6 +273,12 @@ def test_formats_says_what_can_be_asked_of_each(name):
     assert shown.code == 0 and shown.out.startswith(f"{name} ({known.direction}): ")
     for flag, options in (("--from", known.read_options), ("--to", known.write_options)):
         assert all(f"{flag} {name}+{option.name}=" in shown.out and option.help for option in options)
+
+
+@pytest.mark.parametrize("origin", [(np.inf, 0.0), (0.0, -1e13), (np.nan, 0.0)])
+def test_an_origin_that_no_cell_is_near_is_refused(origin):
+    with pytest.raises(InvalidParameter, match=r"origin's [xy]=.* m is outside -1e\+12 to 1e\+12 m; give one between"):
+        export_world(room(), "thesis", origin=origin)
 
 
 def test_destinations_name_companions_and_shift_coordinates():

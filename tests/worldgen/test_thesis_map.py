@@ -416,7 +416,7 @@ def test_the_cell_size_and_a_size_that_the_program_does_not_load_are_said(tmp_pa
     write_world(generate("trap", 1, size=31, cell_size=0.2), tmp_path / "w.grid")
     result = worldgen("export", tmp_path / "w.grid", "--to", "thesis", "--out", tmp_path / "old.gex")
     assert result.code == 0
-    assert "the cell size, 0.2 m, is not stored" in result.err and "does not load 31 x 31 cells" in result.err
+    assert "not stored: the cell size 0.2 m" in result.err and "does not load 31 x 31 cells" in result.err
 
 
 def test_noise_is_added_and_left_out_on_demand(tmp_path):

@@ -72,10 +72,8 @@ def export(
         sidecar=sidecar,
     )
     paths = interop.write_export(export, out.parent, force=force)
-    kept = f" (it is in {export.sidecar})" if export.sidecar else ""
-    for sentence in export.lost:
-        note(f"{sentence}{kept}")
-    for sentence in export.notes:
+    kept = [f"the exact values are in {export.sidecar}"] if export.sidecar else []
+    for sentence in (*export.lost, *kept, *export.notes):
         note(sentence)
     if as_json:
         emit_json(_as_json(paths, export))

@@ -11,7 +11,7 @@ import numpy as np
 
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files import check_output, write_bytes
-from worldgen.interop.format import FORMATS, HELD, Destination, Format, decimal, split_options
+from worldgen.interop.format import FORMATS, HELD, Destination, Format, split_options
 from worldgen.interop.sidecar import SUFFIX, sidecar_text
 from worldgen.lattice import radius_in_cells
 from worldgen.timeline import CellState, Timeline
@@ -85,13 +85,14 @@ def export_world(
         )
     destination = Destination(file or f"world{known.suffixes[0]}", origin_of(world) if origin is None else origin)
     written = known.write(still, destination, **given)
-    missing = dict(_missing(still, known, destination)) | dict(written.altered)
+    missing = {key: said for key, said in _missing(still, known, destination) if key not in written.altered}
     files = dict(written.files)
-    beside = f"{destination.name}{SUFFIX}" if missing and sidecar else None
+    beside = f"{destination.name}{SUFFIX}" if sidecar and (missing or written.altered) else None
     if beside is not None:
-        files[beside] = sidecar_text(still, destination, missing)
+        files[beside] = sidecar_text(still, destination, [*missing, *written.altered])
+    lost = [f"not stored: {', '.join(missing.values())}"] if missing else []
     notes = (*written.notes, *_notes(world, at, destination))
-    return Export(known, files, tuple(dict.fromkeys(missing.values())), beside, notes)
+    return Export(known, files, (*lost, *dict.fromkeys(written.altered.values())), beside, notes)
 
 
 def _missing(world: World, known: Format, destination: Destination) -> Iterator[tuple[str, str]]:
@@ -115,7 +116,7 @@ def _missing(world: World, known: Format, destination: Destination) -> Iterator[
     }
     for name, words in HELD.items():
         if name not in known.holds and not as_usual.get(name, False):
-            yield name, f"{words},{values[name]}, is not stored"
+            yield name, words + values[name]
 
 
 def _notes(world: World, at: float | None, destination: Destination) -> Iterator[str]:
@@ -124,8 +125,7 @@ def _notes(world: World, at: float | None, destination: Destination) -> Iterator
     if world.failure is not None:
         yield f"the failure's record ({world.failure.outcome}) is not stored; it stays in the .grid"
     if destination.origin != (0.0, 0.0):
-        x, y = destination.origin
-        yield f"the world's (0, 0) is ({decimal(x)}, {decimal(y)}) m where the file has coordinates"
+        yield f"the world's (0, 0) is ({destination.x(0.0)}, {destination.y(0.0)}) m where the file has coordinates"
 
 
 def origin_of(world: World) -> tuple[float, float]:

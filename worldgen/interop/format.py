@@ -11,9 +11,9 @@ from pathlib import PurePath
 from typing import Any
 
 from worldgen.errors import InvalidParameter
-from worldgen.interop.foreign_map import ForeignMap
+from worldgen.interop.foreign_map import ForeignMap, shown
 from worldgen.lattice import exact
-from worldgen.parameters import Parameter, check_declared, parameters_of
+from worldgen.parameters import Parameter, check_between, check_declared, parameters_of
 from worldgen.registry import Registry
 from worldgen.world import Value, World
 
@@ -28,6 +28,8 @@ __all__ = [
     "held_values",
     "split_options",
 ]
+
+_FURTHEST = 1e12  # m; beyond, a float has no room for cells of a millimetre
 
 HELD = {
     "start": "the start",
@@ -49,10 +51,17 @@ class Destination:
     Args:
         name: Name of the file, without folder.
         origin: x and y, m, of the grid's lower-left corner in the file's frame: what an imported map said, mostly 0.
+
+    Raises:
+        InvalidParameter: If the origin is further than 1e12 m away.
     """
 
     name: str
     origin: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for name, value in zip(("origin's x", "origin's y"), self.origin, strict=True):
+            check_between(name, value, -_FURTHEST, _FURTHEST, "m")
 
     def companion(self, ending: str) -> str:
         """Name of a file beside it, ``office.pgm`` beside ``office.yaml``.
@@ -186,9 +195,15 @@ class Format:
 
 
 def split_options(text: str) -> tuple[str, dict[str, str | None]]:
-    """The name and the options of ``ros+mode=scale+negate``; dashes in an option's name count as underscores."""
+    """The name and the options of ``ros+mode=scale+negate``; dashes in an option's name count as underscores.
+
+    Raises:
+        InvalidParameter: If a name is missing.
+    """
     name, *words = text.split("+")
     parts = [word.partition("=") for word in words]
+    if not name or not all(option for option, _, _ in parts):
+        raise InvalidParameter(f"{shown(text)} lacks a name beside a +; write FORMAT+option=value")
     return name, {option.strip().replace("-", "_"): value if equals else None for option, equals, value in parts}
 
 
