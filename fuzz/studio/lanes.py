@@ -65,15 +65,18 @@ class Lane:
             yield "turn", {}
             pipe = self._pipe if self._process is not None and self._process.is_alive() else None
             pipe = pipe or self._start()
+            heard_all = False
             try:
                 pipe.send((kind, message))
-                while True:
+                while not heard_all:
                     said = await asyncio.to_thread(pipe.recv)
+                    heard_all = said[0] != "part"
                     yield said
-                    if said[0] != "part":
-                        return
             except (EOFError, OSError) as error:
                 raise Ended from error
+            finally:
+                if not heard_all:
+                    self.end()  # or the next one would hear the rest
 
     def end(self) -> None:
         """Ends what is being done."""

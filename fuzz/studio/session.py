@@ -96,7 +96,7 @@ class Session:
             if old is not None and old.task is not None and not old.task.done():
                 await asyncio.wait({old.task}, timeout=_PATIENCE if old.running else 0)
                 self._end(old)
-            if not job.replaced:
+            if not (job.replaced and job.kind in _REPLACED):
                 said = await self._ask(job, message)
         except Ended:
             pass
@@ -109,7 +109,7 @@ class Session:
         try:
             async with contextlib.aclosing(job.lane.ask(job.kind, message)) as said:
                 async for what, table in said:
-                    if job.replaced:
+                    if job.replaced and job.kind in _REPLACED:
                         break
                     job.running = True
                     if what == "part":

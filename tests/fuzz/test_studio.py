@@ -270,6 +270,16 @@ def test_a_newer_question_replaces_an_older_one(gate):
     assert "answer" in said[second] and first in said
 
 
+def test_what_was_left_of_a_replaced_run_is_not_taken_for_the_next(gate):
+    with page_of(gate) as page:
+        page.send("run", **run_message(controllers=["turn-left"] * 6, steps=20_000))
+        page.hear()
+        last = page.send("run", **run_message(controllers=["turn-right"]))
+        said = iter(page.hear, {"id": last, "answer": {}})
+        names = [one["part"].get("name") for one in said if one["id"] == last]
+    assert names == [None, "turn-right"]
+
+
 def test_a_run_that_nobody_wants_is_ended_and_the_next_one_runs(gate, folder):
     with page_of(gate) as page:
         hanging = page.send("run", **run_message(steps=1_000_000, controllers=[f"{folder}/mine.py:Robot"]))
@@ -310,6 +320,11 @@ def test_a_message_that_is_no_world_is_refused(changes):
 def test_a_world_with_changes_comes_back_from_its_message():
     burning = generate("fire", 3)
     assert restored(json.loads(json.dumps(message_of(burning)))) == burning
+
+
+def test_a_port_that_is_taken_is_told(gate, tmp_path):
+    said = worldgen("studio", tmp_path, "--no-browser", "--port", gate.port)
+    assert said.code == 2 and "give another --host or --port" in said.err
 
 
 def test_the_command_says_what_is_wrong_with_its_path(tmp_path):

@@ -17,6 +17,7 @@ export function makeFiles(studio) {
     list: () => list(studio, files),
     bring: (file) => bringFile(studio, parts, file),
     refresh: () => {
+      if (files.shown !== studio.model.world.name) showList(studio, files);
       if (document.activeElement !== parts.name) parts.name.value = studio.model.world.name;
       fillFormats(studio, parts);
     },
@@ -138,6 +139,7 @@ async function list(studio, files) {
 
 function showList(studio, files) {
   const { parts } = files;
+  files.shown = studio.model.world.name;
   const wanted = parts.find.value.toLowerCase();
   const shown = files.files.filter(({ name }) => name.toLowerCase().includes(wanted));
   const open = (file) => () => trying(parts, () => openFile(studio, file));
@@ -155,7 +157,7 @@ function showList(studio, files) {
       ),
     ),
   );
-  if (shown.length === 0) parts.list.append(el("li", { class: "quiet" }, `No file of ${plural(files.files.length, "file")} fits.`));
+  if (shown.length === 0 && files.files.length > 0) parts.list.append(el("li", { class: "quiet" }, `No file of ${plural(files.files.length, "file")} fits.`));
 }
 
 /** Opens a world of the folder, or imports another file of it. */

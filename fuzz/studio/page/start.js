@@ -114,6 +114,7 @@ function route() {
 }
 
 function notice(words) {
+  if (byId("gone").textContent === words) return; // a screen reader says it once
   byId("gone").textContent = words;
   byId("gone").hidden = words === "";
 }
