@@ -9,6 +9,7 @@ import base64
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -24,6 +25,7 @@ from sim.run_options import RunOptions, step_budget
 from sim.scenario import Scenario
 from sim.thesis_run import signal_in
 from sim.words import evidence_in_words
+from worldgen.difficulty import METRICS, measure, search_world
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.files import check_output
@@ -39,6 +41,7 @@ from worldgen.world_files import is_world_file
 __all__ = ["MOST_STEPS", "Answers"]
 
 MOST_STEPS = 1_000_000  # of a run that is played: its recording takes 300 MB
+_TRIES = 500  # worlds that a search for a wish makes at most, as on the command line
 _KEPT_STEPS = 30_000  # of a run, in the page: more than a window has pixels
 _MOST_ROBOTS = 6  # at once: more colours cannot be told apart
 _MOST_FILE = 16 << 20  # bytes of a file that is dropped on the page
@@ -97,13 +100,39 @@ class Answers:
         return {"signal": numbers(signal_in(world, noise=field(message, "noise", bool)).ravel())}
 
     def generate(self, message: Message, part: Part) -> dict[str, Any]:
-        """A world of a registered family."""
+        """A world of a registered family; one that is searched for, if a difficulty or another wish is given."""
         family, seed = field(message, "family", str), field(message, "seed", str)
         if family not in FAMILIES.names():
             raise InvalidParameter(f"family {family[:40]!r} is not registered; choose one of the list")
         if not (seed.isascii() and seed.isdigit() and int(seed[:40]) < 1 << 64):
             raise InvalidParameter(f"seed={seed[:40]!r} is no whole number from 0 to 2**64 - 1; give one")
-        return _opened(generate(family, int(seed), **field(message, "parameters", dict)))
+        parameters: dict[str, Value] = field(message, "parameters", dict)
+        hard = None if message.get("difficulty") is None else field(message, "difficulty", float)
+        where = None if message.get("where") is None else field(message, "where", str)
+        if where is None and hard is None:
+            return _opened(generate(family, int(seed), **parameters))
+        tried = count(1)
+        world = search_world(
+            family,
+            where,
+            difficulty=hard,
+            seed=int(seed),
+            tries=_TRIES,
+            progress=lambda _: part({"tried": next(tried), "of": _TRIES}),
+            **parameters,
+        )
+        return _opened(world)
+
+    def measure(self, message: Message, part: Part) -> dict[str, Any]:
+        """How hard a world is, by every metric that has a meaning for it."""
+        found = measure(restored(field(message, "world", dict))).as_dict()
+        return {
+            "metrics": [
+                {"name": name, "value": found[name], "unit": metric.unit, "meaning": metric.meaning}
+                for name, metric in METRICS.items()
+                if name in found
+            ]
+        }
 
     def bring(self, message: Message, part: Part) -> dict[str, Any]:
         """A foreign map, of the folder or dropped on the page, with start and target placed where it has none."""

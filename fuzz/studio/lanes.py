@@ -28,6 +28,7 @@ LANES = {
     "widest": "widths",
     "signal": "making",
     "generate": "making",
+    "measure": "widths",
     "run": "runs",
 }
 """Which process does what: what is saved is never ended, and a long search for a proof stops no run."""

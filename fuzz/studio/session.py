@@ -16,7 +16,7 @@ from fuzz.studio.lanes import LANES, Ended, Lane
 __all__ = ["PROTOCOL", "Session"]
 
 PROTOCOL = 1  # goes up whenever a page of before would not understand
-_REPLACED = frozenset({"decide", "widest", "signal", "generate", "run"})  # of each only the newest counts
+_REPLACED = frozenset({"decide", "widest", "signal", "generate", "measure", "run"})  # of each only the newest counts
 _PATIENCE = 0.7  # s: what is replaced may finish in this time, for a new process takes longer to start
 _MOST_WAITING = 64
 

@@ -334,3 +334,10 @@ def test_the_command_says_what_is_wrong_with_its_path(tmp_path):
 def test_the_signal_is_the_one_that_the_thesis_s_robot_reads(page):
     plain, noisy = (page.ask("signal", world=world(), noise=noise)["answer"]["signal"] for noise in (False, True))
     assert plain != noisy
+
+
+def test_a_wished_world_is_searched_for_and_measured(page):
+    said = page.ask("generate", family="trap", seed="1", parameters={"size": 20}, where="detour > 1.2")
+    metrics = page.ask("measure", world=said["answer"]["world"])["answer"]["metrics"]
+    assert next(metric["value"] for metric in metrics if metric["name"] == "detour") > 1.2
+    assert said["parts"][-1]["tried"] == len(said["parts"])

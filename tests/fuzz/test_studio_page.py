@@ -257,3 +257,8 @@ def test_undo_after_opening_brings_the_drawing_back_and_its_name(page):
     page.keyboard.press("Control+z")
     page.locator("#name", has_text="not saved yet").wait_for()
     assert solid_cells(page) == BORDER + 5
+
+
+def test_how_hard_it_is_is_measured(page):
+    page.locator("#measure").click()
+    page.get_by_role("row", name="Detour").wait_for()

@@ -10,7 +10,16 @@ export function makeMaker(studio) {
   const state = { family: null, given: {}, seed: "1" };
   const parts = { fields: el("div"), about: el("p", { class: "quiet" }), said: el("p", { role: "status" }) };
   parts.seed = el("input", { type: "text", inputmode: "numeric", value: "1", id: "maker-seed", pattern: "[0-9]+" });
-  const element = el("div", {}, el("div", { id: "maker-family" }), parts.about, seedPart(studio, state, parts), parts.said, parts.fields);
+  const element = el(
+    "div",
+    {},
+    el("div", { id: "maker-family" }),
+    parts.about,
+    seedPart(studio, state, parts),
+    parts.said,
+    wishPart(parts),
+    parts.fields,
+  );
   return {
     element,
     refresh: () => {
@@ -39,6 +48,19 @@ function seedPart(studio, state, parts) {
   );
 }
 
+// A world that is searched for, not only drawn.
+function wishPart(parts) {
+  parts.difficulty = el("input", { type: "number", min: 0, max: 1, step: 0.05, placeholder: "any" });
+  parts.where = el("input", { type: "text", placeholder: "detour > 3 and bottleneck < 1.2r", spellcheck: "false" });
+  return el(
+    "details",
+    {},
+    el("summary", {}, "Search for a world as hard as wished"),
+    labelled("Difficulty, 0 to 1", parts.difficulty),
+    labelled("Another wish", parts.where, { help: "Metrics by the names that How hard it is, under World, shows." }),
+  );
+}
+
 function chooseFamily(studio, state, parts, name) {
   state.family = studio.offered.families.find((family) => family.name === name);
   state.given = {};
@@ -61,8 +83,13 @@ async function generate(studio, state, parts) {
   parts.said.className = "quiet";
   parts.said.textContent = "…";
   const message = { family: state.family.name, seed: parts.seed.value.trim(), parameters: state.given };
+  if (parts.difficulty.value !== "") message.difficulty = parts.difficulty.valueAsNumber;
+  if (parts.where.value.trim() !== "") message.where = parts.where.value.trim();
+  const progress = ({ tried, of }) => {
+    parts.said.textContent = `Searching: world ${tried} of at most ${of}`;
+  };
   try {
-    const answer = await studio.connection.ask("generate", message);
+    const answer = await studio.connection.ask("generate", message, progress);
     studio.show(answer, "", `${state.family.name} ${message.seed}`);
     parts.said.textContent = `Made by ${answer.made}.`;
   } catch (error) {

@@ -1,8 +1,9 @@
 // The panel of the world: its size, its robot, start and target, and how wide a robot passes.
 
 import { el } from "/player/dom.js";
-import { labelled, number } from "./fields.js";
-import { emptyWorld, resized, round } from "./model.js";
+import { Ended, Refused } from "./connection.js";
+import { labelled, number, words } from "./fields.js";
+import { emptyWorld, messageOf, resized, round } from "./model.js";
 
 const SMALLEST = 3; // cells a side
 const LARGEST = 2000;
@@ -20,6 +21,7 @@ export function makeWorldPanel(studio, draw) {
     placePart(studio, parts),
     el("h2", {}, "Size"),
     sizePart(studio, draw, parts),
+    hardPart(studio),
   );
   return {
     element,
@@ -137,6 +139,29 @@ function sizePart({ model }, draw, parts) {
         model.change("clear", { cells, events: null });
       }),
     ),
+  );
+}
+
+// How hard the world is, by its metrics; asked for by hand, for it may take a while.
+function hardPart(studio) {
+  const found = el("div", { role: "status" });
+  const ask = async () => {
+    found.replaceChildren(el("p", { class: "quiet" }, "Measuring …"));
+    try {
+      const { metrics } = await studio.connection.ask("measure", { world: messageOf(studio.model.world) });
+      const row = ({ name, value, unit, meaning }) =>
+        el("tr", { title: meaning }, el("th", { scope: "row" }, words(name)), el("td", {}, `${Number(value.toPrecision(4))} ${unit}`));
+      found.replaceChildren(el("table", { class: "numbers" }, el("tbody", {}, metrics.map(row))));
+    } catch (error) {
+      if (!(error instanceof Refused || error instanceof Ended)) throw error;
+      found.replaceChildren(el("p", { class: error instanceof Refused ? "bad" : "quiet" }, error.message));
+    }
+  };
+  return el(
+    "div",
+    {},
+    el("div", { class: "line hard" }, el("h2", {}, "How hard it is"), el("button", { type: "button", id: "measure", onclick: ask }, "Measure")),
+    found,
   );
 }
 
