@@ -26,7 +26,7 @@ from worldgen.world import DEFAULT_CELL_SIZE, MAX_SIDE, Value
 
 __all__ = ["read_irsim"]
 
-_MAX_YAML_BYTES = 16 << 20  # a maze of 1000 x 1000 cells has 6 MB of boxes
+_MAX_YAML_BYTES = 2 << 20  # a maze of 500 x 500 cells has 1 MB of boxes
 _MOST_OBJECTS = 1_000_000
 _SIZE = Fraction(10)  # m, IR-SIM's width and height where nothing is said
 _STATE, _GOAL = [Fraction(1), Fraction(1), Fraction(0)], [Fraction(1), Fraction(9), Fraction(0)]
