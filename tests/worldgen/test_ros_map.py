@@ -252,7 +252,7 @@ BAD_YAML = [
     ({"other": "*a"}, 7, "anchors and aliases"),
     ({"other": "[" * 20 + "]" * 20}, 7, "nested deeper than 8"),
     ({"other": "[" * 5000}, 7, "nested deeper than 8"),
-    ({"other": '"\\UFFFFFFFF"'}, 1, "a character that YAML forbids"),
+    ({"other": '"\\UFFFFFFFF"'}, 1, "a character that YAML forbids|invalid Unicode character"),
     ({"other": "'open"}, 8, "is no YAML"),
 ]
 
@@ -270,7 +270,7 @@ BAD_TEXT = [
     (b"image: a\n\xff\n", 2, "is not UTF-8"),
     (b"image: a\nimage: b\n", 2, "'image' is given twice"),
     (b"image: a\n---\nimage: b\n", 2, "is no YAML"),
-    (b"image: a\nx: \x01\n", 2, "a character that YAML forbids"),
+    (b"image: a\nx: \x01\n", 2, "a character that YAML forbids|invalid Unicode character"),
     (b"? [1]\n: 2\n" * 2, 3, "given twice"),
     (b"#" * 70_000, None, "is larger than 65536 bytes"),
 ]
