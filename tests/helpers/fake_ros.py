@@ -75,7 +75,6 @@ def modules(commands: list[Any]) -> dict[str, ModuleType]:
         QoSProfile=SimpleNamespace,
         DurabilityPolicy=policies,
         ReliabilityPolicy=policies,
-        qos_profile_sensor_data="sensor data",
     )
     vars(made["tf2_ros"])["TransformBroadcaster"] = Broadcaster
     parents = {name.partition(".")[0] for name in made}

@@ -3,6 +3,7 @@
 import importlib
 import json
 import math
+import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -246,6 +247,7 @@ def test_one_exchange_publishes_the_robot_and_hears_its_driver(bridge, node_modu
         "/scan",
     ]
     assert node.qos["/map"].durability == "transient local"
+    assert node.qos["/scan"] == 10  # a depth alone is reliable, which subscribers of both kinds match
     assert len(node.on("/scan")[0].ranges) == 4
     assert node.on("/odom")[0].header.stamp.sec == node.on("/clock")[0].clock.sec
     assert node.on("/goal_pose")[0].pose.position.x == pytest.approx(2.5, abs=0.001)
@@ -254,6 +256,29 @@ def test_one_exchange_publishes_the_robot_and_hears_its_driver(bridge, node_modu
 def test_a_stamped_command_of_an_earlier_step_is_not_heard(bridge, node_module):
     module, commands = node_module
     served = bridge.lockstep.Bridge(module.RosPorts(fake_ros.Node(), stamped=True))
-    commands += [twist(0.9, 0.0, sec=0), twist(0.5, 0.0, sec=2)]
+    commands += [twist(0.9, 0.0, sec=1), twist(0.5, 0.0, sec=2)]
     answers = [served.answer(line) for line in lines(room(), steps=2)[:2]]
     assert json.loads(answers[1])["speed"] == 0.5
+
+
+def test_a_stamped_command_without_a_stamp_counts_as_of_now(bridge, node_module):
+    module, commands = node_module
+    served = bridge.lockstep.Bridge(module.RosPorts(fake_ros.Node(), stamped=True))
+    commands += [twist(0.9, 0.0, sec=0)]
+    answers = [served.answer(line) for line in lines(room(), steps=2)[:2]]
+    assert json.loads(answers[1])["speed"] == 0.9
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [(None, "No such file"), ("%worldgen-grid 1\n%cells\n..\n", "cell_size is missing"), ("type octile", "this is no")],
+    ids=["gone", "no cell size", "foreign"],
+)
+def test_a_map_that_is_none_ends_the_bridge_with_a_sentence(text, message, tmp_path):
+    path = tmp_path / "map.grid"
+    if text is not None:
+        path.write_text(text)
+    code = [sys.executable, "-m", "worldgen_ros2_bridge", "--map", str(path)]
+    done = subprocess.run(code, cwd=FOLDER, capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and done.stderr.startswith(f"--map {path}: ") and message in done.stderr
+    assert done.stderr.count("\n") == 1

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from worldgen_ros2_bridge.lockstep import Bridge, Settings, serve
-from worldgen_ros2_bridge.messages import grid_of
+from worldgen_ros2_bridge.messages import Grid, grid_of
 
 
 def _arguments() -> argparse.Namespace:
@@ -29,13 +29,21 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def main() -> None:
+def _grid(path: Path) -> Grid:
+    try:
+        return grid_of(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        sys.exit(f"--map {path}: {error}; give the .grid file that is run")
+
+
+def _drive(given: argparse.Namespace, grid: Grid | None) -> None:
     """Serves the protocol on stdin and stdout until stdin ends."""
-    given = _arguments()
-    grid = grid_of(given.map.read_text(encoding="utf-8")) if given.map else None
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # whatever else prints, prints to stderr
-    import rclpy  # noqa: PLC0415 - slow, and --help needs none
+    try:
+        import rclpy  # noqa: PLC0415 - slow, and --help needs none
+    except ModuleNotFoundError:
+        sys.exit("rclpy is not there; source ROS 2's setup.bash, and run this with the python3 that ROS uses")
 
     from worldgen_ros2_bridge.node import RosPorts  # noqa: PLC0415 - likewise
 
@@ -45,9 +53,17 @@ def main() -> None:
         ports = RosPorts(node, stamped=given.stamped, reset_services=tuple(given.reset))
         settings = Settings(given.beam_range, given.beam_field, given.timeout, given.keep)
         serve(Bridge(ports, grid, settings), sys.stdin, answers)
+    except (RuntimeError, ValueError) as error:
+        sys.exit(f"the bridge ends: {error}")
     finally:
         node.destroy_node()
         rclpy.try_shutdown()
+
+
+def main() -> None:
+    """What the command line asks for."""
+    given = _arguments()
+    _drive(given, _grid(given.map) if given.map else None)
 
 
 if __name__ == "__main__":

@@ -73,6 +73,8 @@ def grid_of(text: str) -> Grid:
     if not found or not magic.startswith("%worldgen-grid 1"):
         raise ValueError("this is no .grid file of version 1")
     table = tomllib.loads(header)
+    if "cell_size" not in table:
+        raise ValueError("its cell_size is missing")
     lines = cells.splitlines()
     end = next((k for k, line in enumerate(lines) if line.startswith("%")), len(lines))
     rows = lines[:end][::-1]  # the file has the top row first, an OccupancyGrid the bottom row

@@ -15,7 +15,7 @@ from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped, TwistSt
 from geometry_msgs.msg import Twist as TwistMessage
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float32
@@ -38,7 +38,7 @@ class RosPorts:
     Args:
         node: Made by the caller, who has called ``rclpy.init``.
         stamped: Whether ``/cmd_vel`` is a TwistStamped, as with Nav2's ``enable_stamped_cmd_vel``; one whose stamp is
-            older than the step is not heard.
+            older than the step is not heard, one without a stamp counts as of now.
         reset_services: Of type std_srvs/Trigger, called at the start of each episode.
         reset_timeout: s of real time that one of them may take.
     """
@@ -51,7 +51,7 @@ class RosPorts:
         self._map = node.create_publisher(OccupancyGrid, "/map", LATCHED)
         self._goal = node.create_publisher(PoseStamped, "/goal_pose", LATCHED)
         self._odom = node.create_publisher(Odometry, "/odom", 10)
-        self._scan = node.create_publisher(LaserScan, "/scan", qos_profile_sensor_data)
+        self._scan = node.create_publisher(LaserScan, "/scan", 10)  # reliable, REP 2003: all subscribers match
         self._signal = node.create_publisher(Float32, "/signal", 10)
         self._signal_heading = node.create_publisher(Float32, "/signal_heading", 10)
         self._bump = node.create_publisher(Bool, "/bump", 10)
@@ -108,8 +108,8 @@ class RosPorts:
 
     def _hear(self, message: Any) -> None:
         if self._stamped:
-            sent = message.header.stamp
-            if (sent.sec, sent.nanosec) < stamp(self._now):
+            sent = (message.header.stamp.sec, message.header.stamp.nanosec)
+            if (0, 0) != sent < stamp(self._now):
                 return
             message = message.twist
         if message.linear.y:
