@@ -355,8 +355,10 @@ def test_resets_that_mean_nothing_are_refused():
     env = NavigateVectorEnv(2, **TRAPS)
     with pytest.raises(InvalidParameter, match="no reset option is called 'word'; did you mean world"):
         env.reset(options={"word": arena()})
-    env.reset(seed=0)
     mask = np.array([True, False])
+    with pytest.raises(InvalidParameter, match="the first reset is of all robots"):
+        env.reset(options={"reset_mask": mask})
+    env.reset(seed=0)
     with pytest.raises(InvalidParameter, match="cannot change the worlds of all"):
         env.reset(options={"world": arena(), "reset_mask": mask})
     with pytest.raises(InvalidParameter, match="no array of 2 booleans"):

@@ -91,9 +91,11 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """
         super().reset(seed=seed if isinstance(seed, int) else None)
         which = _mask_of(options, self.num_envs)
+        if self._seen is None and not which.all():
+            raise InvalidParameter("the first reset is of all robots; leave reset_mask out")
         supply = self._supply.changed(sources_in(options, _MASK))
         if supply is not self._supply or not self._lockstep.worlds:
-            if self._seen is not None and not which.all():
+            if not which.all():
                 raise InvalidParameter("a reset of some robots cannot change the worlds of all; leave reset_mask out")
             self._lockstep.load(supply.all())
             self._supply = supply
