@@ -1,5 +1,7 @@
 """The Gymnasium environments: what the checker asks, what seeds promise, what is refused."""
 
+import copy
+import pickle
 import re
 import subprocess
 import sys
@@ -80,7 +82,7 @@ def test_the_guide_names_every_option_and_sensor():
 
 
 def played(env, seed, steps=150):
-    env.action_space.seed(seed)
+    env.action_space.seed(0 if seed is None else seed)
     told = [env.reset(seed=seed)]
     for _ in range(steps):
         told.append(env.step(env.action_space.sample()))
@@ -100,6 +102,14 @@ def test_episodes_are_in_different_worlds_of_the_pool():
     told = [env.reset(seed=3 if k == 0 else None)[1]["world"] for k in range(40)]
     assert set(told) == {0, 1, 2, 3, 4}
     assert env.unwrapped.world == generate("trap", seed=told[-1], size=16)
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))], ids=["deep", "pickle"])
+def test_a_copy_goes_on_as_the_first(copied):
+    env = make(**TRAPS, robot={"slip": 0.3})
+    env.reset(seed=3)
+    env.step(np.ones(2, np.float32))
+    assert played(copied(env), None) == played(env, None)
 
 
 def assert_same(one, other):

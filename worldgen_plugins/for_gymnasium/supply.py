@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +57,15 @@ class Supply:
         else:
             self._count = whole("pool", given.get("pool", DEFAULT_POOL), 1, MOST_POOL)
             self._more = _of_family(given, self._count)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies: all but the generator of further worlds, which cannot be copied."""
+        return {name: value for name, value in vars(self).items() if name != "_more"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        done = len(self._made)
+        self._more = islice(_of_family(self.options, self._count), done, None) if done < self._count else iter(())
 
     def changed(self, options: Mapping[str, Any]) -> Supply:
         """The supply with other options; those of a family stay what they are unless they are named.
