@@ -147,10 +147,12 @@ def write_text_map(world: World, destination: Destination) -> Exported:
         else:
             taken = "the start's" if target == start else "solid"
             altered[name] = f"the {name} is not drawn, for its cell is {taken}"
-    if world.start.heading != 0.0:
+    if world.start.heading != 0.0 or cells[start[1], start[0]] != _START[0]:
         altered["heading"] = f"the heading, {world.start.heading:g} rad, is not drawn"
     if world.target.radius != lattice_to_metres(UNIT // 2, world.cell_size):
         altered["target_radius"] = f"the target's radius, {world.target.radius:g} m, is drawn as half a cell"
+    elif cells[target[1], target[0]] != _TARGET[0]:
+        altered["target_radius"] = f"the target's radius, {world.target.radius:g} m, is not drawn, as the target is not"
     rows = (row.tobytes() + b"\n" for row in cells)
     return Exported({destination.name: b"".join(rows)}, altered)
 
