@@ -190,10 +190,16 @@ def test_a_fault_is_one_sentence_with_its_line(found, text, message):
         found(text)
 
 
+def test_a_thousand_robots_of_a_definition_of_500_words_are_read(found):
+    robot = "define robot position ( " + "ranger ( pose [ 0 0 0 30 ] ) " * 50 + ")\n"
+    notes = found(OTHERS.format(unit="m") + robot + "robot ( )\n" * 1000).notes
+    assert "the file has 1002 robots; the first was taken, the others left out" in notes
+
+
 def test_definitions_that_grow_without_end_are_refused(found):
     lines = ["define a0 model ( color 1 )"]
     lines += [f"define a{n} model ( {f'a{n - 1} ( ) ' * 30} )" for n in range(1, 6)]
-    with pytest.raises(FormatError, match="definitions grow to more than 300000 words"):
+    with pytest.raises(FormatError, match="definitions grow to more than 700000 words"):
         found("\n".join([*lines, "a5 ( )"]))
     nested = "floorplan ( " * 20 + ") " * 20
     with pytest.raises(FormatError, match="nested deeper than 16 levels"):

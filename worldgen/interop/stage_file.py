@@ -22,7 +22,7 @@ _TOKEN = re.compile(
 )
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})")
 _MOST_DEPTH = 16  # parts of parts, and definitions that build on definitions
-_MOST_TOKENS = 300_000  # looked at, a definition's again wherever it is used
+_MOST_TOKENS = 700_000  # looked at, a definition's again wherever it is used; hospital.world of Stage has 498,236
 
 
 class _Token(NamedTuple):
