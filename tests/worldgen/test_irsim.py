@@ -105,6 +105,12 @@ def test_rectangles_turned_by_quarters_lie_on_cells_exactly(found):
     assert any("turned by 1.57 rad counts as turned by 1 quarters" in note for note in back.notes)
 
 
+def test_walls_turned_alike_are_said_once(found):
+    more = "      - [0.2, 0.3, 1.57]\n      - [0.8, 0.3, 1.57]\n"
+    back = found(obstacle("name: rectangle, length: 0.4, width: 0.2", f"\n{more}", "    number: 2\n"))
+    assert sum("counts as turned" in note for note in back.notes) == 1
+
+
 SLANTED = ["..........", ".....##...", "....###...", "...###....", "...##.....", ".........."]
 DISC = ["..........", *["...####..."] * 4, ".........."]
 NOTCHED = ["..........", *["......##.."] * 2, *["..######.."] * 2, ".........."]

@@ -74,7 +74,8 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
     robot = _robot(top, scene)
     origin = (float(scene.corner[0]), float(scene.corner[1]))
     return ForeignMap(
-        walls, size, params, (*scene.notes, *scene.shapes.notes), tuple(scene.warnings), None, *robot, origin=origin
+        walls, size, params, (*scene.notes, *dict.fromkeys(scene.shapes.notes)), tuple(scene.warnings), None, *robot,
+        origin=origin,
     )  # fmt: skip
 
 
