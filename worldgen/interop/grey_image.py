@@ -18,8 +18,9 @@ from PIL import Image, PngImagePlugin, UnidentifiedImageError
 
 from worldgen.errors import FormatError
 from worldgen.interop.foreign_map import check_sides, shown
+from worldgen.rows import flip_rows
 
-__all__ = ["GreyImage", "pgm_bytes", "png_bytes", "read_grey_image"]
+__all__ = ["GreyImage", "pgm_bytes", "png_bytes", "read_grey_image", "walls_png"]
 
 _PILLOW_FORMATS = ("PNG", "BMP")
 # One header field of a PGM: white space and comments (from # to the end of the line), then digits.
@@ -69,6 +70,16 @@ def png_bytes(values: npt.NDArray[np.uint8], text: Mapping[str, str] | None = No
     stream = io.BytesIO()
     Image.fromarray(np.ascontiguousarray(values)).save(stream, "PNG", pnginfo=said)
     return stream.getvalue()
+
+
+def walls_png(solid: npt.NDArray[np.bool_], text: Mapping[str, str] | None = None) -> bytes:
+    """A PNG of cells: solid black, free white.
+
+    Args:
+        solid: (height, width), row 0 the lowest y.
+        text: As of :func:`png_bytes`.
+    """
+    return png_bytes(np.where(flip_rows(solid), np.uint8(0), np.uint8(255)), text)
 
 
 def read_grey_image(data: bytes, source: str) -> GreyImage:

@@ -6,7 +6,6 @@ own. Source: IR-SIM 2.12, ``world/world.py`` and ``object_base.py``.
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Iterator
 from fractions import Fraction
@@ -14,15 +13,14 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from PIL import Image
 
 from worldgen.family import check_between
 from worldgen.interop.boxes import closing_boxes, merged_boxes
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
+from worldgen.interop.grey_image import walls_png
 from worldgen.interop.irsim_world import read_irsim
 from worldgen.interop.raster import Box, natural_cell_size
 from worldgen.lattice import exact
-from worldgen.rows import flip_rows
 from worldgen.world import World
 
 __all__ = ["irsim", "write_irsim"]
@@ -59,7 +57,7 @@ def write_irsim(
     lines += _obstacles(world, destination, boxes)
     files[destination.name] = ("\n".join(lines) + "\n").encode()
     if picture is not None:
-        files[picture] = _png(world)
+        files[picture] = walls_png(world.walls)
     return Exported(files, dict(_altered(world, boxes, picture)), tuple(_notes(world, picture, step_time)))
 
 
@@ -114,12 +112,6 @@ def _obstacles(world: World, destination: Destination, boxes: npt.NDArray[np.int
         yield "    state:"
         for twice_x, twice_y in centres:
             yield f"      - [{decimal_text(twice_x * side / 2 + x)}, {decimal_text(twice_y * side / 2 + y)}, 0]"
-
-
-def _png(world: World) -> bytes:
-    stream = io.BytesIO()
-    Image.fromarray(np.where(flip_rows(world.walls), 0, 255).astype(np.uint8)).save(stream, "PNG")
-    return stream.getvalue()
 
 
 def _altered(world: World, boxes: npt.NDArray[np.int64], picture: str | None) -> Iterator[tuple[str, str]]:

@@ -20,8 +20,8 @@ from worldgen.errors import FormatError
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.text import cell_of, off_centre
-from worldgen.lattice import UNIT, exact, lattice_to_metres, radius_in_cells
+from worldgen.interop.text import cell_centre, cell_of, off_centre
+from worldgen.lattice import exact, radius_in_cells
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
@@ -269,7 +269,7 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
         if column >= width or line_from_top >= height:
             message = f"cell ({column}, {line_from_top}) lies outside the map of {width} x {height} cells"
             raise FormatError(message, line=row + 1, source=source)
-    start, goal = (_centre(numbers[at], numbers[at + 1], height, cell_size) for at in (2, 4))
+    start, goal = (cell_centre(numbers[at], height - 1 - numbers[at + 1], cell_size) for at in (2, 4))
     return Scenario(start, goal, float(fields[8]), fields[1].decode("utf-8", "backslashreplace"))
 
 
@@ -368,13 +368,6 @@ def _fields(line: bytes, number: int, source: str) -> list[bytes]:
             source=source,
         )
     return fields
-
-
-def _centre(column: int, row_from_top: int, height: int, cell_size: float) -> tuple[float, float]:
-    """Centre of a cell; MovingAI counts rows from the top, the world from the bottom."""
-    half = UNIT // 2
-    x, y = column * UNIT + half, (height - 1 - row_from_top) * UNIT + half
-    return lattice_to_metres(x, cell_size), lattice_to_metres(y, cell_size)
 
 
 def write_movingai(world: World, destination: Destination) -> Exported:

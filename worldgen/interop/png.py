@@ -13,7 +13,7 @@ from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
-from worldgen.interop.grey_image import GreyImage, png_bytes, read_grey_image
+from worldgen.interop.grey_image import GreyImage, read_grey_image, walls_png
 from worldgen.interop.places_text import KEYS, Places, from_decimal, place_words, read_places
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
@@ -113,8 +113,7 @@ def write_png(world: World, destination: Destination) -> Exported:
     text = {_MARK: "1", "resolution": decimal(world.cell_size)}
     text["origin"] = " ".join(decimal(shift) for shift in destination.origin)
     text |= {key: " ".join(words) for key, words in place_words(world, destination).items()}
-    greys = np.where(flip_rows(world.walls), np.uint8(0), np.uint8(_WHITE))
-    return Exported({destination.name: png_bytes(greys, text)})
+    return Exported({destination.name: walls_png(world.walls, text)})
 
 
 png = Format(

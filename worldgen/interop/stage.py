@@ -5,21 +5,18 @@ Source: rtv/Stage 4.3, ``worldfile.cc``, ``blockgroup.cc`` and ``model_position.
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
-from PIL import Image
 
 from worldgen.errors import InvalidParameter
 from worldgen.interop.boxes import closing_boxes
 from worldgen.interop.degrees import degrees_text
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
+from worldgen.interop.grey_image import walls_png
 from worldgen.interop.stage_world import RINGED, TARGET, read_stage
 from worldgen.lattice import exact
-from worldgen.rows import flip_rows
 from worldgen.world import World
 
 __all__ = ["stage", "write_stage"]
@@ -86,7 +83,7 @@ def write_stage(world: World, destination: Destination, *, lidar: bool = False) 
         *_target(world, destination),
     ]
     solid = np.pad(world.walls, 1, constant_values=True) if ringed else world.walls
-    files = {destination.name: ("\n".join(lines)).encode(), picture: _png(solid)}
+    files = {destination.name: ("\n".join(lines)).encode(), picture: walls_png(solid)}
     return Exported(files)
 
 
@@ -156,12 +153,6 @@ def _target(world: World, destination: Destination) -> Iterator[str]:
     yield f"  size [ {across} {across} 0.01 ]"
     yield f"  pose [ {destination.x(target.x)} {destination.y(target.y)} 0 0 ]"
     yield ")\n"
-
-
-def _png(solid: npt.NDArray[np.bool_]) -> bytes:
-    stream = io.BytesIO()
-    Image.fromarray(np.where(flip_rows(solid), 0, 255).astype(np.uint8)).save(stream, "PNG")
-    return stream.getvalue()
 
 
 stage = Format(
