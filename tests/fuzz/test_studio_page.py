@@ -262,3 +262,21 @@ def test_undo_after_opening_brings_the_drawing_back_and_its_name(page):
 def test_how_hard_it_is_is_measured(page):
     page.locator("#measure").click()
     page.get_by_role("row", name="Detour").wait_for()
+
+
+def test_a_finger_draws_and_a_second_one_takes_that_back(browser, gate):
+    with opened(browser, gate, viewport={"width": 1024, "height": 768}, has_touch=True) as page:
+        page.touchscreen.tap(*place(page, 10.5, 10.5))
+        assert solid_cells(page) == BORDER + 1
+        fingers = [{"x": x, "y": y} for x, y in (place(page, 20, 20), place(page, 24, 20))]
+        touch = page.context.new_cdp_session(page)
+        touch.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": fingers[:1]})
+        touch.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": fingers})
+        touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        assert solid_cells(page) == BORDER + 1
+
+
+def test_the_eraser_s_right_button_draws(page):
+    page.keyboard.press("e")
+    drag(page, (5, 5), (9, 5), button="right")
+    assert solid_cells(page) == BORDER + 5

@@ -83,7 +83,12 @@ function sceneWorld({ world, version }, proof) {
     target,
     witness: proof && proof.witness,
     cut: proof && proof.cut,
-    open: { cells: world.cells, events: null, done: version, witness: proof && proof.witness ? openWitness(proof) : null },
+    open: {
+      cells: world.cells,
+      events: null,
+      done: version,
+      witness: proof && proof.witness ? openWitness(proof) : null,
+    },
   };
 }
 
@@ -155,7 +160,11 @@ function drawTube(pen, board) {
   context.save();
   context.globalAlpha = 0.13;
   line(pen, x, y, 0, x.length);
-  stroke(pen, pen.colours.start, Math.max(2, (2 * board.model.world.robot_radius * pen.scale) / board.model.world.cell_size));
+  stroke(
+    pen,
+    pen.colours.start,
+    Math.max(2, (2 * board.model.world.robot_radius * pen.scale) / board.model.world.cell_size),
+  );
   context.restore();
 }
 

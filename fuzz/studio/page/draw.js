@@ -9,7 +9,13 @@ import { STAMPS } from "./shapes.js";
 import { SELECTION, TOOLS, makeTools, withSelection } from "./tools.js";
 import { makeWorldPanel } from "./world_panel.js";
 
-const VIEWS = { grid: ["Grid", "#"], ruler: ["Ruler", "u"], proof: ["Way", "w"], signal: ["Signal", "i"], noise: ["Noise", "n"] };
+const VIEWS = {
+  grid: ["Grid", "#"],
+  ruler: ["Ruler", "u"],
+  proof: ["Way", "w"],
+  signal: ["Signal", "i"],
+  noise: ["Noise", "n"],
+};
 const SOON = 80; // ms
 const PANELS = { world: "World", maker: "Generate", files: "Files" };
 
@@ -54,7 +60,11 @@ function palette(draw, parts) {
     return keyButton(picture, words, key, () => draw.choose(name), { "data-tool": name });
   };
   parts.tools = Object.keys(TOOLS).map(button);
-  return el("div", { class: "palette", role: "toolbar", "aria-label": "Tools", "aria-orientation": "vertical" }, parts.tools);
+  return el(
+    "div",
+    { class: "palette", role: "toolbar", "aria-label": "Tools", "aria-orientation": "vertical" },
+    parts.tools,
+  );
 }
 
 function choose(draw, parts, tool) {
@@ -88,22 +98,36 @@ function showOptions(draw, parts) {
   }
   if (tool === "select") shown.push(Object.keys(SELECTION).map((what) => actButton(draw, what)));
   const help = HELP[tool];
-  const views = Object.entries(VIEWS).map(([name, [words, key]]) =>
-    el(
-      "label",
-      { class: "check", title: `Key ${key}` },
-      el("input", { type: "checkbox", checked: draw.show[name], "data-view": name, onchange: () => draw.toggle(name) }),
-      words,
-    ),
-  );
   const zoom = [
     keyButton("−", "Zoom out", "-", () => draw.board.zoom(1 / 1.4)),
     keyButton("+", "Zoom in", "+", () => draw.board.zoom(1.4)),
     keyButton("Fit", "Show the whole world", "0", () => draw.board.fit()),
   ];
   parts.options.replaceChildren(
-    el("div", { class: "tool-options" }, el("b", {}, TOOLS[tool][0]), shown, help ? el("span", { class: "quiet" }, help) : null),
-    el("div", { class: "views", role: "group", "aria-label": "Show" }, views, el("div", { class: "view" }, zoom)),
+    el(
+      "div",
+      { class: "tool-options" },
+      el("b", {}, TOOLS[tool][0]),
+      shown,
+      help ? el("span", { class: "quiet" }, help) : null,
+    ),
+    el(
+      "div",
+      { class: "views", role: "group", "aria-label": "Show" },
+      viewBoxes(draw),
+      el("div", { class: "view" }, zoom),
+    ),
+  );
+}
+
+function viewBoxes(draw) {
+  return Object.entries(VIEWS).map(([name, [words, key]]) =>
+    el(
+      "label",
+      { class: "check", title: `Key ${key}` },
+      el("input", { type: "checkbox", checked: draw.show[name], "data-view": name, onchange: () => draw.toggle(name) }),
+      words,
+    ),
   );
 }
 
@@ -199,12 +223,22 @@ function panels(draw, parts) {
   parts.tabs = Object.entries(PANELS).map(([name, words]) =>
     el(
       "button",
-      { type: "button", role: "tab", id: `tab-${name}`, "aria-controls": `panel-${name}`, onclick: () => draw.panel(name) },
+      {
+        type: "button",
+        role: "tab",
+        id: `tab-${name}`,
+        "aria-controls": `panel-${name}`,
+        onclick: () => draw.panel(name),
+      },
       words,
     ),
   );
   parts.panels = Object.entries(parts.bodies).map(([name, panel]) =>
-    el("div", { class: "panel", role: "tabpanel", id: `panel-${name}`, "aria-labelledby": `tab-${name}` }, panel.element),
+    el(
+      "div",
+      { class: "panel", role: "tabpanel", id: `panel-${name}`, "aria-labelledby": `tab-${name}` },
+      panel.element,
+    ),
   );
   const tabs = el("div", { class: "panel-tabs", role: "tablist", "aria-label": "Panels" }, parts.tabs);
   return el("aside", { class: "side" }, tabs, parts.panels);

@@ -6,12 +6,30 @@ import { download, labelled } from "./fields.js";
 import { messageOf } from "./model.js";
 
 export function makeFiles(studio) {
-  const parts = { list: el("ul", { class: "files", "aria-label": "Files of the folder" }), said: el("p", { role: "status" }) };
+  const parts = {
+    list: el("ul", { class: "files", "aria-label": "Files of the folder" }),
+    said: el("p", { role: "status" }),
+  };
   const files = { parts, files: [] };
-  parts.find = el("input", { type: "search", placeholder: "Find", "aria-label": "Find a file", oninput: () => showList(studio, files) });
+  parts.find = el("input", {
+    type: "search",
+    placeholder: "Find",
+    "aria-label": "Find a file",
+    oninput: () => showList(studio, files),
+  });
   parts.folder = el("p", { class: "quiet folder" });
   parts.name = el("input", { type: "text", id: "save-name", placeholder: "world.grid", autocomplete: "off" });
-  const element = el("div", {}, savePart(studio, files), parts.said, exchangePart(studio, files), el("h2", {}, "Open"), parts.folder, parts.find, parts.list);
+  const element = el(
+    "div",
+    {},
+    savePart(studio, files),
+    parts.said,
+    exchangePart(studio, files),
+    el("h2", {}, "Open"),
+    parts.folder,
+    parts.find,
+    parts.list,
+  );
   return {
     element,
     list: () => list(studio, files),
@@ -73,7 +91,11 @@ export async function saveAs(studio, files, name) {
 function exchangePart(studio, files) {
   const { parts } = files;
   parts.format = el("div");
-  const file = el("input", { type: "file", id: "import", onchange: () => bringFile(studio, parts, file.files[0]).then(() => (file.value = "")) });
+  const file = el("input", {
+    type: "file",
+    id: "import",
+    onchange: () => bringFile(studio, parts, file.files[0]).then(() => (file.value = "")),
+  });
   const keep = (inFolder) => trying(parts, () => exportAs(studio, parts, inFolder));
   return el(
     "details",
@@ -107,7 +129,9 @@ async function exportAs(studio, parts, keep) {
   const message = { format: format.name, name, world: messageOf(studio.model.world), keep, overwrite: false };
   const answer = await studio.connection.ask("export", message);
   for (const file of answer.files || []) download(file.name, file.data);
-  const where = keep ? `Wrote ${answer.written.join(", ")}.` : `Downloaded ${answer.files.map((file) => file.name).join(", ")}.`;
+  const where = keep
+    ? `Wrote ${answer.written.join(", ")}.`
+    : `Downloaded ${answer.files.map((file) => file.name).join(", ")}.`;
   return [where, ...answer.lost, ...answer.notes].join(" ");
 }
 
@@ -150,14 +174,20 @@ function showList(studio, files) {
         {},
         el(
           "button",
-          { type: "button", class: "file", "aria-current": file.name === studio.model.world.name ? "true" : null, onclick: open(file) },
+          {
+            type: "button",
+            class: "file",
+            "aria-current": file.name === studio.model.world.name ? "true" : null,
+            onclick: open(file),
+          },
           el("span", { class: file.world ? "" : "quiet" }, file.name),
           el("span", { class: "quiet" }, `${grouped(Math.ceil(file.bytes / 1024))} kB`),
         ),
       ),
     ),
   );
-  if (shown.length === 0 && files.files.length > 0) parts.list.append(el("li", { class: "quiet" }, `No file of ${plural(files.files.length, "file")} fits.`));
+  if (shown.length === 0 && files.files.length > 0)
+    parts.list.append(el("li", { class: "quiet" }, `No file of ${plural(files.files.length, "file")} fits.`));
 }
 
 /** Opens a world of the folder, or imports another file of it. */

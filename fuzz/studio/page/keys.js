@@ -40,11 +40,31 @@ export function showKeys() {
       "div",
       {},
       el("h3", {}, title),
-      el("table", {}, el("tbody", {}, rows.map(([keys, words]) => el("tr", {}, el("th", { scope: "row" }, el("kbd", {}, keys)), el("td", {}, words))))),
+      el(
+        "table",
+        {},
+        el(
+          "tbody",
+          {},
+          rows.map(([keys, words]) =>
+            el("tr", {}, el("th", { scope: "row" }, el("kbd", {}, keys)), el("td", {}, words)),
+          ),
+        ),
+      ),
     );
   dialog.replaceChildren(
-    el("div", { class: "line" }, el("h2", { id: "keys-title" }, "Keys"), el("button", { type: "button", onclick: () => dialog.close() }, "Close")),
-    el("div", { class: "key-tables" }, table("Draw", DRAWING), el("div", {}, table("Play", PLAYING), table("Everywhere", EVERYWHERE))),
+    el(
+      "div",
+      { class: "line" },
+      el("h2", { id: "keys-title" }, "Keys"),
+      el("button", { type: "button", onclick: () => dialog.close() }, "Close"),
+    ),
+    el(
+      "div",
+      { class: "key-tables" },
+      table("Draw", DRAWING),
+      el("div", {}, table("Play", PLAYING), table("Everywhere", EVERYWHERE)),
+    ),
   );
   dialog.showModal();
 }
@@ -79,7 +99,12 @@ function plainFor(studio, event) {
   if (target.matches("input:not([type=range], [type=checkbox]), select, textarea")) return null;
   if (target.matches("input[type=range]") && /^(Arrow|Home|End|Page)/.test(key)) return null;
   if (/^( |Enter)$/.test(key) && target.matches("button, a, summary, input")) return null;
-  const keys = { "?": showKeys, d: () => byId("theme").click(), 1: () => studio.go("draw"), 2: () => studio.go("play") };
+  const keys = {
+    "?": showKeys,
+    d: () => byId("theme").click(),
+    1: () => studio.go("draw"),
+    2: () => studio.go("play"),
+  };
   return keys[key] || (studio.page() === "draw" ? drawKeys(studio.draw) : playKeys(studio.play, event))[key] || null;
 }
 

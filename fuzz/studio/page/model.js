@@ -93,8 +93,7 @@ export class Model {
     for (const value of [0, 1]) {
       const cells = [];
       pattern.cells.forEach((cell, k) => {
-        if (cell === value && cell !== KEEP)
-          cells.push([x + (k % pattern.width), y + Math.floor(k / pattern.width)]);
+        if (cell === value && cell !== KEEP) cells.push([x + (k % pattern.width), y + Math.floor(k / pattern.width)]);
       });
       this.paint(cells, value);
     }
@@ -192,7 +191,14 @@ export function resized(world, width, height) {
     Math.min(y, round((height - 0.5) * world.cell_size)),
     ...rest,
   ];
-  return { width, height, cells, start: inside(world.start), target: inside(world.target), events: eventsIn(world, width, height) };
+  return {
+    width,
+    height,
+    cells,
+    start: inside(world.start),
+    target: inside(world.target),
+    events: eventsIn(world, width, height),
+  };
 }
 
 function eventsIn({ events }, width, height) {

@@ -82,7 +82,8 @@ function take(play, part) {
   }
   play.runs.push(part);
   showTable(play);
-  if (!part.error) look(play, play.runs[play.looked] && play.runs[play.looked].run ? play.looked : play.runs.length - 1);
+  if (!part.error)
+    look(play, play.runs[play.looked] && play.runs[play.looked].run ? play.looked : play.runs.length - 1);
 }
 
 // Shows the runs with one of them in front.
@@ -122,7 +123,11 @@ function showTable(play) {
         "button",
         { type: "button", class: "result", "data-controller": one.name, onclick: () => look(play, number) },
         el("span", { class: "who" }, chip, el("b", {}, one.name), verdictDot(one.verdict), el("span", {}, one.verdict)),
-        el("span", { class: "quiet" }, `${grouped(one.steps)} steps, ${one.time.toFixed(3)} s, ${one.path.toFixed(2)} m, ${one.collisions} collisions`),
+        el(
+          "span",
+          { class: "quiet" },
+          `${grouped(one.steps)} steps, ${one.time.toFixed(3)} s, ${one.path.toFixed(2)} m, ${one.collisions} collisions`,
+        ),
         one.verdict === "reached" ? null : el("span", {}, one.words.replace(/^\w+\s*/, "")),
         el("code", { class: "digest", title: "Digest of every state of the run" }, one.digest),
       ),
@@ -147,7 +152,11 @@ function showInstruments(play, player) {
     ["heading", `${heading.toFixed(1)}°`],
     ["collision", pose.bump ? "yes" : "no"],
     ...(behaviour === null ? [] : [["behaviour", behaviour]]),
-    ...(run.loop && step >= run.loop[0] ? [["loop", `period ${grouped(run.loop[1])}, step ${Math.floor(step - run.loop[0])} of it`]] : []),
+    ...(run.loop && step >= run.loop[0]
+      ? [["loop", `period ${grouped(run.loop[1])}, step ${Math.floor(step - run.loop[0])} of it`]]
+      : []),
   ];
-  play.parts.instruments.replaceChildren(...facts.map(([name, value]) => el("span", {}, `${name} `, el("b", {}, value))));
+  play.parts.instruments.replaceChildren(
+    ...facts.map(([name, value]) => el("span", {}, `${name} `, el("b", {}, value))),
+  );
 }

@@ -128,7 +128,10 @@ function keyDown(draw, state, event) {
   else if (arrow) {
     const far = event.shiftKey ? 5 : 1;
     const inside = (value, most) => Math.min(most - 1, Math.max(0, value));
-    board.cursor = [inside(board.cursor[0] + far * arrow[0], world.width), inside(board.cursor[1] + far * arrow[1], world.height)];
+    board.cursor = [
+      inside(board.cursor[0] + far * arrow[0], world.width),
+      inside(board.cursor[1] + far * arrow[1], world.height),
+    ];
   }
   const point = [board.cursor[0] + 0.5, board.cursor[1] + 0.5],
     tool = draw.tools[draw.tool];

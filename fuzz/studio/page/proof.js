@@ -15,7 +15,7 @@ export function proofWords(proof) {
   if (proof.result === "reachable") {
     const clearance = (proof.clearance * 100).toPrecision(3);
     return {
-      words: `✓ reachable: ${proof.length.toFixed(2)} m in ${proof.duration.toFixed(2)} s, radius up to ${clearance} cm`,
+      words: `✓ reachable: ${proof.length.toFixed(2)} m, ${proof.duration.toFixed(2)} s, radius up to ${clearance} cm`,
       kind: "good",
     };
   }

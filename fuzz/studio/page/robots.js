@@ -6,9 +6,18 @@ import { labelled, number, parameterField, words } from "./fields.js";
 const MOST = 6; // robots at once
 
 export function makeRobots(studio, run) {
-  const state = { motion: "stepped", chosen: ["thesis-2"], seed: 0, time_step: 0.015, steps: 20_000, options: {}, still: false, built: false };
+  const state = {
+    motion: "stepped",
+    chosen: ["thesis-2"],
+    seed: 0,
+    time_step: 0.015,
+    steps: 20_000,
+    options: {},
+    still: false,
+    built: false,
+  };
   const parts = {};
-  parts.run = el("button", { type: "button", id: "run", class: "main", title: "Run (Ctrl+Enter)", "aria-keyshortcuts": "Control+Enter", onclick: run }, "Run");
+  parts.run = runButton(run);
   parts.list = el("div", { class: "robots", role: "group", "aria-label": "Controllers" });
   parts.motion = el("div");
   parts.options = el("div");
@@ -29,6 +38,21 @@ export function makeRobots(studio, run) {
     message: () => messageFor(robots),
     prefer: (failure) => prefer(robots, failure),
   };
+}
+
+function runButton(run) {
+  return el(
+    "button",
+    {
+      type: "button",
+      id: "run",
+      class: "main",
+      title: "Run (Ctrl+Enter)",
+      "aria-keyshortcuts": "Control+Enter",
+      onclick: run,
+    },
+    "Run",
+  );
 }
 
 function refresh(robots) {
@@ -107,7 +131,12 @@ function showNumbers(robots) {
     onchange: (event) => (state.steps = event.target.value),
   });
   const still = el("input", { type: "checkbox", onchange: (event) => (state.still = event.target.checked) });
-  parts.still = el("label", { class: "check", hidden: !robots.studio.model.world.events }, still, "The world stands still");
+  parts.still = el(
+    "label",
+    { class: "check", hidden: !robots.studio.model.world.events },
+    still,
+    "The world stands still",
+  );
   parts.numbers.replaceChildren(
     el(
       "div",

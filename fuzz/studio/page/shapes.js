@@ -115,7 +115,8 @@ const walls = (size, solid) => patternOf(size, size, (ix, iy) => (solid(ix, iy, 
 export const STAMPS = {
   "U trap": (size) => walls(size, (ix, iy, last) => ix === last || iy === 0 || iy === last),
   "L trap": (size) => walls(size, (ix, iy, last) => ix === last || iy === 0),
-  "V trap": (size) => walls(size, (ix, iy, last) => Math.abs(2 * iy - last) <= 2 * (last - ix) + 1 && vEdge(ix, iy, last)),
+  "V trap": (size) =>
+    walls(size, (ix, iy, last) => Math.abs(2 * iy - last) <= 2 * (last - ix) + 1 && vEdge(ix, iy, last)),
   Spiral: (size) => spiral(size),
   Comb: (size) => walls(size, (ix, iy, last) => ix === last || iy % 4 === 0 || (iy === last && last % 4 === 0)),
   Corridor: (size) =>

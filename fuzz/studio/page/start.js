@@ -66,7 +66,10 @@ function setWidest(widest) {
 
 function showName() {
   const { unsaved, past, future, world } = studio.model;
-  byId("name").replaceChildren(world.name || "not saved yet", unsaved ? el("span", { class: "quiet" }, " · changed") : "");
+  byId("name").replaceChildren(
+    world.name || "not saved yet",
+    unsaved ? el("span", { class: "quiet" }, " · changed") : "",
+  );
   document.title = `${unsaved ? "• " : ""}${world.name || "new world"} - worldgen studio`;
   byId("undo").disabled = past.length === 0;
   byId("redo").disabled = future.length === 0;
@@ -76,7 +79,7 @@ function showName() {
 function show(answer, name, label) {
   const world = worldOf(answer.world, name);
   studio.model.change(`open ${label}`, world);
-  studio.draw.board.view = null;
+  studio.draw.board.view = studio.draw.board.selection = null;
   if (name) studio.model.markSaved(name, world.source);
   if (answer.failure) studio.play.prefer(answer.failure);
   say(`Opened ${label}`);
@@ -125,7 +128,8 @@ async function begun(begins) {
   const first = studio.offered === null;
   try {
     studio.offered = await studio.connection.ask("hello");
-    if (first && begins.file && studio.model.past.length === 0) await openFile(studio, { name: begins.file, world: /\.grid(\.gz)?$/.test(begins.file) });
+    if (first && begins.file && studio.model.past.length === 0)
+      await openFile(studio, { name: begins.file, world: /\.grid(\.gz)?$/.test(begins.file) });
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     if (error instanceof Refused) notice(error.message);

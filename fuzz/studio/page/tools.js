@@ -21,14 +21,30 @@ export const TOOLS = {
   erase: ["Eraser", "e", "M6 13l-4-4 7-7 5 5-6 6zm-4 1.5h12v1H2z"],
   line: ["Line", "l", "M2 12.6L12.6 2 14 3.4 3.4 14z"],
   rectangle: ["Rectangle", "r", "M2 3h12v10H2zm1.6 1.6v6.8h8.8V4.6z"],
-  fill: ["Fill", "f", "M7 1l7 7-6 6-6-6 5-5-1.5-1.5zm-3.200 7h8L7.500 4zM14 10c1 1.700 1.500 2.500 1.500 3.200a1.500 1.500 0 0 1-3 0c0-.7.5-1.500 1.500-3.200z"],
-  select: ["Select", "s", "M1 1h4v1.500H2.500V5H1zm10 0h4v4h-1.500V2.500H11zM1 11h1.500v2.500H5V15H1zm12.500 0H15v4h-4v-1.500h2.500zM6.500 1h3v1.500h-3zm0 12.500h3V15h-3zM1 6.500h1.500v3H1zm12.500 0H15v3h-1.500z"],
+  fill: [
+    "Fill",
+    "f",
+    "M7 1l7 7-6 6-6-6 5-5-1.5-1.5zm-3.200 7h8L7.500 4zM14 10c1 1.700 1.500 2.500 1.500 3.200a1.500 1.500 0 0 1-3 0c0-.7.5-1.500 1.500-3.200z",
+  ],
+  select: [
+    "Select",
+    "s",
+    "M1 1h4v1.500H2.500V5H1zm10 0h4v4h-1.500V2.500H11zM1 11h1.500v2.500H5V15H1zm12.500 0H15v4h-4v-1.500h2.500zM6.500 1h3v1.500h-3zm0 12.500h3V15h-3zM1 6.500h1.500v3H1zm12.500 0H15v3h-1.500z",
+  ],
   stamp: ["Stamp", "t", "M6 1h4v5l1 2h3v3H2V8h3l1-2zM2 12.500h12V15H2z"],
-  start: ["Start", "a", "M8 1.500a6.500 6.500 0 1 0 0 13 6.500 6.500 0 0 0 0-13zm0 1.600a4.900 4.900 0 1 1 0 9.800 4.900 4.900 0 0 1 0-9.800zM7.200 7.200H16v1.600H7.200z"],
-  target: ["Target", "g", "M8 1a7 7 0 1 0 0 14A7 7 0 0 0 8 1zm0 1.600a5.400 5.400 0 1 1 0 10.800A5.400 5.400 0 0 1 8 2.600zM8 5a3 3 0 1 0 0 6 3 3 0 0 0 0-6z"],
+  start: [
+    "Start",
+    "a",
+    "M8 1.500a6.500 6.500 0 1 0 0 13 6.500 6.500 0 0 0 0-13zm0 1.600a4.900 4.900 0 1 1 0 9.800 4.900 4.900 0 0 1 0-9.800zM7.200 7.200H16v1.600H7.200z",
+  ],
+  target: [
+    "Target",
+    "g",
+    "M8 1a7 7 0 1 0 0 14A7 7 0 0 0 8 1zm0 1.600a5.400 5.400 0 1 1 0 10.800A5.400 5.400 0 0 1 8 2.600zM8 5a3 3 0 1 0 0 6 3 3 0 0 0 0-6z",
+  ],
   measure: ["Measure", "m", "M1 11L11 1l4 4L5 15zm2.300 0L5 12.700 12.700 5l-.8-.8-1.400 1.400-.9-.9L11 3.300z"],
   pan: ["Move view", "h", "M8 0l3 3H9v4h4V5l3 3-3 3V9H9v4h2l-3 3-3-3h2V9H3v2L0 8l3-3v2h4V3H5z"],
-}; // prettier-ignore
+};
 
 const cellOf = ([x, y]) => [Math.floor(x), Math.floor(y)];
 const holds = (box, [x, y]) => box && x >= box.x && y >= box.y && x < box.x + box.width && y < box.y + box.height;
@@ -63,7 +79,7 @@ function painter(kit, value) {
   let last = null;
   const paint = (point, erase) => {
     const here = cellOf(point);
-    kit.model.paint(thick(lineCells(last || here, here), kit.setting.size), erase ? 0 : value);
+    kit.model.paint(thick(lineCells(last || here, here), kit.setting.size), erase ? 1 - value : value);
     last = here;
   };
   return {
@@ -132,7 +148,9 @@ function selector(kit) {
   return {
     begin(point) {
       from = cellOf(point);
-      moving = holds(board.selection, from) ? { box: board.selection, pattern: patternIn(model.world, board.selection) } : null;
+      moving = holds(board.selection, from)
+        ? { box: board.selection, pattern: patternIn(model.world, board.selection) }
+        : null;
       if (!moving) board.selection = rectangleOf(from, from);
       board.draw();
     },
@@ -200,7 +218,8 @@ export function withSelection(kit, what, stamping) {
 /** The pattern that the stamp puts down. */
 function stampOf(kit) {
   const { stamp, stampSize } = kit.setting;
-  const made = stamp === "clipboard" && kit.clipboard ? kit.clipboard : STAMPS[stamp in STAMPS ? stamp : "U trap"](stampSize);
+  const made =
+    stamp === "clipboard" && kit.clipboard ? kit.clipboard : STAMPS[stamp in STAMPS ? stamp : "U trap"](stampSize);
   return kit.turns.reduce((pattern, change) => change(pattern), made);
 }
 
@@ -215,7 +234,11 @@ function stamper(kit) {
   return {
     begin(point, { erase }) {
       const { pattern, at } = place(point);
-      if (erase) kit.model.put(patternOf(pattern.width, pattern.height, (ix, iy) => (pattern.cells[iy * pattern.width + ix] === 1 ? 0 : 2)), at);
+      if (erase)
+        kit.model.put(
+          patternOf(pattern.width, pattern.height, (ix, iy) => (pattern.cells[iy * pattern.width + ix] === 1 ? 0 : 2)),
+          at,
+        );
       else kit.model.put(pattern, at);
       kit.model.lift("stamp");
     },

@@ -10,7 +10,8 @@ const LARGEST = 2000;
 
 export function makeWorldPanel(studio, draw) {
   const { model } = studio,
-    parts = { sizes: { width: 40, height: 40 } };
+    parts = { sizes: { width: 40, height: 40 } },
+    hard = hardPart(studio);
   const element = el(
     "div",
     {},
@@ -21,13 +22,14 @@ export function makeWorldPanel(studio, draw) {
     placePart(studio, parts),
     el("h2", {}, "Size"),
     sizePart(studio, draw, parts),
-    hardPart(studio),
+    hard.element,
   );
   return {
     element,
     refresh: () => {
       refresh(model.world, parts);
       showWidest(studio, parts);
+      hard.forget();
     },
   };
 }
@@ -145,24 +147,40 @@ function sizePart({ model }, draw, parts) {
 // How hard the world is, by its metrics; asked for by hand, for it may take a while.
 function hardPart(studio) {
   const found = el("div", { role: "status" });
+  let measured = studio.model.version;
   const ask = async () => {
     found.replaceChildren(el("p", { class: "quiet" }, "Measuring …"));
     try {
       const { metrics } = await studio.connection.ask("measure", { world: messageOf(studio.model.world) });
       const row = ({ name, value, unit, meaning }) =>
-        el("tr", { title: meaning }, el("th", { scope: "row" }, words(name)), el("td", {}, `${Number(value.toPrecision(4))} ${unit}`));
+        el(
+          "tr",
+          { title: meaning },
+          el("th", { scope: "row" }, words(name)),
+          el("td", {}, `${Number(value.toPrecision(4))} ${unit}`),
+        );
+      measured = studio.model.version;
       found.replaceChildren(el("table", { class: "numbers" }, el("tbody", {}, metrics.map(row))));
     } catch (error) {
       if (!(error instanceof Refused || error instanceof Ended)) throw error;
       found.replaceChildren(el("p", { class: error instanceof Refused ? "bad" : "quiet" }, error.message));
     }
   };
-  return el(
+  const element = el(
     "div",
     {},
-    el("div", { class: "line hard" }, el("h2", {}, "How hard it is"), el("button", { type: "button", id: "measure", onclick: ask }, "Measure")),
+    el(
+      "div",
+      { class: "line hard" },
+      el("h2", {}, "How hard it is"),
+      el("button", { type: "button", id: "measure", onclick: ask }, "Measure"),
+    ),
     found,
   );
+  const forget = () => {
+    if (measured !== studio.model.version) found.replaceChildren(); // that was another world
+  };
+  return { element, forget };
 }
 
 function refresh(world, parts) {
@@ -174,7 +192,9 @@ function refresh(world, parts) {
   show(parts.radiusNumber, world.robot_radius);
   show(parts.speed, world.robot_speed);
   show(parts.cell, world.cell_size);
-  parts.start.forEach((input, k) => show(input, k < 2 ? world.start[k] : Number(((world.start[2] * 180) / Math.PI).toFixed(4))));
+  parts.start.forEach((input, k) =>
+    show(input, k < 2 ? world.start[k] : Number(((world.start[2] * 180) / Math.PI).toFixed(4))),
+  );
   parts.target.forEach((input, k) => show(input, world.target[k]));
   show(parts.width, world.width);
   show(parts.height, world.height);
