@@ -3,10 +3,14 @@
 import functools
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from worldgen.interop import export_world
 from worldgen.interop.boxes import merged_boxes
+from worldgen.timeline import CellState, Timeline
+from worldgen.world import Pose, Target, World
 
 SIDES = (5, 4)
 
@@ -55,3 +59,12 @@ def test_every_solid_cell_lies_in_one_box_and_no_free_one_does(seed, share):
 def test_a_transposed_world_has_as_many_boxes(seed):
     solid = np.random.Generator(np.random.PCG64(seed)).random((40, 30)) < 0.8
     assert len(merged_boxes(solid)) == len(merged_boxes(solid.T))
+
+
+@pytest.mark.parametrize("name", ["geojson", "mjcf", "sdf"])
+def test_a_border_that_opens_later_has_a_wall_round_it(name):
+    walls = np.pad(np.zeros((2, 2), np.bool_), 1, constant_values=True)
+    opens = Timeline.of([(1.0, 0, 1, CellState.FREE)])
+    world = World(walls, Pose(0.15, 0.15), Target(0.25, 0.25, 0.05), robot_radius=0.04, timeline=opens)
+    assert b"border" in export_world(world, name).data
+    assert b"border" not in export_world(world, name, at=0.0).data

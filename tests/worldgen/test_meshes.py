@@ -15,7 +15,7 @@ from tests.helpers.exported_meshes import TINY, any_worlds, glb_parts, solid_vol
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.interop import Destination, export_world
 from worldgen.interop.glb import _disc, _sine_cosine
-from worldgen.interop.mesh_boxes import solid_boxes
+from worldgen.interop.placed_boxes import solid_boxes
 from worldgen.lattice import exact
 from worldgen.world import Pose, Target
 
@@ -140,6 +140,12 @@ def test_the_bytes_of_a_scene_are_the_same_everywhere(name, digest):
 def test_a_frame_in_which_32_bits_would_move_walls_is_refused(name):
     with pytest.raises(InvalidWorld, match=r"around \(500000, 5.4e\+06\) m need more than the 24 bits .* --origin 0,0"):
         export_world(TINY, name, origin=(500000.0, 5400000.0))
+
+
+@pytest.mark.parametrize("name", ["obj", "usd", "geojson", "wkt", "svg", "sdf", "mjcf", "irsim"])
+def test_a_frame_in_which_64_bits_would_move_walls_is_refused(name):
+    with pytest.raises(InvalidWorld, match=r"need more than the 53 bits .* give --origin 0,0"):
+        export_world(replace(TINY, cell_size=1e-5, start=Pose(0, 0), target=Target(0, 0, 1.0)), name, origin=(1e12, 0))
 
 
 def test_cells_and_heights_that_are_no_lengths_are_refused():

@@ -8,7 +8,7 @@ Contents:
     place: start and target for a map that has none (``place``).
 
 What a file has no room for lies beside it (``sidecar``). Shared by the formats: merged boxes (``boxes``,
-``mesh_boxes``), polygons (``polygons``), coordinates (``grid_lines``), pictures (``grey_image``), YAML
+``placed_boxes``), polygons (``polygons``), coordinates (``grid_lines``), pictures (``grey_image``), YAML
 (``yaml_table``), files that a map names (``companion``).
 """
 

@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["closing_boxes", "merged_boxes"]
+__all__ = ["always_solid", "closing_boxes", "merged_boxes"]
 
 _Bools = npt.NDArray[np.bool_]
 _Ints = npt.NDArray[np.int64]
@@ -159,13 +160,23 @@ def _next(edge: _Bools, row: _Ints, place: _Ints) -> _Ints:
     return after
 
 
+def always_solid(world: World) -> npt.NDArray[np.bool_]:
+    """The cells that are solid at all times, (height, width) bool; of a world that stands still, its walls."""
+    line = world.timeline
+    solid, later = world.walls.copy(), line.times > 0
+    solid[line.iy[~later], line.ix[~later]] = line.states[~later] == CellState.SOLID
+    opened = later & (line.states != CellState.SOLID)
+    solid[line.iy[opened], line.ix[opened]] = False
+    return solid
+
+
 def closing_boxes(world: World) -> npt.NDArray[np.int64]:
-    """Boxes one cell thick round the grid, for outside it everything is solid; none where its border is closed.
+    """Boxes one cell thick round the grid, for outside it everything is solid; none where its border stays closed.
 
     Returns:
         (0 or 4, 4) int64 as :func:`merged_boxes`, with cells -1 and beyond the sides.
     """
-    walls, width, height = world.walls, world.width, world.height
+    walls, width, height = always_solid(world), world.width, world.height
     if walls[0].all() and walls[-1].all() and walls[:, 0].all() and walls[:, -1].all():
         return np.zeros((0, 4), np.int64)
     right, top = width + 1, height + 1

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, held_values
-from worldgen.interop.mesh_boxes import BOX_CORNERS, BOX_QUADS, solid_boxes
+from worldgen.interop.placed_boxes import BOX_CORNERS, BOX_QUADS, solid_boxes
 from worldgen.render import palette
 from worldgen.world import Value, World
 

@@ -11,15 +11,13 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Literal
 
-import numpy as np
-import numpy.typing as npt
-
 from worldgen.family import check_between
-from worldgen.interop.boxes import closing_boxes, merged_boxes
+from worldgen.interop import raster
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
 from worldgen.interop.grey_image import walls_png
 from worldgen.interop.irsim_world import read_irsim
-from worldgen.interop.raster import Box, natural_cell_size
+from worldgen.interop.placed_boxes import Box, solid_boxes
+from worldgen.interop.solid_scene import TIMESTEPS
 from worldgen.lattice import exact
 from worldgen.world import World
 
@@ -48,17 +46,17 @@ def write_irsim(
         lidar: Whether the robot has a lidar: 257 beams all round, the last as the first, 10 m.
         step_time: Length of IR-SIM's step, s.
     """
-    check_between("step_time", step_time, 1e-6, 1e3, "s")
-    drawn = merged_boxes(world.walls) if walls == "boxes" else np.zeros((0, 4), np.int64)
-    boxes = np.concatenate([drawn, closing_boxes(world)])
+    check_between("step_time", step_time, *TIMESTEPS, "s")
+    solid = solid_boxes(world, destination, height=1.0, floor=False)
+    boxes = [box for box in solid if walls == "boxes" or box.name.startswith("border")]
     files: dict[str, bytes] = {}
     picture = destination.companion(".png") if walls == "image" else None
     lines = [*_world(world, destination, picture, step_time), *_robot(world, destination, robot, lidar)]
-    lines += _obstacles(world, destination, boxes)
+    lines += _obstacles(boxes)
     files[destination.name] = ("\n".join(lines) + "\n").encode()
     if picture is not None:
         files[picture] = walls_png(world.walls)
-    return Exported(files, dict(_altered(world, boxes, picture)), tuple(_notes(world, picture, step_time)))
+    return Exported(files, dict(_altered(world, destination, boxes, picture)), tuple(_notes(world, picture, step_time)))
 
 
 def _world(world: World, destination: Destination, picture: str | None, step_time: float) -> Iterator[str]:
@@ -96,29 +94,29 @@ def _robot(world: World, destination: Destination, kinematics: str, lidar: bool)
         yield f"    sensors: {_LIDAR}"
 
 
-def _obstacles(world: World, destination: Destination, boxes: npt.NDArray[np.int64]) -> Iterator[str]:
+def _obstacles(boxes: list[Box]) -> Iterator[str]:
     """The boxes, those of one size together."""
-    if len(boxes):
+    if boxes:
         yield "obstacle:"
-    side, x, y = exact(world.cell_size), *map(exact, destination.origin)
-    sizes: dict[tuple[int, int], list[tuple[int, int]]] = {}
-    for left, low, right, high in boxes.tolist():
-        sizes.setdefault((right - left, high - low), []).append((left + right, low + high))
+    sizes: dict[tuple[Fraction, ...], list[tuple[Fraction, ...]]] = {}
+    for box in boxes:
+        sizes.setdefault(box.size[:2], []).append(box.centre[:2])
     for (length, width), centres in sorted(sizes.items()):
         yield f"  - number: {len(centres)}"
         yield "    distribution: {name: manual}"
-        shape = f"length: {decimal_text(length * side)}, width: {decimal_text(width * side)}"
-        yield f"    shape: {{name: rectangle, {shape}}}"
+        yield f"    shape: {{name: rectangle, length: {decimal_text(length)}, width: {decimal_text(width)}}}"
         yield "    state:"
-        for twice_x, twice_y in centres:
-            yield f"      - [{decimal_text(twice_x * side / 2 + x)}, {decimal_text(twice_y * side / 2 + y)}, 0]"
+        yield from (f"      - [{decimal_text(x)}, {decimal_text(y)}, 0]" for x, y in centres)
 
 
-def _altered(world: World, boxes: npt.NDArray[np.int64], picture: str | None) -> Iterator[tuple[str, str]]:
+def _altered(
+    world: World, destination: Destination, boxes: list[Box], picture: str | None
+) -> Iterator[tuple[str, str]]:
     """The cell size, where the walls fit larger cells too."""
-    side = exact(world.cell_size)
-    sides = (Box(*(Fraction(value) * side for value in box)) for box in boxes.tolist())
-    if picture is None and natural_cell_size(world.width * side, world.height * side, sides) != side:
+    side, x, y = exact(world.cell_size), *map(exact, destination.origin)
+    ends = ((*box.low[:2], *box.high[:2]) for box in boxes)
+    sides = (raster.Box(left - x, low - y, right - x, high - y) for left, low, right, high in ends)
+    if picture is None and raster.natural_cell_size(world.width * side, world.height * side, sides) != side:
         yield "cell_size", f"the cell size, {world.cell_size:g} m, is not stored; the walls fit larger cells too"
 
 

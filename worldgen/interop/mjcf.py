@@ -7,14 +7,15 @@ Source: MuJoCo's XML reference.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from importlib import resources
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
-from worldgen.interop.solid_scene import Body, Box, Scene, events_file, plain_name, scene
+from worldgen.interop.solid_scene import TIMESTEPS, Body, Scene, events_file, plain_name, scene
 from worldgen.lattice import exact
-from worldgen.parameters import check_positive
+from worldgen.parameters import check_between
 from worldgen.world import World
 
 __all__ = ["mjcf", "write_mjcf"]
@@ -36,11 +37,11 @@ def write_mjcf(
         timestep: Of the engine, s.
 
     Raises:
-        InvalidParameter: If a number is not above 0.
+        InvalidParameter: If height or timestep are far from what anybody means.
+        InvalidWorld: If 64 bits are too few for the coordinates.
     """
-    check_positive("height", height, "m")
-    check_positive("timestep", timestep, "s")
-    parts = scene(world, destination)
+    check_between("timestep", timestep, *TIMESTEPS, "s")
+    parts = scene(world, destination, height)
     lines = [
         f'<mujoco model="{plain_name(destination)}">',
         '  <compiler angle="radian"/>',
@@ -80,17 +81,18 @@ def _numbers(world: World, destination: Destination) -> Iterator[str]:
 
 def _surroundings(parts: Scene, height: float) -> Iterator[str]:
     floor, half = parts.floor, exact(height) / 2
-    place = f"{text(floor.x)} {text(floor.y)}"
+    place = _numbers_of(floor.centre[:2])
     yield f'    <light name="sun" directional="true" pos="{place} {text(4 * half)}" dir="-0.3 -0.2 -1"/>'
-    size = f"{text(floor.half_x)} {text(floor.half_y)} 1"
+    size = f"{_numbers_of(floor.size[:2], 2)} 1"
     yield f'    <geom name="floor" type="plane" pos="{place} 0" size="{size}" rgba="0.9 0.9 0.9 1"/>'
-    for number, box in enumerate(parts.still):
-        at = f'type="box" pos="{text(box.x)} {text(box.y)} {text(half)}"'
-        yield f'    <geom name="wall_{number}" {at} size="{_size(box, height)}" rgba="0.3 0.3 0.35 1"/>'
+    for box in parts.still:
+        at = f'type="box" pos="{_numbers_of(box.centre)}" size="{_numbers_of(box.size, 2)}"'
+        yield f'    <geom name="{box.name}" {at} rgba="0.3 0.3 0.35 1"/>'
 
 
-def _size(box: Box, height: float) -> str:
-    return f"{text(box.half_x)} {text(box.half_y)} {text(exact(height) / 2)}"
+def _numbers_of(values: Sequence[Fraction], share: int = 1) -> str:
+    """Values divided by a number: sizes are halves here."""
+    return " ".join(text(value / share) for value in values)
 
 
 def _marks(world: World, destination: Destination) -> Iterator[str]:
@@ -106,10 +108,11 @@ def _marks(world: World, destination: Destination) -> Iterator[str]:
 
 def _mocap(body: Body, height: float) -> Iterator[str]:
     """A cell that the script moves; it is solid, or a site where it burns, for fire stops nothing."""
-    z = text(exact(height) / 2 if body.shown else -exact(height))
-    yield f'    <body name="{body.name}" mocap="true" pos="{text(body.box.x)} {text(body.box.y)} {z}">'
+    *place, z = body.box.centre
+    at = _numbers_of((*place, z if body.shown else -exact(height)))
+    yield f'    <body name="{body.name}" mocap="true" pos="{at}">'
     kind, colour = ("site", "1 0.4 0.1 0.7") if body.burning else ("geom", "0.5 0.4 0.3 1")
-    yield f'      <{kind} name="{body.name}" type="box" size="{_size(body.box, height)}" rgba="{colour}"/>'
+    yield f'      <{kind} name="{body.name}" type="box" size="{_numbers_of(body.box.size, 2)}" rgba="{colour}"/>'
     yield "    </body>"
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from worldgen.grid_file.toml_text import value_text
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
-from worldgen.interop.mesh_boxes import BOX_CORNERS, BOX_QUADS, Box, solid_boxes
+from worldgen.interop.placed_boxes import BOX_CORNERS, BOX_QUADS, Box, solid_boxes
 from worldgen.world import World
 
 __all__ = ["obj", "write_obj"]

@@ -14,10 +14,11 @@ from typing import Literal
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
+from worldgen.interop.placed_boxes import Box
 from worldgen.interop.sdf_robot import SYSTEMS, robot_lines
-from worldgen.interop.solid_scene import Body, Box, events_file, plain_name, scene
+from worldgen.interop.solid_scene import TIMESTEPS, Body, events_file, plain_name, scene
 from worldgen.lattice import exact
-from worldgen.parameters import check_positive
+from worldgen.parameters import check_between
 from worldgen.world import World
 
 __all__ = ["sdf", "write_sdf"]
@@ -49,11 +50,11 @@ def write_sdf(
         timestep: Of the engine, s.
 
     Raises:
-        InvalidParameter: If a number is not above 0.
+        InvalidParameter: If height or timestep are far from what anybody means.
+        InvalidWorld: If 64 bits are too few for the coordinates.
     """
-    check_positive("height", height, "m")
-    check_positive("timestep", timestep, "s")
-    name, parts, tall = plain_name(destination), scene(world, destination), exact(height)
+    check_between("timestep", timestep, *TIMESTEPS, "s")
+    name, parts, tall = plain_name(destination), scene(world, destination, height), exact(height)
     lines = [
         '<?xml version="1.0"?>',
         f'<sdf version="1.9" xmlns:worldgen="{_SCHEMA}">',
@@ -62,7 +63,7 @@ def write_sdf(
         *(f'    <plugin filename="{file}" name="{system}"/>' for file, system in SYSTEMS[plugins]),
         *_light(parts.floor, tall),
         *_ground(parts.floor),
-        *_walls(parts.still, tall),
+        *_walls(parts.still),
         *_marks(world, destination),
         *(line for body in parts.bodies for line in _moving(body, tall)),
         *(robot_lines(world, destination, plugins) if robot else ()),
@@ -104,7 +105,7 @@ def _head(world: World, destination: Destination, timestep: float) -> Iterator[s
 def _light(floor: Box, tall: Fraction) -> Iterator[str]:
     yield from (
         '    <light type="directional" name="sun">',
-        f"      <pose>{text(floor.x)} {text(floor.y)} {text(10 * tall)} 0 0 0</pose>",
+        f"      <pose>{_pose(floor, 10 * tall)}</pose>",
         "      <cast_shadows>true</cast_shadows>",
         "      <diffuse>0.8 0.8 0.8 1</diffuse>",
         "      <direction>-0.3 -0.2 -1</direction>",
@@ -134,21 +135,24 @@ def _model(name: str, pose: str, shapes: Iterator[str]) -> Iterator[str]:
 
 
 def _ground(floor: Box) -> Iterator[str]:
-    size = f"{text(2 * floor.half_x)} {text(2 * floor.half_y)}"
+    size = " ".join(map(text, floor.size[:2]))
     plane = f"<plane><normal>0 0 1</normal><size>{size}</size></plane>"
-    pose = f"{text(floor.x)} {text(floor.y)} 0 0 0 0"
-    yield from _model("ground", pose, _shapes("solid", "floor", plane, _COLOURS["ground"]))
+    yield from _model("ground", _pose(floor, Fraction(0)), _shapes("solid", "floor", plane, _COLOURS["ground"]))
 
 
-def _cuboid(box: Box, tall: Fraction) -> str:
-    return f"<box><size>{text(2 * box.half_x)} {text(2 * box.half_y)} {text(tall)}</size></box>"
+def _pose(box: Box, z: Fraction) -> str:
+    """Above or below the middle of a box."""
+    return f"{' '.join(map(text, (*box.centre[:2], z)))} 0 0 0"
 
 
-def _walls(boxes: tuple[Box, ...], tall: Fraction) -> Iterator[str]:
+def _cuboid(box: Box) -> str:
+    return f"<box><size>{' '.join(map(text, box.size))}</size></box>"
+
+
+def _walls(boxes: tuple[Box, ...]) -> Iterator[str]:
     def shapes() -> Iterator[str]:
-        for number, box in enumerate(boxes):
-            pose = f"{text(box.x)} {text(box.y)} {text(tall / 2)} 0 0 0"
-            yield from _shapes("solid", f"wall_{number}", _cuboid(box, tall), _COLOURS["wall"], pose)
+        for box in boxes:
+            yield from _shapes("solid", box.name, _cuboid(box), _COLOURS["wall"], _pose(box, box.centre[2]))
 
     if boxes:
         yield from _model("walls", "", shapes())
@@ -168,10 +172,9 @@ def _marks(world: World, destination: Destination) -> Iterator[str]:
 
 def _moving(body: Body, tall: Fraction) -> Iterator[str]:
     """A cell that the script moves; where it burns it is only seen, for fire stops nothing."""
-    z = tall / 2 if body.shown else -tall
-    pose = f"{text(body.box.x)} {text(body.box.y)} {text(z)} 0 0 0"
+    pose = _pose(body.box, body.box.centre[2] if body.shown else -tall)
     kind, colour = ("seen", _COLOURS["fire"]) if body.burning else ("solid", _COLOURS["cell"])
-    yield from _model(body.name, pose, _shapes(kind, "box", _cuboid(body.box, tall), colour))
+    yield from _model(body.name, pose, _shapes(kind, "box", _cuboid(body.box), colour))
 
 
 sdf = Format(

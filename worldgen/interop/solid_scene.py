@@ -7,38 +7,20 @@ import json
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import PurePath
 
-import numpy as np
-import numpy.typing as npt
-
-from worldgen.interop.boxes import closing_boxes, merged_boxes
+from worldgen.interop.boxes import always_solid
 from worldgen.interop.format import Destination, decimal_text
+from worldgen.interop.grid_lines import GridLines
+from worldgen.interop.placed_boxes import Box, placed_box, solid_boxes
 from worldgen.lattice import exact
 from worldgen.timeline import CellState
 from worldgen.world import World
 
-__all__ = ["Body", "Box", "Scene", "events_file", "plain_name", "scene"]
+__all__ = ["TIMESTEPS", "Body", "Scene", "events_file", "plain_name", "scene"]
 
+TIMESTEPS = (1e-6, 1e3)  # s
 _LONGEST_NAME = 60  # characters; names become parts of topics and file paths in other programs
-
-
-@dataclass(frozen=True)
-class Box:
-    """An axis-aligned box on the floor, decimals, m.
-
-    Args:
-        x: Of its centre.
-        y: Of its centre.
-        half_x: Half its side along x.
-        half_y: Half its side along y.
-    """
-
-    x: Fraction
-    y: Fraction
-    half_x: Fraction
-    half_y: Fraction
 
 
 @dataclass(frozen=True)
@@ -47,7 +29,7 @@ class Body:
 
     Args:
         name: Of the body.
-        box: Where it stands.
+        box: Where it stands when it is there.
         burning: Whether it is fire, which stops nothing.
         shown: Whether it is there at time 0.
         changes: Times, s, and whether it is there from then on.
@@ -67,7 +49,7 @@ class Scene:
     Args:
         still: What is always solid, with a wall round the grid where its border is open.
         bodies: What comes and goes.
-        floor: The ground below the grid, with one cell more on every side.
+        floor: The ground below it all.
     """
 
     still: tuple[Box, ...]
@@ -75,32 +57,27 @@ class Scene:
     floor: Box
 
 
-def scene(world: World, destination: Destination) -> Scene:
+def scene(world: World, destination: Destination, height: float) -> Scene:
     """The world in the file's frame.
 
     Args:
         world: The world.
         destination: Says where the grid's lower-left corner lies.
+        height: Of the walls, m.
+
+    Raises:
+        InvalidParameter: If the height is below 1e-6 or above 1e6 m.
+        InvalidWorld: If 64 bits are too few for the coordinates.
     """
-    size = exact(world.cell_size)
-    corner = (exact(destination.origin[0]), exact(destination.origin[1]))
-    always, states = _always_solid(world), _states(world)
-    boxes = np.concatenate([merged_boxes(always), closing_boxes(world)])
-    still = tuple(_box(rows, size, corner) for rows in boxes.tolist())
+    *still, floor = solid_boxes(world, destination, height=height, floor=True)
+    lines, always, top = GridLines(world, destination), always_solid(world), exact(height)
     bodies = [
         body
-        for (iy, ix), by_time in sorted(states.items())
+        for (iy, ix), by_time in sorted(_states(world).items())
         if not always[iy, ix]
-        for body in _bodies(ix, iy, by_time, _box((ix, iy, ix + 1, iy + 1), size, corner))
+        for body in _bodies(by_time, placed_box(f"{ix}_{iy}", (ix, iy, ix + 1, iy + 1), lines, top))
     ]
-    floor = _box((-1, -1, world.width + 1, world.height + 1), size, corner)
-    return Scene(still, tuple(bodies), floor)
-
-
-def _box(cells: tuple[int, int, int, int], size: Fraction, corner: tuple[Fraction, Fraction]) -> Box:
-    left, low, right, high = cells
-    x, y = corner[0] + size * (left + right) / 2, corner[1] + size * (low + high) / 2
-    return Box(x, y, size * (right - left) / 2, size * (high - low) / 2)
+    return Scene(tuple(still), tuple(bodies), floor)
 
 
 def _states(world: World) -> dict[tuple[int, int], dict[float, CellState]]:
@@ -112,22 +89,13 @@ def _states(world: World) -> dict[tuple[int, int], dict[float, CellState]]:
     return states
 
 
-def _always_solid(world: World) -> npt.NDArray[np.bool_]:
-    line = world.timeline
-    solid, later = world.walls.copy(), line.times > 0
-    solid[line.iy[~later], line.ix[~later]] = line.states[~later] == CellState.SOLID
-    opened = later & (line.states != CellState.SOLID)
-    solid[line.iy[opened], line.ix[opened]] = False
-    return solid
-
-
-def _bodies(ix: int, iy: int, by_time: dict[float, CellState], box: Box) -> Iterator[Body]:
+def _bodies(by_time: dict[float, CellState], box: Box) -> Iterator[Body]:
     """What a cell is at some times, but not at all."""
     for kind, word in ((CellState.SOLID, "cell"), (CellState.BURNING, "fire")):
         there = [(time, state == kind) for time, state in by_time.items()]
         changes = tuple(now for before, now in itertools.pairwise(there) if before[1] != now[1])
         if there[0][1] or changes:
-            yield Body(f"{word}_{ix}_{iy}", box, kind == CellState.BURNING, there[0][1], changes)
+            yield Body(f"{word}_{box.name}", box, kind == CellState.BURNING, there[0][1], changes)
 
 
 def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: str = "") -> bytes:
@@ -147,9 +115,7 @@ def events_file(model: str, bodies: tuple[Body, ...], height: float, *, world: s
     events = [(0.0, body.name, body.shown) for body in bodies]
     later = [(time, body.name, shown) for body in bodies for time, shown in body.changes]
     events += sorted(later, key=lambda event: event[0])
-    places = [
-        f"    {json.dumps(body.name)}: [{decimal_text(body.box.x)}, {decimal_text(body.box.y)}]" for body in bodies
-    ]
+    places = [f"    {json.dumps(body.name)}: [{', '.join(map(decimal_text, body.box.centre[:2]))}]" for body in bodies]
     rows = [f"    [{time!r}, {json.dumps(name)}, {decimal_text(heights[shown])}]" for time, name, shown in events]
     named = f'  "world": {json.dumps(world)},\n' if world else ""
     head = f'{{\n  "model": {json.dumps(model)},\n{named}  "bodies": {{\n'

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from worldgen.interop.format import Destination, Exported, Format
-from worldgen.interop.mesh_boxes import BOX_CORNERS, BOX_QUADS, solid_boxes
+from worldgen.interop.placed_boxes import BOX_CORNERS, BOX_QUADS, solid_boxes
 from worldgen.world import World
 
 __all__ = ["stl", "write_stl"]

@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
 from worldgen.interop.grid_lines import in_degrees
-from worldgen.interop.mesh_boxes import Box, solid_boxes
+from worldgen.interop.placed_boxes import Box, solid_boxes
 from worldgen.lattice import exact
 from worldgen.world import World
 

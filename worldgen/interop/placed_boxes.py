@@ -1,15 +1,15 @@
-"""Walls as boxes between corners, in the coordinates of a file: what meshes and stages are made of."""
+"""Walls as boxes in the coordinates of a file: what meshes, stages and the worlds of simulators are made of."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.interop.boxes import closing_boxes, merged_boxes
+from worldgen.interop.boxes import always_solid, closing_boxes, merged_boxes
 from worldgen.interop.foreign_map import CELL_SIZES
 from worldgen.interop.format import Destination
 from worldgen.interop.grid_lines import GridLines
@@ -17,7 +17,7 @@ from worldgen.lattice import exact
 from worldgen.parameters import check_between
 from worldgen.world import World
 
-__all__ = ["BOX_CORNERS", "BOX_QUADS", "Box", "solid_boxes"]
+__all__ = ["BOX_CORNERS", "BOX_QUADS", "Box", "placed_box", "solid_boxes"]
 
 BOX_CORNERS = tuple((k & 1, k >> 1 & 1, k >> 2) for k in range(8))
 """Corners of a box: 0 the low end, 1 the high one, of x, y and z."""
@@ -57,7 +57,7 @@ def solid_boxes(world: World, destination: Destination, *, height: float, floor:
     """The walls, a wall round the grid where its border is open, and a floor if wanted.
 
     Args:
-        world: Cells at time 0 count.
+        world: What is solid at all times counts.
         destination: Says the frame; z is 0 at the walls' foot.
         height: Of the walls, m.
         floor: Whether there is a box as thick as a cell below it all.
@@ -69,7 +69,7 @@ def solid_boxes(world: World, destination: Destination, *, height: float, floor:
     """
     check_between("height", height, *CELL_SIZES, "m")
     lines, ring, top = GridLines(world, destination, bits=bits), closing_boxes(world), exact(height)
-    boxes = [*_named("wall", merged_boxes(world.walls), lines, top), *_named("border", ring, lines, top)]
+    boxes = [*_named("wall", merged_boxes(always_solid(world)), lines, top), *_named("border", ring, lines, top)]
     if floor:
         more = 1 if len(ring) else 0
         low = (lines.x[-more], lines.y[-more], -exact(world.cell_size))
@@ -77,7 +77,18 @@ def solid_boxes(world: World, destination: Destination, *, height: float, floor:
     return boxes
 
 
-def _named(kind: str, cells: npt.NDArray[np.int64], lines: GridLines, top: Fraction) -> Iterator[Box]:
-    for number, (left, bottom, right, upper) in enumerate(cells.tolist(), 1):
-        low = (lines.x[left], lines.y[bottom], Fraction(0))
-        yield Box(f"{kind}_{number}", low, (lines.x[right], lines.y[upper], top))
+def placed_box(name: str, cells: Sequence[int], lines: GridLines, top: Fraction) -> Box:
+    """A box on the floor.
+
+    Args:
+        name: Of the box.
+        cells: Four numbers, as a row of :func:`~worldgen.interop.boxes.merged_boxes`.
+        lines: Where the lines between cells lie.
+        top: z of its upper side, m.
+    """
+    left, bottom, right, upper = cells
+    return Box(name, (lines.x[left], lines.y[bottom], Fraction(0)), (lines.x[right], lines.y[upper], top))
+
+
+def _named(kind: str, cells: npt.NDArray[np.int64], lines: GridLines, top: Fraction) -> list[Box]:
+    return [placed_box(f"{kind}_{number}", row, lines, top) for number, row in enumerate(cells.tolist(), 1)]
