@@ -134,13 +134,8 @@ def svg(files):
         for ring in path.get("d").split("z") if path.get("class") in ("wall", "border") else ():
             at, points = [0.0, 0.0], []
             for letter, words in re.findall(r"([MHV])([^MHV]+)", ring):
-                at = (
-                    numbers(words)
-                    if letter == "M"
-                    else [*numbers(words), at[1]]
-                    if letter == "H"
-                    else [at[0], *numbers(words)]
-                )
+                to = numbers(words)
+                at = {"M": to, "H": [to[0], at[1]], "V": [at[0], to[0]]}[letter]
                 points.append(at)
             rings += [shapely.Polygon(points)] if points else []
     robot = group.find("{*}circle[@class='robot']")

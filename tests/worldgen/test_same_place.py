@@ -10,10 +10,10 @@ from tests.helpers.exported_plans import CELLS_ONLY, PLANS
 from worldgen.interop import FORMATS, export_world
 
 
-def points(world, seed):
-    """Of each cell, and of the ring round the grid where its border is open, its index and a point well inside it."""
+def points(world, seed, *, outside):
+    """Of each cell, and of the ring round the grid where its border is open, whether it is solid, and a point in it."""
     solid = np.pad(world.walls, 1, constant_values=True)
-    ring = 0 if solid[[1, -2]].all() and solid[:, [1, -2]].all() else 1
+    ring = 0 if not outside or (solid[[1, -2]].all() and solid[:, [1, -2]].all()) else 1
     random = np.random.Generator(np.random.PCG64(seed))
     for iy in range(-ring, world.height + ring):
         for ix in range(-ring, world.width + ring):
@@ -28,9 +28,8 @@ def test_a_point_of_the_world_is_the_same_point_in_the_file(name, drawn, seed):
     world, (left, bottom) = drawn
     plan = PLANS[name](export_world(world, name, origin=(left, bottom)).files)
     outside = name not in ("ros", "tiled")  # theirs end where the grid ends
-    for solid, x, y in points(world, seed):
-        if outside or (0 <= x < world.width and 0 <= y < world.height):
-            assert plan.solid(left + x * world.cell_size, bottom + y * world.cell_size) == solid
+    for solid, x, y in points(world, seed, outside=outside):
+        assert plan.solid(left + x * world.cell_size, bottom + y * world.cell_size) == solid
     if plan.start is not None:
         assert plan.start == pytest.approx((left + world.start.x, bottom + world.start.y), abs=1e-9)
 
@@ -44,4 +43,4 @@ def test_every_format_that_is_written_has_coordinates_to_check_or_none():
 @pytest.mark.parametrize("name", PLANS)
 def test_a_file_that_lies_a_cell_beside_is_told_apart(name):
     plan = PLANS[name](export_world(TINY, name, origin=(0.1, 0.0)).files)
-    assert any(plan.solid(x * 0.1, y * 0.1) != solid for solid, x, y in points(TINY, 0))
+    assert any(plan.solid(x * 0.1, y * 0.1) != solid for solid, x, y in points(TINY, 0, outside=False))
