@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from sim.episode import Episode
-from worldgen.render import Mark, Trail
+from worldgen.render import Drive, Mark, Trail
+from worldgen.world import World
 
-__all__ = ["trail_of"]
+__all__ = ["drive_of", "trail_of"]
 
 _MOST_BUMPS = 400  # marks beyond that hide the picture
 
@@ -32,3 +33,13 @@ def trail_of(episode: Episode) -> Trail | None:
     if loop_from is None:
         marks.append(Mark(float(trace.x[-1]), float(trace.y[-1]), "end"))
     return Trail(trace.path_x, trace.path_y, loop_from, marks)
+
+
+def drive_of(episode: Episode, world: World, name: str = "") -> Drive:
+    """What the robot of a recorded episode did, and when; one without a recording stays at its start."""
+    trace, trail = episode.trace, trail_of(episode)
+    if trace is None or trail is None:
+        start = world.start
+        return Drive(name, Trail(np.array([start.x]), np.array([start.y])), np.zeros(1), np.array([start.heading]), 1.0)
+    times = np.maximum(trace.path_step - 1 + trace.path_share, 0.0) * trace.time_step
+    return Drive(name, trail, times, trace.heading, trace.time_step)

@@ -21,7 +21,7 @@ EXAMPLES = (
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
 OUT = click.Path(path_type=Path)
-_PICTURES = (".png", ".svg", ".html")
+_PICTURES = (".png", ".svg", ".html", ".gif")
 
 
 @click.command(epilog=EXAMPLES)
@@ -31,7 +31,7 @@ _PICTURES = (".png", ".svg", ".html")
 @click.option("--steps", type=int, help="Budget in steps [default: 50 times the witness's time].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
 @click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers.")
-@click.option("--trail", type=OUT, metavar="OUT", help="Draw world and trail: .png, .svg or .html.")
+@click.option("--trail", type=OUT, metavar="OUT", help="Draw world and trail: .png, .svg, .html, or .gif, which moves.")
 @click.option("--trace", type=OUT, metavar="OUT", help="Write t,x,y,heading per step, as CSV.")
 @json_option
 @force_option
@@ -105,10 +105,12 @@ def _sentence(episode: Episode) -> str:
 
 
 def _picture(world: World, episode: Episode, title: str, suffix: str) -> bytes:
-    from sim.picture import trail_of
+    from sim.picture import drive_of, trail_of
     from worldgen import render
 
     trail = trail_of(episode)
+    if suffix == ".gif":
+        return render.draw_gif(world, [drive_of(episode, world)], title=title)
     if suffix == ".svg":
         return render.draw_svg(world, trail=trail, title=title).encode()
     if suffix == ".html":

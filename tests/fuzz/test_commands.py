@@ -8,6 +8,7 @@ import time
 from dataclasses import replace
 
 import pytest
+from PIL import Image
 
 from tests.helpers.campaign_folder import CORPUS
 from tests.helpers.command_line import worldgen
@@ -140,8 +141,15 @@ def test_fuzz_reports_a_controller_that_crashes_and_replays_it(body, kind, tmp_p
 
 def test_a_picture_of_an_unknown_kind_is_refused(tmp_path):
     world = read_world_with_start_in_target(tmp_path)
-    result = worldgen("run", world, "--controller", "turn-left", "--trail", tmp_path / "x.gif")
-    assert result.code == 2 and "name a .png, .svg, .html file" in result.err
+    result = worldgen("run", world, "--controller", "turn-left", "--trail", tmp_path / "x.bmp")
+    assert result.code == 2 and "name a .png, .svg, .html, .gif file" in result.err
+
+
+def test_a_run_is_an_animated_picture(tmp_path):
+    world = read_world_with_start_in_target(tmp_path)
+    worldgen("run", world, "--controller", "turn-left", "--trail", tmp_path / "run.gif")
+    with Image.open(tmp_path / "run.gif") as picture:
+        assert picture.n_frames >= 1 and picture.format == "GIF"
 
 
 def read_world_with_start_in_target(folder):

@@ -1,8 +1,9 @@
-"""Pictures of worlds and runs: PNG, SVG, HTML and the terminal.
+"""Pictures of worlds and runs: PNG, SVG, HTML, animated GIF and the terminal.
 
 Contents, each imported when it is first used, so that Pillow loads for a PNG only:
     Trail, Mark: what a robot did, as plain data to draw over a world.
     draw_png, draw_svg, draw_html, draw_terminal: the pictures.
+    Drive, draw_gif: robots that drive, as an animated GIF.
     Panel, draw_sheet: many worlds with the ways of several robots.
     wants_color: whether a stream should get colours.
     Frame: metres to pixels, for those who draw over a picture or read one.
@@ -14,19 +15,22 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from worldgen.render.animation import draw_gif
     from worldgen.render.frame import Frame
     from worldgen.render.html import draw_html
-    from worldgen.render.overlay import Mark, Trail
+    from worldgen.render.overlay import Drive, Mark, Trail
     from worldgen.render.png import draw_png
     from worldgen.render.sheet import Panel, draw_sheet
     from worldgen.render.svg import draw_svg
     from worldgen.render.terminal import draw_terminal, wants_color
 
 _HOME = {
+    "Drive": "overlay",
     "Frame": "frame",
     "Mark": "overlay",
     "Panel": "sheet",
     "Trail": "overlay",
+    "draw_gif": "animation",
     "draw_html": "html",
     "draw_png": "png",
     "draw_sheet": "sheet",
@@ -36,10 +40,12 @@ _HOME = {
 }
 
 __all__ = [
+    "Drive",
     "Frame",
     "Mark",
     "Panel",
     "Trail",
+    "draw_gif",
     "draw_html",
     "draw_png",
     "draw_sheet",

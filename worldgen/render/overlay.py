@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 
-__all__ = ["Mark", "MarkKind", "Trail"]
+__all__ = ["Drive", "Mark", "MarkKind", "Trail"]
 
 MarkKind = Literal["bump", "tunnel", "overlap", "end"]
 
@@ -95,3 +95,50 @@ class Trail:
     def places(self, kind: MarkKind) -> npt.NDArray[np.float64]:
         """(k, 2) float64, m: where marks of one kind lie."""
         return np.array([(mark.x, mark.y) for mark in self.marks if mark.kind == kind], np.float64).reshape(-1, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """What one robot did, and when.
+
+    Args:
+        name: Of the robot.
+        trail: Its way.
+        times: (n,) float64, s: when it was at each of the trail's points; never falls.
+        headings: (k,) float64, rad: after each step, the first at the start.
+        time_step: s.
+
+    Raises:
+        InvalidParameter: If the times are not one for each point, or there is no heading.
+    """
+
+    name: str
+    trail: Trail
+    times: npt.NDArray[np.float64]
+    headings: npt.NDArray[np.float64]
+    time_step: float
+
+    def __post_init__(self) -> None:
+        if self.times.shape != self.trail.x.shape or not len(self.headings):
+            raise InvalidParameter(
+                f"drive: {len(self.times)} times for {len(self.trail.x)} points, {len(self.headings)} headings; "
+                "give a time for each point, and a heading at least"
+            )
+
+    @property
+    def end(self) -> float:
+        """When the recording ends, s."""
+        return float(self.times[-1])
+
+    def moment(self, time: float) -> float:
+        """The recorded time that stands for a later one, s: a loop goes round for ever, another robot stays."""
+        if time <= self.end or self.trail.loop_from is None:
+            return min(time, self.end)
+        entry = float(self.times[self.trail.loop_from])
+        return entry + (time - entry) % (self.end - entry) if self.end > entry else self.end
+
+    def pose(self, time: float) -> tuple[float, float, float]:
+        """Place, m, and heading, rad, at a time that is recorded."""
+        x, y = (float(np.interp(time, self.times, values)) for values in (self.trail.x, self.trail.y))
+        step = min(int(time / self.time_step + 1e-6), len(self.headings) - 1)
+        return x, y, float(self.headings[step])

@@ -54,15 +54,19 @@ def draw_png(
     return stream.getvalue()
 
 
-def draw_parts(parts: Iterable[Primitive], frame: Frame, size: tuple[int, int]) -> Image.Image:
+def draw_parts(
+    parts: Iterable[Primitive], frame: Frame, size: tuple[int, int], *, onto: Image.Image | None = None
+) -> Image.Image:
     """The picture of primitives, the lowest first.
 
     Args:
         parts: What to draw.
         frame: Where the map lies.
         size: Width and height of the picture, px.
+        onto: A picture of this size that they are drawn on; it is changed.
     """
     canvas = _Canvas(frame, size)
+    canvas.image = onto or canvas.image
     for part in parts:
         canvas.draw(part)
     return canvas.image

@@ -18,7 +18,7 @@ from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Primiti
 from worldgen.render.trail_parts import swept_parts, trail_parts
 from worldgen.world import Cut, Witness, World
 
-__all__ = ["Scene", "compose", "map_parts"]
+__all__ = ["Scene", "compose", "map_parts", "moment_parts"]
 
 HIDDEN, FINDER = 6.0, 11.0  # units; a robot with a smaller radius gets a ring of this one
 MOST_CORNERS = 4000  # of dotted outlines; with more they are a grey mess
@@ -68,6 +68,23 @@ def map_parts(world: World, frame: Frame) -> list[Primitive]:
     """A world's map alone, without caption, signal or proof, lowest layer first."""
     paper = _box(0.0, 0.0, frame.picture_width, frame.bottom + frame.top, PAPER)
     return [paper, *_map(Content(world, None, False, False, "", frame, Changes.of(world)))]
+
+
+def moment_parts(
+    world: World, frame: Frame, solid: npt.NDArray[np.bool_], burning: npt.NDArray[np.bool_], height: int
+) -> list[Primitive]:
+    """A world's map at one moment, lowest layer first, with room for words below.
+
+    Args:
+        world: What to draw.
+        frame: Where the map lies.
+        solid: (height, width) bool: the cells that are solid then.
+        burning: Likewise, those that burn.
+        height: Of the picture, px.
+    """
+    parts: list[Primitive] = [_box(0.0, 0.0, frame.picture_width, height, PAPER), _band(frame)]
+    parts += [Cells(np.ones_like(solid), FLOOR), Cells(solid, WALL), Cells(burning, FIRE)]
+    return [*parts, *_start_disc(world, frame), _start_heading(world, frame), *_target(world, frame)]
 
 
 def _map(content: Content) -> list[Primitive]:

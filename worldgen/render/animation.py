@@ -1,0 +1,208 @@
+"""A run as an animated GIF: the same bytes for the same run, of bounded size, readable by everything.
+
+All frames share one palette of fixed colours, so that nothing flickers and only what has moved is stored.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, ImageDraw
+
+from worldgen.errors import InvalidParameter
+from worldgen.render.caption import printable, text_width
+from worldgen.render.frame import Frame
+from worldgen.render.overlay import Drive
+from worldgen.render.palette import APPROACH, FIRE, FLOOR, GREY, INK, LOOP, PAPER, START, TARGET, TUNNEL, WALL, mix, rgb
+from worldgen.render.png import draw_parts
+from worldgen.render.primitives import Circle, Paint, Path, Primitive, Text
+from worldgen.render.scene import moment_parts
+from worldgen.timeline import CellState
+from worldgen.world import World
+
+__all__ = ["MOST_FRAMES", "draw_gif"]
+
+MOST_FRAMES = 120
+SECONDS = 9.0  # that an animation takes, and then once more
+BLINK = 0.2  # of a run: a loop that takes less is shown once more
+HELD = 1500  # ms that the last frame stays
+DEFAULT_SIDE = 480  # px
+FINE = 2  # trails are drawn this many times as large
+ROBOTS = ("#C85400", "#0072B2", "#A8447F", "#00825F", "#7A6200", "#4F5BB8")  # the player's, where there are several
+
+Floats = npt.NDArray[np.float64]
+
+
+def draw_gif(world: World, drives: Sequence[Drive], *, title: str = "", pixels: int = DEFAULT_SIDE) -> bytes:
+    """Robots driving in a world, as the bytes of an animated GIF that begins again at its end.
+
+    Args:
+        world: Where they drive.
+        drives: The robots, which start together; the longest run sets the length.
+        title: First line below the map.
+        pixels: Longer side of the map, px.
+
+    Raises:
+        InvalidParameter: If ``pixels`` is out of range, or there is no robot.
+    """
+    if not drives:
+        raise InvalidParameter("an animation needs a robot; give at least one run")
+    stage = _Stage(world, Frame.of(world, pixels), tuple(drives), title)
+    times = _times(drives)
+    palette = _palette()
+    frames = (stage.at(time).quantize(palette=palette, dither=Image.Dither.NONE) for time in times)
+    pause = max(20, round(100.0 * SECONDS / len(times)) * 10)  # ms; a GIF counts hundredths
+    stream = io.BytesIO()
+    first = next(frames)
+    first.save(
+        stream,
+        "GIF",
+        save_all=True,
+        append_images=frames,
+        duration=[pause] * (len(times) - 1) + [HELD],
+        loop=0,
+        disposal=1,
+    )
+    return stream.getvalue()
+
+
+def _times(drives: Sequence[Drive]) -> list[float]:
+    """When the frames are, s: evenly over the longest run; then, slower, once round a loop that would pass in a blink."""
+    longest = max(drives, key=lambda drive: drive.end)
+    end, entry = longest.end, longest.trail.loop_from
+    count = max(2, min(MOST_FRAMES, max(len(drive.headings) for drive in drives)))
+    period = 0.0 if entry is None else end - float(longest.times[entry])
+    if not 0.0 < period < BLINK * end:
+        return [float(time) for time in np.linspace(0.0, end, count)]
+    way = np.linspace(0.0, end, max(2, 2 * count // 3))
+    return [float(time) for time in (*way, *np.linspace(end, end + period, max(2, count // 3 + 1))[1:])]
+
+
+class _Stage:
+    """What is drawn at one time after the other."""
+
+    def __init__(self, world: World, frame: Frame, drives: Sequence[Drive], title: str) -> None:
+        self.world, self.frame, self.drives, self.title = world, frame, drives, title
+        self.line = 19.0 * frame.unit
+        height = frame.bottom + frame.top + round((2.4 if title else 1.4) * self.line)
+        self.size = frame.picture_width, height
+        self.cells = np.where(world.walls, CellState.SOLID, CellState.FREE).astype(np.uint8)
+        self.changes = 0  # that are in the cells
+        self.ground: Image.Image | None = None
+        self.trails = [trail for k, drive in enumerate(drives) for trail in _trails(drive, frame, self._colour(k))]
+        self.masks = [Image.new("L", (FINE * self.size[0], FINE * self.size[1]), 0) for _ in self.trails]
+
+    def _colour(self, robot: int) -> str:
+        return ROBOTS[robot % len(ROBOTS)] if len(self.drives) > 1 else LOOP
+
+    def at(self, time: float) -> Image.Image:
+        """The picture at a time, which is later than all before."""
+        picture = self._ground_at(time).copy()
+        for trail, mask in zip(self.trails, self.masks, strict=True):
+            trail.drawn_until(time, mask)
+            picture.paste(rgb(trail.colour), None, mask.reduce(FINE))
+        parts = [part for k, drive in enumerate(self.drives) for part in self._robot(drive, time, self._colour(k))]
+        return draw_parts([*parts, *self._words(time)], self.frame, self.size, onto=picture)
+
+    def _ground_at(self, time: float) -> Image.Image:
+        line = self.world.timeline
+        until = int(np.searchsorted(line.times, time + 1e-9, side="right"))
+        if self.ground is None or until > self.changes:
+            for k in range(self.changes, until):
+                self.cells[line.iy[k], line.ix[k]] = line.states[k]
+            self.changes = until
+            solid, burning = self.cells == CellState.SOLID, self.cells == CellState.BURNING
+            parts = moment_parts(self.world, self.frame, solid, burning, self.size[1])
+            self.ground = draw_parts(parts, self.frame, self.size)
+        return self.ground
+
+    def _robot(self, drive: Drive, time: float, colour: str) -> list[Primitive]:
+        x, y, heading = drive.pose(drive.moment(time))
+        left, top = self.frame.to_pixels(x, y)
+        unit = self.frame.unit
+        radius = max(self.world.robot_radius * self.frame.scale, 3.5 * unit)
+        nose = np.array(((left, top), (left + radius * math.cos(heading), top - radius * math.sin(heading))))
+        return [
+            Circle(left, top, radius, Paint(fill=mix(FLOOR, colour, 0.35))),
+            Circle(left, top, radius, Paint(stroke=INK if len(self.drives) == 1 else colour, width=2.0 * unit)),
+            Path(nose, Paint(stroke=INK, width=2.0 * unit)),
+        ]
+
+    def _words(self, time: float) -> list[Primitive]:
+        left, top = float(self.frame.margin), self.frame.bottom + self.frame.top + 0.75 * self.line
+        size, words = 14.0 * self.frame.unit, f"{time:.2f} s"
+        parts: list[Primitive] = []
+        if self.title:
+            room = self.size[0] - 2.0 * left
+            parts.append(Text(left, top, size, _fitted(self.title, room, size), INK))
+            top += self.line
+        parts.append(Text(left, top, size, words, GREY))
+        left += text_width("00000.00 s", size) + 12.0 * self.frame.unit
+        for k, drive in enumerate(self.drives if len(self.drives) > 1 else ()):
+            name = _fitted(drive.name, self.size[0] / len(self.drives), size)
+            if left + text_width(name, size) > self.size[0]:
+                break
+            parts.append(Text(left, top, size, name, self._colour(k)))
+            left += text_width(name, size) + 12.0 * self.frame.unit
+        return parts
+
+
+class _GrowingTrail:
+    """A line that gets longer from frame to frame: each piece is drawn once."""
+
+    def __init__(self, points: Floats, times: Floats, colour: str, width: float) -> None:
+        fine = np.rint(points * FINE)
+        moved = np.ones(len(fine), np.bool_)
+        moved[1:] = (fine[1:] != fine[:-1]).any(axis=1)
+        self.points, self.times, self.colour = fine[moved], times[moved], colour
+        self.width = max(1, round(width * FINE))
+        self.done = 0
+
+    def drawn_until(self, time: float, mask: Image.Image) -> None:
+        """Draws on what was not drawn before."""
+        until = int(np.searchsorted(self.times, time + 1e-9, side="right"))
+        if until <= max(self.done, 1):
+            return
+        pen = ImageDraw.Draw(mask)
+        piece = [(float(x), float(y)) for x, y in self.points[max(0, self.done - 1) : until]]
+        pen.line(piece, fill=255, width=self.width)
+        reach = 0.5 * self.width
+        for x, y in piece:
+            pen.ellipse((x - reach, y - reach, x + reach - 1.0, y + reach - 1.0), fill=255)
+        self.done = until
+
+
+def _trails(drive: Drive, frame: Frame, colour: str) -> Iterator[_GrowingTrail]:
+    """The way there, and the cycle, each in its own colour."""
+    points, unit, entry = frame.points(drive.trail.points), frame.unit, drive.trail.loop_from
+    if entry is None:
+        yield _GrowingTrail(points, drive.times, colour, 2.2 * unit)
+        return
+    before = APPROACH if colour == LOOP else mix(FLOOR, colour, 0.5)
+    yield _GrowingTrail(points[: entry + 1], drive.times[: entry + 1], before, 1.8 * unit)
+    yield _GrowingTrail(points[entry:], drive.times[entry:], colour, 3.0 * unit)
+
+
+def _fitted(text: str, room: float, size: float) -> str:
+    """The text, or as much of it as there is room for, px, with three dots."""
+    text = printable(text)
+    if text_width(text, size) <= room:
+        return text
+    while text and text_width(text + "...", size) > room:
+        text = text[:-1]
+    return text + "..."
+
+
+def _palette() -> Image.Image:
+    """All colours of all frames: each meaning's own, and its edges against floor, wall and paper."""
+    solid = (PAPER, FLOOR, WALL, INK, LOOP, APPROACH, START, TARGET, FIRE, GREY, TUNNEL, *ROBOTS)
+    shares = (0.2, 0.35, 0.5, 0.65, 0.82)
+    edges = [mix(ground, colour, share) for ground in (FLOOR, WALL) for colour in solid for share in shares]
+    colours = list(dict.fromkeys((*solid, *(mix(PAPER, INK, share) for share in shares), *edges)))[:256]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([value for colour in colours for value in rgb(colour)])
+    return palette
