@@ -3,6 +3,10 @@
 import base64
 import json
 import threading
+import tomllib
+from fnmatch import fnmatch
+from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -341,3 +345,16 @@ def test_a_wished_world_is_searched_for_and_measured(page):
     metrics = page.ask("measure", world=said["answer"]["world"])["answer"]["metrics"]
     assert next(metric["value"] for metric in metrics if metric["name"] == "detour") > 1.2
     assert said["parts"][-1]["tried"] == len(said["parts"])
+
+
+def test_without_its_extra_the_command_says_how_to_get_it(tmp_path, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert "pip install 'worldgen[studio]'" in worldgen("studio", tmp_path, "--no-browser").err
+
+
+def test_the_page_s_parts_are_shipped():
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
+    patterns = project["tool"]["setuptools"]["package-data"]["fuzz.studio"]
+    parts = [part.name for part in (files("fuzz.studio") / "page").iterdir()]
+    assert "index.html" in parts
+    assert all(any(fnmatch(f"page/{name}", pattern) for pattern in patterns) for name in parts)

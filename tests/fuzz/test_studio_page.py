@@ -280,3 +280,19 @@ def test_the_eraser_s_right_button_draws(page):
     page.keyboard.press("e")
     drag(page, (5, 5), (9, 5), button="right")
     assert solid_cells(page) == BORDER + 5
+
+
+def test_another_robot_is_looked_at_at_the_same_time(page):
+    page.keyboard.press("2")
+    page.locator(".result").wait_for()
+    page.get_by_label("thesis-1").check()
+    page.get_by_label("Steps", exact=True).fill("40")
+    page.keyboard.press("Control+Enter")
+    page.locator(".result", has_text="40 steps").nth(1).wait_for()
+    page.locator("#stage").click()
+    page.keyboard.press("Home")
+    for _ in range(3):
+        page.keyboard.press("Shift+ArrowRight")
+    page.locator(".result").nth(1).click()
+    page.locator("#readout", has_text="step 30 of").wait_for()
+    page.locator(".result[data-controller=thesis-1]").and_(page.locator("[aria-current] > .result")).wait_for()

@@ -84,13 +84,22 @@ export function listen(studio) {
 function commandFor(studio, event) {
   if (!(event.ctrlKey || event.metaKey) || event.altKey) return null;
   const key = event.key.toLowerCase();
-  if (key === "s") return studio.save;
-  if (key === "enter") return studio.run;
+  if (key === "s") return () => settled(event.target, studio.save);
+  if (key === "enter") return () => settled(event.target, studio.run);
   if (event.target.matches("input, select, textarea") || studio.page() !== "draw") return null;
   if (key === "z") return event.shiftKey ? studio.redo : studio.undo;
   if (key === "y") return studio.redo;
   const what = { c: "copy", x: "cut", v: "paste" }[key];
   return what ? () => studio.draw.act(what) : null;
+}
+
+// What was typed into a field counts before it is left.
+function settled(target, act) {
+  if (target.matches("input")) {
+    target.blur();
+    target.focus();
+  }
+  act();
 }
 
 function plainFor(studio, event) {

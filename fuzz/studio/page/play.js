@@ -101,13 +101,25 @@ function look(play, number) {
     colour: alone ? null : colour(number),
     others: runs.map((one, k) => ({ run: one.run, colour: colour(k) })).filter((one, k) => k !== number && one.run),
   };
-  if (play.player) play.player.play(false);
-  const former = play.player;
+  const former = play.player,
+    seen = former && former.drawn.world === play.world && former.step < former.last ? former : null;
+  const playing = seen && seen.playing;
+  if (former) former.play(false);
   play.player = buildPlayer(parts.canvas, parts.under, drawn, former, (player) => showInstruments(play, player));
   parts.canvas.style.height = ""; // the page lays it out
-  play.player.fit();
+  if (seen) goOn(play.player, seen, playing);
+  else play.player.fit();
   parts.canvas.setAttribute("aria-label", `${front.name}: ${front.words}`);
   showTable(play);
+}
+
+// Another robot of the same world is looked at: at the same time, from the same place.
+function goOn(player, seen, playing) {
+  player.view = seen.view;
+  player.speed = seen.speed;
+  player.go((seen.step * seen.drawn.run.dt) / player.drawn.run.dt);
+  if (seen.follow) player.robot();
+  player.play(playing);
 }
 
 function showTable(play) {
