@@ -12,6 +12,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+import click
+
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import chromium_browser, drag, opened
 from worldgen import generate
@@ -41,7 +43,7 @@ def main() -> None:
         write_world(generate("cave", 3, size=SIDE), Path(there) / "big.grid")
         with studio_of(Path(there)) as gate, chromium_browser() as browser, opened(browser, gate) as page:
             page.set_default_timeout(300_000)
-            print(f"{'':32} median ms   19 in 20 below")
+            click.echo(f"{'':32} median ms   19 in 20 below")
             _measure(page)
 
 
@@ -67,11 +69,11 @@ def _measure(page: Any) -> None:
         page.keyboard.press(" ")
         _say(name, page.evaluate(_FRAMES, False))
         page.keyboard.press(" ")
-    print(f"the run: {run}")
+    click.echo(f"the run: {run}")
 
 
 def _say(name: str, times: list[float]) -> None:
-    print(f"{name:32} {times[0]:9.1f} {times[1]:16.1f}")
+    click.echo(f"{name:32} {times[0]:9.1f} {times[1]:16.1f}")
 
 
 if __name__ == "__main__":
