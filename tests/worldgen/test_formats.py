@@ -17,9 +17,11 @@ from worldgen.generation import generate
 from worldgen.grid_file import read_world, write_world
 from worldgen.interop import (
     FORMATS,
+    HELD,
     Destination,
     Exported,
     Format,
+    RobotOptions,
     export_world,
     find_format,
     guess_format,
@@ -27,7 +29,8 @@ from worldgen.interop import (
     read_map,
     write_export,
 )
-from worldgen.interop.exporting import frozen_at, origin_of
+from worldgen.interop.exporting import frozen_at
+from worldgen.interop.foreign_map import origin_of
 from worldgen.interop.format import decimal
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
@@ -134,6 +137,7 @@ def test_the_table_of_formats_has_a_row_with_way_and_command(name):
     known = FORMATS.get(name)
     row = re.search(rf"^\| `{name}` \| (\w+) \| (.+) \|(.*)\| (.+) \|$", PAGE, re.MULTILINE)
     assert row is not None and row[1] == known.direction and "worldgen " in row[4]
+    assert ("everything" in row[2]) == (known.holds == HELD.keys())
 
 
 def test_the_page_names_every_option_of_export():
@@ -203,6 +207,12 @@ def test_the_origin_of_an_imported_map_is_where_its_exports_lie(tmp_path):
     made = replace(imported.provenance, params={**imported.provenance.params, "origin": [-7.5, 2.25]})
     assert origin_of(replace(imported, provenance=made)) == (-7.5, 2.25)
     assert origin_of(replace(imported, provenance=None)) == (0.0, 0.0)
+
+
+def test_another_robot_in_an_imported_map_stands_where_the_map_stood(tmp_path):
+    path = write_export(export_world(room(), "ros", origin=(-7.5, 2.25)), tmp_path)[0]
+    write_world(import_world(path).world, tmp_path / "w.grid")
+    assert origin_of(import_world(tmp_path / "w.grid", RobotOptions(radius=0.03)).world) == (-7.5, 2.25)
 
 
 def test_at_a_time_what_burns_is_solid_and_later_changes_are_not_there_yet():

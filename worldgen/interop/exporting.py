@@ -11,13 +11,14 @@ import numpy as np
 
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.files import check_output, write_bytes
+from worldgen.interop.foreign_map import origin_of
 from worldgen.interop.format import FORMATS, HELD, Destination, Format, split_options
 from worldgen.interop.sidecar import SUFFIX, sidecar_text
 from worldgen.lattice import radius_in_cells
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_SPEED, Value, World
 
-__all__ = ["Export", "export_world", "frozen_at", "guess_format", "origin_of", "write_export"]
+__all__ = ["Export", "export_world", "frozen_at", "guess_format", "write_export"]
 
 _USUAL_RADIUS = Fraction(7, 10)  # cells; what import takes where nothing is said
 
@@ -126,16 +127,6 @@ def _notes(world: World, at: float | None, destination: Destination) -> Iterator
         yield f"the failure's record ({world.failure.outcome}) is not stored; it stays in the .grid"
     if destination.origin != (0.0, 0.0):
         yield f"the world's (0, 0) is ({destination.x(0.0)}, {destination.y(0.0)}) m where the file has coordinates"
-
-
-def origin_of(world: World) -> tuple[float, float]:
-    """X and y, m, of the grid's lower-left corner in the frame of the map that the world was imported from; else 0."""
-    made = world.provenance
-    origin = made.params.get("origin") if made is not None and made.family == "import" else None
-    if isinstance(origin, list) and len(origin) == 2 and all(isinstance(value, int | float) for value in origin):
-        x, y = (float(value) for value in origin if isinstance(value, int | float))
-        return x, y
-    return 0.0, 0.0
 
 
 def frozen_at(world: World, time: float) -> World:

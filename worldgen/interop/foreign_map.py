@@ -21,6 +21,7 @@ __all__ = [
     "ForeignMap",
     "check_sides",
     "digest",
+    "origin_of",
     "read_bounded",
     "shown",
 ]
@@ -59,6 +60,16 @@ class ForeignMap:
     robot_radius: float | None = None
     robot_speed: float | None = None
     origin: tuple[float, float] = (0.0, 0.0)
+
+
+def origin_of(world: World) -> tuple[float, float]:
+    """X and y, m, of the grid's lower-left corner in the frame of the map that the world was imported from; else 0."""
+    made = world.provenance
+    origin = made.params.get("origin") if made is not None and made.family == "import" else None
+    if isinstance(origin, list) and len(origin) == 2 and all(isinstance(value, int | float) for value in origin):
+        x, y = (float(value) for value in origin if isinstance(value, int | float))
+        return x, y
+    return 0.0, 0.0
 
 
 def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from worldgen.grid_file import read_world
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
+from worldgen.interop.foreign_map import ForeignMap, digest, origin_of, read_bounded
 from worldgen.interop.format import HELD, Format
 from worldgen.world import Value
 
@@ -21,7 +21,7 @@ def _read(path: Path) -> ForeignMap:
         params["made_by"] = {
             "family": made.family, "version": made.version, "seed": made.seed, "params": dict(made.params),
         }  # fmt: skip
-    return ForeignMap(world.walls, world.cell_size, params, world=world)
+    return ForeignMap(world.walls, world.cell_size, params, world=world, origin=origin_of(world))
 
 
 grid = Format(
@@ -30,7 +30,7 @@ grid = Format(
     (".grid", ".gz"),
     re.compile(rb"%worldgen-grid"),
     _read,
-    holds=frozenset(HELD) - {"origin"},
+    holds=frozenset(HELD),
     changes=True,
     client="worldgen",
 )
