@@ -71,7 +71,7 @@ def draw_gif(world: World, drives: Sequence[Drive], *, title: str = "", pixels: 
 
 
 def _times(drives: Sequence[Drive]) -> list[float]:
-    """When the frames are, s: evenly over the longest run; then, slower, once round a loop that would pass in a blink."""
+    """When the frames are, s: evenly over the longest run, then slower once round a loop that would pass in a blink."""
     longest = max(drives, key=lambda drive: drive.end)
     end, entry = longest.end, longest.trail.loop_from
     count = max(2, min(MOST_FRAMES, max(len(drive.headings) for drive in drives)))
