@@ -111,6 +111,13 @@ def test_a_connection_of_another_site_or_of_none_is_refused(gate, origin):
     assert refused(gate, origin=origin) == 403
 
 
+def test_a_connection_under_a_name_that_was_made_to_lead_here_is_refused(gate):
+    host = f"evil.example:{gate.port}"
+    upgrade = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec_WebSocket_Version": "13"}
+    key = {"Sec_WebSocket_Key": base64.b64encode(b"0" * 16).decode()}
+    assert get(gate, "/socket", Host=host, Origin=f"http://{host}", **upgrade, **key).status == 403
+
+
 def test_a_connection_without_the_cookie_is_refused(gate):
     assert refused(gate, token=False) == 403
 

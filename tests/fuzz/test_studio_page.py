@@ -82,8 +82,7 @@ def test_configuration_5_drawn_by_hand_loops_is_saved_and_replays_the_same_diges
     assert (drawn.walls == read_world(CONFIG_5).walls).all()
     assert simulate(drawn, "thesis-2", RunOptions("stepped", 20_000)).trace_digest == digest
     page.reload()
-    page.locator("#tab-files").click()
-    page.locator(".file", has_text="mine.grid").click()
+    page.locator("#name", has_text="mine.grid").wait_for()
     page.keyboard.press("2")
     assert page.locator(".digest").inner_text() == digest
     assert page.complaints == []

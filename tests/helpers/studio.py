@@ -83,11 +83,9 @@ class Page:
 
 
 @contextlib.contextmanager
-def page_of(gate, *, origin=None, token=True, host=None):
+def page_of(gate, *, origin=None, token=True):
     """A connection as the page opens it."""
     headers = {"Cookie": f"{gate.cookie}={gate.token}"} if token else {}
-    if host is not None:
-        headers["Host"] = host
     place = f"http://127.0.0.1:{gate.port}" if origin is None else origin
     address = f"ws://127.0.0.1:{gate.port}/socket"
     with connect(address, origin=place or None, additional_headers=headers, max_size=None) as socket:

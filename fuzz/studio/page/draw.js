@@ -22,7 +22,13 @@ const PANELS = { world: "World", maker: "Generate", files: "Files" };
 /* The page.
      studio    { model, connection, offered, say, ... }: what all pages share */
 export function makeDraw(section, studio) {
-  const canvas = el("canvas", { id: "board", tabindex: "0", role: "application", "aria-label": "Drawing board" });
+  const canvas = el("canvas", {
+    id: "board",
+    tabindex: "0",
+    role: "application",
+    "aria-label": "Drawing board",
+    "aria-describedby": "proof",
+  });
   const show = { grid: true, ruler: true, proof: true, signal: false, noise: false };
   const board = makeBoard(canvas, studio.model, show);
   const setting = { size: 1, hollow: false, stamp: "U trap", stampSize: 12 };

@@ -3,6 +3,7 @@
 import { KEEP } from "./shapes.js";
 
 const DRAFT = "worldgen-studio-draft";
+const OPENED = "worldgen-studio-opened";
 const LARGEST_DRAFT = 4e6; // characters: what browsers keep at least
 
 /** An empty world of the thesis's kind: a border of walls, start and target in opposite corners. */
@@ -165,6 +166,7 @@ export class Model {
       const text = JSON.stringify({ name: this.world.name, world: messageOf(this.world) });
       if (text.length < LARGEST_DRAFT && this.unsaved) localStorage.setItem(DRAFT, text);
       else localStorage.removeItem(DRAFT);
+      sessionStorage.setItem(OPENED, this.unsaved ? "" : this.world.name);
     } catch {
       // a browser that keeps nothing: what is saved is in the folder
     }
@@ -178,6 +180,15 @@ export function draft() {
     return worldOf(world, name);
   } catch {
     return null;
+  }
+}
+
+/** The file that was open when this tab was loaded anew; empty where there was none. */
+export function openedBefore() {
+  try {
+    return sessionStorage.getItem(OPENED) || "";
+  } catch {
+    return "";
   }
 }
 

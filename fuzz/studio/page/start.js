@@ -6,7 +6,7 @@ import { Ended, Refused, makeConnection } from "./connection.js";
 import { makeDraw } from "./draw.js";
 import { openFile, saveAs } from "./files.js";
 import { listen, showKeys } from "./keys.js";
-import { Model, draft, emptyWorld, worldOf } from "./model.js";
+import { Model, draft, emptyWorld, openedBefore, worldOf } from "./model.js";
 import { makePlay } from "./play.js";
 import { listenToBoard } from "./pointer.js";
 import { makeProver } from "./proof.js";
@@ -128,8 +128,9 @@ async function begun(begins) {
   const first = studio.offered === null;
   try {
     studio.offered = await studio.connection.ask("hello");
-    if (first && begins.file && studio.model.past.length === 0)
-      await openFile(studio, { name: begins.file, world: /\.grid(\.gz)?$/.test(begins.file) });
+    const file = openedBefore() || begins.file;
+    if (first && file && studio.model.past.length === 0)
+      await openFile(studio, { name: file, world: /\.grid(\.gz)?$/.test(file) });
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     if (error instanceof Refused) notice(error.message);
