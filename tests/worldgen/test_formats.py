@@ -276,6 +276,15 @@ def test_export_says_on_stderr_what_the_file_does_not_hold_and_where_it_is(tmp_p
     assert read_world(tmp_path / "again.grid").provenance.params["origin"] == [1.0, 2.0]
 
 
+@pytest.mark.parametrize(("less", "said"), [(0, False), (1, True)])
+def test_a_file_that_import_refuses_for_its_size_is_said_to_be_so(monkeypatch, less, said):
+    size = len(export_world(room(), "npy").data)
+    known = replace(FORMATS.get("npy"), most_bytes=size - less)
+    monkeypatch.setattr(FORMATS, "get", lambda _: known)
+    notes = export_world(room(), "npy").notes
+    assert any(f"up to {size - less} bytes, and this one has {size}; keep" in note for note in notes) == said
+
+
 @pytest.mark.parametrize("name", FORMATS.names())
 def test_formats_says_what_can_be_asked_of_each(name):
     known = FORMATS.get(name)

@@ -12,7 +12,7 @@ import numpy as np
 
 from worldgen.interop.boxes import closing_boxes
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
-from worldgen.interop.gazebo_world import OURS, read_gazebo_world
+from worldgen.interop.gazebo_world import MAX_BYTES, OURS, read_gazebo_world
 from worldgen.lattice import exact
 from worldgen.world import World
 
@@ -136,4 +136,5 @@ barn = Format(
     write_barn,
     holds=frozenset(HELD),
     client="Gazebo",
+    most_bytes=MAX_BYTES,
 )

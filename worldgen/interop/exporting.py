@@ -92,7 +92,7 @@ def export_world(
     if beside is not None:
         files[beside] = sidecar_text(still, destination, [*missing, *written.altered])
     lost = [f"not stored: {', '.join(missing.values())}"] if missing else []
-    notes = (*written.notes, *_notes(world, at, destination))
+    notes = (*written.notes, *_notes(world, at, destination), *_too_large(known, written.data))
     return Export(known, files, (*lost, *dict.fromkeys(written.altered.values())), beside, notes)
 
 
@@ -118,6 +118,14 @@ def _missing(world: World, known: Format, destination: Destination) -> Iterator[
     for name, words in HELD.items():
         if name not in known.holds and not as_usual.get(name, False):
             yield name, words + values[name]
+
+
+def _too_large(known: Format, data: bytes) -> Iterator[str]:
+    if known.read is not None and len(data) > known.most_bytes:
+        yield (
+            f"import reads {known.name} files of up to {known.most_bytes} bytes, and this one has {len(data)}; "
+            "keep the .grid, or export a smaller world"
+        )
 
 
 def _notes(world: World, at: float | None, destination: Destination) -> Iterator[str]:

@@ -24,10 +24,10 @@ from worldgen.interop.shapes import Shapes, turned
 from worldgen.interop.xml_tree import XmlElement, read_xml
 from worldgen.world import DEFAULT_CELL_SIZE, MAX_SIDE, Value
 
-__all__ = ["OURS", "read_gazebo_world"]
+__all__ = ["MAX_BYTES", "OURS", "read_gazebo_world"]
 
 OURS = "worldgen:"  # prefix of what SDFormat has no words for
-_MAX_BYTES = 64 << 20
+MAX_BYTES = 64 << 20
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?")
 _FLOOR, _ABOVE = Fraction(1, 50), Fraction(2)  # m; what ends below, or begins above, stops no robot
 _FLAT = 1e-6  # rad; a body that rolls or pitches more does not stand upright
@@ -98,7 +98,7 @@ def read_gazebo_world(path: Path, *, cell_size: float = 0.0, raster: Literal["ou
     Raises:
         FormatError: If the file breaks a rule, with the line where there is one.
     """
-    data, source = read_bounded(path, _MAX_BYTES), str(path)
+    data, source = read_bounded(path, MAX_BYTES), str(path)
     root = read_xml(data, source)
     world = root.first("world")
     if root.name not in ("sdf", "gazebo") or world is None:

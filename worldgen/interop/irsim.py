@@ -15,7 +15,7 @@ from worldgen.family import check_between
 from worldgen.interop import raster
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
 from worldgen.interop.grey_image import walls_png
-from worldgen.interop.irsim_world import read_irsim
+from worldgen.interop.irsim_world import MAX_YAML_BYTES, read_irsim
 from worldgen.interop.placed_boxes import Box, solid_boxes
 from worldgen.interop.solid_scene import TIMESTEPS
 from worldgen.lattice import exact
@@ -140,4 +140,5 @@ irsim = Format(
     write_irsim,
     holds=frozenset(HELD),
     client="IR-SIM",
+    most_bytes=MAX_YAML_BYTES,
 )

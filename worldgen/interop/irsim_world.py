@@ -24,9 +24,9 @@ from worldgen.interop.yaml_table import YamlTable, read_yaml
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, MAX_SIDE, Value
 
-__all__ = ["read_irsim"]
+__all__ = ["MAX_YAML_BYTES", "read_irsim"]
 
-_MAX_YAML_BYTES = 2 << 20  # a maze of 500 x 500 cells has 1 MB of boxes
+MAX_YAML_BYTES = 2 << 20  # a maze of 500 x 500 cells has 1 MB of boxes
 _MOST_OBJECTS = 1_000_000
 _SIZE = Fraction(10)  # m, IR-SIM's width and height where nothing is said
 _STATE, _GOAL = [Fraction(1), Fraction(1), Fraction(0)], [Fraction(1), Fraction(9), Fraction(0)]
@@ -57,7 +57,7 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
         FormatError: If the file breaks a rule, with the line where there is one.
     """
     check_between("threshold", threshold, 0.0, 1.0)
-    data, source = read_bounded(path, _MAX_YAML_BYTES), str(path)
+    data, source = read_bounded(path, MAX_YAML_BYTES), str(path)
     top = read_yaml(data, source, "an IR-SIM world has `world:` with width and height")
     if "world" not in top:
         raise FormatError("world is missing; an IR-SIM world has `world:` with width and height", source=source)

@@ -153,4 +153,5 @@ micromouse = Format(
     write_micromouse,
     holds=frozenset({"start", "target"}),
     client="micromouse simulators",
+    most_bytes=_MOST_BYTES,
 )

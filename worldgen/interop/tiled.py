@@ -206,4 +206,5 @@ tiled = Format(
     write_tiled,
     holds=frozenset(HELD),
     client="Tiled",
+    most_bytes=_MOST_BYTES,
 )
