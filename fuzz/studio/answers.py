@@ -31,7 +31,7 @@ from worldgen.family import FAMILIES
 from worldgen.files import check_output
 from worldgen.generation import generate
 from worldgen.grid_file import read_world, write_world
-from worldgen.interop import FORMATS, export_world, import_world, write_export
+from worldgen.interop import FORMATS, export_world, import_world, readable_formats, write_export
 from worldgen.reach import Decision, decide
 from worldgen.reach.widest import widest_disc
 from worldgen.timeline import Timeline
@@ -67,8 +67,9 @@ class Answers:
         return catalogue(self.named)
 
     def files(self, message: Message, part: Part) -> dict[str, Any]:
-        """What is in the folder."""
-        return {"folder": str(self.folder.root), "files": self.folder.files()}
+        """What in the folder can be opened."""
+        endings = tuple({ending for known in readable_formats() for ending in known.suffixes})
+        return {"folder": str(self.folder.root), "files": self.folder.files(endings)}
 
     def open(self, message: Message, part: Part) -> dict[str, Any]:
         """A world of the folder."""

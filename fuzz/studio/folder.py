@@ -57,9 +57,12 @@ class Folder:
             raise InvalidParameter(f"{shown(name[:60])!r} leads out of the opened folder; copy the file into it")
         return real
 
-    def files(self) -> list[dict[str, Any]]:
-        """What there is to open: worlds and other files, hidden ones left out, the first :data:`MOST_FILES` by name."""
-        found = sorted(self._walk(self.root, 0), key=lambda entry: (entry["name"].count("/"), entry["name"]))
+    def files(self, endings: tuple[str, ...]) -> list[dict[str, Any]]:
+        """What there is to open: worlds and files with such endings, none hidden, the first :data:`MOST_FILES`."""
+        known = (
+            entry for entry in self._walk(self.root, 0) if entry["world"] or entry["name"].lower().endswith(endings)
+        )
+        found = sorted(known, key=lambda entry: (entry["name"].count("/"), entry["name"]))
         return found[:MOST_FILES]
 
     def _walk(self, folder: Path, depth: int) -> Iterator[dict[str, Any]]:

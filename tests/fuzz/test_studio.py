@@ -168,8 +168,9 @@ def test_no_name_leads_out_of_the_folder(folder, name):
         Folder(folder).place(name)
 
 
-def test_links_and_hidden_files_are_not_listed(folder):
-    assert [entry["name"] for entry in Folder(folder).files()] == ["fire.grid", "mine.py", "w.grid"]
+def test_links_hidden_files_and_what_is_no_map_are_not_listed(folder):
+    assert [entry["name"] for entry in Folder(folder).files((".map",))] == ["fire.grid", "w.grid"]
+    assert "mine.py" in [entry["name"] for entry in Folder(folder).files((".py",))]
 
 
 @pytest.mark.parametrize("do", ["open", "save", "bring", "export"])
