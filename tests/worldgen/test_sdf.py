@@ -12,7 +12,7 @@ import pytest
 
 from tests.helpers.drawn_worlds import drawn
 from worldgen.errors import InvalidParameter
-from worldgen.interop import export_world
+from worldgen.interop import export_world, import_world, write_export
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target, World
 
@@ -64,6 +64,17 @@ def test_boxes_have_full_sizes_about_their_middles_exactly():
     padded = np.pad(world.walls, 1, constant_values=True)
     assert sorted(covered) == [(ix - 1, iy - 1) for ix, iy in np.argwhere(padded.T).tolist()]
     assert root.find(".//model[@name='start']/pose").text == "0.076 -6.92499999999999999 0.0005 0 0 0"
+
+
+@pytest.mark.parametrize("options", ["", "+robot+plugins=fortress", "+height=3"])
+def test_what_went_to_gazebo_comes_back_whole(tmp_path, options):
+    start, target = Pose(0.1625, 0.15, 0.7), Target(0.35, 0.35, 0.03)
+    world = replace(drawn(TINY, radius=0.04, robot_speed=1.5), start=start, target=target)
+    path = write_export(export_world(world, f"sdf{options}", file="w.sdf", origin=(-1.05, 2.0)), tmp_path)[0]
+    back = import_world(path).world
+    assert np.array_equal(back.walls, world.walls) and (back.start, back.target) == (start, target)
+    assert (back.cell_size, back.robot_radius, back.robot_speed) == (0.1, 0.04, 1.5)
+    assert back.provenance.params["origin"] == [-1.05, 2.0]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -12,7 +12,7 @@ import numpy as np
 
 from worldgen.interop.boxes import closing_boxes
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
-from worldgen.interop.gazebo_world import MAX_BYTES, OURS, read_gazebo_world
+from worldgen.interop.gazebo_world import MAX_BYTES, OURS, grid_line, read_gazebo_world
 from worldgen.lattice import exact
 from worldgen.world import World
 
@@ -84,9 +84,7 @@ def _posts(world: World) -> Iterator[tuple[int, int]]:
 
 def _numbers(world: World, destination: Destination) -> Iterator[str]:
     """What the format has no words for: corner, sides and cell size of the grid, and the robot's speed."""
-    side = exact(world.cell_size)
-    grid = [destination.x(0.0), destination.y(0.0), *(decimal_text(n * side) for n in (world.width, world.height, 1))]
-    yield f"    <{OURS}grid>{' '.join(grid)}</{OURS}grid>"
+    yield grid_line(world, destination)
     yield f"    <{OURS}robot_speed>{decimal(world.robot_speed)}</{OURS}robot_speed>"
 
 

@@ -19,14 +19,17 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidWorld
 from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.raster import Box, Circle, Raster, natural_cell_size
 from worldgen.interop.shapes import Shapes, turned
 from worldgen.interop.xml_tree import XmlElement, read_xml
-from worldgen.world import DEFAULT_CELL_SIZE, MAX_SIDE, Value
+from worldgen.lattice import exact
+from worldgen.world import DEFAULT_CELL_SIZE, MAX_SIDE, Value, World
 
-__all__ = ["MAX_BYTES", "OURS", "read_gazebo_world"]
+__all__ = ["MAX_BYTES", "OURS", "grid_line", "read_gazebo_world"]
 
 OURS = "worldgen:"  # prefix of what SDFormat has no words for
+_ROBOT = "robot"  # the model that drives in files of ours
 MAX_BYTES = 64 << 20
 _NUMBER = re.compile(r"[+-]?([0-9]{1,400}\.?[0-9]{0,400}|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?")
 _FLOOR, _ABOVE = Fraction(1, 50), Fraction(2)  # m; what ends below, or begins above, stops no robot
@@ -40,6 +43,13 @@ _LEFT, _LOW, _WIDTH, _HEIGHT = (
     Fraction(15),
 )  # m; where BARN's posts stand
 _START, _GOAL, _REACH = ("-2.25", "3", "1.57"), ("-2.25", "13"), 1.0  # the challenge's; it counts as there within 1 m
+
+
+def grid_line(world: World, destination: Destination) -> str:
+    """The element of ours, with which a file of Gazebo comes back: corner, sides and cell size of the grid, m."""
+    side = exact(world.cell_size)
+    grid = [destination.x(0.0), destination.y(0.0), *(decimal_text(n * side) for n in (world.width, world.height, 1))]
+    return f"    <{OURS}grid>{' '.join(grid)}</{OURS}grid>"
 
 
 class _Pose(NamedTuple):
@@ -104,8 +114,9 @@ def read_gazebo_world(path: Path, *, cell_size: float = 0.0, raster: Literal["ou
     if root.name not in ("sdf", "gazebo") or world is None:
         raise FormatError("has no <world>; a world of Gazebo is <sdf><world> ... </world></sdf>", source=source)
     scene = _Scene(source)
-    _add_models(scene, world)
-    own, barn = world.first(f"{OURS}grid"), _is_barn(scene)
+    own = world.first(f"{OURS}grid")
+    _add_models(scene, world, passed_over="" if own is None else _ROBOT)
+    barn = _is_barn(scene)
     frame = _frame(scene, own, cell_size, barn=barn)
     walls, notes = _cells(scene, frame, inner=raster == "inner")
     if own is None:
@@ -163,7 +174,7 @@ def _pose(scene: _Scene, element: XmlElement) -> _Pose:
     return _Pose(*_numbers(scene, found, 6))
 
 
-def _add_models(scene: _Scene, world: XmlElement) -> None:
+def _add_models(scene: _Scene, world: XmlElement, *, passed_over: str) -> None:
     states = {
         model.attributes.get("name", ""): _pose(scene, model)
         for model in world.all("state", "model") if model.first("pose") is not None
@@ -172,7 +183,8 @@ def _add_models(scene: _Scene, world: XmlElement) -> None:
         name = model.attributes.get("name", "")
         pose = states.get(name) or _pose(scene, model)
         scene.models[name] = pose
-        _add_model(scene, model, pose)
+        if not passed_over or name != passed_over:
+            _add_model(scene, model, pose)
     for include in world.all("include"):
         if include.word("uri") not in ("model://sun", "model://ground_plane"):
             scene.left_out["models of other files"] += 1

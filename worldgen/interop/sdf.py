@@ -14,6 +14,7 @@ from typing import Literal
 
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.format import decimal_text as text
+from worldgen.interop.gazebo_world import grid_line
 from worldgen.interop.placed_boxes import Box
 from worldgen.interop.sdf_robot import SYSTEMS, robot_lines
 from worldgen.interop.solid_scene import TIMESTEPS, Body, events_file, plain_name, scene
@@ -98,7 +99,8 @@ def _head(world: World, destination: Destination, timestep: float) -> Iterator[s
         "    <gravity>0 0 -9.8</gravity>",
         f'    <frame name="grid"><pose>{x} {y} 0 0 0 0</pose></frame>',
     )
-    numbers = {"cell_size": world.cell_size, "robot_radius": world.robot_radius, "robot_speed": world.robot_speed}
+    yield grid_line(world, destination)
+    numbers = {"robot_radius": world.robot_radius, "robot_speed": world.robot_speed}
     yield from (f"    <worldgen:{key}>{decimal(value)}</worldgen:{key}>" for key, value in numbers.items())
 
 
