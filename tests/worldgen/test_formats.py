@@ -242,6 +242,7 @@ def test_coordinates_in_files_are_exact_sums_of_decimals(value, shift):
         ("worldgen.world:World", "is .*, not a Format"),
         ("+noise=on", r"'\+noise=on' lacks a name beside a \+; write FORMAT\+option=value"),
         ("thesis+=on", r"lacks a name beside a \+"),
+        ("thesis+noise=on+noise=off", "has noise twice; keep one"),
     ],
 )
 def test_a_wrong_format_or_option_is_one_sentence(name, message):

@@ -200,13 +200,19 @@ def split_options(text: str) -> tuple[str, dict[str, str | None]]:
     """The name and the options of ``ros+mode=scale+negate``; dashes in an option's name count as underscores.
 
     Raises:
-        InvalidParameter: If a name is missing.
+        InvalidParameter: If a name is missing, or an option is there twice.
     """
     name, *words = text.split("+")
-    parts = [word.partition("=") for word in words]
-    if not name or not all(option for option, _, _ in parts):
+    options: dict[str, str | None] = {}
+    for word in words:
+        option, equals, value = word.partition("=")
+        option = option.strip().replace("-", "_")
+        if option in options:
+            raise InvalidParameter(f"{shown(text)} has {option} twice; keep one")
+        options[option] = value if equals else None
+    if not name or "" in options:
         raise InvalidParameter(f"{shown(text)} lacks a name beside a +; write FORMAT+option=value")
-    return name, {option.strip().replace("-", "_"): value if equals else None for option, equals, value in parts}
+    return name, options
 
 
 def _accept(name: str, thing: Any) -> Format:

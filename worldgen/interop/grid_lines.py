@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from fractions import Fraction
 
 from worldgen.errors import InvalidWorld
@@ -11,7 +10,7 @@ from worldgen.interop.format import Destination
 from worldgen.lattice import exact
 from worldgen.world import World
 
-__all__ = ["GridLines", "in_degrees"]
+__all__ = ["GridLines"]
 
 _FINEST = Fraction(1, 1000)  # of a cell: by no more may rounding move a wall
 
@@ -44,8 +43,3 @@ class GridLines:
                 f"cells of {world.cell_size:g} m around ({destination.origin[0]:g}, {destination.origin[1]:g}) m need "
                 f"more than the {bits} bits that a coordinate has here; give --origin 0,0"
             )
-
-
-def in_degrees(heading: float) -> float:
-    """An angle in degrees, within a turn, of one in radians."""
-    return math.degrees(math.fmod(heading, 2.0 * math.pi))

@@ -14,8 +14,9 @@ import json
 from collections.abc import Iterator
 from fractions import Fraction
 
+from worldgen.interop.degrees import degrees_text
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
-from worldgen.interop.grid_lines import GridLines, in_degrees
+from worldgen.interop.grid_lines import GridLines
 from worldgen.interop.polygons import Polygon, border_cells, cell_polygons
 from worldgen.lattice import exact
 from worldgen.parameters import check_between
@@ -121,7 +122,7 @@ def _places(world: World, destination: Destination) -> Iterator[str]:
         x, y = destination.x(point.x), destination.y(point.y)
         yield f'<circle class="{name}" cx="{x}" cy="{y}" r="{_part(radius)}"/>'
     rim = decimal_text(exact(world.start.x) + exact(destination.origin[0]) + exact(world.robot_radius))
-    turn = f"{_part(in_degrees(world.start.heading))} {x} {y}"
+    turn = f"{degrees_text(world.start.heading)} {x} {y}"
     yield (
         f'<path class="heading" stroke-width="{_part(world.robot_radius, 8)}" transform="rotate({turn})" '
         f'd="M{x} {y}H{rim}"/>'

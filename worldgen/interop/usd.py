@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
+from worldgen.interop.degrees import degrees_text
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal_text, held_values
-from worldgen.interop.grid_lines import in_degrees
 from worldgen.interop.placed_boxes import Box, solid_boxes
 from worldgen.lattice import exact
 from worldgen.world import World
@@ -104,12 +104,12 @@ def _place(name: str, world: World, destination: Destination) -> Iterator[str]:
     start, target = world.start, world.target
     point, radius = (start, world.robot_radius) if name == "start" else (target, target.radius)
     height = radius if name == "start" else radius / 16.0  # the robot stands, the target lies flat
-    turn = in_degrees(start.heading) if name == "start" else 0.0
+    turn = degrees_text(start.heading) if name == "start" else "0"
     middle = exact(height) / 2
     low, high = (tuple(sign * exact(value) for value in (radius, radius)) for sign in (-1, 1))
     yield f'    def Xform "{name}"'
     yield "    {"
-    yield f"        double xformOp:rotateZ = {decimal_text(exact(turn))}"
+    yield f"        double xformOp:rotateZ = {turn}"
     yield f"        double3 xformOp:translate = ({destination.x(point.x)}, {destination.y(point.y)}, 0)"
     yield '        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateZ"]'
     yield ""
