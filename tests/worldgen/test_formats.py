@@ -191,6 +191,13 @@ def test_a_sidecar_with_a_fault_is_refused_with_its_line(tmp_path, text, message
         read_map(tmp_path / "world.gex")
 
 
+def test_a_sidecar_that_cannot_be_read_is_refused_with_its_own_way_out(tmp_path):
+    write_export(export_world(room(), "thesis"), tmp_path)
+    (tmp_path / "world.gex.worldgen.toml").write_bytes(bytes(100_000))
+    with pytest.raises(FormatError, match="is larger than 65536 bytes; delete it, or export the world again"):
+        read_map(tmp_path / "world.gex")
+
+
 def test_what_lies_in_the_way_is_overwritten_only_when_forced_and_then_with_its_sidecar(tmp_path):
     write_export(export_world(room(), "thesis"), tmp_path)
     before = (tmp_path / "world.gex").read_bytes()

@@ -76,7 +76,7 @@ def read_sidecar(path: Path) -> Sidecar | None:
             return None
     except (OSError, ValueError):
         return None
-    data, source = read_bounded(beside, _MOST_BYTES), str(beside)
+    data, source = _bytes(beside), str(beside)
     try:
         header = Header(data.decode("utf-8-sig"), 1, source, "the sidecar")
     except UnicodeDecodeError as error:
@@ -90,6 +90,14 @@ def read_sidecar(path: Path) -> Sidecar | None:
     size = _numbers(header, _SIZE)
     values = {key: _numbers(header, key) for key in HELD if key in header.data}
     return Sidecar(beside.name, digest(data), (int(size[0]), int(size[1])), values)
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return read_bounded(path, _MOST_BYTES)
+    except FormatError as error:  # whose way out is for maps
+        fault, _, _ = error.message.partition(";")
+        raise FormatError(f"{fault}; delete it, or export the world again", source=str(path)) from error
 
 
 def _numbers(header: Header, key: str) -> tuple[float, ...]:
