@@ -226,3 +226,22 @@ def test_a_million_obstacles_as_large_as_the_world_are_refused_in_time(found):
             "world:\n  width: 800\n  height: 800\n",
             cell_size=0.1,
         )
+
+
+@pytest.mark.parametrize(
+    ("corners", "message"),
+    [(500, "an outline of 500 corners crosses itself; draw it anew"), (20_000, "the obstacles take too many cells")],
+)
+def test_outlines_that_would_take_minutes_are_refused_at_once(tmp_path, corners, message):
+    angle = 2 * math.pi / corners
+    turns = 7 if corners == 500 else 1  # several times round crosses itself; once, in and out, does not
+    points = [
+        f"[{50 + far * math.cos(turns * angle * n):.5f}, {50 + far * math.sin(turns * angle * n):.5f}]"
+        for n in range(corners)
+        for far in [20 + 25 * (n % 2)]
+    ]
+    shape = f"{{name: polygon, vertices: [{', '.join(points)}]}}"
+    text = f"world: {{width: 100, height: 100}}\nobstacle:\n  - {{shape: {shape}, state: [0, 0, 0]}}\n"
+    (tmp_path / "w.yaml").write_text(text)
+    with pytest.raises(FormatError, match=message):
+        read_map(tmp_path / "w.yaml", "irsim+cell_size=0.1")

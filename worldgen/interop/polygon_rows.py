@@ -8,15 +8,26 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from worldgen.errors import InvalidWorld
+
 __all__ = ["cut_into_rows", "prepared", "row_pieces"]
 
 TOUCH = 1e-6  # cells; what reaches less far into a cell only touches it: coordinates are rounded
+_MENDABLE = 8  # corners; crossings grow with their square, and 500 corners at random took minutes
 _LINE = 1e-3  # cells; half the width that lines get, for they stop robots too
 
 
 def prepared(points: npt.NDArray[np.float64]) -> Any:
-    """A valid shape of (n, 2) corners, in cells; of two corners, a thin wall along their line."""
-    shape = shapely.make_valid(shapely.Polygon(points) if len(points) > 2 else shapely.LineString(points))
+    """A valid shape of (n, 2) corners, in cells; of two corners, a thin wall along their line.
+
+    Raises:
+        InvalidWorld: If many corners make an outline that crosses itself.
+    """
+    shape: Any = shapely.Polygon(points) if len(points) > 2 else shapely.LineString(points)
+    if not shape.is_valid:
+        if len(points) > _MENDABLE:
+            raise InvalidWorld(f"an outline of {len(points)} corners crosses itself; draw it anew, or as several")
+        shape = shapely.make_valid(shape)
     if shape.area < TOUCH:
         shape = shapely.buffer(shape, _LINE)
     shapely.prepare(shape)

@@ -18,6 +18,7 @@ __all__ = ["Box", "Circle", "Raster", "natural_cell_size"]
 
 _TOUCH = 1e-6  # cells; a shape that reaches less far into a cell only touches it: its coordinates were rounded
 _MOST_PAINTED = 500_000_000  # cells, each shape's window counted; more is an attack, or cells far too small
+_CORNER = 50  # cells that are painted while a corner is looked at in a row
 _FAR = 1e9  # cells; what lies beyond is in no grid
 _MOST_SIDE = 2000  # cells, where the cell size is ours to choose
 _USUAL = Fraction(1, 10)  # m
@@ -103,6 +104,7 @@ class Raster:
             return
         shape = prepared(points)
         window = self._around(*shape.bounds)
+        self._spend(_CORNER * len(points) * (window[0].stop - window[0].start))
         inside, outside = cut_into_rows(shape, *window)
         solid, full = self.solid[window], np.ones_like(self.full[window])
         for row, first, end in inside.tolist():
@@ -119,10 +121,13 @@ class Raster:
         height, width = self.solid.shape
         first, last = max(low, 0), min(max(high, 0), height)
         begin, end = max(left, 0), min(max(right, 0), width)
-        self._painted += max(last - first, 0) * max(end - begin, 0)
+        self._spend(max(last - first, 0) * max(end - begin, 0))
+        return slice(first, max(last, first)), slice(begin, max(end, begin))
+
+    def _spend(self, work: int) -> None:
+        self._painted += work
         if self._painted > _MOST_PAINTED:
             raise InvalidWorld("the obstacles take too many cells; give a larger cell_size")
-        return slice(first, max(last, first)), slice(begin, max(end, begin))
 
 
 def _distances(cells: npt.NDArray[np.float64], at: float, far: bool) -> npt.NDArray[np.float64]:
