@@ -1,5 +1,7 @@
 """Shortest octile paths, against a plain search and against the benchmark's published lengths."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,6 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from tests.helpers.octile_twin import octile_length
+from worldgen.interop import octile
+from worldgen.interop.landmarks import landmark_distances, rounding
 from worldgen.interop.octile import OctileMap, _search, _search_compiled
 
 
@@ -42,6 +46,30 @@ def test_many_questions_on_noise_are_answered_as_one_by_one(seed, density):
     assert found.tolist() == [list(counts) for counts in expected]
 
 
+@pytest.mark.parametrize(("seed", "density"), [(1, 0.25), (2, 0.4), (3, 0.05)])
+def test_landmarks_change_no_length(monkeypatch, seed, density):
+    rng = np.random.default_rng(seed)
+    walls = rng.random((40, 50)) < density
+    starts, goals = rng.integers(0, 40, (2, 200, 2))
+    found = []
+    for worth in (1e9, 0.0):
+        monkeypatch.setattr(octile, "_WORTH", worth)
+        found.append(OctileMap(walls).lengths(starts, goals))
+    assert np.array_equal(*found)
+
+
+def test_landmarks_are_far_apart_and_know_their_distances():
+    walls = drawn(".....", ".###.", ".#.#.", ".....")
+    asked = OctileMap(walls)
+    distances = landmark_distances(asked._free, asked._steps, asked._free != 0, 2)
+    for lengths in distances.T:
+        mark = next(cell for cell in np.flatnonzero(asked._free) if lengths[cell] == 0.0)
+        for cell in np.flatnonzero(asked._free).tolist():
+            ends = [(int(at) % 7 - 1, int(at) // 7 - 1) for at in (mark, cell)]
+            straight, diagonal = octile_length(walls, *ends)
+            assert abs(straight + diagonal * math.sqrt(2.0) - lengths[cell]) <= rounding(distances)
+
+
 def test_a_diagonal_move_needs_both_cells_beside_it():
     assert solve(drawn("..", ".."), (0, 0), (1, 1)) == (0, 1)
     assert solve(drawn(".#", ".."), (0, 0), (1, 1)) == (2, 0)
@@ -58,7 +86,7 @@ def test_the_compiled_search_gives_what_its_text_gives():
     joined = found[:, 0] >= 0
     ends = [(1 + cells[joined, 1]) * 42 + 1 + cells[joined, 0] for cells in (starts, goals)]
     answers = np.empty((int(joined.sum()), 2), np.int64)
-    _search(asked._jumps, asked._steps, 42, *ends, answers)
+    _search(asked._jumps, asked._steps, 42, *ends, answers, np.zeros((1, 0)), 0.0)
     assert np.array_equal(answers, found[joined])
     assert _search_compiled.__wrapped__ is _search
 

@@ -7,7 +7,7 @@ Jump points with tables ("JPS+") answer a question on a map of 512 x 512 cells i
 for each cell and direction how far a path can go on before it may have to turn.
 
 Source: Harabor and Grastien, "The JPS pathfinding system", SoCS 2012; Rabin and Sturtevant, "Combining bounding boxes
-and JPS to prune grid pathfinding", AAAI 2016.
+and JPS to prune grid pathfinding", AAAI 2016. Many hard questions on one map also get landmarks.
 """
 
 from __future__ import annotations
@@ -25,6 +25,10 @@ __all__ = ["OctileMap"]
 
 _ROOT_TWO = math.sqrt(2.0)
 _SMALL = 2_500  # cells times questions up to which numba's import would take longer than the interpreter does
+_TRIED = 32  # questions that are answered before it is known whether landmarks are worth their while
+_WORTH = 8.0  # places to be looked at for each cell, from which on they are
+_LANDMARKS = 8
+_MOST_MARKED = 2_000_000  # cells; their landmarks take 200 bytes each
 
 Counts = npt.NDArray[np.int64]
 Cells = npt.NDArray[np.integer[Any]]
@@ -66,16 +70,40 @@ class OctileMap:
         region = self._regions[ends[0]]
         joined = np.flatnonzero((region != 0) & (region == self._regions[ends[1]]))
         if len(joined):
-            fill, search = _fill_jumps_compiled, _search_compiled
-            if len(self._free) * len(joined) <= _SMALL:
-                fill, search = _fill_jumps, _search
-            if self._jumps is None:
-                self._jumps = np.zeros((8, len(self._free)), np.int16)
-                fill(self._free, self._steps, self._jumps)
-            answers = np.empty((len(joined), 2), np.int64)
-            search(self._jumps, self._steps, self._stride, ends[0][joined], ends[1][joined], answers)
-            found[joined] = answers
+            found[joined] = self._answers(ends[0][joined], ends[1][joined])
         return found
+
+    def _answers(self, starts: Counts, goals: Counts) -> Counts:
+        """Straight and diagonal moves between cells that are joined, given by their numbers."""
+        fill, search = _fill_jumps_compiled, _search_compiled
+        if len(self._free) * len(starts) <= _SMALL:
+            fill, search = _fill_jumps, _search
+        if self._jumps is None:
+            self._jumps = np.zeros((8, len(self._free)), np.int16)
+            fill(self._free, self._steps, self._jumps)
+        found = np.empty((len(starts), 2), np.int64)
+        # Some are tried first, one in so many, for a benchmark's problems are sorted by their lengths.
+        tried = np.arange(len(starts)) % max(len(starts) // _TRIED, 1) == 0
+        marks, slack = np.zeros((1, 0)), 0.0
+        for part in (np.flatnonzero(tried), np.flatnonzero(~tried)):
+            if not len(part):
+                break
+            answers = np.empty((len(part), 2), np.int64)
+            looked = search(self._jumps, self._steps, self._stride, starts[part], goals[part], answers, marks, slack)
+            found[part] = answers
+            if part[0] == 0 and looked / len(part) * (len(starts) - len(part)) > _WORTH * len(self._free):
+                marks, slack = self._landmarks()
+        return found
+
+    def _landmarks(self) -> tuple[npt.NDArray[np.float64], float]:
+        """Distances from landmarks in the largest region, and how wrong they may be; none on a map too large."""
+        from worldgen.interop.landmarks import landmark_distances, rounding
+
+        if len(self._free) > _MOST_MARKED:
+            return np.zeros((1, 0)), 0.0
+        largest = np.bincount(self._regions[self._regions != 0]).argmax()
+        found = landmark_distances(self._free, self._steps, self._regions == largest, _LANDMARKS)
+        return found, rounding(found)
 
 
 def _fill_jumps(free: Any, steps: Any, jumps: Any) -> None:
@@ -112,7 +140,7 @@ def _fill_jumps(free: Any, steps: Any, jumps: Any) -> None:
             jumps[direction, cell] = 1 if turns else further + 1 if further > 0 else further - 1
 
 
-def _search(jumps: Any, steps: Any, stride: Any, starts: Any, goals: Any, answers: Any) -> None:
+def _search(jumps: Any, steps: Any, stride: Any, starts: Any, goals: Any, answers: Any, marks: Any, slack: Any) -> Any:
     """A* over jump points, one question after the other; start and goal of each are joined.
 
     A cell that is reached at equal cost from several directions is expanded in all that these allow.
@@ -124,8 +152,13 @@ def _search(jumps: Any, steps: Any, stride: Any, starts: Any, goals: Any, answer
         starts: (m,) numbers of cells.
         goals: (m,) likewise.
         answers: (m, 2) gets straight and diagonal moves.
+        marks: (n, k) distances from landmarks; k may be 0.
+        slack: By how much their differences may be too large.
+
+    Returns:
+        How many places were looked at.
     """
-    size = jumps.shape[1]
+    size, looked = jumps.shape[1], 0
     seen = np.zeros(size, np.int32)  # the question, from 1, in which the rest is of use
     moves = np.empty((size, 2), np.int32)
     asked, done = np.empty(size, np.uint8), np.empty(size, np.uint8)  # a bit a direction
@@ -139,6 +172,7 @@ def _search(jumps: Any, steps: Any, stride: Any, starts: Any, goals: Any, answer
             if cell == goal:
                 break
             waiting = _drop_first(keys, cells, waiting)
+            looked += 1
             if waiting + 8 > len(keys):
                 keys, cells = np.append(keys, np.empty(len(keys))), np.append(cells, np.empty(len(cells), np.int64))
             ways = asked[cell] & ~done[cell]
@@ -167,8 +201,12 @@ def _search(jumps: Any, steps: Any, stride: Any, starts: Any, goals: Any, answer
                 asked[after], moves[after, 0], moves[after, 1] = new, straight, diagonal
                 over, rise = abs(goal % stride - after % stride), abs(goal // stride - after // stride)
                 key = (straight + abs(over - rise)) + (diagonal + min(over, rise)) * _ROOT_TWO
+                for mark in range(marks.shape[1]):
+                    further = abs(marks[goal, mark] - marks[after, mark]) - slack
+                    key = max(key, straight + diagonal * _ROOT_TWO + further)
                 waiting = _push(keys, cells, waiting, key, after)
         answers[row, 0], answers[row, 1] = moves[goal, 0], moves[goal, 1]
+    return looked
 
 
 def _jump_length(jump: Any, direction: Any, across: Any, up: Any) -> Any:
