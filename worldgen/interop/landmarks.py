@@ -31,12 +31,18 @@ def landmark_distances(
         (n, count) cells; 0 where no path leads.
     """
     moves = _moves(free, steps)
-    nearest = np.where(region, dijkstra(moves, indices=int(np.argmax(region))), -1.0)
+    nearest = np.where(region, _lengths(moves, region), -1.0)
     found = np.zeros((len(free), count))
     for number in range(count):
-        lengths = dijkstra(moves, indices=int(np.argmax(nearest)))
+        lengths = _lengths(moves, nearest)
         nearest = np.where(region, np.minimum(nearest, lengths) if number else lengths, -1.0)
         found[:, number] = np.where(np.isfinite(lengths), lengths, 0.0)
+    return found
+
+
+def _lengths(moves: Any, rank: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
+    """Lengths from the cell of highest rank, the first of several; infinity where no path leads."""
+    found: npt.NDArray[np.float64] = dijkstra(moves, indices=np.array([np.argmax(rank)]))[0]
     return found
 
 
