@@ -161,6 +161,12 @@ def test_the_next_step_is_the_usual_mode_and_a_thousand_steps_the_usual_limit():
     assert over == [False] * 999 + [True, False]
 
 
+def test_minus_one_is_no_limit_as_in_make():
+    env = gymnasium.make_vec(worldgen.gym.ENVIRONMENT, 2, "vector_entry_point", max_episode_steps=-1, **TRAPS)
+    env.reset(seed=1)
+    assert not any(env.step(np.zeros((2, 2), np.float32))[3].any() for _ in range(1100))
+
+
 def test_without_autoreset_a_mask_says_who_begins_again():
     env = NavigateVectorEnv(3, max_episode_steps=2, autoreset_mode="Disabled", **TRAPS)
     first, _ = env.reset(seed=4)

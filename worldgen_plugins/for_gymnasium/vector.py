@@ -44,7 +44,7 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     Args:
         num_envs: Robots.
-        max_episode_steps: Steps until an episode is cut off; 0 or ``None`` for never.
+        max_episode_steps: Steps until an episode is cut off; ``None``, 0, or -1 as in ``gymnasium.make``, for never.
         autoreset_mode: When the next episode begins: ``NextStep``, ``SameStep`` or ``Disabled``.
         render_mode: ``rgb_array``, ``ansi`` or ``None``.
         **options: As of the single environment.
@@ -63,7 +63,7 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     ) -> None:
         self._rules, self._supply = resolve(options)
         self.num_envs = whole("num_envs", num_envs, 1, MAX_ENVS)
-        limit = whole("max_episode_steps", max_episode_steps or 0, 0, MAX_STEPS)
+        limit = whole("max_episode_steps", 0 if max_episode_steps in (None, -1) else max_episode_steps, 0, MAX_STEPS)
         self._mode = _mode_of(autoreset_mode)
         self.render_mode = check_render_mode(render_mode)
         self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": 30, "autoreset_mode": self._mode}
