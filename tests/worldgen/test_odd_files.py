@@ -54,6 +54,30 @@ def test_an_odd_octile_map_is_the_same_map(data, tmp_path):
     assert np.array_equal(flip_rows(read_map(tmp_path / "m.map").walls), SOLID)
 
 
+@pytest.mark.parametrize("end", ["bom", "crlf", "cr", "dos-end", "no-end"])
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("m.txt", b"####\n#S.#\n####\n"),
+        ("m.pogema", b"####\n#aA#\n####\n"),
+        ("m.minigrid", b"WGWGWGWG\nWG>>GGWG\nWGWGWGWG\n"),
+        ("m.maze", b"o---o---o\n| S   G |\no---o---o\n"),
+    ],
+    ids=["text", "pogema", "minigrid", "micromouse"],
+)
+def test_a_drawing_from_another_system_is_the_same_drawing(tmp_path, name, data, end):
+    odd = {
+        "bom": BOM + data, "crlf": data.replace(b"\n", b"\r\n"), "cr": data.replace(b"\n", b"\r"),
+        "dos-end": data + b"\x1a", "no-end": data.rstrip(),
+    }  # fmt: skip
+    (tmp_path / name).write_bytes(data)
+    as_usual = read_map(tmp_path / name)
+    (tmp_path / name).write_bytes(odd[end])
+    found = read_map(tmp_path / name)
+    assert np.array_equal(found.walls, as_usual.walls)
+    assert (found.start, found.target) == (as_usual.start, as_usual.target)
+
+
 @pytest.mark.parametrize(
     ("data", "told"),
     [

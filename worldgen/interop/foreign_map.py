@@ -24,6 +24,7 @@ __all__ = [
     "origin_of",
     "read_bounded",
     "shown",
+    "unix_text",
 ]
 
 CELL_SIZES = (1e-6, 1e6)  # m; beyond, a coordinate in m has no digits left for the pose lattice
@@ -91,6 +92,12 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     if len(data) > limit:
         raise FormatError(f"is larger than {limit} bytes; cut a smaller map out of it", source=str(path))
     return data
+
+
+def unix_text(data: bytes) -> bytes:
+    """Text without a byte order mark, without the byte that ended files under DOS, and with LF for a lone CR."""
+    data = data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")
+    return data if b"\n" in data else data.replace(b"\r", b"\n")
 
 
 def check_sides(width: int, height: int, *, line: int | None = None, source: str | None = None) -> None:

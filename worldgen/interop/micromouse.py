@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidWorld
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
+from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, off_centre
 from worldgen.rows import flip_rows
@@ -39,7 +39,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
         FormatError: If a part is no post, wall or square, with line and column, or there are two starts.
     """
     data, source = read_bounded(path, _MOST_BYTES), str(path)
-    rows = [row.rstrip() for row in data.split(b"\n")]
+    rows = [row.rstrip() for row in unix_text(data).split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
     width = 2 * ((max(map(len, rows), default=0) + 2) // 4) + 1 if rows else 0

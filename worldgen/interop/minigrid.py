@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
+from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, off_centre
 from worldgen.rows import flip_rows
@@ -48,7 +48,7 @@ def read_minigrid(
         FormatError: If two characters are no cell, or there are two agents.
     """
     data, source = read_bounded(path), str(path)
-    rows = [row.removesuffix(b"\r") for row in data.split(b"\n")]
+    rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
     width = (max(map(len, rows), default=0) + 1) // 2

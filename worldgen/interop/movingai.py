@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
+from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, off_centre
 from worldgen.lattice import exact, radius_in_cells
@@ -113,7 +113,7 @@ def read_terrain(path: Path) -> npt.NDArray[np.uint8]:
 
 def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
     """Terrain, top row first."""
-    head = _unix_text(data).split(b"\n", _FIRST_ROW - 1)
+    head = unix_text(data).split(b"\n", _FIRST_ROW - 1)
     lines = [line.removesuffix(b"\r") for line in head]
     kind = _words(lines, 1, "type", source).lower()
     if kind != b"octile":
@@ -127,12 +127,6 @@ def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
     if len(lines) < 4 or lines[3].lower().split() != [b"map"]:
         _expect(lines, 4, "map", source)
     return _rows(head[4] if len(head) > 4 else b"", width, height, source)
-
-
-def _unix_text(data: bytes) -> bytes:
-    """Text without a byte order mark, without the byte that ended files under DOS, and with LF for a lone CR."""
-    data = data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")
-    return data if b"\n" in data else data.replace(b"\r", b"\n")
 
 
 def _has_key(line: bytes, key: str) -> bool:
@@ -249,7 +243,7 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
     """
     check_between("row", row, 1, _MAX_SCENARIOS)
     source = str(path)
-    lines = _unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", row + 1)
+    lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", row + 1)
     if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", lines[0].lower().strip()):
         raise FormatError(f"{shown(lines[0])} came where `version 1` belongs", line=1, source=source)
     if len(lines) <= row or not lines[row].strip():
@@ -283,7 +277,7 @@ def scenario_contents(path: Path) -> tuple[str, int]:
         FormatError: If it is no scenario file, or has no problem.
     """
     source = str(path)
-    lines = _unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
+    lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
     if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", lines[0].lower().strip()):
         raise FormatError(f"{shown(lines[0])} came where `version 1` belongs", line=1, source=source)
     rows = [line for line in lines[1:] if line.strip()]
@@ -325,7 +319,7 @@ def read_problems(path: Path) -> Problems:
     """
     source = str(path)
     map_name, _ = scenario_contents(path)
-    lines = _unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
+    lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
     numbers, published = array("q"), array("d")  # as lists of objects they take five times the file
     for number, line in enumerate(lines[1:], 2):
         if not line.strip():

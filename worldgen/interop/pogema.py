@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded, shown, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, equal_rows, off_centre
 from worldgen.rows import flip_rows
@@ -41,7 +41,7 @@ def read_pogema(path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL
     if not re.fullmatch("[a-z]", agent):
         raise InvalidParameter(f"agent={agent[:20]!r} is no lower-case letter; agents are a to z")
     data, source = read_bounded(path), str(path)
-    lines = [(number, line.strip()) for number, line in enumerate(data.split(b"\n"), 1) if line.strip()]
+    lines = [(number, line.strip()) for number, line in enumerate(unix_text(data).split(b"\n"), 1) if line.strip()]
     drawn = equal_rows(lines, source)
     for (number, line), row in zip(lines, drawn, strict=True):
         if not re.fullmatch(_CELL + b"*", line):

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown
+from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.rows import flip_rows
@@ -39,7 +39,7 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
         FormatError: If rows differ in length, a character is none of these, or a place is there twice.
     """
     data, source = read_bounded(path), str(path)
-    rows = [row.removesuffix(b"\r") for row in data.split(b"\n")]
+    rows = [row.removesuffix(b"\r") for row in unix_text(data).split(b"\n")]
     while rows and not rows[-1]:
         rows.pop()
     drawn = equal_rows(list(enumerate(rows, 1)), source)
