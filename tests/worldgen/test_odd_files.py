@@ -172,7 +172,7 @@ def test_grey_between_the_thresholds_of_an_anti_aliased_picture_is_said_and_soli
         (YAML.replace("0.65", "65"), "the rule is 0 <= free < occupied <= 1"),
         (YAML.replace("p.pgm", "/home/me/maps/p.pgm"), "copy it there and name it without a path"),
         (YAML.replace("p.pgm", "'C:\\maps\\p.pgm'"), "is not there; put it beside"),
-        (YAML.replace("resolution: ", "resolution:\t"), "is no YAML"),
+        (YAML.replace("negate", "\tnegate"), "is no YAML"),
         (YAML.encode("utf-16"), "is text in UTF-16; save it as UTF-8"),
     ],
     ids=["missing", "comma", "percent", "absolute", "windows", "tab", "utf-16"],
