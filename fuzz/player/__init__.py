@@ -5,12 +5,14 @@ The report carries it inside its one file, the studio serves it. ``page/`` holds
 Contents:
     drawn_world, drawn_run: a world, a run, as the scripts want them (``worlds``, ``runs``, ``streams``).
     sensors_of: which beams and signal are drawn with a run.
-    script, style: the page's parts, for pages that hold everything themselves.
+    one_file: a page that holds everything itself, the player's script and style among it.
+    replay_page: such a page of robots in one world.
 """
 
+from fuzz.player.one_file import one_file
+from fuzz.player.replay import replay_page
 from fuzz.player.runs import drawn_run
 from fuzz.player.sensors import sensors_of
-from fuzz.player.sources import script, style
 from fuzz.player.worlds import MOST_CELLS, drawn_world
 
-__all__ = ["MOST_CELLS", "drawn_run", "drawn_world", "script", "sensors_of", "style"]
+__all__ = ["MOST_CELLS", "drawn_run", "drawn_world", "one_file", "replay_page", "sensors_of"]

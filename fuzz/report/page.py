@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import base64
-import hashlib
-import html
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from importlib.resources import files
@@ -13,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.corpus import Entry
-from fuzz.player import drawn_run, drawn_world, script, sensors_of, style
+from fuzz.player import drawn_run, drawn_world, one_file, sensors_of
 from fuzz.report.gather import Seen, Subject, gather, look_at
 from fuzz.report.numbers import groups
 from fuzz.report.summary import Summary
@@ -142,25 +139,9 @@ def _campaign(summary: Summary) -> dict[str, Any]:
 
 
 def _page(title: str, data: dict[str, Any]) -> bytes:
-    """The page, which lets a browser run this very script and use this style, and load nothing at all."""
+    """The page with the report's own text, style and script."""
     folder = files("fuzz.report") / "page"
-    styles = style() + (folder / "style.css").read_text("utf-8")
     names = sorted(part.name for part in folder.iterdir() if part.name.endswith(".js"))  # start.js comes last
-    parts = [script(), *((folder / name).read_text("utf-8") for name in names)]
-    scripts = "(() => {\n'use strict';\n" + "\n".join(parts) + "\n})();\n"
-    filled = {
-        "POLICY": "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; "
-        f"script-src {_source(scripts)}; style-src {_source(styles)}",
-        "TITLE": html.escape(title.encode("utf-8", "replace").decode("utf-8")),
-        "STYLE": styles,
-        "SCRIPT": scripts,
-        "DATA": json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
-    }
-    text = (folder / "page.html").read_text("utf-8")
-    pieces = text.split("@@")
-    return "".join(filled.get(piece, piece) for piece in pieces).encode("utf-8")
-
-
-def _source(text: str) -> str:
-    """How the policy names a script or style of the page: by its SHA-256."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode('utf-8')).digest()).decode('ascii')}'"
+    scripts = "\n".join((folder / name).read_text("utf-8") for name in names)
+    template, styles = ((folder / name).read_text("utf-8") for name in ("page.html", "style.css"))
+    return one_file(template, title, styles=styles, scripts=scripts, data=data)

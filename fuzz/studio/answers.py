@@ -13,14 +13,16 @@ from itertools import count
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from fuzz.player import drawn_run, drawn_world, sensors_of
+from fuzz.player import drawn_run, drawn_world, replay_page, sensors_of
 from fuzz.player.streams import numbers
 from fuzz.player.worlds import drawn_certificate
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.folder import Folder
 from fuzz.studio.messages import field, message_of, restored, world_of
 from sim.controllers import CONTROLLERS
-from sim.episode import simulate
+from sim.controllers.base import Controller
+from sim.episode import Episode, simulate
+from sim.picture import drive_of, trail_of
 from sim.run_options import RunOptions, step_budget
 from sim.scenario import Scenario
 from sim.thesis_run import signal_in
@@ -34,6 +36,7 @@ from worldgen.grid_file import read_world, write_world
 from worldgen.interop import FORMATS, export_world, import_world, readable_formats, write_export
 from worldgen.reach import Decision, decide
 from worldgen.reach.widest import widest_disc
+from worldgen.render import draw_gif, draw_svg
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Value, Witness, World
 from worldgen.world_files import is_world_file
@@ -44,6 +47,7 @@ MOST_STEPS = 1_000_000  # of a run that is played: its recording takes 300 MB
 _TRIES = 500  # worlds that a search for a wish makes at most, as on the command line
 _KEPT_STEPS = 30_000  # of a run, in the page: more than a window has pixels
 _MOST_ROBOTS = 6  # at once: more colours cannot be told apart
+_PICTURES = ("gif", "svg", "html")
 _MOST_FILE = 16 << 20  # bytes of a file that is dropped on the page
 
 Message = Mapping[str, Any]
@@ -172,40 +176,43 @@ class Answers:
 
     def run(self, message: Message, part: Part) -> dict[str, Any]:
         """Runs controllers in a world, one after the other; each is a part as soon as it is done."""
-        world = restored(field(message, "world", dict))
-        if message.get("still") is True:
-            world = replace(world, timeline=Timeline(), certificate=None)
-        labels = field(message, "controllers", list)
-        if not 1 <= len(labels) <= _MOST_ROBOTS:
-            raise InvalidParameter(f"{len(labels)} controllers; choose 1 to {_MOST_ROBOTS}")
-        if world.certificate is None:
-            world = replace(world, certificate=decide(world).certificate)
+        world, labels = _to_run(message)
         part({"world": drawn_world(world)})
         for number, label in enumerate(labels):
             try:
-                part({"number": number, **self._one_run(world, label, message)})
+                part({"number": number, **_seen(self._driven(world, label, message))})
             except InvalidParameter as error:
                 part({"number": number, "name": str(label), "error": str(error)})
         return {}
 
-    def _one_run(self, world: World, label: object, message: Message) -> dict[str, Any]:
+    def picture(self, message: Message, part: Part) -> dict[str, Any]:
+        """The same runs as a file: an animation of all, a drawing of one, a page that replays all."""
+        world, labels = _to_run(message)
+        kind, title, looked = (
+            field(message, name, of) for name, of in (("kind", str), ("title", str), ("looked", int))
+        )
+        if kind not in ("gif", "svg", "html") or not 0 <= looked < len(labels):
+            raise InvalidParameter(
+                f"a picture of kind {kind[:20]!r} of robot {looked}; choose gif, svg or html of one that drove"
+            )
+        drives = []
+        for number, label in enumerate(labels):
+            try:
+                if kind != "svg" or number == looked:
+                    drives.append(self._driven(world, label, message))
+            except InvalidParameter:  # as the page said already
+                if number == looked:
+                    raise
+        data = _as_file(kind, title, world, drives)
+        return {"data": base64.b64encode(data).decode("ascii")}
+
+    def _driven(self, world: World, label: object, message: Message) -> _Driven:
         scenario = self._scenario(label, message)
         steps = message.get("steps")
         budget = step_budget(world, scenario.time_step) if steps is None else field(message, "steps", int)
         options = scenario.options(world, min(max(budget, 1), MOST_STEPS))
         episode = simulate(world, scenario.controller, options, record=True)
-        return {
-            "name": str(label),
-            "verdict": episode.verdict,
-            "words": f"{episode.verdict}{evidence_in_words(episode)}",
-            "steps": episode.steps,
-            "time": episode.time,
-            "path": episode.path_length,
-            "collisions": episode.collisions,
-            "digest": episode.trace_digest,
-            "run": drawn_run(episode, world.cell_size, most=_KEPT_STEPS),
-            "sensors": sensors_of(CONTROLLERS.get(scenario.controller), options, world.cell_size),
-        }
+        return _Driven(str(label), world, options, episode, CONTROLLERS.get(scenario.controller))
 
     def _scenario(self, label: object, message: Message) -> Scenario:
         """A controller that the page may run, with the options that it asks for."""
@@ -220,6 +227,62 @@ class Answers:
         changed = scenario.thesis.changed() | scenario.robot.changed() | asked
         parameters: dict[str, Value] = {"time_step": scenario.time_step, **changed}
         return Scenario.of(scenario.controller, RunOptions.of(scenario.motion, seed, parameters))
+
+
+@dataclass(frozen=True, eq=False)
+class _Driven:
+    """A run that was asked for."""
+
+    name: str
+    world: World
+    options: RunOptions
+    episode: Episode
+    controller: Controller
+
+    @property
+    def words(self) -> str:
+        return f"{self.episode.verdict}{evidence_in_words(self.episode)}"
+
+
+def _to_run(message: Message) -> tuple[World, list[Any]]:
+    """The world in which robots are to drive, with its proof, and their names."""
+    world = restored(field(message, "world", dict))
+    if message.get("still") is True:
+        world = replace(world, timeline=Timeline(), certificate=None)
+    labels = field(message, "controllers", list)
+    if not 1 <= len(labels) <= _MOST_ROBOTS:
+        raise InvalidParameter(f"{len(labels)} controllers; choose 1 to {_MOST_ROBOTS}")
+    if world.certificate is None:
+        world = replace(world, certificate=decide(world).certificate)
+    return world, labels
+
+
+def _seen(driven: _Driven) -> dict[str, Any]:
+    """A run as the player wants it."""
+    episode, side = driven.episode, driven.world.cell_size
+    return {
+        "name": driven.name,
+        "verdict": episode.verdict,
+        "words": driven.words,
+        "steps": episode.steps,
+        "time": episode.time,
+        "path": episode.path_length,
+        "collisions": episode.collisions,
+        "digest": episode.trace_digest,
+        "run": drawn_run(episode, side, most=_KEPT_STEPS),
+        "sensors": sensors_of(driven.controller, driven.options, side),
+    }
+
+
+def _as_file(kind: str, title: str, world: World, drives: Sequence[_Driven]) -> bytes:
+    """Runs as the bytes of a file; of several robots an SVG holds the first."""
+    front = drives[0]
+    if kind == "html":
+        return replay_page(title, drawn_world(world), [_seen(driven) for driven in drives])
+    said = f"{title}: {front.name}, {front.options.motion}: {front.words}" if len(drives) == 1 else title
+    if kind == "gif":
+        return draw_gif(world, [drive_of(driven.episode, world, driven.name) for driven in drives], title=said)
+    return draw_svg(world, trail=trail_of(front.episode), title=said).encode()
 
 
 def _format_name(message: Message) -> str | None:

@@ -30,6 +30,7 @@ LANES = {
     "generate": "making",
     "measure": "widths",
     "run": "runs",
+    "picture": "pictures",
 }
 """Which process does what: what is saved is never ended, and a long search for a proof stops no run."""
 

@@ -3,6 +3,7 @@
 import { openWorld } from "./decode.js";
 import { choice, el, grouped, icon, keyButton, svg } from "./dom.js";
 import { SPEEDS, makePlayer, usualSpeed } from "./player.js";
+import { saveMenu } from "./saving.js";
 
 export const LAYERS = {
   trail: ["Trail", "t"],
@@ -195,6 +196,7 @@ function layers(player, parts) {
     { class: "controls" },
     el("div", { class: "layers", role: "group", "aria-label": "Layers" }, boxes),
     viewButtons(player, parts),
+    saveMenu(player),
   );
 }
 

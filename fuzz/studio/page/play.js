@@ -1,8 +1,10 @@
 // The page on which robots drive: who, how, and the player that reports have, too.
 
 import { buildPlayer, dragToMove } from "/player/controls.js";
-import { behaviourAt, poseAt, rowAt, stepWithin } from "/player/decode.js";
-import { el, grouped, verdictDot } from "/player/dom.js";
+import { bytesOf } from "/player/decode.js";
+import { el } from "/player/dom.js";
+import { sceneOf, showInstruments, showRobots } from "/player/robots.js";
+import { keep } from "/player/saving.js";
 import { Ended, Refused } from "./connection.js";
 import { messageOf } from "./model.js";
 import { makeRobots } from "./robots.js";
@@ -13,15 +15,15 @@ export function makePlay(section, studio) {
   const parts = {
     canvas: el("canvas", { id: "stage", role: "img", "aria-label": "The run" }),
     under: el("div", { class: "under" }),
-    table: el("div", { class: "results" }),
+    list: el("ol", { "aria-label": "Results" }),
     said: el("p", { class: "said", role: "status", id: "run-said" }),
     instruments: el("p", { class: "instruments", id: "instruments" }),
   };
-  const play = { studio, parts, player: null, runs: [], world: null, looked: 0, version: -1, asked: 0 };
+  const play = { studio, parts, player: null, runs: [], world: null, message: null, looked: 0, version: -1, asked: 0 };
   play.robots = makeRobots(studio, () => run(play));
   section.replaceChildren(
     el("div", { class: "middle" }, el("div", { class: "stage" }, parts.canvas), parts.instruments, parts.under),
-    el("aside", { class: "side" }, play.robots.element, parts.said, parts.table),
+    el("aside", { class: "side" }, play.robots.element, parts.said, el("div", { class: "results" }, parts.list)),
   );
   dragToMove(parts.canvas, play);
   parts.canvas.addEventListener("wheel", (event) => wheel(play, event), { passive: false });
@@ -60,9 +62,9 @@ async function run(play) {
   play.runs = [];
   parts.said.className = "said quiet";
   parts.said.textContent = "Running …";
-  const message = { ...play.robots.message(), world: messageOf(studio.model.world) };
+  play.message = { ...play.robots.message(), world: messageOf(studio.model.world) };
   try {
-    await studio.connection.ask("run", message, (part) => asked === play.asked && take(play, part));
+    await studio.connection.ask("run", play.message, (part) => asked === play.asked && take(play, part));
     play.version = version;
     if (asked === play.asked) parts.said.textContent = "";
   } catch (error) {
@@ -92,20 +94,13 @@ function look(play, number) {
     front = runs[number];
   if (!front || !front.run) return;
   play.looked = number;
-  const alone = runs.filter((one) => one.run).length === 1;
-  const colour = (k) => `robot-${k % 6}`;
-  const drawn = {
-    world: play.world,
-    run: front.run,
-    sensors: front.sensors,
-    colour: alone ? null : colour(number),
-    others: runs.map((one, k) => ({ run: one.run, colour: colour(k) })).filter((one, k) => k !== number && one.run),
-  };
+  const drawn = { ...sceneOf(play.world, runs, number), name: play.studio.model.world.name, saves: savesOf(play) };
   const former = play.player,
     seen = former && former.drawn.world === play.world && former.step < former.last ? former : null;
   const playing = seen && seen.playing;
   if (former) former.play(false);
-  play.player = buildPlayer(parts.canvas, parts.under, drawn, former, (player) => showInstruments(play, player));
+  const shown = (player) => showInstruments(parts.instruments, player);
+  play.player = buildPlayer(parts.canvas, parts.under, drawn, former, shown);
   parts.canvas.style.height = ""; // the page lays it out
   if (seen) goOn(play.player, seen, playing);
   else play.player.fit();
@@ -123,52 +118,29 @@ function goOn(player, seen, playing) {
 }
 
 function showTable(play) {
-  const { parts, runs } = play;
-  const several = runs.length > 1;
-  const row = (one, number) => {
-    const chip = several ? el("i", { class: `chip robot-${number % 6}` }) : null;
-    if (one.error) return el("li", {}, chip, el("b", {}, one.name), el("p", { class: "bad" }, one.error));
-    return el(
-      "li",
-      { "aria-current": number === play.looked ? "true" : null },
-      el(
-        "button",
-        { type: "button", class: "result", "data-controller": one.name, onclick: () => look(play, number) },
-        el("span", { class: "who" }, chip, el("b", {}, one.name), verdictDot(one.verdict), el("span", {}, one.verdict)),
-        el(
-          "span",
-          { class: "quiet" },
-          `${grouped(one.steps)} steps, ${one.time.toFixed(3)} s, ${one.path.toFixed(2)} m, ${one.collisions} collisions`,
-        ),
-        one.verdict === "reached" ? null : el("span", {}, one.words.replace(/^\w+\s*/, "")),
-        el("code", { class: "digest", title: "Digest of every state of the run" }, one.digest),
-      ),
-    );
-  };
-  parts.table.replaceChildren(el("ol", { "aria-label": "Results" }, runs.map(row)));
+  showRobots(play.parts.list, play.runs, play.looked, (number) => look(play, number));
 }
 
-const DEGREES = 180 / Math.PI;
+// What the server can make of the same runs: files of pictures and pages.
+function savesOf(play) {
+  const message = { ...play.message, looked: play.looked }; // of these runs, whatever is asked meanwhile
+  const file = (words, kind) => [words, () => keepPicture(play, kind, message)];
+  return [file("Animation, GIF", "gif"), file("Drawing, SVG", "svg"), file("Replay, one HTML file", "html")];
+}
 
-// What the robot's own instruments would say at this time.
-function showInstruments(play, player) {
-  const { run, world } = player.drawn;
-  const step = stepWithin(run, player.step),
-    pose = poseAt(run, step),
-    side = world.cell;
-  const behaviour = behaviourAt(run, rowAt(run, step));
-  const heading = (((pose.heading * DEGREES) % 360) + 360) % 360;
-  const facts = [
-    ["time", `${(player.step * run.dt).toFixed(3)} s`],
-    ["x, y", `${(pose.x * side).toFixed(3)}, ${(pose.y * side).toFixed(3)} m`],
-    ["heading", `${heading.toFixed(1)}°`],
-    ["collision", pose.bump ? "yes" : "no"],
-    ...(behaviour === null ? [] : [["behaviour", behaviour]]),
-    ...(run.loop && step >= run.loop[0]
-      ? [["loop", `period ${grouped(run.loop[1])}, step ${Math.floor(step - run.loop[0])} of it`]]
-      : []),
-  ];
-  play.parts.instruments.replaceChildren(
-    ...facts.map(([name, value]) => el("span", {}, `${name} `, el("b", {}, value))),
-  );
+async function keepPicture(play, kind, message) {
+  const { studio, asked, parts } = play;
+  const name = (studio.model.world.name || "run").replace(/^.*\//, "").replace(/\.grid(\.gz)?$/, "");
+  try {
+    const answer = await studio.connection.ask("picture", { ...message, kind, title: name });
+    keep(`${name}.${kind}`, new Blob([bytesOf(answer.data)]));
+    return `Saved ${name}.${kind}`;
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    if (asked === play.asked) {
+      parts.said.className = "said bad";
+      parts.said.textContent = error.message;
+    }
+    return error.message;
+  }
 }

@@ -1,0 +1,38 @@
+// The page of one world: its robots, each of which can be put in front, and the player.
+
+const data = JSON.parse(byId("data").textContent);
+const canvas = el("canvas", { id: "stage", role: "img" });
+const under = el("div", { class: "under" }),
+  instruments = el("p", { class: "instruments", id: "instruments" }),
+  list = el("ol", { class: "robots", "aria-label": "Results" });
+const page = { player: null, looked: data.robots.findIndex((one) => one.run) };
+
+function look(number) {
+  page.looked = number;
+  const front = data.robots[number];
+  if (page.player) page.player.play(false);
+  const drawn = { ...sceneOf(data.world, data.robots, number), name: data.title };
+  page.player = buildPlayer(canvas, under, drawn, page.player, (player) => showInstruments(instruments, player));
+  canvas.setAttribute("aria-label", `${front.name}: ${front.words}`);
+  showRobots(list, data.robots, number, look);
+}
+
+function onKey(event) {
+  if (!page.player || event.ctrlKey || event.metaKey || event.altKey) return;
+  const { target, key } = event;
+  if (target.matches("select, input[type=range]") && /^(Arrow|Home|End|Page)/.test(key)) return;
+  if (/^( |Enter)$/.test(key) && target.matches("button, summary, select, input")) return;
+  const keys = { d: () => byId("theme").click(), ...cameraKeys(page.player), ...layerKeys(page.player) };
+  const act = { ...keys, ...clockKeys(page.player, event.shiftKey ? 10 : 1) }[key];
+  if (!act) return;
+  event.preventDefault();
+  act();
+}
+
+byId("main").append(el("div", { class: "stage" }, canvas), instruments, under, list);
+dragToMove(canvas, page);
+followSystem(byId("theme"), () => page.player && page.player.draw());
+addEventListener("keydown", onKey);
+addEventListener("resize", () => page.player && page.player.draw());
+if (data.world && page.looked >= 0) look(page.looked);
+else byId("main").replaceChildren(el("p", { class: "notice" }, "Nothing here can be drawn: the world is too large, or no robot has run."));

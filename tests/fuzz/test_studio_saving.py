@@ -1,0 +1,81 @@
+"""What is saved from the player: by the server, and by a browser."""
+
+import base64
+import io
+import shutil
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from fuzz.player import replay_page
+from tests.helpers.browser import missing_browser
+from tests.helpers.studio import page_of, studio_of
+from worldgen.grid_file import read_world
+
+pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
+in_a_browser = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+
+from fuzz.studio.messages import message_of  # noqa: E402
+from tests.helpers.studio_page import chromium_browser, opened  # noqa: E402
+
+CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
+
+
+@pytest.fixture(scope="module")
+def gate(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("saving")
+    shutil.copy(CONFIG_5, folder / "config-05.grid")
+    with studio_of(folder, file="config-05.grid") as gate:
+        yield gate
+
+
+def ask(page, **changes):
+    message = {"world": message_of(read_world(CONFIG_5)), "motion": "stepped", "time_step": 0.015, "seed": 0}
+    message |= {"controllers": ["thesis-1", "thesis-2"], "steps": 900, "options": {}, "title": "five", "looked": 0}
+    return page.ask("picture", **(message | changes))
+
+
+def test_runs_are_saved_as_animation_drawing_and_page(gate):
+    with page_of(gate) as page:
+        gif, svg, html = (base64.b64decode(ask(page, kind=kind)["answer"]["data"]) for kind in ("gif", "svg", "html"))
+        assert base64.b64decode(ask(page, kind="gif")["answer"]["data"]) == gif
+    assert Image.open(io.BytesIO(gif)).n_frames == 120
+    assert svg.startswith(b"<?xml") and b"five: thesis-1, stepped: " in svg
+    assert b"<title>five</title>" in html and b"thesis-2" in html
+
+
+@pytest.mark.parametrize("changes", [{"kind": "exe"}, {"kind": "svg", "looked": 2}, {"kind": "gif", "looked": -1}])
+def test_a_picture_of_another_kind_or_of_nobody_is_refused(gate, changes):
+    with page_of(gate) as page:
+        assert "choose one that drove, as gif, svg, html" in ask(page, **changes)["error"]
+
+
+def test_a_replay_page_holds_no_markup_of_names():
+    page = replay_page("</title><script>alert(1)</script>", None, [{"name": "<img src=x>", "run": None}]).decode()
+    assert "<script>alert" not in page and "<img" not in page
+
+
+@in_a_browser
+def test_picture_film_and_page_are_saved_with_the_mouse_and_the_page_replays_by_itself(gate, tmp_path):
+    with chromium_browser() as browser, opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.get_by_label("Steps").fill("300")
+        page.keyboard.press("Control+Enter")
+        page.locator(".result", has_text="300 steps").wait_for()
+        for words, kind, begins in (
+            ("Picture", "png", b"\x89PNG"),
+            ("Film", "webm", b"\x1aE"),
+            ("HTML", "html", b"<!"),
+        ):
+            page.locator(".save summary").click()
+            with page.expect_download() as download:
+                page.locator(".save button", has_text=words).click()
+            assert download.value.suggested_filename == f"config-05.{kind}"
+            download.value.save_as(tmp_path / f"run.{kind}")
+            assert (tmp_path / f"run.{kind}").read_bytes().startswith(begins)
+        assert page.complaints == []
+        page.goto((tmp_path / "run.html").as_uri())
+        page.keyboard.press("Home")
+        page.locator("#readout", has_text="step 0 of 300").wait_for()
+        assert page.complaints == []
