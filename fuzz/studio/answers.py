@@ -188,13 +188,9 @@ class Answers:
     def picture(self, message: Message, part: Part) -> dict[str, Any]:
         """The same runs as a file: an animation of all, a drawing of one, a page that replays all."""
         world, labels = _to_run(message)
-        kind, title, looked = (
-            field(message, name, of) for name, of in (("kind", str), ("title", str), ("looked", int))
-        )
-        if kind not in ("gif", "svg", "html") or not 0 <= looked < len(labels):
-            raise InvalidParameter(
-                f"a picture of kind {kind[:20]!r} of robot {looked}; choose gif, svg or html of one that drove"
-            )
+        kind, title, looked = field(message, "kind", str), field(message, "title", str), field(message, "looked", int)
+        if kind not in _PICTURES or not 0 <= looked < len(labels):
+            raise InvalidParameter(f"robot {looked} as {kind[:20]!r}; choose one that drove, as {', '.join(_PICTURES)}")
         drives = []
         for number, label in enumerate(labels):
             try:
