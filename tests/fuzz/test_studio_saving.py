@@ -73,7 +73,7 @@ def test_picture_film_and_page_are_saved_with_the_mouse_and_the_page_replays_by_
                 page.locator(".save button", has_text=words).click()
                 if kind == "webm":  # ended early
                     page.locator("#readout", has_text="step 1").wait_for()
-                    page.locator("#play", has_text="Pause").click()
+                    page.get_by_role("button", name="Pause").click()
             assert download.value.suggested_filename == f"config-05.{kind}"
             download.value.save_as(tmp_path / f"run.{kind}")
             assert (tmp_path / f"run.{kind}").read_bytes().startswith(begins)
