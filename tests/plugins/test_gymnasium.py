@@ -204,6 +204,15 @@ def test_a_reset_takes_another_world_or_file_and_keeps_it(form, tmp_path):
     assert env.world.provenance.family == "trap"
 
 
+@pytest.mark.parametrize("options", [{"world": arena()}, TRAPS], ids=["world", "family"])
+def test_a_reset_option_that_is_none_says_nothing(options):
+    env = NavigateEnv(**{**options, "sensors": PLAIN})
+    env.reset(seed=1)
+    before = env.world
+    env.reset(seed=1, options={"world": None, "worlds": None, "family": None, "difficulty": None, "pool": None})
+    assert env.world == before
+
+
 def test_a_curriculum_asks_for_harder_worlds():
     env = NavigateEnv(family="trap", params={"size": 20}, difficulty=(0.1, 0.3), pool=2, sensors=PLAIN)
     for low, high in ((0.1, 0.3), (0.5, 0.9)):

@@ -70,9 +70,13 @@ class Supply:
     def changed(self, options: Mapping[str, Any]) -> Supply:
         """The supply with other options; those of a family stay what they are unless they are named.
 
-        A world, or worlds, take the place of a family, and a family theirs.
+        A world, or worlds, take the place of a family, and a family theirs. ``None`` says nothing, but of a difficulty
+        or parameters that there are none from now on.
         """
-        if not options:
+        options = {
+            name: value for name, value in options.items() if value is not None or name in ("difficulty", "params")
+        }
+        if not any(name in self.options or value is not None for name, value in options.items()):
             return self
         if "world" in options or "worlds" in options:
             return Supply(options)
