@@ -140,7 +140,7 @@ def test_tabs_part_fields_even_where_a_name_has_a_space(write):
 
 
 SCENARIO_FAULTS = [
-    (b"", 1, "came where `version 1` belongs"),
+    (b"", 1, "came where `version 1` belongs; give a scenario file"),
     (b"version 2\n0 a 4 3 0 0 1 1 1\n", 1, "'version 2' came"),
     (b"version 1\n", None, "has no row 1; it has rows 1 to 0"),
     (b"version 1\n0 a 3 4 0 0 1 1 1\n", 2, "for a map of 3 x 4 cells, the map has 4 x 3"),

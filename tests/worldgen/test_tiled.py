@@ -108,8 +108,8 @@ def packed(data, compression="zlib"):
 
 BAD = [
     (lambda parts: parts.update(infinite=True), "is endless; take the tick off Infinite"),
-    (lambda parts: parts.update(orientation="isometric"), "only orthogonal maps are worlds"),
-    (lambda parts: parts.update(tileheight=8), "tiles of 16 x 8 pixels; a cell is a square"),
+    (lambda parts: parts.update(orientation="isometric"), "only orthogonal maps are worlds; draw it anew as one"),
+    (lambda parts: parts.update(tileheight=8), "16 x 8 pixels; a cell is a square; set both sides alike in Map"),
     (lambda parts: parts.update(width="5"), "width is '\"5\"', no whole number"),
     (lambda parts: parts.update(width=10**6, height=10**6), "1000000 x 1000000 cells"),
     (lambda parts: parts.update(layers=[1]), "a layer is none"),

@@ -114,14 +114,15 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
     width, height, maximum = fields
     check_sides(width, height, line=_line(data, at), source=source)
     if not 0 < maximum < 65536:
-        raise FormatError(f"maximum {maximum}; a PGM has 1 to 65535", line=_line(data, at), source=source)
+        raise FormatError(f"maximum {maximum}; a PGM has 1 to 65535; save it anew", line=_line(data, at), source=source)
     if data[:2] == b"P2":
         values = _plain_raster(data, at, width * height, source)
     else:
         values = _binary_raster(data, at, width * height, 1 if maximum < 256 else 2, source)
     if int(values.max()) > maximum:
         raise FormatError(
-            f"a pixel is {int(values.max())}, above the maximum {maximum}; the file is damaged", source=source
+            f"a pixel is {int(values.max())}, above the maximum {maximum}; the file is damaged, save it anew",
+            source=source,
         )
     grey = values.astype(np.uint8) if maximum < 256 else values.astype(np.uint16)
     return GreyImage(grey.reshape(height, width), maximum)
@@ -133,7 +134,7 @@ def _binary_raster(data: bytes, at: int, count: int, width: int, source: str) ->
     rest = len(data) - at - 1
     if rest < size or not data[at : at + 1].isspace():
         raise FormatError(
-            f"{max(rest, 0)} bytes of pixels; the header's sizes need {size}; the file is cut off",
+            f"{max(rest, 0)} bytes of pixels; the header's sizes need {size}; the file is cut off, copy it again",
             source=source,
         )
     if data[at + 1 + size :].strip():
@@ -156,7 +157,9 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
     edges = np.flatnonzero(np.diff(is_digit.astype(np.int8), prepend=np.int8(0), append=np.int8(0)))
     begin, end = edges[::2], edges[1::2]
     if len(begin) != count:
-        raise FormatError(f"{len(begin)} pixels; the header's sizes need {count}; the file is damaged", source=source)
+        raise FormatError(
+            f"{len(begin)} pixels; the header's sizes need {count}; the file is damaged, save it anew", source=source
+        )
     lengths = end - begin
     if int(lengths.max()) > _MAX_DIGITS:
         _wrong_word(data, text, int(begin[int(np.argmax(lengths > _MAX_DIGITS))]), source)

@@ -244,8 +244,7 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
     check_between("row", row, 1, _MAX_SCENARIOS)
     source = str(path)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", row + 1)
-    if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", lines[0].lower().strip()):
-        raise FormatError(f"{shown(lines[0])} came where `version 1` belongs", line=1, source=source)
+    _check_version(lines[0], source)
     if len(lines) <= row or not lines[row].strip():
         count = sum(1 for line in lines[1:] if line.strip())
         raise FormatError(f"has no row {row}; it has rows 1 to {count}", source=source)
@@ -261,10 +260,17 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
         )
     for column, line_from_top in (numbers[2:4], numbers[4:6]):
         if column >= width or line_from_top >= height:
-            message = f"cell ({column}, {line_from_top}) lies outside the map of {width} x {height} cells"
+            message = (
+                f"cell ({column}, {line_from_top}) lies outside the map of {width} x {height} cells; correct the line"
+            )
             raise FormatError(message, line=row + 1, source=source)
     start, goal = (cell_centre(numbers[at], height - 1 - numbers[at + 1], cell_size) for at in (2, 4))
     return Scenario(start, goal, float(fields[8]), fields[1].decode("utf-8", "backslashreplace"))
+
+
+def _check_version(line: bytes, source: str) -> None:
+    if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", line.lower().strip()):
+        raise FormatError(f"{shown(line)} came where `version 1` belongs; give a scenario file", line=1, source=source)
 
 
 def scenario_contents(path: Path) -> tuple[str, int]:
@@ -278,8 +284,7 @@ def scenario_contents(path: Path) -> tuple[str, int]:
     """
     source = str(path)
     lines = unix_text(read_bounded(path, _MAX_SCENARIO_BYTES)).split(b"\n", _MAX_SCENARIOS)
-    if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", lines[0].lower().strip()):
-        raise FormatError(f"{shown(lines[0])} came where `version 1` belongs", line=1, source=source)
+    _check_version(lines[0], source)
     rows = [line for line in lines[1:] if line.strip()]
     if not rows:
         raise FormatError("has no problem; give a scenario file with some", source=source)

@@ -73,7 +73,9 @@ def _letters(drawn: npt.NDArray[np.uint8], numbers: list[int], source: str) -> d
     for row, column in np.argwhere((drawn | 0x20 >= ord("a")) & (drawn | 0x20 <= ord("z"))).tolist():
         letter = chr(drawn[row, column])
         if letter in found:
-            raise FormatError(f"{letter} is there twice; each agent has one place", line=numbers[row], source=source)
+            raise FormatError(
+                f"{letter} is there twice; each agent has one place, so take one out", line=numbers[row], source=source
+            )
         found[letter] = (row, column)
     return found
 

@@ -56,10 +56,16 @@ def parse_tiled(data: bytes, source: str) -> Part:
         raise FormatError("is endless; take the tick off Infinite in Tiled's Map Properties", source=source)
     kind = parsed.get("orientation", "orthogonal")
     if kind != "orthogonal":
-        raise FormatError(f"its orientation is {shown(str(kind))}; only orthogonal maps are worlds", source=source)
+        raise FormatError(
+            f"its orientation is {shown(str(kind))}; only orthogonal maps are worlds; draw it anew as one",
+            source=source,
+        )
     tile = [checked_number(parsed, key, source) for key in ("tilewidth", "tileheight")]
     if tile[0] != tile[1] or tile[0] < 1:
-        raise FormatError(f"tiles of {tile[0]} x {tile[1]} pixels; a cell is a square", source=source)
+        raise FormatError(
+            f"tiles of {tile[0]} x {tile[1]} pixels; a cell is a square; set both sides alike in Map Properties",
+            source=source,
+        )
     return parsed
 
 
@@ -71,7 +77,9 @@ def checked_number(part: Part, key: str, source: str) -> int:
     """
     value = part.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= 1_000_000:
-        raise FormatError(f"{key} is {shown(json.dumps(value))}, no whole number of 0 or more", source=source)
+        raise FormatError(
+            f"{key} is {shown(json.dumps(value))}, no whole number of 0 or more; save it anew", source=source
+        )
     return value
 
 
@@ -123,7 +131,9 @@ def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArr
     name = f"layer {shown(layer['name'])}"
     size = layer.get("width", width), layer.get("height", height)
     if size != (width, height):
-        raise FormatError(f"{name} has {size[0]} x {size[1]} cells, the map {width} x {height}", source=source)
+        raise FormatError(
+            f"{name} has {size[0]} x {size[1]} cells, the map {width} x {height}; save it anew", source=source
+        )
     data = layer.get("data")
     if isinstance(data, str):
         numbers = np.frombuffer(_unpacked(layer, data, 4 * width * height, name, source), "<u4")
