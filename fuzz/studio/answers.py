@@ -6,6 +6,7 @@ An answer is a table; parts of it that are there earlier are handed to ``part``.
 from __future__ import annotations
 
 import base64
+import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,9 +17,11 @@ from typing import Any
 from fuzz.player import drawn_run, drawn_world, replay_page, sensors_of
 from fuzz.player.streams import numbers
 from fuzz.player.worlds import drawn_certificate
+from fuzz.report.summary import MEMORY
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.folder import Folder
 from fuzz.studio.messages import field, message_of, restored, world_of
+from fuzz.telling import run_to_draw
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
 from sim.episode import Episode, simulate
@@ -78,6 +81,27 @@ class Answers:
     def open(self, message: Message, part: Part) -> dict[str, Any]:
         """A world of the folder."""
         return _opened(read_world(self.folder.place(field(message, "name", str))))
+
+    def before(self, message: Message, part: Part) -> dict[str, Any]:
+        """A failure of the folder as it was found, before shrinking; null where its campaign has not kept that."""
+        path = self.folder.place(field(message, "name", str))
+        shrunk = read_world(path)
+        found = next(filter(None, (_found_in(shrunk, folder, self.folder.root) for folder in path.parents)), None)
+        if found is None or found.failure is None:
+            return {"before": None}
+        who = found.failure.controller
+        if who not in self.named and who not in CONTROLLERS.names():  # code of a file that nobody has named
+            return {"before": None}
+        episode, words = run_to_draw(found)
+        options = RunOptions.of(found.failure.motion, found.failure.seed, found.failure.parameters)
+        return {
+            "before": {
+                "words": f"{found.failure.verdict}{words}",
+                "world": drawn_world(found),
+                "run": drawn_run(episode, found.cell_size, most=_KEPT_STEPS),
+                "sensors": sensors_of(CONTROLLERS.get(who), options, found.cell_size),
+            }
+        }
 
     def save(self, message: Message, part: Part) -> dict[str, Any]:
         """Writes a world into the folder; with the proof that is decided for it now, or its file's own."""
@@ -238,6 +262,15 @@ class _Driven:
     @property
     def words(self) -> str:
         return f"{self.episode.verdict}{evidence_in_words(self.episode)}"
+
+
+def _found_in(shrunk: World, folder: Path, root: Path) -> World | None:
+    """The failure that was shrunk, where a campaign of this folder, which must be in the opened one, has it."""
+    name = shrunk.failure.details.get("original") if shrunk.failure else None
+    if not isinstance(name, str) or not name.isalnum() or not folder.is_relative_to(root):
+        return None
+    path = Path(os.path.realpath(folder / MEMORY / "failures" / f"{name}.grid"))
+    return read_world(path) if path.is_relative_to(root) and path.is_file() else None
 
 
 def _to_run(message: Message) -> tuple[World, list[Any]]:

@@ -31,6 +31,7 @@ LANES = {
     "measure": "widths",
     "run": "runs",
     "picture": "pictures",
+    "before": "pictures",
 }
 """Which process does what: what is saved is never ended, and a long search for a proof stops no run."""
 

@@ -1,8 +1,9 @@
-"""What is saved from the player: by the server, and by a browser."""
+"""What is saved from the player, and what a failure was before shrinking: by the server, and in a browser."""
 
 import base64
 import io
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,8 +11,9 @@ from PIL import Image
 
 from fuzz.player import replay_page
 from tests.helpers.browser import missing_browser
+from tests.helpers.campaign_folder import LOOP, TUNNEL, campaign_folder
 from tests.helpers.studio import page_of, studio_of
-from worldgen.grid_file import read_world
+from worldgen.grid_file import read_world, write_world
 
 pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
 in_a_browser = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
@@ -81,4 +83,40 @@ def test_picture_film_and_page_are_saved_with_the_mouse_and_the_page_replays_by_
         page.goto((tmp_path / "run.html").as_uri())
         page.keyboard.press("Home")
         page.locator("#readout", has_text="step 0 of 300").wait_for()
+        assert page.complaints == []
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory):
+    return campaign_folder(tmp_path_factory.mktemp("campaign") / "failures")
+
+
+def test_a_failure_is_answered_with_what_it_was_before_shrinking(campaign):
+    with studio_of(campaign) as gate, page_of(gate) as page:
+        before = page.ask("before", name=LOOP)["answer"]["before"]
+        assert before["words"].startswith("loop for ever") and before["run"]["loop"] == [29, 104]
+        assert page.ask("before", name=TUNNEL)["answer"]["before"] is None
+
+
+def test_what_was_before_is_not_run_by_a_controller_that_nobody_has_named(campaign, tmp_path):
+    shutil.copytree(campaign, tmp_path / "copy")
+    (original,) = (tmp_path / "copy/.campaign/failures").glob("*.grid")
+    world = read_world(original)
+    write_world(replace(world, failure=replace(world.failure, controller="./evil.py:Robot")), original, force=True)
+    (tmp_path / "copy/evil.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')")
+    with studio_of(tmp_path / "copy") as gate, page_of(gate) as page:
+        assert page.ask("before", name=LOOP)["answer"]["before"] is None
+    assert not (tmp_path / "ran").exists()
+
+
+@in_a_browser
+def test_a_failure_is_played_beside_what_it_was(campaign):
+    with studio_of(campaign, file=LOOP) as gate, chromium_browser() as browser, opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.locator("#beside").click()
+        page.keyboard.press("Home")
+        assert page.locator("section#play .stage canvas").count() == 2
+        assert page.locator(".stage .tag").all_inner_texts() == ["As found", "Shrunk"]
+        page.locator("#beside").click()
+        assert page.locator("section#play .stage canvas").count() == 1
         assert page.complaints == []

@@ -17,6 +17,7 @@ export const LAYERS = {
 export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
   const parts = {};
   fitStage(canvas, drawn.world);
+  if (drawn.beside) drawn.beside.canvas.style.height = canvas.style.height;
   const player = makePlayer(canvas, drawn, (now) => {
     showState(now, parts);
     also(now);

@@ -13,7 +13,8 @@ export function usualSpeed(steps, dt) {
 
 /* A player of one drawn world.
      canvas    where
-     drawn     world, run and sensors; where there are several robots also this one's colour, and the others
+     drawn     world, run and sensors; where there are several robots also this one's colour, and the others;
+               beside: { canvas, world, run, sensors } of another run that is played in step
      changed   called whenever the time, or whether it plays, has changed */
 export function makePlayer(canvas, drawn, changed) {
   const { run, world } = drawn;
@@ -34,6 +35,8 @@ export function makePlayer(canvas, drawn, changed) {
         player.view = { ...player.view, x, y };
       }
       drawScene(canvas, { ...drawn, world, run, step: player.step, show: player.show }, player.view);
+      const { beside } = drawn;
+      if (beside) drawScene(beside.canvas, { ...beside, step: sameTime(player.step, run, beside.run), show: player.show });
     },
     update() {
       player.draw();
@@ -44,9 +47,15 @@ export function makePlayer(canvas, drawn, changed) {
 }
 
 // The end of the longest of all runs, in steps of the one that is looked at.
-function lastStep({ run, others }) {
+function lastStep({ run, others, beside }) {
   if (!run) return 0;
-  return Math.max(run.steps, ...(others || []).map((other) => Math.round((other.run.steps * other.run.dt) / run.dt)));
+  const all = [...(others || []), ...(beside && beside.run ? [beside] : [])];
+  return Math.max(run.steps, ...all.map((other) => Math.round(sameTime(other.run.steps, other.run, run))));
+}
+
+// The step of another run at the time of a run's step.
+function sameTime(step, run, other) {
+  return run && other ? (step * run.dt) / other.dt : 0;
 }
 
 function clockOf(player) {

@@ -3,14 +3,18 @@
 function makeDetail(section, failure, neighbours) {
   const canvas = el("canvas", { id: "stage", role: "img" });
   const under = el("div"),
+    stage = el("div", { class: "stage" }, canvas),
     pair = el("div", { class: "pair" });
-  const state = { player: null };
-  const load = (drawn, words) => {
+  const state = { player: null, shown: null };
+  const load = (drawn, words, other = null) => {
     if (state.player) state.player.play(false);
     canvas.setAttribute("aria-label", `${words}. ${pictureLabel(drawn)}`);
-    state.player = buildPlayer(canvas, under, drawn, state.player);
+    const beside = besideIn(stage, other, ["As found", "Shrunk"]);
+    state.player = buildPlayer(canvas, under, { ...drawn, beside }, state.player);
+    state.shown = drawn;
     for (const button of pair.querySelectorAll("button")) {
-      button.setAttribute("aria-pressed", String(failure[button.dataset.which] === drawn));
+      const here = button.dataset.which === "both" ? beside !== null : !beside && failure[button.dataset.which] === drawn;
+      button.setAttribute("aria-pressed", String(here));
     }
   };
   section.replaceChildren(
@@ -21,7 +25,7 @@ function makeDetail(section, failure, neighbours) {
       el(
         "div",
         {},
-        failure.now.world ? [el("div", { class: "stage" }, canvas), under] : tooLarge(failure.now),
+        failure.now.world ? [stage, under] : tooLarge(failure.now),
         legend(failure),
         pairPart(failure, pair, load),
       ),
@@ -38,7 +42,7 @@ function makeDetail(section, failure, neighbours) {
     player: () => state.player,
     swap: () => {
       if (!state.player || !failure.before || !failure.before.world) return;
-      if (state.player.drawn === failure.now) load(failure.before, "As found");
+      if (state.shown === failure.now) load(failure.before, "As found");
       else load(failure.now, failure.kind);
     },
     redraw: () => {
@@ -128,6 +132,12 @@ function pairPart(failure, pair, load) {
       ),
     );
   pair.append(figure(failure.before, "before", "As found"), figure(failure.now, "now", "Shrunk"));
+  const both = { type: "button", "data-which": "both", "aria-pressed": "false" };
+  const together =
+    failure.before.run && failure.before.world && failure.now.run && failure.now.world
+      ? el("button", { ...both, onclick: () => load(failure.now, failure.kind, failure.before) }, "Play side by side")
+      : null;
+  if (together) pair.append(el("div", { class: "together" }, together));
   return el("div", { class: "part" }, el("h3", {}, "Before and after shrinking"), pair);
 }
 

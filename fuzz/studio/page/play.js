@@ -3,6 +3,7 @@
 import { buildPlayer, dragToMove } from "/player/controls.js";
 import { bytesOf } from "/player/decode.js";
 import { el } from "/player/dom.js";
+import { besideIn } from "/player/pair.js";
 import { sceneOf, showInstruments, showRobots } from "/player/robots.js";
 import { keep } from "/player/saving.js";
 import { Ended, Refused } from "./connection.js";
@@ -19,11 +20,13 @@ export function makePlay(section, studio) {
     said: el("p", { class: "said", role: "status", id: "run-said" }),
     instruments: el("p", { class: "instruments", id: "instruments" }),
   };
-  const play = { studio, parts, player: null, runs: [], world: null, message: null, looked: 0, version: -1, asked: 0 };
+  parts.stage = el("div", { class: "stage" }, parts.canvas);
+  parts.beside = el("button", { type: "button", id: "beside", hidden: true, "aria-pressed": "false", onclick: () => toggleBeside(play) }, "Beside it: as found, before shrinking");
+  const play = { studio, before: null, both: false, parts, player: null, runs: [], world: null, message: null, looked: 0, version: -1, asked: 0 };
   play.robots = makeRobots(studio, () => run(play));
   section.replaceChildren(
-    el("div", { class: "middle" }, el("div", { class: "stage" }, parts.canvas), parts.instruments, parts.under),
-    el("aside", { class: "side" }, play.robots.element, parts.said, el("div", { class: "results" }, parts.list)),
+    el("div", { class: "middle" }, parts.stage, parts.instruments, parts.under),
+    el("aside", { class: "side" }, play.robots.element, parts.said, el("div", { class: "results" }, parts.list, parts.beside)),
   );
   dragToMove(parts.canvas, play);
   parts.canvas.addEventListener("wheel", (event) => wheel(play, event), { passive: false });
@@ -35,7 +38,10 @@ export function makePlay(section, studio) {
     pause: () => play.player && play.player.play(false),
     redraw: () => play.player && play.player.draw(),
     refresh: () => play.robots.refresh(),
-    prefer: (failure) => play.robots.prefer(failure),
+    prefer: (failure) => {
+      play.robots.prefer(failure);
+      askBefore(play);
+    },
     runs: () => play.runs,
   };
 }
@@ -60,6 +66,8 @@ async function run(play) {
   const asked = play.asked,
     version = studio.model.version;
   play.runs = [];
+  play.both = false;
+  parts.beside.hidden = true;
   parts.said.className = "said quiet";
   parts.said.textContent = "Running …";
   play.message = { ...play.robots.message(), world: messageOf(studio.model.world) };
@@ -67,6 +75,7 @@ async function run(play) {
     await studio.connection.ask("run", play.message, (part) => asked === play.asked && take(play, part));
     play.version = version;
     if (asked === play.asked) parts.said.textContent = "";
+    showBeside(play);
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     if (asked !== play.asked) return;
@@ -94,14 +103,14 @@ function look(play, number) {
     front = runs[number];
   if (!front || !front.run) return;
   play.looked = number;
-  const drawn = { ...sceneOf(play.world, runs, number), name: play.studio.model.world.name, saves: savesOf(play) };
+  const drawn = { ...sceneOf(play.world, runs, number), name: play.studio.model.world.name, saves: savesOf(play), beside: besideOf(play) };
   const former = play.player,
     seen = former && former.drawn.world === play.world && former.step < former.last ? former : null;
   const playing = seen && seen.playing;
   if (former) former.play(false);
   const shown = (player) => showInstruments(parts.instruments, player);
   play.player = buildPlayer(parts.canvas, parts.under, drawn, former, shown);
-  parts.canvas.style.height = ""; // the page lays it out
+  for (const canvas of parts.stage.querySelectorAll("canvas")) canvas.style.height = ""; // the page lays it out
   if (seen) goOn(play.player, seen, playing);
   else play.player.fit();
   parts.canvas.setAttribute("aria-label", `${front.name}: ${front.words}`);
@@ -119,6 +128,36 @@ function goOn(player, seen, playing) {
 
 function showTable(play) {
   showRobots(play.parts.list, play.runs, play.looked, (number) => look(play, number));
+}
+
+// Whether the failure that was opened, and has not changed since, is there as it was found.
+async function askBefore(play) {
+  const { model, connection } = play.studio;
+  const version = model.version;
+  play.before = null;
+  try {
+    const { before } = await connection.ask("before", { name: model.world.name });
+    if (before && before.run && before.world && version === model.version) play.before = { ...before, version };
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+  }
+  showBeside(play);
+}
+
+function showBeside(play) {
+  const there = play.before && play.before.version === play.version && play.runs.length === 1 && play.player;
+  play.parts.beside.hidden = !there;
+  play.parts.beside.setAttribute("aria-pressed", String(play.both));
+}
+
+function toggleBeside(play) {
+  play.both = !play.both;
+  look(play, play.looked);
+  showBeside(play);
+}
+
+function besideOf(play) {
+  return besideIn(play.parts.stage, play.both ? play.before : null, ["As found", "Shrunk"]);
 }
 
 // What the server can make of the same runs: files of pictures and pages.
