@@ -40,7 +40,7 @@ from worldgen.world import Pose, Target, World
 
 __all__ = ["CampaignSession", "configure"]
 
-_SUMMARY_EVERY = 5.0  # s, at least, between two summaries while the search goes on
+_SUMMARY_EVERY = 1.0  # s, at least, between two summaries while the search goes on
 _NO_FAILURE = ("reached", "sealed")  # verdicts at first look
 
 

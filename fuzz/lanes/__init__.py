@@ -4,6 +4,7 @@ Contents:
     lane_of: the lane of a name.
     check_lane: refuses a name, or a lane that does not fit a campaign.
     Task: what a lane gets.
+    OWN_LANES: those that are no family's.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 
-__all__ = ["Lane", "Task", "check_lane", "lane_of"]
+__all__ = ["OWN_LANES", "Lane", "Task", "check_lane", "lane_of"]
 
 Lane = Callable[[Task], None]
 """Does a unit's work: counts its runs and hands what fails to the task's door."""
@@ -40,6 +41,10 @@ _OWN: dict[str, Lane] = {
 }
 
 
+OWN_LANES = (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, *drawn.LAYOUT_LANES)
+"""Lanes that a user may ask for, beside the families."""
+
+
 def lane_of(name: str) -> Lane:
     """The lane of a name; that of a family, of ``features``, ``sealed`` and ``map`` lets Hypothesis draw."""
     return _OWN.get(name, drawn.search)
@@ -51,14 +56,13 @@ def check_lane(name: str, scenario: Scenario) -> None:
     Raises:
         InvalidParameter: If it does not fit.
     """
-    own = (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, *drawn.LAYOUT_LANES)
     if ":" in name or name.endswith(".toml"):
         FAMILIES.get(name)
-    elif name not in (known := (*own, *FAMILIES.names())):
+    elif name not in (known := (*OWN_LANES, *FAMILIES.names())):
         close = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
         raise InvalidParameter(
-            f"no lane and no family is called {name!r}; {hint}lanes: {', '.join(own)}; families: "
+            f"no lane and no family is called {name!r}; {hint}lanes: {', '.join(OWN_LANES)}; families: "
             f"{', '.join(FAMILIES.names())}; your own family: package.module:name, ./file.py:name or ./recipe.toml"
         )
     if name == drawn.SEALED and not drawn.can_breach(scenario):

@@ -21,7 +21,7 @@ from fuzz.ledger.setup import Setup
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files import read_text, write_bytes
 from worldgen.grid_file import dumps, loads
-from worldgen.locks import lock
+from worldgen.locks import lock, sign
 from worldgen.world import World
 
 __all__ = ["CampaignFolder", "Ledger"]
@@ -74,8 +74,9 @@ class CampaignFolder(Ledger):
             self._path.mkdir(parents=True, exist_ok=True)
             self._lock = os.open(self._path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
         if not lock(self._lock):
-            self.close()
+            os.close(self._lock)
             raise OutputError(f"another worldgen fuzz is writing {out}; let that one end first, or name another folder")
+        sign(self._lock)
 
     @staticmethod
     def stored_in(out: Path) -> tuple[Setup, dict[str, Any]] | None:

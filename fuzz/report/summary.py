@@ -74,6 +74,7 @@ class Summary:
         seconds: Time spent.
         verdicts: How often each verdict was met, at first look.
         met: How often each class was met.
+        known: Likewise, of those that were no news.
         lanes: What each lane did.
         found: In order of time.
         archive: Behaviours met, if an archive was kept.
@@ -89,6 +90,7 @@ class Summary:
     seconds: float
     verdicts: dict[str, int] = field(default_factory=dict)
     met: dict[str, int] = field(default_factory=dict)
+    known: dict[str, int] = field(default_factory=dict)
     lanes: list[Lane] = field(default_factory=list)
     found: list[Find] = field(default_factory=list)
     archive: Archive | None = None
@@ -170,6 +172,7 @@ def _summary(folder: Path, said: _Reader) -> Summary:
         seconds=said.number("seconds"),
         verdicts=said.counts("verdicts"),
         met=said.counts("met"),
+        known=said.counts("known"),
         lanes=[_lane(_Reader(row)) for row in said.rows("lanes")],
         found=[_find(_Reader(row)) for row in said.rows("found")],
         archive=None if archive is None else _archive(archive),

@@ -18,9 +18,11 @@ from fuzz.player import drawn_run, drawn_world, replay_page, sensors_of
 from fuzz.player.streams import numbers
 from fuzz.player.worlds import drawn_certificate
 from fuzz.report.summary import MEMORY
+from fuzz.studio.campaigns import CampaignAnswers
 from fuzz.studio.catalogue import catalogue
 from fuzz.studio.folder import Folder
 from fuzz.studio.messages import field, message_of, restored, world_of
+from fuzz.studio.walls import WallAnswers
 from fuzz.telling import run_to_draw
 from sim.controllers import CONTROLLERS
 from sim.controllers.base import Controller
@@ -58,7 +60,7 @@ Part = Callable[[dict[str, Any]], None]
 
 
 @dataclass(frozen=True)
-class Answers:
+class Answers(CampaignAnswers, WallAnswers):
     """Everything that can be asked for, by the names of the protocol.
 
     Args:

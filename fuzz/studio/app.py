@@ -19,6 +19,7 @@ from fuzz.studio.folder import Folder
 from fuzz.studio.gate import Gate, Guarded
 from fuzz.studio.lanes import LANES, Lane
 from fuzz.studio.session import Session
+from fuzz.studio.watching import Watching
 
 __all__ = ["MOST_MESSAGE", "Studio", "make_app"]
 
@@ -56,7 +57,10 @@ class Studio:
 
 def make_app(studio: Studio) -> ASGIApp:
     """The studio as an ASGI application, behind its gate."""
-    lanes = {name: Lane(studio.folder, studio.named) for name in dict.fromkeys(LANES.values())}
+    lanes: dict[str, Lane | Watching] = {
+        name: Lane(studio.folder, studio.named) for name in dict.fromkeys(LANES.values())
+    }
+    lanes["watching"] = Watching(studio.folder)
 
     async def part(request: Request) -> Response:
         data = studio.parts.get(request.url.path)

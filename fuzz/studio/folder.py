@@ -57,12 +57,28 @@ class Folder:
             raise InvalidParameter(f"{shown(name[:60])!r} leads out of the opened folder; copy the file into it")
         return real
 
-    def files(self, endings: tuple[str, ...]) -> list[dict[str, Any]]:
-        """What there is to open: worlds and files with such endings, none hidden, the first :data:`MOST_FILES`."""
-        known = (
-            entry for entry in self._walk(self.root, 0) if entry["world"] or entry["name"].lower().endswith(endings)
-        )
+    def files(self, endings: tuple[str, ...] = (), below: str = "") -> list[dict[str, Any]]:
+        """What there is to open: worlds and files with such endings, none hidden, the first :data:`MOST_FILES`.
+
+        Args:
+            endings: Of files that are no worlds.
+            below: A folder in it; all of it if left out.
+        """
+        walked = self._walk(self.place(below) if below else self.root, 0)
+        known = (entry for entry in walked if entry["world"] or entry["name"].lower().endswith(endings))
         found = sorted(known, key=lambda entry: (entry["name"].count("/"), entry["name"]))
+        return found[:MOST_FILES]
+
+    def folders(self) -> list[str]:
+        """The folders in it and below, by name; neither hidden ones nor links."""
+        found: list[str] = []
+        for top, inner, _ in os.walk(self.root):
+            inner[:] = sorted(one for one in inner if not one.startswith(".") and one.isprintable())
+            inner[:] = [one for one in inner if not Path(top, one).is_symlink()]
+            there = Path(top).relative_to(self.root)
+            found += [(there / one).as_posix() for one in inner]
+            if len(there.parts) >= _DEEPEST - 1 or len(found) > MOST_FILES:
+                inner.clear()
         return found[:MOST_FILES]
 
     def _walk(self, folder: Path, depth: int) -> Iterator[dict[str, Any]]:

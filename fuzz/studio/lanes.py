@@ -32,6 +32,15 @@ LANES = {
     "run": "runs",
     "picture": "pictures",
     "before": "pictures",
+    "campaigns": "campaigns",
+    "begin": "campaigns",
+    "resume": "campaigns",
+    "stop": "campaigns",
+    "watch": "watching",
+    "failures": "walls",
+    "know": "walls",
+    "look": "looks",
+    "snippet": "looks",
 }
 """Which process does what: what is saved is never ended, and a long search for a proof stops no run."""
 

@@ -12,11 +12,12 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzz.studio.lanes import LANES, Ended, Lane
+from fuzz.studio.watching import Watching
 
 __all__ = ["PROTOCOL", "Session"]
 
 PROTOCOL = 1  # goes up whenever a page of before would not understand
-_REPLACED = frozenset({"decide", "widest", "signal", "generate", "measure", "run"})  # of each only the newest counts
+_REPLACED = frozenset({"decide", "widest", "signal", "generate", "measure", "run", "watch"})  # only the newest counts
 _PATIENCE = 0.7  # s: what is replaced may finish in this time, for a new process takes longer to start
 _MOST_WAITING = 64
 
@@ -27,7 +28,7 @@ class _Job:
 
     number: int
     kind: str
-    lane: Lane
+    lane: Lane | Watching
     task: asyncio.Task[None] | None = None
     running: bool = False
     replaced: bool = False
@@ -44,7 +45,7 @@ class Session:
     """
 
     socket: WebSocket
-    lanes: Mapping[str, Lane]
+    lanes: Mapping[str, Lane | Watching]
     begins: Mapping[str, Any]
     _jobs: dict[int, _Job] = field(default_factory=dict)
     _newest: dict[str, _Job] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-// What the keys do, on both pages.
+// What the keys do, on all pages.
 
 import { cameraKeys, clockKeys, layerKeys } from "/player/keys.js";
 import { byId, el } from "/player/dom.js";
@@ -7,7 +7,7 @@ import { TOOLS } from "./tools.js";
 const EVERYWHERE = [
   ["?", "Show these keys"],
   ["d", "Dark or light"],
-  ["1, 2", "Draw, play"],
+  ["1, 2, 3", "Draw, play, campaign"],
   ["Ctrl+S", "Save"],
   ["Ctrl+Enter", "Run the robots in what is drawn"],
 ];
@@ -113,8 +113,10 @@ function plainFor(studio, event) {
     d: () => byId("theme").click(),
     1: () => studio.go("draw"),
     2: () => studio.go("play"),
+    3: () => studio.go("campaign"),
   };
-  return keys[key] || (studio.page() === "draw" ? drawKeys(studio.draw) : playKeys(studio.play, event))[key] || null;
+  const pages = { draw: () => drawKeys(studio.draw), play: () => playKeys(studio.play, event), campaign: () => ({}) };
+  return keys[key] || pages[studio.page()]()[key] || null;
 }
 
 function drawKeys(draw) {

@@ -2,6 +2,7 @@
 
 import { byId, el, keyButton, say } from "/player/dom.js";
 import { followSystem } from "/player/theme.js";
+import { makeCampaign } from "./campaign.js";
 import { Ended, Refused, makeConnection } from "./connection.js";
 import { makeDraw } from "./draw.js";
 import { openFile, saveAs } from "./files.js";
@@ -11,7 +12,7 @@ import { makePlay } from "./play.js";
 import { listenToBoard } from "./pointer.js";
 import { makeProver } from "./proof.js";
 
-const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"] };
+const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"], campaign: ["Campaign", "3"] };
 const SIDE = 40; // cells of the world that one begins with
 
 const studio = {
@@ -20,7 +21,7 @@ const studio = {
   offered: null, // what the server has to choose from
   widest: null,
   say: (words) => say(words),
-  page: () => (location.hash === "#play" ? "play" : "draw"),
+  page: () => (Object.hasOwn(PAGES, location.hash.slice(1)) ? location.hash.slice(1) : "draw"),
   go: (page) => {
     location.hash = page;
   },
@@ -109,11 +110,10 @@ function route() {
       el("a", { href: `#${name}`, "aria-current": name === page ? "page" : null, "aria-keyshortcuts": key }, words),
     ),
   );
+  if (page !== "play") studio.play.pause();
   if (page === "play") studio.play.begin();
-  else {
-    studio.play.pause();
-    studio.draw.refresh();
-  }
+  else if (page === "campaign") studio.campaign.begin();
+  else studio.draw.refresh();
 }
 
 function notice(words) {
@@ -136,6 +136,7 @@ async function begun(begins) {
     if (error instanceof Refused) notice(error.message);
   }
   studio.play.refresh();
+  studio.campaign.refresh();
   changed();
   if (first && studio.page() === "play") studio.play.begin();
 }
@@ -160,11 +161,13 @@ function begin() {
   );
   studio.draw = makeDraw(byId("draw"), studio);
   studio.play = makePlay(byId("play"), studio);
+  studio.campaign = makeCampaign(byId("campaign"), studio);
   listenToBoard(studio.draw);
   followSystem(byId("theme"), () => {
     if (studio.draw.board.signal) studio.draw.board.signal.picture = null;
     studio.draw.board.draw();
     studio.play.redraw();
+    studio.campaign.redraw();
   });
   listen(studio);
   takeDrops();

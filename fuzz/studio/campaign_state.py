@@ -1,0 +1,105 @@
+"""What a campaign's folder says of it while it runs and afterwards; whoever runs it, and from where."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+from fuzz.ledger import CampaignFolder
+from fuzz.report.summary import MEMORY, read_summary
+from worldgen.errors import FormatError
+from worldgen.files import read_text
+from worldgen.locks import holder
+from worldgen.world_files import is_world_file
+
+__all__ = ["SAID", "campaign_state", "is_campaign", "running_process"]
+
+SAID = "studio.txt"
+"""Name, in a campaign's memory, of what its process says on stderr when the studio has started it."""
+
+_COMPLAINT = "worldgen: "  # how a command's last line begins when it gave up
+
+
+def is_campaign(folder: Path) -> bool:
+    """Whether a campaign was begun in a folder."""
+    return (folder / MEMORY / "campaign.json").is_file()
+
+
+def running_process(folder: Path) -> int | None:
+    """The process that does a folder's campaign now; ``None`` if none does on this machine."""
+    return holder(folder / MEMORY / "lock")
+
+
+def campaign_state(folder: Path, name: str) -> dict[str, Any]:
+    """A campaign in numbers.
+
+    Args:
+        folder: Where its failures are.
+        name: As the page knows the folder.
+
+    Returns:
+        As docs/studio-protocol.md says of ``state``.
+
+    Raises:
+        FormatError: If its files cannot be read.
+    """
+    running = running_process(folder) is not None
+    state: dict[str, Any] = {"folder": name, "running": running, **_goal(folder), **_totals(folder)}
+    lock = folder / MEMORY / "lock"
+    state["sitting"] = max(0.0, time.time() - lock.stat().st_mtime) if running else None
+    state["failures"] = _stamp(folder)
+    state["fault"] = "" if running else _fault(folder)
+    return state
+
+
+def _goal(folder: Path) -> dict[str, Any]:
+    """Whose campaign it is and how far it is to go, as it was begun."""
+    stored = CampaignFolder.stored_in(folder)
+    if stored is None:
+        raise FormatError("holds no campaign; begin one there", source=folder.name)
+    setup, goal = stored
+    scenario = setup.configuration.get("scenario")
+    said = scenario if isinstance(scenario, dict) else {}
+    return {
+        "controller": str(said.get("controller", "")),
+        "motion": str(said.get("motion", "")),
+        "seed": str(setup.configuration.get("seed", "")),  # of 64 bits, which a browser's numbers cannot hold
+        "goal": {part: value if isinstance(value := goal.get(part), int | float) else None for part in _GOAL},
+    }
+
+
+_GOAL = ("units", "seconds")
+
+
+def _totals(folder: Path) -> dict[str, Any]:
+    """What it did until now; zeros before it first says something."""
+    summary = read_summary(folder)
+    if summary is None:
+        none: dict[str, Any] = {"units": 0, "worlds": 0, "steps": 0, "seconds": 0.0}
+        return none | {"verdicts": {}, "met": {}, "known": {}, "lanes": []}
+    return {
+        "controller": summary.controller,
+        "units": summary.units,
+        "worlds": summary.worlds,
+        "steps": summary.steps,
+        "seconds": summary.seconds,
+        "verdicts": summary.verdicts,
+        "met": summary.met,
+        "known": summary.known,
+        "lanes": [vars(lane) for lane in summary.lanes],
+    }
+
+
+def _stamp(folder: Path) -> str:
+    """Another text whenever a failure in the folder itself is new or smaller."""
+    found = [(path.name, path.stat().st_mtime_ns) for path in folder.iterdir() if is_world_file(path.name)]
+    return f"{len(found)}-{max((when for _, when in found), default=0)}"
+
+
+def _fault(folder: Path) -> str:
+    """Why its process gave up; empty if it did not."""
+    path = folder / MEMORY / SAID
+    lines = read_text(path).splitlines() if path.is_file() and not path.is_symlink() else []
+    said = [line for line in lines if line.startswith(_COMPLAINT)]
+    return said[-1].removeprefix(_COMPLAINT) if said else ""

@@ -1,0 +1,98 @@
+// The failure that was chosen: what happened, and what can be done with it.
+
+import { el, plural, say, verdictDot } from "/player/dom.js";
+import { drawSmall } from "/player/map.js";
+import { openFile } from "./files.js";
+
+export function makeFailurePanel(campaign) {
+  const element = el("div", { id: "failure-panel" }, el("p", { class: "quiet" }, "Choose a picture."));
+  const panel = { campaign, element, failure: null, look: null, canvas: null };
+  return { element, show: (failure) => show(panel, failure), redraw: () => redraw(panel) };
+}
+
+function redraw({ canvas, look }) {
+  if (canvas && look) drawSmall(canvas, look);
+}
+
+function show(panel, failure) {
+  Object.assign(panel, { failure, look: null });
+  panel.canvas = el("canvas", { class: "large", role: "img", "aria-label": "The world and the robot's way" });
+  const words = el("p", {}, "…");
+  const facts = [
+    ["Controller", `${failure.controller} under ${failure.motion}`],
+    ["World", `${failure.width} x ${failure.height} cells, ${failure.solid} solid${failure.events ? `, ${plural(failure.events, "change")}` : ""}`],
+    ["First seen", failure.seen ? new Date(failure.seen * 1000).toLocaleString("sv") : "not known"],
+    ["File", failure.name],
+  ];
+  const rows = facts.map(([name, value]) => el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, value)));
+  panel.element.replaceChildren(
+    el("h2", {}, verdictDot(failure.verdict), " ", failure.class),
+    panel.canvas,
+    words,
+    actions(panel),
+    el("table", { class: "numbers" }, el("tbody", {}, rows)),
+  );
+  panel.campaign.trying(async () => {
+    const look = await panel.campaign.look(failure);
+    if (panel.failure !== failure) return;
+    panel.look = look;
+    words.textContent = [look.words, ...look.notes].join("; ");
+    redraw(panel);
+  });
+}
+
+function actions(panel) {
+  const { campaign, failure } = panel;
+  const open = (page) => () =>
+    campaign.trying(async () => {
+      await openFile(campaign.studio, { name: failure.name, world: true });
+      campaign.studio.go(page);
+    });
+  const button = (words, act, more = {}) => el("button", { type: "button", onclick: act, ...more }, words);
+  const known = button(failure.known ? "No longer known" : "Mark as known", () => mark(panel), { id: "mark-known" });
+  const copyLine = button("Copy replay line", async (event) => copied(panel, event.target, (await campaign.look(failure)).replay));
+  const copyTest = button("Copy test", (event) =>
+    campaign.trying(async () => {
+      const { text } = await campaign.studio.connection.ask("snippet", { name: failure.name });
+      await copied(panel, event.target, text);
+    }),
+  );
+  return el(
+    "div",
+    { class: "actions" },
+    button("Play", open("play"), { class: "main", id: "open-play" }),
+    button("Edit", open("draw"), { id: "open-draw" }),
+    known,
+    copyLine,
+    copyTest,
+  );
+}
+
+function mark(panel) {
+  const { campaign, failure } = panel;
+  return campaign.trying(async () => {
+    await campaign.studio.connection.ask("know", { name: failure.name, known: !failure.known });
+    failure.known = !failure.known;
+    show(panel, failure);
+    panel.element.querySelector("#mark-known").focus();
+    await campaign.reload();
+    return failure.known ? "A copy is in known/: campaigns begun here count this class, and keep only others." : "";
+  });
+}
+
+// Into the clipboard; where a browser does not allow that, the text is shown to be copied by hand.
+async function copied(panel, button, text) {
+  const words = button.textContent;
+  try {
+    await navigator.clipboard.writeText(text);
+    button.textContent = "Copied";
+    say(`Copied: ${text.split("\n")[0]}`);
+    setTimeout(() => (button.textContent = words), 1500);
+  } catch {
+    const shown = el("textarea", { readonly: true, rows: 6, "aria-label": words, class: "by-hand" });
+    shown.value = text;
+    panel.element.querySelector(".by-hand")?.remove();
+    panel.element.querySelector(".actions").after(shown);
+    shown.select();
+  }
+}

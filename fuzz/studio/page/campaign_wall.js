@@ -1,0 +1,208 @@
+// Failures as a wall of small pictures: filtered, sorted, each drawn when it comes into sight.
+
+import { choice, el, plural, verdictDot } from "/player/dom.js";
+import { drawSmall } from "/player/map.js";
+import { Ended, Refused } from "./connection.js";
+
+const AT_ONCE = 3; // pictures that are asked for at a time
+const ROWS = 120; // cards that are shown before more are asked for
+const SORTS = { size: "smallest first", newest: "newest first", oldest: "oldest first", class: "by class" };
+const FILTERS = { class: "Class", verdict: "Verdict", controller: "Controller" };
+
+export function makeWall(campaign) {
+  const parts = {
+    tools: el("div", { class: "wall-tools" }),
+    count: el("p", { class: "quiet", role: "status", id: "wall-count" }),
+    list: el("ul", { class: "wall", "aria-label": "Failures" }),
+    faults: el("p", { class: "notice", hidden: true }),
+  };
+  const wall = {
+    campaign, parts, failures: [], shown: ROWS, sort: "size", chosen: "", filter: {}, looks: new Map(), queue: [], busy: 0, cards: new Map(),
+  };
+  wall.seen = new IntersectionObserver((entries) => entries.forEach((entry) => entry.isIntersecting && want(wall, entry.target)), { rootMargin: "200px" });
+  const element = el("div", { class: "wall-part" }, parts.tools, parts.faults, el("div", { class: "wall-scroll" }, parts.list));
+  new ResizeObserver(() => redraw(wall)).observe(parts.list);
+  campaign.look = (failure) => lookAt(wall, failure, true);
+  return {
+    element,
+    show: (answer) => show(wall, answer),
+    refuse: (words) => {
+      parts.faults.hidden = false;
+      parts.faults.textContent = words;
+    },
+    forget: () => forget(wall),
+    only: (kind) => {
+      wall.filter = { class: kind };
+      showAll(wall);
+    },
+    redraw: () => redraw(wall),
+    choose: (failure) => choose(wall, failure),
+  };
+}
+
+function forget(wall) {
+  for (const { fail } of wall.queue) fail(new Ended("Another folder was chosen."));
+  Object.assign(wall, { filter: {}, shown: ROWS, chosen: "", queue: [] });
+}
+
+function show(wall, answer) {
+  const { campaign, parts } = wall;
+  wall.failures = answer ? answer.failures : [];
+  for (const name of Object.keys(FILTERS)) if (!wall.failures.some((one) => one[name] === wall.filter[name])) delete wall.filter[name];
+  parts.faults.hidden = !answer || answer.faults.length === 0;
+  parts.faults.textContent = answer ? answer.faults.slice(0, 3).join(" ") : "";
+  const smallest = new Map();
+  for (const one of sorted(wall.failures, "size")) if (!smallest.has(one.class)) smallest.set(one.class, one);
+  campaign.status.sizes(smallest);
+  showAll(wall);
+}
+
+function sorted(failures, by) {
+  const size = (a, b) => a.solid - b.solid || a.width * a.height - b.width * b.height || a.events - b.events;
+  const name = (a, b) => (a.class < b.class ? -1 : a.class > b.class ? 1 : 0);
+  const orders = { size, newest: (a, b) => b.seen - a.seen, oldest: (a, b) => a.seen - b.seen, class: name };
+  return [...failures].sort((a, b) => orders[by](a, b) || size(a, b) || name(a, b) || (a.name < b.name ? -1 : 1));
+}
+
+function showAll(wall) {
+  showTools(wall);
+  showCards(wall);
+}
+
+function fits(wall, failure) {
+  const chosen = Object.keys(FILTERS).every((name) => !wall.filter[name] || failure[name] === wall.filter[name]);
+  return chosen && (!wall.filter.known || (wall.filter.known === "known") === failure.known);
+}
+
+function showTools(wall) {
+  const { parts, failures } = wall;
+  const focused = document.activeElement?.dataset?.filter;
+  const list = (name, words, pairs, value, change) => {
+    const input = choice(pairs, value, (event) => {
+      change(event.target.value);
+      showCards(wall);
+    });
+    input.dataset.filter = name;
+    return el("label", { class: "field" }, words, input);
+  };
+  const values = (name) => [...new Set(failures.map((one) => one[name]))].sort();
+  const filter = ([name, words]) =>
+    list(name, words, [["", "all"], ...values(name).map((one) => [one, one])], wall.filter[name] || "", (value) => (wall.filter[name] = value));
+  const known = ["", "new", "known"].map((value) => [value, value || "all"]);
+  const several = ([name]) => wall.filter[name] || values(name).length > 1;
+  parts.tools.replaceChildren(
+    ...Object.entries(FILTERS).filter(several).map(filter),
+    list("known", "Known", known, wall.filter.known || "", (value) => (wall.filter.known = value)),
+    list("sort", "Sort", Object.entries(SORTS), wall.sort, (value) => (wall.sort = value)),
+    parts.count,
+  );
+  parts.tools.hidden = failures.length === 0;
+  if (focused) parts.tools.querySelector(`[data-filter="${focused}"]`)?.focus();
+}
+
+function showCards(wall) {
+  const { parts, failures, campaign } = wall;
+  const fitting = sorted(failures, wall.sort).filter((one) => fits(wall, one));
+  const focused = document.activeElement?.dataset?.failure;
+  const all = fitting.length === failures.length;
+  parts.count.textContent = all ? plural(failures.length, "failure") : `${fitting.length} of ${plural(failures.length, "failure")}`;
+  wall.seen.disconnect();
+  const cards = fitting.slice(0, wall.shown).map((failure) => cardOf(wall, failure));
+  wall.cards = new Map(cards);
+  parts.list.replaceChildren(...cards.map(([, card]) => el("li", {}, card)));
+  if (fitting.length > wall.shown) parts.list.append(el("li", {}, moreButton(wall, fitting.length - wall.shown)));
+  if (failures.length === 0) parts.list.append(el("li", { class: "empty quiet" }, emptyWords(campaign)));
+  for (const card of wall.cards.values()) wall.seen.observe(card);
+  if (focused) wall.cards.get(focused)?.focus({ preventScroll: true });
+}
+
+function emptyWords({ folder, states }) {
+  if (folder === null) return "There is no failure in the opened folder yet. Begin a campaign on the right: it looks for worlds in which the controller fails.";
+  if (states.get(folder)?.running) return "No failure yet; each appears here as soon as it is proved and shrunk.";
+  return "No failure here.";
+}
+
+function moreButton(wall, left) {
+  const act = () => {
+    wall.shown += ROWS;
+    showCards(wall);
+  };
+  return el("button", { type: "button", onclick: act }, `Show more (${left})`);
+}
+
+// A card, made anew only when its failure is another: its picture stays.
+function cardOf(wall, failure) {
+  const key = failure.name,
+    before = wall.cards.get(key);
+  const label = `${failure.class}, ${failure.width} x ${failure.height} cells, ${failure.solid} solid${failure.known ? ", known" : ""}`;
+  const card =
+    before && before.dataset.digest === failure.digest
+      ? before
+      : el("button", { type: "button", class: "card", "data-failure": key, "data-digest": failure.digest }, el("canvas", { "aria-hidden": "true" }), el("span", { class: "text" }));
+  card.setAttribute("aria-label", label);
+  card.setAttribute("aria-pressed", String(wall.chosen === key));
+  card.dataset.verdict = failure.verdict;
+  card.onclick = () => choose(wall, failure);
+  card.querySelector(".text").replaceChildren(
+    el("span", { class: "kind" }, verdictDot(failure.verdict), failure.class),
+    el("span", { class: "quiet" }, `${failure.width} x ${failure.height}, ${failure.solid} solid`, failure.known ? el("b", { class: "known" }, "known") : ""),
+  );
+  return [key, card];
+}
+
+function choose(wall, failure) {
+  wall.chosen = failure.name;
+  for (const [name, card] of wall.cards) card.setAttribute("aria-pressed", String(name === failure.name));
+  wall.campaign.select(failure);
+}
+
+// A picture came into sight: it is asked for, a few at a time.
+function want(wall, card) {
+  wall.seen.unobserve(card);
+  const failure = wall.failures.find((one) => one.name === card.dataset.failure);
+  if (!failure) return;
+  lookAt(wall, failure).then(
+    (look) => draw(card, look),
+    (error) => {
+      if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    },
+  );
+}
+
+// What the server says of a failure, asked for once.
+function lookAt(wall, failure, first = false) {
+  const key = `${failure.name} ${failure.digest}`;
+  if (!wall.looks.has(key)) {
+    const asked = new Promise((done, fail) => wall.queue.push({ key, failure, done, fail }));
+    wall.looks.set(key, asked);
+    asked.catch(() => wall.looks.delete(key));
+  }
+  if (first) wall.queue.sort((a, b) => (b.key === key) - (a.key === key)); // others wait
+  pump(wall);
+  return wall.looks.get(key);
+}
+
+function pump(wall) {
+  while (wall.busy < AT_ONCE && wall.queue.length > 0) {
+    const { failure, done, fail } = wall.queue.shift();
+    wall.busy += 1;
+    wall.campaign.studio.connection
+      .ask("look", { name: failure.name })
+      .then(done, fail)
+      .finally(() => {
+        wall.busy -= 1;
+        pump(wall);
+      });
+  }
+}
+
+function draw(card, look) {
+  drawSmall(card.querySelector("canvas"), look);
+}
+
+function redraw(wall) {
+  for (const [name, card] of wall.cards) {
+    const look = wall.looks.get(`${name} ${card.dataset.digest}`);
+    if (look) look.then((seen) => draw(card, seen)).catch(() => {});
+  }
+}

@@ -1,0 +1,190 @@
+"""The studio's campaigns: begun, watched, stopped and resumed; what lies in their folders; and what is not run."""
+
+import json
+import os
+import signal
+from dataclasses import replace
+
+import pytest
+
+from fuzz.campaign import Campaign
+from fuzz.session import configure
+from fuzz.shrink.snippet import snippet
+from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio_campaign import SHORT, begin, watch
+from worldgen import generate
+from worldgen.grid_file import dumps, read_world, write_world
+from worldgen.locks import holder, lock, sign
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("campaigns")
+
+
+@pytest.fixture(scope="module")
+def page(folder):
+    with studio_of(folder) as gate, page_of(gate) as page:
+        yield page
+
+
+@pytest.fixture(scope="module")
+def done(page):
+    """The folder's name and the last state of a campaign of two units."""
+    assert begin(page, "done", units=2)["answer"]["state"]["controller"] == "turn-right"
+    return watch(page, "done")
+
+
+def failures(page, folder):
+    return page.ask("failures", folder=folder)["answer"]["failures"]
+
+
+def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
+    given = {"controller": "turn-right", "motion": "swept", "families": ("trap",), "examples": 8, "seed": 1}
+    config = configure(**given, fixed_map=None, time_step=None)
+    campaign = Campaign(config, units=2)
+    for _ in campaign.run():
+        pass
+    found = {path.stem: path.read_bytes() for path in (folder / "done").glob("*.grid")}
+    assert found == {kind: dumps(world) for kind, world in campaign.state.best.items()} and found
+    assert (done["worlds"], done["met"]) == (campaign.state.worlds, dict(campaign.state.met))
+
+
+def test_a_campaign_that_is_done_says_so(done, page):
+    assert (done["running"], done["units"], done["goal"]) == (False, 2, {"units": 2, "seconds": None})
+    (listed,) = [state for state in page.ask("campaigns")["answer"]["campaigns"] if state["folder"] == "done"]
+    assert listed == done
+
+
+def test_a_failure_is_looked_at_with_its_run_and_the_line_that_replays_it(done, page, folder):
+    first = failures(page, "done")[0]
+    seen = page.ask("look", name=first["name"])["answer"]
+    assert seen["run"]["steps"] > 0 and seen["words"].startswith(first["verdict"])
+    assert seen["replay"] == f"worldgen replay {folder / first['name']}"
+
+
+def test_a_failure_s_test_is_that_of_the_command_line(done, page, folder):
+    name = failures(page, "done")[0]["name"]
+    assert page.ask("snippet", name=name)["answer"]["text"] == snippet(read_world(folder / name))
+
+
+def test_what_is_marked_as_known_is_counted_and_not_kept_by_the_next_campaign(done, page, folder):
+    first = next(one for one in failures(page, "done") if one["class"] in done["met"])
+    page.ask("know", name=first["name"], known=True)
+    assert [one["class"] for one in failures(page, "done") if one["known"]] == [first["class"]]
+    begin(page, "again", units=2, known=True)
+    state = watch(page, "again")
+    assert first["class"] in state["known"] and not (folder / f"again/{first['class']}.grid").exists()
+    page.ask("know", name=first["name"], known=False)
+    assert not any(one["known"] for one in failures(page, "done"))
+
+
+def watched(page, folder, units):
+    """Watches a campaign until it has done more units than that."""
+    page.send("watch", folder=folder)
+    while page.hear()["part"]["state"]["units"] <= units:
+        pass
+
+
+def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(tmp_path):
+    with studio_of(tmp_path) as gate, page_of(gate) as page:
+        begin(page, "long", units=100_000)
+        watched(page, "long", 0)
+    with studio_of(tmp_path) as gate, page_of(gate) as page:
+        assert page.ask("campaigns")["answer"]["campaigns"][0]["running"]
+        page.ask("stop", folder="long")
+        stopped = watch(page, "long")
+        assert 0 < stopped["units"] < 100_000 and stopped["fault"] == ""
+        assert page.ask("resume", folder="long")["answer"]["state"]["running"]
+    with studio_of(tmp_path) as gate, page_of(gate) as page:
+        watched(page, "long", stopped["units"])
+        page.ask("stop", folder="long")
+        assert not watch(page, "long")["running"]
+
+
+def test_a_folder_that_is_not_yet_a_campaign_has_its_worlds_listed_below_it(page, folder):
+    (folder / "corpus/inner").mkdir(parents=True)
+    write_world(generate("corridor", 3), folder / "corpus/inner/w.grid")
+    (folder / "corpus/broken.grid").write_text("no world")
+    said = page.ask("failures", folder="corpus")["answer"]
+    assert said["failures"] == [] and "broken.grid" in said["faults"][0]
+    assert {"name": "corpus", "worlds": 2} in page.ask("campaigns")["answer"]["folders"]
+
+
+# What is not run.
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [({"controller": "./mine.py:Robot"}, "was not named"), ({"lanes": ["./mine.py:family"]}, "is not registered"),
+     ({"oracles": ["./mine.py:oracle=3"]}, "is not registered"), ({"motion": "./mine.py:M"}, "is not registered"),
+     ({"units": 0}, "from 1 to"), ({"units": None}, "message's seconds"), ({"seed": "-1"}, "no whole number"),
+     ({"workers": 1000}, "from 1 to"), ({"vary": ["nothing=1"]}, "nothing of that name")],
+)  # fmt: skip
+def test_a_campaign_that_cannot_be_or_may_not_be_is_refused_and_leaves_nothing(page, folder, changes, why):
+    assert why in begin(page, "refused", **({"units": 1} | changes))["error"]
+    assert not (folder / "refused").exists()
+
+
+@pytest.mark.parametrize("name", ["../outside", ".hidden", "", "/tmp/x", "a/../../x"])
+@pytest.mark.parametrize("do", ["begin", "resume", "stop", "watch"])
+def test_no_campaign_leads_out_of_the_folder(page, do, name):
+    assert "folder" in page.ask(do, folder=name, **SHORT, units=1)["error"]
+
+
+def test_a_campaign_s_memory_that_is_a_link_is_not_written(page, folder, tmp_path):
+    (folder / "linked").mkdir()
+    (folder / "linked/.campaign").symlink_to(tmp_path)
+    assert "no folder of a campaign" in begin(page, "linked", units=1)["error"]
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"scenario": {"controller": "./evil.py:Robot", "motion": "swept"}}, {"families": ["./evil.py:family"]},
+     {"oracles": ["./evil.py:oracle"]}, {"database": "/tmp"}],
+)  # fmt: skip
+def test_a_campaign_of_elsewhere_that_asks_for_other_code_or_files_is_not_resumed(done, page, folder, changes):
+    said = json.loads((folder / "done/.campaign/campaign.json").read_text())
+    said["configuration"] |= changes
+    (folder / "evil/.campaign").mkdir(parents=True, exist_ok=True)
+    (folder / "evil/.campaign/campaign.json").write_text(json.dumps(said))
+    assert "error" in page.ask("resume", folder="evil", units=3)
+    assert not (folder / "evil/.campaign/units").exists()
+
+
+def test_a_failure_of_a_controller_that_nobody_named_is_shown_and_not_run(done, page, folder):
+    world = read_world(folder / failures(page, "done")[0]["name"])
+    (folder / "foreign").mkdir()
+    record = replace(world.failure, controller=f"cmd:touch {folder}/gone")
+    write_world(replace(world, failure=record), folder / "foreign/f.grid")
+    seen = page.ask("look", name="foreign/f.grid")["answer"]
+    assert seen["run"] is None and "was not named" in seen["words"] and seen["world"]["width"] == world.width
+    assert not (folder / "gone").exists()
+
+
+def test_a_known_failure_whose_oracle_is_a_file_s_stops_the_campaign_before_it_begins(done, page, folder):
+    world = read_world(folder / failures(page, "done")[0]["name"])
+    (folder / "known/evil").mkdir(parents=True)
+    record = replace(world.failure, evidence={**world.failure.evidence, "oracle": "./evil.py:f", "objection": {}})
+    write_world(replace(world, failure=record), folder / "known/evil/f.grid")
+    assert "is not registered" in begin(page, "never", units=1, known=True)["error"]
+    (folder / "known/evil/f.grid").unlink()
+
+
+def test_a_signed_file_says_who_keeps_it_and_a_free_one_nothing(tmp_path):
+    file = tmp_path / "lock"
+    descriptor = os.open(file, os.O_RDWR | os.O_CREAT)
+    assert lock(descriptor)
+    sign(descriptor)
+    assert holder(file) == os.getpid()
+    os.close(descriptor)
+    assert holder(file) is None and holder(tmp_path / "none") is None
+
+
+def test_a_lock_that_names_another_s_process_stops_nothing(page, folder):
+    (folder / "forged/.campaign").mkdir(parents=True)
+    (folder / "forged/.campaign/lock").write_text(f"{os.getpid()} {os.uname().nodename}\n")
+    before = signal.getsignal(signal.SIGINT)
+    assert "holds no campaign" in page.ask("stop", folder="forged")["error"]
+    assert signal.getsignal(signal.SIGINT) == before
