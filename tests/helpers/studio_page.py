@@ -6,7 +6,7 @@ from playwright.sync_api import sync_playwright
 
 from tests.helpers.browser import chromium
 
-SECONDS = 20  # that a page gets for what a new process has to be started for
+SECONDS = 180  # the first run on a machine compiles its kernels
 
 
 @contextlib.contextmanager
