@@ -30,4 +30,4 @@ def test_every_tool_is_described_with_its_key():
 
 def test_the_pictures_are_there():
     pictures = re.findall(r"\]\((pictures/[^)]+)\)", (DOCS / "studio.md").read_text())
-    assert len(pictures) == 2 and all((DOCS / picture).exists() for picture in pictures)
+    assert len(pictures) == 3 and all((DOCS / picture).exists() for picture in pictures)
