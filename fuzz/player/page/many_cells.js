@@ -18,16 +18,22 @@ export function drawManyCells(pen, world, cells) {
   return true;
 }
 
+const FEW = 20_000; // changes that are drawn into the picture one by one; with more it is made anew
+const FLAMES = 150; // of 255: so that ways stand out from them
+
 // The picture of the cells as they are now: `done` counts their changes.
 function pictureOf(pen, world, cells) {
   const { wall, fire } = pen.colours,
     { done } = world.open;
   const known = pictures.get(cells);
-  if (known && known.done === done && known.wall === wall) return known.canvas;
+  if (known && known.wall === wall && known.done <= done && done - known.done <= FEW) {
+    if (known.done < done) drawChanges(known, world, cells, done, { wall, fire });
+    return known.canvas;
+  }
   const canvas = known ? known.canvas : new OffscreenCanvas(world.width, world.height);
   const image = new ImageData(world.width, world.height),
     pixels = new Uint32Array(image.data.buffer);
-  const colours = { [SOLID]: pixelOf(wall, 255), [BURNING]: pixelOf(fire, 150) };
+  const colours = { [SOLID]: pixelOf(wall, 255), [BURNING]: pixelOf(fire, FLAMES) };
   for (let iy = 0; iy < world.height; iy += 1) {
     const row = (world.height - 1 - iy) * world.width;
     for (let ix = 0, k = iy * world.width; ix < world.width; ix += 1, k += 1)
@@ -36,6 +42,23 @@ function pictureOf(pen, world, cells) {
   canvas.getContext("2d").putImageData(image, 0, 0);
   pictures.set(cells, { canvas, done, wall });
   return canvas;
+}
+
+// What has changed since the picture was made, cell by cell.
+function drawChanges(known, world, cells, done, { wall, fire }) {
+  const context = known.canvas.getContext("2d"),
+    { ix, iy } = world.open.events;
+  for (let k = known.done; k < done; k += 1) {
+    const state = cells[iy[k] * world.width + ix[k]],
+      row = world.height - 1 - iy[k];
+    context.clearRect(ix[k], row, 1, 1);
+    if (state === 0) continue;
+    context.globalAlpha = state === BURNING ? FLAMES / 255 : 1;
+    context.fillStyle = state === BURNING ? fire : wall;
+    context.fillRect(ix[k], row, 1, 1);
+  }
+  context.globalAlpha = 1;
+  known.done = done;
 }
 
 // A colour like #3b434e as a pixel of a little-endian machine, as all that run browsers are.

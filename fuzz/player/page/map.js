@@ -353,10 +353,22 @@ function drawRobot(pen, world, pose, scene) {
   stroke(pen, colours.robot, 2);
 }
 
+const LEAST = 0.75; // pixels: corners that are nearer to the one before are left out
+
 export function line(pen, x, y, from, to, last = null) {
-  pen.context.beginPath();
-  for (let row = from; row < to; row += 1) pen.context.lineTo(pen.px(x[row]), pen.py(y[row]));
-  if (last) pen.context.lineTo(pen.px(last.x), pen.py(last.y));
+  const { context, px, py } = pen;
+  let left = NaN,
+    top = NaN;
+  context.beginPath();
+  for (let row = from; row < to; row += 1) {
+    const across = px(x[row]),
+      down = py(y[row]);
+    if (Math.abs(across - left) < LEAST && Math.abs(down - top) < LEAST && row < to - 1) continue;
+    context.lineTo(across, down);
+    left = across;
+    top = down;
+  }
+  if (last) context.lineTo(px(last.x), py(last.y));
 }
 
 export function stroke(pen, colour, width, dash = []) {
