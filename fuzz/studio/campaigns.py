@@ -30,7 +30,7 @@ from fuzz.studio.messages import restored
 from fuzz.studio.running import may_run
 from sim.controllers import CONTROLLERS
 from sim.motion import MOTIONS
-from worldgen.errors import InvalidParameter, OutputError
+from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.family import FAMILIES
 from worldgen.grid_file import read_world, write_world
 from worldgen.world_files import files_in
@@ -65,8 +65,14 @@ class CampaignAnswers:
         """The campaigns in the folder, those that run first; folders that hold worlds; and what a form offers."""
         self._reap()
         folders = _folders(self.folder)
-        states = [campaign_state(self.folder.place(name), name) for name in folders if self._is_campaign(name)]
+        states, faults = [], []
+        for name in folders:
+            try:
+                states += [campaign_state(self.folder.place(name), name)] if self._is_campaign(name) else []
+            except WorldgenError as error:  # of one; the others are as they were
+                faults.append(str(error))
         return {
+            "faults": faults,
             "campaigns": sorted(states, key=lambda state: (not state["running"], state["folder"])),
             "folders": [{"name": name, "worlds": count} for name, count in folders.items() if count],
             "known": KNOWN,
@@ -113,7 +119,8 @@ class CampaignAnswers:
         out = self._own(name)
         process = running_process(out)
         if process is not None:
-            os.kill(process, signal.SIGINT)
+            with contextlib.suppress(ProcessLookupError):  # it has just ended by itself
+                os.kill(process, signal.SIGINT)
         until = time.monotonic() + _ENDS
         while process is not None and running_process(out) is not None and time.monotonic() < until:
             time.sleep(_LOOK)
@@ -136,6 +143,10 @@ class CampaignAnswers:
             or (memory.is_dir() and any(map(Path.is_symlink, memory.iterdir())))
         ):
             raise InvalidParameter(f"{name!r} is no folder of a campaign in the opened one; give the name of another")
+        if out.is_relative_to(self.folder.root / KNOWN):
+            raise InvalidParameter(
+                f"{KNOWN}/ is for failures that are marked as known; give the name of another folder"
+            )
         return out
 
     def _controller(self, message: Message) -> str:
@@ -188,7 +199,12 @@ class CampaignAnswers:
             words = [*words, f"--workers={_whole(message, 'workers', _MOST_WORKERS)}"]
         memory = out / MEMORY
         made = [folder for folder in (memory, out, *out.parents) if not folder.exists()]
-        memory.mkdir(parents=True, exist_ok=True)
+        try:
+            memory.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(
+                f"{out.name} cannot be written: {error.strerror or error}; name another folder"
+            ) from error
         with (memory / SAID).open("wb") as said:
             process = _process([sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said)
         self._begun.append(process)

@@ -111,6 +111,14 @@ def test_a_folder_that_is_not_yet_a_campaign_has_its_worlds_listed_below_it(page
     assert {"name": "corpus", "worlds": 2} in page.ask("campaigns")["answer"]["folders"]
 
 
+def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, folder):
+    (folder / "bent/.campaign").mkdir(parents=True)
+    (folder / "bent/.campaign/campaign.json").write_text("{")
+    said = page.ask("campaigns")["answer"]
+    assert "done" in [state["folder"] for state in said["campaigns"]] and "bent" in said["faults"][0]
+    (folder / "bent/.campaign/campaign.json").unlink()
+
+
 # What is not run.
 
 
@@ -130,6 +138,13 @@ def test_a_campaign_that_cannot_be_or_may_not_be_is_refused_and_leaves_nothing(p
 @pytest.mark.parametrize("do", ["begin", "resume", "stop", "watch"])
 def test_no_campaign_leads_out_of_the_folder(page, do, name):
     assert "folder" in page.ask(do, folder=name, **SHORT, units=1)["error"]
+
+
+@pytest.mark.parametrize("name", ["plain.txt", "plain.txt/below", "known", "known/mine"])
+def test_a_file_and_the_folder_of_known_failures_are_no_place_for_a_campaign(page, folder, name):
+    (folder / "plain.txt").write_text("mine")
+    assert "another folder" in begin(page, name, units=1)["error"]
+    assert (folder / "plain.txt").read_text() == "mine"
 
 
 def test_a_campaign_s_memory_that_is_a_link_is_not_written(page, folder, tmp_path):

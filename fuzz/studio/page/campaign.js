@@ -101,6 +101,7 @@ async function list(campaign) {
   }
   campaign.form.refresh();
   showFolders(campaign);
+  return answer.faults.join(" ");
 }
 
 function showFolders({ parts, folder, folders, states }) {
