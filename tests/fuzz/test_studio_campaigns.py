@@ -10,6 +10,7 @@ import pytest
 from fuzz.campaign import Campaign
 from fuzz.session import configure
 from fuzz.shrink.snippet import snippet
+from fuzz.studio.messages import message_of
 from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import SHORT, begin, watch
 from worldgen import generate
@@ -100,6 +101,14 @@ def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(
         watched(page, "long", stopped["units"])
         page.ask("stop", folder="long")
         assert not watch(page, "long")["running"]
+
+
+def test_on_the_drawn_map_only_the_poses_vary(page, folder):
+    drawn = generate("trap", 1)
+    begin(page, "drawn", units=1, lanes=[], world=message_of(drawn))
+    watch(page, "drawn")
+    walls = [read_world(path).walls for path in (folder / "drawn").glob("*.grid")]
+    assert walls and all((found == drawn.walls).all() for found in walls)
 
 
 def test_a_folder_that_is_not_yet_a_campaign_has_its_worlds_listed_below_it(page, folder):
