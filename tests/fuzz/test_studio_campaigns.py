@@ -97,7 +97,6 @@ def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(
         stopped = watch(page, "long")
         assert 0 < stopped["units"] < 100_000 and stopped["fault"] == ""
         assert page.ask("resume", folder="long")["answer"]["state"]["running"]
-    with studio_of(tmp_path) as gate, page_of(gate) as page:
         watched(page, "long", stopped["units"])
         page.ask("stop", folder="long")
         assert not watch(page, "long")["running"]
