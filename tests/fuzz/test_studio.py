@@ -35,7 +35,8 @@ class Robot:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("opened")
+    folder = tmp_path_factory.mktemp("studio") / "opened"  # its parent is out of bounds, and its own
+    folder.mkdir()
     (folder.parent / "secret.grid").write_bytes(dumps(generate("trap", 1)))
     (folder / "out.grid").symlink_to(folder.parent / "secret.grid")
     (folder / "outside").symlink_to(folder.parent)

@@ -41,9 +41,11 @@ def table():
 
 @pytest.fixture
 def folder(tmp_path):
+    folder = tmp_path / "worlds"
+    folder.mkdir()
     for world in (EMPTY, WALL, LOOP):
-        write_world(world.world, tmp_path / f"{world.name}.grid")
-    return tmp_path
+        write_world(world.world, folder / f"{world.name}.grid")
+    return folder
 
 
 @given(st.integers(1, 500).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n))))
