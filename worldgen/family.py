@@ -13,6 +13,7 @@ from typing import Any
 
 from worldgen.errors import InvalidParameter
 from worldgen.parameters import (
+    Bounds,
     Parameter,
     check_at_least,
     check_between,
@@ -29,6 +30,7 @@ __all__ = [
     "FAMILIES",
     "MARGIN",
     "RECIPE",
+    "Bounds",
     "Family",
     "FamilyRegistry",
     "Parameter",
@@ -116,7 +118,7 @@ class Family:
         """The parameters with defaults filled in.
 
         Raises:
-            InvalidParameter: If a name is unknown, or a value has another type than the default.
+            InvalidParameter: If a name is unknown, or a value has another type than the default or is out of bounds.
         """
         known = {parameter.name: parameter for parameter in self.parameters}
         for name in params:

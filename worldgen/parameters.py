@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import math
 import re
@@ -14,6 +15,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.world import Value
 
 __all__ = [
+    "Bounds",
     "Parameter",
     "argument_notes",
     "check_at_least",
@@ -30,6 +32,60 @@ _SWITCH = {"on": True, "true": True, "yes": True, "1": True, "off": False, "fals
 
 
 @dataclass(frozen=True)
+class Bounds:
+    """What a number may be, said where its parameter is declared: ``size: Annotated[int, Bounds(10, 2000, "cells")]``.
+
+    Args:
+        low: The least; None: any.
+        high: The most; None: any.
+        unit: Of both, for people.
+        above: Whether ``low`` itself is too low.
+        chosen: One number that is allowed too, such as -1 for "the family chooses".
+    """
+
+    low: float | None = None
+    high: float | None = None
+    unit: str = ""
+    above: bool = False
+    chosen: float | None = None
+
+    @property
+    def words(self) -> str:
+        """As people read it: ``10 to 2000 cells, or -1``."""
+        unit = f" {self.unit}" if self.unit else ""
+        if self.low is None:
+            said = "" if self.high is None else f"at most {_shown(self.high)}{unit}"
+        elif self.above:
+            said = f"above {_shown(self.low)}{unit}" + ("" if self.high is None else f", up to {_shown(self.high)}")
+        elif self.high is None:
+            said = f"at least {_shown(self.low)}{unit}"
+        else:
+            said = f"{_shown(self.low)} to {_shown(self.high)}{unit}"
+        return said if self.chosen is None or not said else f"{said}, or {_shown(self.chosen)}"
+
+    def check(self, name: str, value: float) -> None:
+        """Refuses a number outside.
+
+        Raises:
+            InvalidParameter: Naming value, rule and way out.
+        """
+        if self.chosen is not None and value == self.chosen:
+            return
+        too_low = self.low is not None and not (value > self.low if self.above else value >= self.low)
+        if not too_low and (self.high is None or value <= self.high):
+            return
+        way_out = "" if self.chosen is None else f", or {_shown(self.chosen)}"
+        if self.low is not None and self.high is not None and not self.above:
+            between = f"{_shown(self.low)} to {_shown(self.high, self.unit)}"
+            raise InvalidParameter(f"{name}={_shown(value, self.unit)} is outside {between}; give one between{way_out}")
+        if self.low is not None and self.high is None and not self.above:
+            least = f"{_shown(self.low, self.unit)}; give at least {_shown(self.low)}"
+            raise InvalidParameter(f"{name}={_shown(value, self.unit)} is below {least}{way_out}")
+        rule = f"a finite number above {_shown(self.low)}" if self.high is None and self.low is not None else self.words
+        raise InvalidParameter(f"{name}={_shown(value, self.unit)} is not {rule}; give one")
+
+
+@dataclass(frozen=True)
 class Parameter:
     """One parameter of a family or a format, as its function declares it.
 
@@ -38,32 +94,37 @@ class Parameter:
         default: Its type is the parameter's type: bool, int, float or str.
         choices: The words allowed, from a ``Literal`` annotation; empty if there is none.
         help: Its entry in the docstring's ``Args``, on one line.
+        bounds: What a number may be, from ``Annotated``; None if only the function itself can say.
     """
 
     name: str
     default: bool | int | float | str
     choices: tuple[str, ...] = ()
     help: str = ""
+    bounds: Bounds | None = None
 
     def accept(self, value: Value, owner: str) -> Value:
         """The value, as a float where the default is one.
 
         Raises:
-            InvalidParameter: If it has another type than the default, or is none of the choices.
+            InvalidParameter: If it has another type than the default, is out of bounds, or none of the choices.
         """
         kind = type(self.default)
         if kind is float and type(value) is int:
-            value = float(value)
+            with contextlib.suppress(OverflowError):  # what no float holds is refused as it is
+                value = float(value)
+        if isinstance(value, int) and not -_INT64 <= value < _INT64:
+            raise InvalidParameter(f"{owner}: {self.name} is a number of more than 64 bits; give a smaller one")
         if type(value) is not kind:
             raise InvalidParameter(
                 f"{owner}: {self.name}={value!r} is a {type(value).__name__}; give a {kind.__name__}"
             )
-        if isinstance(value, int) and not -_INT64 <= value < _INT64:
-            raise InvalidParameter(f"{owner}: {self.name} is a number of more than 64 bits; give a smaller one")
         if isinstance(value, float) and not math.isfinite(value):
             raise InvalidParameter(f"{owner}: {self.name}={value} is not finite; give a finite number")
         if self.choices:
             check_choice(self.name, str(value), self.choices)
+        if self.bounds is not None and isinstance(value, int | float):
+            self.bounds.check(self.name, value)
         return value
 
     def parse(self, text: str | None, owner: str) -> Value:
@@ -104,12 +165,12 @@ def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, 
         InvalidParameter: If an annotation names what cannot be found at run time.
     """
     try:
-        hints = typing.get_type_hints(function)
+        hints = typing.get_type_hints(function, include_extras=True)
     except NameError as error:
         raise InvalidParameter(f"{owner}: {error}; import what its annotations name outside TYPE_CHECKING") from error
     notes = argument_notes(function.__doc__ or "")
     return tuple(
-        Parameter(name, parameter.default, _choices(hints.get(name)), notes.get(name, ""))
+        Parameter(name, parameter.default, _choices(hints.get(name)), notes.get(name, ""), _bounds(hints.get(name)))
         for name, parameter in inspect.signature(function).parameters.items()
         if parameter.kind is inspect.Parameter.KEYWORD_ONLY
     )
@@ -141,6 +202,10 @@ def check_declared(
 
 def _choices(hint: Any) -> tuple[str, ...]:
     return typing.get_args(hint) if typing.get_origin(hint) is typing.Literal else ()
+
+
+def _bounds(hint: Any) -> Bounds | None:
+    return next((note for note in getattr(hint, "__metadata__", ()) if isinstance(note, Bounds)), None)
 
 
 def argument_notes(docstring: str) -> dict[str, str]:

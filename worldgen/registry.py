@@ -6,19 +6,52 @@ import contextlib
 import difflib
 import importlib
 import importlib.util
+import json
+import os
+import signal
 import sys
-from collections.abc import Callable, Iterator
+import threading
+from collections.abc import Callable, Iterable, Iterator
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter
 
-__all__ = ["Registry", "lend", "user_code"]
+__all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_code", "user_code"]
 
 T = TypeVar("T")
 
 _LENT: dict[str, Path] = {}
+_LOADS_IN = 60.0  # s: ten times what the largest frameworks take; a module that waits or computes for ever has no more
+_LONGEST_LOAD = 1e6  # s: what every system's clock can be set to
+_AGAIN = 1.0  # s, between two rings of the clock
+LOAD_SECONDS = "WORLDGEN_LOAD_SECONDS"
+"""The variable that gives modules another time to load, s."""
+ONLY_CODE = "WORLDGEN_ONLY_CODE"
+"""The variable that holds, as a JSON list, what :func:`only_code` was given; processes inherit it."""
+
+
+def only_code(names: Iterable[str]) -> None:
+    """From now on no code is run but the registered and this, here and in processes that this one starts.
+
+    Files from elsewhere may name any code, as their controller, motion model or oracle; reading one then runs nothing.
+
+    Args:
+        names: ``module:name``, ``./file.py:name``, or ``cmd:PROGRAM``.
+    """
+    os.environ[ONLY_CODE] = json.dumps(sorted({_identity(name) for name in names}))
+
+
+def check_code(name: str) -> None:
+    """Refuses code that :func:`only_code` was not given.
+
+    Raises:
+        InvalidParameter: If it is none of that.
+    """
+    said = os.environ.get(ONLY_CODE)
+    if said is not None and _identity(name) not in json.loads(said):
+        raise InvalidParameter(f"{name[:60]!r} is code that was not named at the start and is not run; name it there")
 
 
 def lend(place: str, copy: Path) -> None:
@@ -50,6 +83,64 @@ def user_code(doing: str) -> Iterator[None]:
         ) from error
     except BaseException as error:
         raise InvalidParameter(f"{doing} failed: {type(error).__name__}: {error}") from error
+
+
+class _TakesTooLongError(BaseException):
+    """A module is not loaded in time; no ``except Exception`` of its own is to catch that."""
+
+
+@contextlib.contextmanager
+def _loading(doing: str) -> Iterator[None]:
+    """Like :func:`user_code`, with an end: a module may compute or wait for ever.
+
+    Only the main thread can be interrupted, on Unix, and only while no other clock of its kind runs.
+    """
+    seconds = _load_seconds()
+    try:
+        with user_code(doing), _alarm(seconds):
+            yield
+    except InvalidParameter as error:
+        if not isinstance(error.__cause__, _TakesTooLongError):
+            raise
+        raise InvalidParameter(
+            f"{doing} takes longer than {seconds:g} s; put what waits for input or runs on under "
+            f"if __name__ == '__main__', or give it more time with {LOAD_SECONDS}"
+        ) from error
+
+
+def _load_seconds() -> float:
+    said = os.environ.get(LOAD_SECONDS, "")
+    try:
+        seconds = float(said or _LOADS_IN)
+    except ValueError:
+        seconds = 0.0
+    if not 0.0 < seconds <= _LONGEST_LOAD:
+        raise InvalidParameter(
+            f"{LOAD_SECONDS}={said[:40]!r} is no time; give seconds, such as 120, up to {_LONGEST_LOAD:.0f}"
+        )
+    return seconds
+
+
+@contextlib.contextmanager
+def _alarm(seconds: float) -> Iterator[None]:
+    is_main = threading.current_thread() is threading.main_thread()
+    if not (is_main and hasattr(signal, "setitimer")) or signal.getitimer(signal.ITIMER_REAL)[0] > 0.0:
+        yield
+        return
+
+    def ring(*_: object) -> None:
+        raise _TakesTooLongError
+
+    before = signal.signal(signal.SIGALRM, ring)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)  # again and again, for the first may be caught
+        yield
+    finally:
+        ours = signal.getsignal(signal.SIGALRM) is ring  # and not the module's own meanwhile, which stays
+        if ours or signal.getitimer(signal.ITIMER_REAL)[1] == _AGAIN:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        if ours:
+            signal.signal(signal.SIGALRM, before)
 
 
 class Registry(Generic[T]):
@@ -97,9 +188,10 @@ class Registry(Generic[T]):
         if key not in self._loaded:
             point = self.entry_points().get(name)
             if point is not None:
-                with user_code(f"{self.noun} {name!r}: loading {point.value}"):
+                with _loading(f"{self.noun} {name!r}: loading {point.value}"):
                     thing = point.load()
             elif ":" in name:
+                check_code(name)
                 thing = self._load_path(name)
             else:
                 raise InvalidParameter(self._unknown(name))
@@ -115,6 +207,8 @@ class Registry(Generic[T]):
     def source(self, name: str) -> Path | None:
         """The file that defines what is called so; ``None`` where none does, or a whole package."""
         point = self.entry_points().get(name)
+        if point is None and ":" in name:
+            check_code(name)
         place = name.rpartition(":")[0] if point is None else point.module
         if place.endswith(".py"):
             return _file(place)
@@ -133,7 +227,7 @@ class Registry(Generic[T]):
 
     def _load_path(self, name: str) -> Any:
         place, _, attribute = name.rpartition(":")
-        with user_code(f"{self.noun} {name!r}: loading {place}"):
+        with _loading(f"{self.noun} {name!r}: loading {place}"):
             module = _load_file(_file(place)) if place.endswith(".py") else importlib.import_module(place)
             if hasattr(module, attribute):
                 return getattr(module, attribute)

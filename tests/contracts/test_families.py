@@ -196,6 +196,7 @@ def test_a_value_of_another_type_is_refused(name):
         ({"size": 9}, "size=9 cells is outside 10 to 20000? cells"),
         ({"size": 20_001}, "size=20001 cells is outside 10 to 20000? cells"),
         ({"size": -(2**63)}, "size=-9223372036854775808 cells is outside"),
+        ({"cell_size": 10**400}, "cell_size is a number of more than 64 bits"),
         ({"size": 2**63}, "size is a number of more than 64 bits"),
         ({"cell_size": 0.0}, "cell_size=0 m is outside 0.001 to 1000 m"),
         ({"cell_size": float("nan")}, "cell_size=nan is not finite"),

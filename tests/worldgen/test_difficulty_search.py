@@ -53,6 +53,12 @@ def test_what_is_given_stays_and_the_robot_stays():
         assert set(values) <= {known.name for known in free}
 
 
+@pytest.mark.parametrize("family", ["fire", "shift"])
+def test_a_difficulty_of_worlds_that_change_is_refused_at_once(family):
+    with pytest.raises(InvalidParameter, match=f"{family}: its worlds change, and those have no difficulty"):
+        search_world(family, difficulty=0.5)
+
+
 def test_when_nothing_fits_the_nearest_is_told():
     with pytest.raises(GenerationFailed, match=r"none of 5 worlds fits 'detour > 900'; the nearest has detour \d"):
         search_world("trap", "detour > 900", tries=5)

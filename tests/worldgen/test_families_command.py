@@ -10,7 +10,7 @@ import worldgen.sets.making
 from tests.helpers.command_line import worldgen as run
 from worldgen.cli.family_command import family_command
 from worldgen.difficulty import with_metrics
-from worldgen.errors import GenerationFailed
+from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.generation import generate
 from worldgen.grid_file import dumps, read_world, world_digest
@@ -19,10 +19,22 @@ every_family = pytest.mark.parametrize("name", FAMILIES.names())
 
 
 @every_family
-def test_every_parameter_is_an_option_with_its_help(name):
+def test_every_parameter_is_an_option_with_its_help_and_bounds(name):
     options = {option.name: option for option in family_command(name).params}
     for known in FAMILIES.get(name).parameters:
-        assert options[known.name].help == known.help and options[known.name].default == known.default
+        bounds = f"  [{known.bounds.words}]" if known.bounds else ""
+        assert options[known.name].help == known.help + bounds and options[known.name].default == known.default
+
+
+@every_family
+def test_every_number_has_bounds_which_its_default_keeps_and_generate_too(name):
+    for known in FAMILIES.get(name).parameters:
+        if type(known.default) in (int, float):
+            low = known.bounds.low - 1
+            while low == known.bounds.chosen:
+                low -= 1
+            with pytest.raises(InvalidParameter, match=f"{known.name}=.* (outside|below|not above|above 0)"):
+                generate(name, 1, **{known.name: low})
 
 
 @every_family

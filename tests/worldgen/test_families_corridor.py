@@ -112,7 +112,7 @@ def test_the_robot_looks_along_the_corridor(seed, shape):
 @pytest.mark.parametrize(
     ("params", "message"),
     [
-        ({"bends": -2}, "bends=-2 is outside 0 to 20"),
+        ({"bends": -2}, "bends=-2 is outside 0 to 1000"),
         ({"bends": 21}, "bends=21 is outside 0 to 20"),
         ({"bends": 1001, "size": 2000}, "bends=1001 is outside 0 to 1000"),
         ({"branches": 3}, "branches=3 has no effect with shape=bends; leave it out"),

@@ -135,11 +135,11 @@ def test_a_width_in_widths_of_the_robot_is_rounded_up(widths, cells):
         ({"robot_widths": 0.5}, "robot_widths=0.5 widths of the robot is outside 1 to 1000"),
         ({"robot_widths": 2.0, "width": 3}, "width=3 has no effect with robot_widths=2"),
         ({"robot_widths": 500.0}, "width=700 and wall=1 leave no room for two stretches"),
-        ({"necks": -2}, "necks=-2 is outside -1 to 1000"),
+        ({"necks": -2}, "necks=-2 is outside 0 to 1000"),
         ({"necks": 2}, "neck=2 is no narrower than the corridor, width=2; give a wider corridor, or leave out necks"),
         ({"necks": 2, "width": 4, "neck": 1}, "neck=1 is narrower than the robot"),
         ({"neck": 2}, "neck=2 has no effect with necks=0"),
-        ({"necks": 1, "width": 4, "neck_length": 0}, "neck_length=0 cells is outside 1 to 28 cells"),
+        ({"necks": 1, "width": 4, "neck_length": 0}, "neck_length=0 cells is below 1 cells; give at least 1"),
     ],
     ids=lambda value: str(value)[:30],
 )

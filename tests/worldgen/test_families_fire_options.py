@@ -131,7 +131,7 @@ def test_a_witness_does_not_hold_longer_than_its_margin():
         ({"apart": -1.0}, "apart=-1 s is outside 0 to 600 s"),
         ({"scatter": 0.95}, "scatter=0.95 is outside 0 to 0.9"),
         ({"wind": 1.0}, "wind=1 is outside 0 to 0.9"),
-        ({"wind": 0.5, "wind_to": 4}, "wind_to=4 quarter turns is outside -1 to 3"),
+        ({"wind": 0.5, "wind_to": 4}, "wind_to=4 quarter turns is outside 0 to 3"),
         ({"wind_to": 2}, "wind_to=2 has no effect with wind=0"),
         ({"fuel": 1.1}, "fuel=1.1 is outside 0 to 1"),
         ({"grain": 0}, "grain=0 cells is outside 1 to 1000"),

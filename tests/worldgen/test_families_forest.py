@@ -135,7 +135,7 @@ def test_a_small_forest_loads_nothing_heavy():
     [
         ({"growth": "wild"}, "growth='wild' is not one of even, thickets, rows"),
         ({"gap": 0.9}, "gap=0.9 widths of the robot is outside 1 to 100 widths"),
-        ({"density": 0.0}, "density=0 is not above 0 and at most 1"),
+        ({"density": 0.0}, "density=0 is not above 0, up to 1"),
         ({"density": 1.1}, "density=1.1 is not above 0"),
         ({"thinnest": 0}, "thinnest=0 cells is outside 1 to 64 cells"),
         ({"thinnest": 3, "thickest": 2}, "thickest=2 cells is below 3 cells"),

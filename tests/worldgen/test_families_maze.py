@@ -306,8 +306,8 @@ def test_no_maze_needs_a_second_attempt(seed, size, braid):
     ("params", "message"),
     [
         ({"passage": 1}, "passage=1 is narrower than the robot, 1.4 cells wide; give at least 2, or -1"),
-        ({"passage": 0}, "passage=0 is narrower"),
-        ({"passage": -2}, "passage=-2 is narrower"),
+        ({"passage": 0}, "passage=0 cells is below 1 cells; give at least 1, or -1"),
+        ({"passage": -2}, "passage=-2 cells is below 1 cells; give at least 1, or -1"),
         ({"wall": 0}, "wall=0 cells is below 1 cells"),
         ({"braid": -0.1}, "braid=-0.1 is outside 0 to 1"),
         ({"braid": 1.1}, "braid=1.1 is outside 0 to 1"),

@@ -1,6 +1,7 @@
 """What holds for every registered format; each has tests of its own beside this."""
 
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -138,6 +139,57 @@ def test_the_table_of_formats_has_a_row_with_way_and_command(name):
     row = re.search(rf"^\| `{name}` \| (\w+) \| (.+) \|(.*)\| (.+) \|$", PAGE, re.MULTILINE)
     assert row is not None and row[1] == known.direction and "worldgen " in row[4]
     assert ("everything" in row[2]) == (known.holds == HELD.keys())
+
+
+def commands_of_the_table():
+    """Those of the page's table, by the format of their row."""
+    return re.findall(r"^\| `(\w+)` \|.*`worldgen ((?:ex|im)port [^`]*)` \|$", PAGE, re.MULTILINE)
+
+
+def test_the_table_has_a_command_for_every_format():
+    assert [name for name, _ in commands_of_the_table()] == sorted(FORMATS.names())
+
+
+@pytest.fixture(scope="module")
+def world_of_the_page(tmp_path_factory):
+    """The world that the page makes before all else, as its first command does."""
+    folder = tmp_path_factory.mktemp("page")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        line = re.search(r"^\$ worldgen (.* --out w.grid)\n(.*)$", PAGE, re.MULTILINE)
+        done = worldgen(*line[1].split())
+    assert done.code == 0 and line[2] in (done.out + done.err).splitlines()
+    return folder / "w.grid"
+
+
+@pytest.mark.parametrize("name", FORMATS.names())
+def test_the_tables_command_works_on_the_world_of_the_page(name, world_of_the_page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(world_of_the_page, "w.grid")
+    words = dict(commands_of_the_table())[name].split()
+    done = worldgen(*words)
+    assert done.code == 0, done.err
+    if FORMATS.get(name).read is not None or name == "sdf":  # the reader of barn takes all that is Gazebo's
+        imported = worldgen("import", words[-1], "--out", "back.grid")
+        assert imported.code == 0, imported.err
+        assert np.array_equal(read_world(Path("back.grid")).walls, read_world(world_of_the_page).walls)
+
+
+@pytest.mark.parametrize("ending", ["stl", "SVG", "glb", "usda", "geojson"])
+def test_a_file_of_a_format_that_is_only_written_is_refused_as_such(ending, tmp_path):
+    (tmp_path / f"w.{ending}").write_bytes(b"solid")
+    name = guess_format(f"w.{ending}")
+    with pytest.raises(FormatError, match=rf"ends in \.{ending.lower()}, and {name} is written, not read;"):
+        find_format(tmp_path / f"w.{ending}")
+
+
+@pytest.mark.parametrize("text", ["[[1, 0], [0, 1]]", '[["r", 1],\n [1, "g"]]\n', "\ufeff[ [1] ]"])
+def test_a_maze_map_is_refused_as_what_it_is_and_not_as_another_programs_json(text, tmp_path):
+    (tmp_path / "maze.json").write_text(text, "utf-8")
+    with pytest.raises(
+        FormatError, match=r"is pointmaze \(maze_map of Gymnasium-Robotics.*\), which is written, not read"
+    ):
+        find_format(tmp_path / "maze.json")
 
 
 def test_the_page_names_every_option_of_export():

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.drawn_worlds import drawn
 from tests.helpers.map_server import occupied_at, published, published_map
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, OutputError
 from worldgen.generation import generate
 from worldgen.interop import export_world, import_world, read_map, write_export
 
@@ -72,3 +72,20 @@ def test_a_place_that_cannot_be_is_named_with_its_line(tmp_path, text, line, mes
     with pytest.raises(FormatError, match=message) as caught:
         read_map(path)
     assert caught.value.line == line
+
+
+def test_a_failed_export_takes_back_what_it_wrote_and_nothing_of_another_program_s(tmp_path, monkeypatch):
+    export = export_world(drawn(ROOM), "ros")
+    first, *others = (tmp_path / name for name in export.files)
+    assert others
+
+    def write_but_not_the_first(path, data, **options):
+        if path == first:
+            first.write_bytes(b"mine")
+            raise OutputError("it is there")
+        path.write_bytes(data)
+
+    monkeypatch.setattr("worldgen.interop.exporting.write_bytes", write_but_not_the_first)
+    with pytest.raises(OutputError):
+        write_export(export, tmp_path)
+    assert first.read_bytes() == b"mine" and not any(path.exists() for path in others)

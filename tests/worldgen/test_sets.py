@@ -143,7 +143,7 @@ def test_workers_of_a_command_that_is_killed_end_too(tmp_path):
         assert process.poll() is None
         time.sleep(0.01)
     process.kill()
-    process.communicate(timeout=20)  # until nobody holds the other end of its stderr
+    process.communicate(timeout=180)  # until nobody holds the other end of its stderr
 
 
 @pytest.mark.parametrize("torn", [1, 30, 700], ids="{} bytes short".format)

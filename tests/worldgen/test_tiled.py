@@ -113,7 +113,7 @@ BAD = [
     (lambda parts: parts.update(width="5"), "width is '\"5\"', no whole number"),
     (lambda parts: parts.update(width=10**6, height=10**6), "1000000 x 1000000 cells"),
     (lambda parts: parts.update(layers=[1]), "a layer is none"),
-    (lambda parts: parts.pop("layers"), "has no layers"),
+    (lambda parts: parts.pop("layers"), "is JSON without layers, and of JSON only"),
     (lambda parts: parts["layers"][0].update(data=[1]), "has 1 cells; 5 x 4 are 20"),
     (lambda parts: parts["layers"][0].update(data=[-1] * 20), "has no list of tile numbers"),
     (lambda parts: parts["layers"][0].update(data=[2.5] * 20), "has no list of tile numbers"),

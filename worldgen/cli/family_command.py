@@ -121,9 +121,8 @@ def _option(parameter: Parameter) -> Any:
     words = parameter.name.replace("_", "-")
     flags = f"--{words}/--no-{words}" if isinstance(parameter.default, bool) else f"--{words}"
     kind = click.Choice(parameter.choices) if parameter.choices else type(parameter.default)
-    return click.option(
-        flags, parameter.name, type=kind, default=parameter.default, show_default=True, help=parameter.help
-    )
+    said = f"{parameter.help}  [{parameter.bounds.words}]" if parameter.bounds else parameter.help
+    return click.option(flags, parameter.name, type=kind, default=parameter.default, show_default=True, help=said)
 
 
 def _make_one(

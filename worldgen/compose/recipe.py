@@ -13,18 +13,18 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from worldgen.compose._recipe_run import Run, Work
-from worldgen.compose._recipe_text import MAX_BYTES, Declared, RecipeText, read_recipe, words_of
+from worldgen.compose._recipe_text import MAX_BYTES, RecipeText, read_recipe, words_of
 from worldgen.compose._values import Scalar, is_drawn
 from worldgen.compose._where import DRAWN
 from worldgen.compose.piece import Piece
 from worldgen.compose.sources import drawn, first_possible, of_world, read
 from worldgen.errors import FormatError, GenerationFailed, InvalidParameter
-from worldgen.family import FAMILIES, MARGIN, Build, Family, check_at_least, check_between, family
+from worldgen.family import FAMILIES, MARGIN, Bounds, Build, Family, family
 from worldgen.grid_file import loads
 from worldgen.interop.foreign_map import read_bounded
 from worldgen.random_streams import RandomStream
@@ -166,8 +166,6 @@ def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
 
     def build(rng: RandomStream, **values: Any) -> World:
         params: dict[str, Scalar] = {name: values[name] for name in recipe.parameters}
-        for name, declared in recipe.parameters.items():
-            _check_range(name, params[name], declared)
         work = Work()
         if not by_chance:
             margin = params.get(MARGIN, 0.0)
@@ -179,7 +177,10 @@ def _builder(recipe: RecipeText, pieces: Mapping[str, Piece]) -> Build:
     own = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=known.default) for name, known in listed]
     build.__signature__ = inspect.Signature([rng, *own])  # type: ignore[attr-defined]
     build.__annotations__ = {
-        name: Literal.__getitem__(known.choices) if known.choices else type(known.default) for name, known in listed
+        name: Literal.__getitem__(known.choices)
+        if known.choices
+        else Annotated[type(known.default), Bounds(known.least, known.most)]
+        for name, known in listed
     }
     notes = "\n".join(f"    {name}: {known.help}" for name, known in listed)
     build.__doc__ = f"{recipe.about}\n\nArgs:\n    rng: The only source of chance.\n{notes}\n"
@@ -214,14 +215,3 @@ def _is_drawn(recipe: RecipeText) -> bool:
         if any(is_drawn(spec) for spec in specs):
             return True
     return False
-
-
-def _check_range(name: str, value: Scalar, declared: Declared) -> None:
-    if isinstance(value, str):
-        return
-    if declared.least is not None and declared.most is not None:
-        check_between(name, value, declared.least, declared.most)
-    elif declared.least is not None:
-        check_at_least(name, value, declared.least)
-    elif declared.most is not None and value > declared.most:
-        raise InvalidParameter(f"{name}={value} is above {declared.most}; give at most {declared.most}")

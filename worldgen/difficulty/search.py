@@ -88,6 +88,9 @@ class Search:
         given: Parameters that keep their values.
         guided: Whether to vary parameters; without it only new seeds are tried.
         learns: Whether the nearest worlds have children; without it all parameters are drawn.
+
+    Raises:
+        InvalidParameter: If a given parameter is refused, or a difficulty is wished of worlds that change.
     """
 
     def __init__(
@@ -102,6 +105,10 @@ class Search:
     ) -> None:
         self.family, self.wish, self.seed, self.given = family, wish, seed, dict(given)
         family.complete(given)  # refuses at once what it would refuse every time
+        if family.changes and "difficulty" in wish.names:
+            raise InvalidParameter(
+                f"{family.name}: its worlds change, and those have no difficulty; wish for another metric, say detour"
+            )
         self._free = free_parameters(family, given) if guided else ()
         self._rng = RandomStream(seed).child("where", family.name)
         self._parents: list[Nearest] = []

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
+from typing import Annotated, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
-from worldgen.family import check_between, check_positive
+from worldgen.family import Bounds
 from worldgen.frozen import hand_over
 from worldgen.lattice import TURN, UNIT, exact, heading_from_lattice, in_cells, lattice_to_metres
 from worldgen.random_streams import RandomStream
@@ -22,8 +23,17 @@ __all__ = [
     "CHOSEN",
     "MAX_SIZE",
     "MIN_SIZE",
+    "SIZE",
     "STEPS",
     "Arena",
+    "CellSize",
+    "Margin",
+    "RobotRadius",
+    "RobotSpeed",
+    "Share",
+    "Size",
+    "Wall",
+    "Width",
     "spread_evenly",
     "spread_unevenly",
     "without_effect",
@@ -32,6 +42,20 @@ __all__ = [
 MIN_SIZE, MAX_SIZE = 10, 2000  # cells a side
 CHOSEN = -1  # for a whole number: "the family chooses"
 STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))  # (dx, dy) of a heading in quarter turns
+
+SIZE = Bounds(MIN_SIZE, MAX_SIZE, "cells")
+_CELL_SIZE = Bounds(0.001, 1000.0, "m")
+_RADIUS = Bounds(0.0, unit="m", above=True)
+_SPEED = Bounds(0.001, 1000.0, "m/s")
+
+Size: TypeAlias = Annotated[int, SIZE]
+CellSize: TypeAlias = Annotated[float, _CELL_SIZE]
+RobotRadius: TypeAlias = Annotated[float, _RADIUS]
+RobotSpeed: TypeAlias = Annotated[float, _SPEED]
+Share: TypeAlias = Annotated[float, Bounds(0.0, 1.0)]
+Width: TypeAlias = Annotated[int, Bounds(1, unit="cells", chosen=CHOSEN)]
+Wall: TypeAlias = Annotated[int, Bounds(1, unit="cells")]
+Margin: TypeAlias = Annotated[float, Bounds(0.0, 3600.0, "s")]
 
 _HALF = UNIT // 2
 
@@ -58,10 +82,10 @@ class Arena:
     most: int = MAX_SIZE
 
     def __post_init__(self) -> None:
-        check_between("size", self.size, MIN_SIZE, self.most, "cells")
-        check_between("cell_size", self.cell_size, 0.001, 1000.0, "m")
-        check_positive("robot_radius", self.robot_radius, "m")
-        check_between("robot_speed", self.robot_speed, 0.001, 1000.0, "m/s")
+        replace(SIZE, high=self.most).check("size", self.size)
+        _CELL_SIZE.check("cell_size", self.cell_size)
+        _RADIUS.check("robot_radius", self.robot_radius)
+        _SPEED.check("robot_speed", self.robot_speed)
         room = exact(self.cell_size) * self.inside / 2
         if exact(self.robot_radius) > room:
             raise InvalidParameter(

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._layout import CHOSEN, Arena
+from worldgen.families._layout import CHOSEN, Arena, CellSize, RobotRadius, RobotSpeed, Size
 from worldgen.families._open_ground import components, covered, dig_from, easiest_joints, far_poses
 from worldgen.families._routes import free_windows
-from worldgen.family import check_between, family
+from worldgen.family import Bounds, check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
@@ -32,14 +32,14 @@ _OPENED_UP = 3  # rounds in which columns rise in wide halls
 def cave(
     rng: RandomStream,
     *,
-    size: int = 30,
+    size: Size = 30,
     shape: Shape = "caverns",
-    rock: int = CHOSEN,
-    rounds: int = CHOSEN,
-    grain: int = CHOSEN,
-    cell_size: float = 0.1,
-    robot_radius: float = 0.07,
-    robot_speed: float = 2.0,
+    rock: Annotated[int, Bounds(30, 65, "percent", chosen=CHOSEN)] = CHOSEN,
+    rounds: Annotated[int, Bounds(0, MOST_ROUNDS, chosen=CHOSEN)] = CHOSEN,
+    grain: Annotated[int, Bounds(1, unit="cells", chosen=CHOSEN)] = CHOSEN,
+    cell_size: CellSize = 0.1,
+    robot_radius: RobotRadius = 0.07,
+    robot_speed: RobotSpeed = 2.0,
 ) -> World:
     """A cave of irregular halls and passages, the start at one end, the target at another.
 
@@ -49,12 +49,12 @@ def cave(
 
     Args:
         rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 10 to 2000.
+        size: Cells a side, the solid border included.
         shape: caverns: halls and passages, with ways round; columns: one wide hall full of pillars;
             galleries: small chambers, joined by long tunnels without a way round.
-        rock: Rock before the automaton's first round, in percent, 30 to 65; the more, the narrower the
+        rock: Rock before the automaton's first round, in percent; the more, the narrower the
             cave; -1: drawn from what suits the shape.
-        rounds: Rounds of the automaton, up to 50; 0 leaves the rock as it was strewn; -1: drawn.
+        rounds: Rounds of the automaton; 0 leaves the rock as it was strewn; -1: drawn.
         grain: Cells a side of the automaton's own cells: the larger, the wider the cave; -1: what suits the
             robot.
         cell_size: Side of a cell, m.
@@ -69,12 +69,7 @@ def cave(
     Cave-Like Levels", RogueBasin.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    if rock != CHOSEN:
-        check_between("rock", rock, 30, 65, "percent")
-    check_between("rounds", rounds, CHOSEN, MOST_ROUNDS)
     check_between("grain", grain, CHOSEN, arena.inside, "cells")
-    if grain == 0:
-        raise InvalidParameter("grain=0 cells is below 1 cells; give at least 1, or -1 for what suits the robot")
     side = arena.narrowest
     if arena.inside < 3 * side:
         raise InvalidParameter(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from itertools import pairwise
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -22,9 +22,21 @@ from worldgen.families._corridor_layouts import (
     tees,
     turned_at_random,
 )
-from worldgen.families._layout import CHOSEN, STEPS, Arena, spread_unevenly, without_effect
+from worldgen.families._layout import (
+    CHOSEN,
+    STEPS,
+    Arena,
+    CellSize,
+    RobotRadius,
+    RobotSpeed,
+    Size,
+    Wall,
+    Width,
+    spread_unevenly,
+    without_effect,
+)
 from worldgen.families._mazes import ROOT, spanning_tree
-from worldgen.family import check_at_least, check_between, family
+from worldgen.family import Bounds, check_between, family
 from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
@@ -47,19 +59,19 @@ MOST_BENDS, MOST_BRANCHES = 1000, 500  # beyond, drafts take long and often fail
 def corridor(
     rng: RandomStream,
     *,
-    size: int = 30,
+    size: Size = 30,
     shape: Shape = "bends",
-    bends: int = CHOSEN,
-    branches: int = CHOSEN,
-    width: int = CHOSEN,
-    robot_widths: float = 0.0,
-    wall: int = 1,
-    necks: int = 0,
-    neck: int = CHOSEN,
-    neck_length: int = 1,
-    cell_size: float = 0.1,
-    robot_radius: float = 0.07,
-    robot_speed: float = 2.0,
+    bends: Annotated[int, Bounds(0, MOST_BENDS, chosen=CHOSEN)] = CHOSEN,
+    branches: Annotated[int, Bounds(0, MOST_BRANCHES, chosen=CHOSEN)] = CHOSEN,
+    width: Width = CHOSEN,
+    robot_widths: Annotated[float, Bounds(1.0, MOST_WIDE, "widths of the robot", chosen=0.0)] = 0.0,
+    wall: Wall = 1,
+    necks: Annotated[int, Bounds(0, MOST_BENDS, chosen=CHOSEN)] = 0,
+    neck: Width = CHOSEN,
+    neck_length: Annotated[int, Bounds(1, unit="cells")] = 1,
+    cell_size: CellSize = 0.1,
+    robot_radius: RobotRadius = 0.07,
+    robot_speed: RobotSpeed = 2.0,
 ) -> World:
     """A corridor from the start, at one end, to the target, at the other, through solid rock.
 
@@ -68,7 +80,7 @@ def corridor(
 
     Args:
         rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 10 to 2000.
+        size: Cells a side, the solid border included.
         shape: bends: one winding corridor; dead-ends: with blind side ways; junctions: with side ways that
             lead back, so that there is more than one way; S: to and fro in long stretches; T: T junctions,
             one arm of each blind; X: corridors across corridors; tunnel: one long way that fills the
@@ -128,14 +140,12 @@ def _width(arena: Arena, width: int, robot_widths: float) -> int:
     """The corridor's width in cells."""
     if robot_widths == 0.0:
         return arena.passage("width", width)
-    check_between("robot_widths", robot_widths, 1.0, MOST_WIDE, "widths of the robot")
     without_effect("width", width, f"robot_widths={robot_widths:g}")
     return max(arena.narrowest, math.ceil(2 * arena.radius * exact(robot_widths)))
 
 
 def _lines(arena: Arena, width: int, wall: int) -> int:
     """How many stretches have room side by side."""
-    check_at_least("wall", wall, 1, "cells")
     lines = (arena.inside + wall) // (width + wall)
     if lines < 2:
         raise InvalidParameter(
@@ -147,7 +157,6 @@ def _lines(arena: Arena, width: int, wall: int) -> int:
 
 def _neck(arena: Arena, width: int, necks: int, neck: int, neck_length: int) -> int:
     """The width of narrow places in cells."""
-    check_between("necks", necks, CHOSEN, MOST_BENDS)
     check_between("neck_length", neck_length, 1, arena.inside, "cells")
     if necks == 0:
         return without_effect("neck", neck, "necks=0")

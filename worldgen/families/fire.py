@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -22,8 +22,18 @@ from worldgen.families._blaze import (
     weak_walls,
 )
 from worldgen.families._ground import lay_ground
-from worldgen.families._layout import CHOSEN, Arena, without_effect
-from worldgen.family import check_between, family
+from worldgen.families._layout import (
+    CHOSEN,
+    Arena,
+    CellSize,
+    Margin,
+    RobotRadius,
+    RobotSpeed,
+    Share,
+    Size,
+    without_effect,
+)
+from worldgen.family import Bounds, family
 from worldgen.random_streams import RandomStream
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import World
@@ -39,29 +49,29 @@ LOAD_PITCH = 6  # cells from one place of heavy fuel to the next
 def fire(
     rng: RandomStream,
     *,
-    size: int = 30,
+    size: Size = 30,
     over: str = "maze",
-    ignitions: int = 2,
+    ignitions: Annotated[int, Bounds(1, 100)] = 2,
     ignite_at: Literal["mixed", "way", "anywhere", "rim"] = "mixed",
     ignite_cells: str = DRAWN,
-    apart: float = 0.0,
-    spread: float = 0.15,
-    scatter: float = 0.5,
-    wind: float = 0.0,
-    wind_to: int = -1,
-    fuel: float = 1.0,
-    grain: int = 3,
-    burn: float = 2.0,
-    uneven: float = 0.0,
-    spread_cells: int = 300,
-    debris: float = 0.2,
-    clear: float = 0.0,
-    burn_through: int = 3,
+    apart: Annotated[float, Bounds(0.0, 600.0, "s")] = 0.0,
+    spread: Annotated[float, Bounds(0.01, 60.0, "s")] = 0.15,
+    scatter: Annotated[float, Bounds(0.0, 0.9)] = 0.5,
+    wind: Annotated[float, Bounds(0.0, 0.9)] = 0.0,
+    wind_to: Annotated[int, Bounds(0, 3, "quarter turns", chosen=CHOSEN)] = -1,
+    fuel: Share = 1.0,
+    grain: Annotated[int, Bounds(1, 1000, "cells")] = 3,
+    burn: Annotated[float, Bounds(0.01, 600.0, "s")] = 2.0,
+    uneven: Annotated[float, Bounds(0.0, 0.9)] = 0.0,
+    spread_cells: Annotated[int, Bounds(1, 100_000, "cells")] = 300,
+    debris: Share = 0.2,
+    clear: Annotated[float, Bounds(0.0, 600.0, "s")] = 0.0,
+    burn_through: Annotated[int, Bounds(0, 1000)] = 3,
     monotone: bool = False,
-    margin: float = 0.0,
-    cell_size: float = 0.1,
-    robot_radius: float = 0.07,
-    robot_speed: float = 2.0,
+    margin: Margin = 0.0,
+    cell_size: CellSize = 0.1,
+    robot_radius: RobotRadius = 0.07,
+    robot_speed: RobotSpeed = 2.0,
 ) -> World:
     """A world of another family in which fire breaks out on the way to the target.
 
@@ -70,7 +80,7 @@ def fire(
 
     Args:
         rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 10 to 2000.
+        size: Cells a side, the solid border included.
         over: Family whose world burns, with its own parameters: maze, rooms, maze+algorithm=eller+passage=3. Words
             that are not given are drawn.
         ignitions: Places where fire breaks out.
@@ -78,13 +88,13 @@ def fire(
         ignite_cells: Cells where fire breaks out: drawn as the two above say, or given, such as 12:5,20:7.
         apart: Mean time from one fire to the next, s; 0: all break out at time 0.
         spread: Mean time that fire takes from one cell of floor to the next, s.
-        scatter: Share by which times differ from their means, 0 to 0.9.
-        wind: Share by which fire goes faster with the wind and slower against it, 0 to 0.9.
+        scatter: Share by which times differ from their means.
+        wind: Share by which fire goes faster with the wind and slower against it.
         wind_to: Where the wind blows to: quarter turns counter-clockwise from +x; -1: drawn.
         fuel: Share of the floor that has fuel; the rest never burns.
         grain: Cells across a patch without fuel; 1: single cells.
         burn: Mean time that a cell burns, s.
-        uneven: Share by which that mean differs from place to place, 0 to 0.9.
+        uneven: Share by which that mean differs from place to place.
         spread_cells: Cells of floor that burn at most.
         debris: Share of the burnt floor, off one way to the target, that falls shut when it is burnt out.
         clear: Mean time after which debris is cleared, s; 0: never.
@@ -102,9 +112,10 @@ def fire(
     subadditive processes, stochastic networks, and generalized renewal theory", 1965.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    _check_fires(ignitions, apart, spread, scatter, wind, wind_to)
-    _check_fuel(fuel, grain, burn, uneven, spread_cells)
-    _check_what_is_left(debris, clear, burn_through, monotone, margin)
+    if wind == 0.0:
+        without_effect("wind_to", wind_to, "wind=0")
+    if monotone and clear > 0.0:
+        raise InvalidParameter(f"clear={clear:g} s opens what fell shut, and monotone lets nothing open; leave one out")
 
     ground = lay_ground(rng.child("ground"), over, arena)
     plan = Plan.of(ground).with_fuel(rng.child("fuel"), fuel, grain)
@@ -118,34 +129,6 @@ def fire(
     closing = set(floor) if monotone else _debris(rng.child("debris"), plan, floor, walls, debris)
     lasts = _lasts(rng, plan, floor | walls, burn, uneven, scatter)
     return replace(ground, timeline=_timeline(rng.child("clear"), plan, floor | walls, lasts, closing, clear))
-
-
-def _check_fires(ignitions: int, apart: float, spread: float, scatter: float, wind: float, wind_to: int) -> None:
-    check_between("ignitions", ignitions, 1, 100)
-    check_between("apart", apart, 0.0, 600.0, "s")
-    check_between("spread", spread, 0.01, 60.0, "s")
-    check_between("scatter", scatter, 0.0, 0.9)
-    check_between("wind", wind, 0.0, 0.9)
-    check_between("wind_to", wind_to, -1, 3, "quarter turns")
-    if wind == 0.0:
-        without_effect("wind_to", wind_to, "wind=0")
-
-
-def _check_fuel(fuel: float, grain: int, burn: float, uneven: float, spread_cells: int) -> None:
-    check_between("fuel", fuel, 0.0, 1.0)
-    check_between("grain", grain, 1, 1000, "cells")
-    check_between("burn", burn, 0.01, 600.0, "s")
-    check_between("uneven", uneven, 0.0, 0.9)
-    check_between("spread_cells", spread_cells, 1, 100_000, "cells")
-
-
-def _check_what_is_left(debris: float, clear: float, burn_through: int, monotone: bool, margin: float) -> None:
-    check_between("debris", debris, 0.0, 1.0)
-    check_between("clear", clear, 0.0, 600.0, "s")
-    check_between("burn_through", burn_through, 0, 1000)
-    check_between("margin", margin, 0.0, 3600.0, "s")
-    if monotone and clear > 0.0:
-        raise InvalidParameter(f"clear={clear:g} s opens what fell shut, and monotone lets nothing open; leave one out")
 
 
 def _cells(text: str, plan: Plan) -> list[int]:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._layout import CHOSEN, Arena
+from worldgen.families._layout import CHOSEN, Arena, CellSize, RobotRadius, RobotSpeed, Size
 from worldgen.families._noise import smooth_noise
 from worldgen.families._open_ground import components, far_poses
 from worldgen.families._planting import disc_cells, plant
 from worldgen.families._routes import free_windows
-from worldgen.family import check_at_least, check_between, family
+from worldgen.family import Bounds, check_at_least, check_between, family
 from worldgen.lattice import exact
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
@@ -34,15 +34,15 @@ _DRAWN_THICKEST = (2, 6)
 def forest(
     rng: RandomStream,
     *,
-    size: int = 30,
+    size: Size = 30,
     growth: Growth = "even",
-    thinnest: int = 1,
-    thickest: int = CHOSEN,
-    gap: float = 1.2,
-    density: float = 1.0,
-    cell_size: float = 0.1,
-    robot_radius: float = 0.07,
-    robot_speed: float = 2.0,
+    thinnest: Annotated[int, Bounds(1, THICKEST, "cells")] = 1,
+    thickest: Annotated[int, Bounds(1, THICKEST, "cells", chosen=CHOSEN)] = CHOSEN,
+    gap: Annotated[float, Bounds(1.0, MOST_GAP, "widths of the robot")] = 1.2,
+    density: Annotated[float, Bounds(0.0, 1.0, above=True)] = 1.0,
+    cell_size: CellSize = 0.1,
+    robot_radius: RobotRadius = 0.07,
+    robot_speed: RobotSpeed = 2.0,
 ) -> World:
     """A forest of round trunks, with the start on one side and the target on the other.
 
@@ -53,13 +53,13 @@ def forest(
 
     Args:
         rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 10 to 2000.
+        size: Cells a side, the solid border included.
         growth: even: equally dense everywhere; thickets: dense stands with clearings between;
             rows: planted in rows, each set off against the next, a little out of line.
         thinnest: Diameter of the thinnest trunks, cells.
-        thickest: Diameter of the thickest trunks, cells, up to 64; -1: drawn.
-        gap: Least gap between two trunks, and to the border, in widths of the robot; 1 to 100.
-        density: Share of the trunks put down that stay; above 0, up to 1.
+        thickest: Diameter of the thickest trunks, cells; -1: drawn.
+        gap: Least gap between two trunks, and to the border, in widths of the robot.
+        density: Share of the trunks put down that stay.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
@@ -71,10 +71,6 @@ def forest(
     2007, gives what this does cell by cell: darts until none fits, Cook 1986.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    check_between("gap", gap, 1.0, MOST_GAP, "widths of the robot")
-    if not 0.0 < density <= 1.0:
-        raise InvalidParameter(f"density={density:g} is not above 0 and at most 1; give such a share")
-    check_between("thinnest", thinnest, 1, THICKEST, "cells")
     clear = 2 * arena.radius * exact(gap)
     free = _clear_of_border(arena, clear)
     thickest = _thickest(rng.child("thickest"), arena, int(free.any(axis=0).sum()), clear, thinnest, thickest)

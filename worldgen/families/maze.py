@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from dataclasses import replace
+from typing import Annotated, Literal
 
 import numpy as np
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._layout import CHOSEN, Arena, spread_evenly
+from worldgen.families._layout import (
+    CHOSEN,
+    SIZE,
+    Arena,
+    CellSize,
+    RobotRadius,
+    RobotSpeed,
+    Share,
+    Wall,
+    Width,
+    spread_evenly,
+)
 from worldgen.families._mazes import (
     FIT_ANY_SHAPE,
     ROCK,
@@ -20,7 +32,7 @@ from worldgen.families._mazes import (
     shape_mask,
     ways_out,
 )
-from worldgen.family import check_at_least, check_between, family
+from worldgen.family import Bounds, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import MAX_SIDE, World
 
@@ -31,7 +43,7 @@ __all__ = ["maze"]
 def maze(
     rng: RandomStream,
     *,
-    size: int = 30,
+    size: Annotated[int, replace(SIZE, high=MAX_SIDE)] = 30,
     algorithm: Literal[
         "wilson",
         "aldous-broder",
@@ -45,16 +57,16 @@ def maze(
         "binary-tree",
         "recursive-division",
     ] = "wilson",
-    newest: float = -1.0,
-    oldest: float = -1.0,
+    newest: Annotated[float, Bounds(0.0, 1.0, chosen=CHOSEN)] = -1.0,
+    oldest: Annotated[float, Bounds(0.0, 1.0, chosen=CHOSEN)] = -1.0,
     mask: Literal["square", "disc", "ring", "cross", "diamond"] = "square",
-    braid: float = 0.0,
-    rooms: int = 0,
-    passage: int = CHOSEN,
-    wall: int = 1,
-    cell_size: float = 0.1,
-    robot_radius: float = 0.07,
-    robot_speed: float = 2.0,
+    braid: Share = 0.0,
+    rooms: Annotated[int, Bounds(0)] = 0,
+    passage: Width = CHOSEN,
+    wall: Wall = 1,
+    cell_size: CellSize = 0.1,
+    robot_radius: RobotRadius = 0.07,
+    robot_speed: RobotSpeed = 2.0,
 ) -> World:
     """A maze from one corner of the square to the opposite one.
 
@@ -64,13 +76,13 @@ def maze(
 
     Args:
         rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 10 to 20000.
+        size: Cells a side, the solid border included.
         algorithm: wilson, aldous-broder: every maze equally likely; backtracker: long winding ways;
             kruskal, prim: the lightest tree of random weights; for the others see the documentation.
-        newest: Share of a growing tree's steps that go on from the newest chamber, 0 to 1; -1: half.
-        oldest: Share that go on from the oldest, 0 to 1; -1: none. The rest go on from any.
+        newest: Share of a growing tree's steps that go on from the newest chamber; -1: half.
+        oldest: Share that go on from the oldest; -1: none. The rest go on from any.
         mask: Shape of the maze; the rest of the square is rock.
-        braid: Share of the dead ends that get a second way out, 0 to 1; 1 leaves none.
+        braid: Share of the dead ends that get a second way out; 1 leaves none.
         rooms: Number of open rectangular rooms, each of 2 x 2 chambers or more.
         passage: Width of the passages, cells; -1: the narrowest that lets the robot through.
         wall: Thickness of the walls, cells.
@@ -85,9 +97,6 @@ def maze(
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed, most=MAX_SIDE)
     passage = arena.passage("passage", passage)
-    check_at_least("wall", wall, 1, "cells")
-    check_between("braid", braid, 0.0, 1.0)
-    check_at_least("rooms", rooms, 0)
     newest, oldest = _shares(algorithm, newest, oldest)
     side = (arena.inside + wall) // (passage + wall)
     if side < 2:
@@ -130,7 +139,6 @@ def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]
             raise InvalidParameter(
                 f"{name}={share:g} has no effect with algorithm={algorithm}; leave it out, or give growing-tree"
             )
-        check_between(name, share, 0.0, 1.0)
     oldest = given.get("oldest", 0.0)
     newest = given.get("newest", min(0.5, 1.0 - oldest))
     if newest + oldest > 1.0:

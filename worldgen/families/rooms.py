@@ -7,10 +7,21 @@ import numpy as np
 from worldgen.errors import InvalidParameter
 from worldgen.families._doors import hang_doors, shut_doors
 from worldgen.families._floor_plan import Sizes, Style, divide, fit_sizes, joined
-from worldgen.families._layout import CHOSEN, Arena, without_effect
+from worldgen.families._layout import (
+    CHOSEN,
+    Arena,
+    CellSize,
+    RobotRadius,
+    RobotSpeed,
+    Share,
+    Size,
+    Wall,
+    Width,
+    without_effect,
+)
 from worldgen.families._open_ground import far_poses
 from worldgen.families._routes import free_windows
-from worldgen.family import check_at_least, check_between, family
+from worldgen.family import family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
@@ -21,17 +32,17 @@ __all__ = ["rooms"]
 def rooms(
     rng: RandomStream,
     *,
-    size: int = 30,
+    size: Size = 30,
     plan: Style = "wings",
-    room: int = CHOSEN,
-    corridor: int = CHOSEN,
-    door: int = CHOSEN,
-    wall: int = 1,
-    shared: float = 0.15,
-    closed: float = 0.0,
-    cell_size: float = 0.1,
-    robot_radius: float = 0.07,
-    robot_speed: float = 2.0,
+    room: Width = CHOSEN,
+    corridor: Width = CHOSEN,
+    door: Width = CHOSEN,
+    wall: Wall = 1,
+    shared: Share = 0.15,
+    closed: Share = 0.0,
+    cell_size: CellSize = 0.1,
+    robot_radius: RobotRadius = 0.07,
+    robot_speed: RobotSpeed = 2.0,
 ) -> World:
     """One floor of an office: rooms, corridors and doors, the start in one room, the target in a far one.
 
@@ -40,7 +51,7 @@ def rooms(
 
     Args:
         rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 10 to 2000.
+        size: Cells a side, the solid border included.
         plan: wings: corridors branch off corridors; spine: one corridor across; suite: no corridor, rooms
             lead to rooms.
         room: Least inner side of a room, cells; -1: drawn.
@@ -48,9 +59,9 @@ def rooms(
             through.
         door: Width of the doors, cells; -1: the narrowest that lets the robot through.
         wall: Thickness of the walls, cells.
-        shared: Share of the walls without need of a door that have one too, 0 to 1: between two rooms, or a
+        shared: Share of the walls without need of a door that have one too: between two rooms, or a
             second way into the corridor.
-        closed: Share of the doors that are shut, 0 to 1; never those on one way to the target.
+        closed: Share of the doors that are shut; never those on one way to the target.
         cell_size: Side of a cell, m.
         robot_radius: Radius of the robot, m.
         robot_speed: Top speed of the robot, m/s.
@@ -62,9 +73,6 @@ def rooms(
     spanning tree in random order, corridors before rooms.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    check_at_least("wall", wall, 1, "cells")
-    check_between("shared", shared, 0.0, 1.0)
-    check_between("closed", closed, 0.0, 1.0)
     door = arena.passage("door", door)
     corridor = _corridor_width(arena, plan, corridor, door)
     sizes = fit_sizes(rng.child("sizes"), arena, plan, Sizes(room, corridor, door, wall))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -11,11 +11,22 @@ import numpy.typing as npt
 from worldgen.errors import InvalidParameter
 from worldgen.families._doors import hang_doors
 from worldgen.families._floor_plan import Sizes, Style, divide, fit_sizes, joined
-from worldgen.families._layout import CHOSEN, STEPS, Arena
+from worldgen.families._layout import (
+    CHOSEN,
+    STEPS,
+    Arena,
+    CellSize,
+    RobotRadius,
+    RobotSpeed,
+    Share,
+    Size,
+    Wall,
+    Width,
+)
 from worldgen.families._noise import smooth_noise
 from worldgen.families._open_ground import FAR, dig_from, steps_from
 from worldgen.families._routes import free_windows
-from worldgen.family import check_at_least, check_between, family
+from worldgen.family import Bounds, check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
@@ -34,16 +45,16 @@ _DIGGING = 6  # a window with debris in it counts for so many free ones on the w
 def rubble(
     rng: RandomStream,
     *,
-    size: int = 30,
+    size: Size = 30,
     collapse: Collapse = "quake",
-    damage: float = 0.5,
-    debris: float = 0.35,
-    room: int = CHOSEN,
-    wall: int = 1,
-    pocket: int = CHOSEN,
-    cell_size: float = 0.1,
-    robot_radius: float = 0.07,
-    robot_speed: float = 2.0,
+    damage: Share = 0.5,
+    debris: Share = 0.35,
+    room: Width = CHOSEN,
+    wall: Wall = 1,
+    pocket: Annotated[int, Bounds(0, unit="cells", chosen=CHOSEN)] = CHOSEN,
+    cell_size: CellSize = 0.1,
+    robot_radius: RobotRadius = 0.07,
+    robot_speed: RobotSpeed = 2.0,
 ) -> World:
     """A collapsed building: the robot comes in where it still stands, and looks for a survivor in a pocket.
 
@@ -54,10 +65,10 @@ def rubble(
 
     Args:
         rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 10 to 2000.
+        size: Cells a side, the solid border included.
         collapse: quake: ruined in patches all over; blast: ruined round one place; wing: ruined on one side.
-        damage: Share of the building that is ruined, 0 to 1.
-        debris: Share of the ruined floor that debris covers, 0 to 1; it is thickest where walls fell.
+        damage: Share of the building that is ruined.
+        debris: Share of the ruined floor that debris covers; it is thickest where walls fell.
         room: Least inner side of a room, cells; -1: drawn.
         wall: Thickness of the walls, cells.
         pocket: Free cells round the survivor's own place, inside the debris; -1: drawn.
@@ -72,9 +83,6 @@ def rubble(
     Murphy, "Disaster Robotics", 2014.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    check_between("damage", damage, 0.0, 1.0)
-    check_between("debris", debris, 0.0, 1.0)
-    check_at_least("wall", wall, 1, "cells")
     check_between("pocket", pocket, CHOSEN, arena.inside, "cells")
     side = arena.narrowest
     pocket = rng.child("pocket").between(0, side) if pocket == CHOSEN else pocket

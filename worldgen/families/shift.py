@@ -4,34 +4,35 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 
 from worldgen.errors import InvalidParameter
 from worldgen.families._ground import lay_ground
-from worldgen.families._layout import Arena
-from worldgen.family import check_between, family
+from worldgen.families._layout import Arena, CellSize, Margin, RobotRadius, RobotSpeed, Share, Size
+from worldgen.family import Bounds, family
 from worldgen.lattice import exact, in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen.world import World
 
-__all__ = ["shift"]
+__all__ = ["shift", "shifted"]
 
 
 @family("shift", version=1, changes=True)
 def shift(
     rng: RandomStream,
     *,
-    size: int = 30,
+    size: Size = 30,
     over: str = "trap",
-    interval: float = 0.5,
-    chance: float = 0.1,
-    duration: float = 60.0,
-    margin: float = 0.0,
-    cell_size: float = 0.1,
-    robot_radius: float = 0.07,
-    robot_speed: float = 2.0,
+    interval: Annotated[float, Bounds(0.01, 60.0, "s")] = 0.5,
+    chance: Share = 0.1,
+    duration: Annotated[float, Bounds(0.0, 600.0, "s")] = 60.0,
+    margin: Margin = 0.0,
+    cell_size: CellSize = 0.1,
+    robot_radius: RobotRadius = 0.07,
+    robot_speed: RobotSpeed = 2.0,
 ) -> World:
     """A world of another family whose cells change places, as the thesis's world shifter moves them.
 
@@ -43,7 +44,7 @@ def shift(
 
     Args:
         rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 10 to 2000.
+        size: Cells a side, the solid border included.
         over: Family whose world moves, with its own parameters: trap, rooms, trap+shape=U+depth=9. Words that are not
             given are drawn.
         interval: Time between two draws, s.
@@ -60,10 +61,6 @@ def shift(
     Source: the thesis's listing, ``simGuiExp.worldShifter``, called every 500 ms, one chance in ten.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    check_between("interval", interval, 0.01, 60.0, "s")
-    check_between("chance", chance, 0.0, 1.0)
-    check_between("duration", duration, 0.0, 600.0, "s")
-    check_between("margin", margin, 0.0, 3600.0, "s")
 
     ground = lay_ground(rng.child("ground"), over, arena)
     if ground.width != ground.height:
@@ -71,6 +68,33 @@ def shift(
             f"over={over}: {ground.width} x {ground.height} cells have no mirror image; give a ground that is square"
         )
     return replace(ground, timeline=_swaps(rng.child("swaps"), ground, interval, chance, duration))
+
+
+def shifted(world: World, seed: int, *, interval: float = 0.5, chance: float = 0.1, duration: float = 600.0) -> World:
+    """A given world whose cells change places from now on, as in :func:`shift`; without proof, whatever it had.
+
+    Args:
+        world: A square world that stands still.
+        seed: Of the swaps.
+        interval: Time between two draws, s.
+        chance: Share of the draws that swap two cells.
+        duration: Time after which all stays as it is, s.
+
+    Raises:
+        InvalidParameter: If the world is not square or changes already, or if nothing comes to change.
+    """
+    if world.width != world.height:
+        raise InvalidParameter(
+            f"{world.width} x {world.height} cells have no mirror image; only a square world's walls can change places"
+        )
+    if world.is_dynamic:
+        raise InvalidParameter("the world changes already; clear its changes, or take one that stands still")
+    swaps = _swaps(RandomStream(seed).child("swaps"), world, interval, chance, duration)
+    if len(swaps) == 0:
+        raise InvalidParameter(
+            f"no wall has a free mirror image in {duration:g} s; draw walls off the diagonal, or take another seed"
+        )
+    return replace(world, timeline=swaps, certificate=None, provenance=None, failure=None)
 
 
 def _swaps(rng: RandomStream, ground: World, interval: float, chance: float, duration: float) -> Timeline:

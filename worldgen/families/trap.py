@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
-from worldgen.families._layout import CHOSEN, Arena, without_effect
+from worldgen.families._layout import (
+    CHOSEN,
+    Arena,
+    CellSize,
+    RobotRadius,
+    RobotSpeed,
+    Size,
+    Wall,
+    Width,
+    without_effect,
+)
 from worldgen.families._raster import box
 from worldgen.families._turned_trap import (
     Figure,
@@ -21,7 +31,7 @@ from worldgen.families._turned_trap import (
     place_turned,
     room_for,
 )
-from worldgen.family import check_at_least, check_between, family
+from worldgen.family import Bounds, check_at_least, check_between, family
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
@@ -42,20 +52,20 @@ SLANTED_SPARE = 2  # cells by which raster and thickening can narrow what lies b
 def trap(
     rng: RandomStream,
     *,
-    size: int = 30,
+    size: Size = 30,
     shape: Shape = "U",
-    depth: int = CHOSEN,
-    mouth: int = CHOSEN,
-    thickness: int = 1,
-    turn: int = CHOSEN,
-    turns: int = CHOSEN,
-    parts: int = CHOSEN,
-    angle: int = 0,
+    depth: Width = CHOSEN,
+    mouth: Width = CHOSEN,
+    thickness: Wall = 1,
+    turn: Annotated[int, Bounds(0, 3, "quarter turns", chosen=CHOSEN)] = CHOSEN,
+    turns: Annotated[int, Bounds(1, unit="quarter turns", chosen=CHOSEN)] = CHOSEN,
+    parts: Annotated[int, Bounds(1, chosen=CHOSEN)] = CHOSEN,
+    angle: Annotated[int, Bounds(0, 89, "degrees", chosen=CHOSEN)] = 0,
     faces: Faces = "start",
     inside: bool = False,
-    cell_size: float = 0.1,
-    robot_radius: float = 0.07,
-    robot_speed: float = 2.0,
+    cell_size: CellSize = 0.1,
+    robot_radius: RobotRadius = 0.07,
+    robot_speed: RobotSpeed = 2.0,
 ) -> World:
     """An open arena with a concave obstacle on the straight line from start to target.
 
@@ -64,7 +74,7 @@ def trap(
 
     Args:
         rng: The only source of chance; equal state, equal world.
-        size: Cells a side, the solid border included; 10 to 2000.
+        size: Cells a side, the solid border included.
         shape: U: a back wall and two arms; L: a back wall and one arm; spiral: a U whose one arm winds on
             round it; V: two slanted arms; comb: a back wall with teeth; nested: U's in each other's hollows;
             pair: a U, and another behind it, set off aside.
@@ -73,10 +83,10 @@ def trap(
         mouth: Clear width of the opening, between the arms or along the back wall, cells; of a spiral, of its
             whole winding corridor; between teeth, and between one U and the next; -1: drawn.
         thickness: Thickness of the obstacle's walls, cells.
-        turn: Where the mouth opens: quarter turns counter-clockwise from +x, 0 to 3; -1: drawn.
-        turns: Quarter turns by which a spiral winds on beyond the U, at least 1; -1: drawn.
-        parts: Teeth of a comb, or U's that are nested, at least 1; -1: drawn.
-        angle: Degrees counter-clockwise by which the obstacle is turned beyond ``turn``, 0 to 89; -1: drawn.
+        turn: Where the mouth opens: quarter turns counter-clockwise from +x; -1: drawn.
+        turns: Quarter turns by which a spiral winds on beyond the U; -1: drawn.
+        parts: Teeth of a comb, or U's that are nested; -1: drawn.
+        angle: Degrees counter-clockwise by which the obstacle is turned beyond ``turn``; -1: drawn.
         faces: What lies before the mouth: the start, the target, or neither.
         inside: Start in the hollow instead of before it.
         cell_size: Side of a cell, m.
@@ -90,8 +100,6 @@ def trap(
     inherent limitations for mobile robot navigation", ICRA 1991.
     """
     arena = Arena(size, cell_size, robot_radius, robot_speed)
-    check_between("turn", turn, CHOSEN, 3, "quarter turns")
-    check_between("angle", angle, CHOSEN, 89, "degrees")
     request = _checked(arena, _Request(shape, depth, mouth, thickness, turns, parts), faces, inside=inside)
     angle = rng.child("angle").below(90) if angle == CHOSEN else angle
     if angle or shape in _LATER:
@@ -125,7 +133,6 @@ def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _R
     Raises:
         InvalidParameter: If a number is out of range.
     """
-    check_at_least("thickness", asked.thickness, 1, "cells")
     if inside and faces == "target":
         raise InvalidParameter("inside with faces=target leaves nothing in the way; give faces=start or faces=side")
     least_depth = arena.narrowest if inside else 1

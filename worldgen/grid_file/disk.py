@@ -7,7 +7,7 @@ import io
 import zlib
 from collections.abc import Iterable
 from os import PathLike
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Protocol
 
 from worldgen.archives import Member, archive_in, members
@@ -80,7 +80,7 @@ def unpack_world(member: Member, source: str) -> World:
 
 def _read_archived(archive: Path, name: str, source: str) -> World:
     for member in members(archive):
-        if member.name == name:
+        if PurePosixPath(member.name).as_posix() == name:  # tar writes ./w.grid for a folder that is packed as .
             return unpack_world(member, source)
     raise FormatError(f"holds no file {name!r}; list its files to find the name", source=str(archive))
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.errors import InvalidParameter, InvalidWorld, OutputError
 from worldgen.files import check_output, write_bytes
 from worldgen.interop.foreign_map import origin_of
 from worldgen.interop.format import FORMATS, HELD, Destination, Format, split_options
@@ -196,8 +196,16 @@ def write_export(export: Export, folder: Path, *, force: bool = False) -> list[P
     paths = [folder / name for name in export.files]
     for path in paths:
         check_output(path, force)
-    for path, data in zip(paths[::-1], list(export.files.values())[::-1], strict=True):
-        write_bytes(path, data, force=force)  # what was asked for comes last: it names the others
+    new = {path for path in paths if not path.exists()}
+    written: list[Path] = []
+    try:
+        for path, data in zip(paths[::-1], list(export.files.values())[::-1], strict=True):
+            write_bytes(path, data, force=force)  # what was asked for comes last: it names the others
+            written.append(path)
+    except OutputError:
+        for path in new.intersection(written):  # of no use alone; what another program has made meanwhile stays
+            path.unlink(missing_ok=True)
+        raise
     stale = paths[0].with_name(paths[0].name + SUFFIX)
     if export.sidecar is None and stale.is_file():
         stale.unlink()

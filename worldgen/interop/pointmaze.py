@@ -6,6 +6,7 @@ Source: the documentation of gymnasium-robotics, ``maze_map`` of the Maze enviro
 from __future__ import annotations
 
 import json
+import re
 
 from worldgen.interop.boxes import closing_boxes
 from worldgen.interop.format import Destination, Exported, Format
@@ -46,6 +47,7 @@ pointmaze = Format(
     "pointmaze",
     "maze_map of Gymnasium-Robotics, .json",
     (".json",),
+    re.compile(rb'\s*\[\s*\[\s*(?:[01]|"[rgc]")\s*[,\]]'),
     write=write_pointmaze,
     holds=frozenset({"start", "target"}),
     client="Gymnasium-Robotics",

@@ -18,6 +18,10 @@ __all__ = ["find_format", "looks_like_a_map", "read_map", "readable_formats"]
 _HEAD = 4096  # bytes looked at to recognise a file
 _COMMON = (".txt", ".yaml", ".yml", ".json", ".world", ".png", ".pgm", ".bmp", ".gz")  # of much that is no map
 _OURS = "worldgen.interop."
+_WAY_OUT = (
+    "give the .grid file that it was made from, or a file of another format, as `worldgen formats` lists them; if it "
+    "is one, say which with --from"
+)
 
 
 def readable_formats(*, plug_ins: bool = True) -> Iterator[Format]:
@@ -51,13 +55,28 @@ def find_format(path: Path, name: str | None = None) -> Format:
         return _only(found, path)
     if path.suffix.lower() == ".scen" or re.match(rb"version\s+1", head):
         raise FormatError("a scenario file has no map; give the .map file, and this one with --scen", source=str(path))
+    for written in map(FORMATS.get, FORMATS.entry_points()):
+        if written.read is None and written.magic and written.magic.match(head):
+            raise FormatError(
+                f"is {written.name} ({written.summary}), which is written, not read; {_WAY_OUT}", source=str(path)
+            )
     by_name = [known for known in readable_formats() if path.suffix.lower() in known.suffixes]
     if by_name:
         return _only(by_name, path)
-    raise FormatError(
-        "is no map that is known; `worldgen formats` lists those that are; if it is one, say which with --from",
-        source=str(path),
-    )
+    raise FormatError(_unknown(path.suffix.lower()), source=str(path))
+
+
+def _unknown(suffix: str) -> str:
+    """What is wrong with a file that is of no format that can be read, and the way out."""
+    written = [name for name in sorted(FORMATS.entry_points()) if _is_only_written(name, suffix)]
+    if written:
+        return f"ends in {suffix}, and {' and '.join(written)} is written, not read; {_WAY_OUT}"
+    return "is no map that is known; `worldgen formats` lists those that are; if it is one, say which with --from"
+
+
+def _is_only_written(name: str, suffix: str) -> bool:
+    known = FORMATS.get(name)
+    return known.read is None and suffix in known.suffixes
 
 
 def _only(found: list[Format], path: Path) -> Format:

@@ -51,7 +51,11 @@ def parse_tiled(data: bytes, source: str) -> Part:
     except (RecursionError, ValueError) as error:  # nested too deep; a number of thousands of digits
         raise FormatError("is no map that Tiled would write; save it from Tiled anew", source=source) from error
     if not isinstance(parsed, dict) or not isinstance(parsed.get("layers"), list):
-        raise FormatError("has no layers; give a map that Tiled saved as JSON, not a tileset or world", source=source)
+        raise FormatError(
+            "is JSON without layers, and of JSON only Tiled's maps are read; give a map that Tiled saved, "
+            "not a tileset or world",
+            source=source,
+        )
     if parsed.get("infinite") is True:
         raise FormatError("is endless; take the tick off Infinite in Tiled's Map Properties", source=source)
     kind = parsed.get("orientation", "orthogonal")

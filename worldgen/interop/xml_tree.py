@@ -69,6 +69,8 @@ def read_xml(data: bytes, source: str) -> XmlElement:
         reason = expat.ErrorString(error.code)
         message = f"is no XML: {reason} in column {error.offset + 1}; correct it there, or just before"
         raise FormatError(message, line=error.lineno, source=source) from error
+    except FormatError:
+        raise
     except (ValueError, LookupError) as error:  # an encoding that Python does not have
         raise FormatError(f"is no XML: {error}; save it as UTF-8", line=1, source=source) from error
     return reader.open[0].children[0]
