@@ -44,4 +44,4 @@ def _way(world: World, cell: Cell) -> Trail | None:
     if steps < 1:
         return None
     options = cell.scenario.with_seed(shown.seed).options(world, steps)
-    return trail_of(simulate(world, CONTROLLERS.get(cell.scenario.controller), options, record=True))
+    return trail_of(simulate(world, CONTROLLERS.get(cell.scenario.controller), options, record=True), world)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim.episode import Episode
+from sim.pierced import pierced_cells
 from worldgen.render import Drive, Mark, Trail
 from worldgen.world import World
 
@@ -13,8 +14,13 @@ __all__ = ["drive_of", "trail_of"]
 _MOST_BUMPS = 400  # marks beyond that hide the picture
 
 
-def trail_of(episode: Episode) -> Trail | None:
-    """The driven line of a recorded episode, its loop, bumps and breaches; ``None`` without a recording."""
+def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
+    """The driven line of a recorded episode, its loop, bumps and breaches; ``None`` without a recording.
+
+    Args:
+        episode: The run.
+        world: Where it was; without it the walls that the robot went into are not marked.
+    """
     trace = episode.trace
     if trace is None:
         return None
@@ -32,12 +38,12 @@ def trail_of(episode: Episode) -> Trail | None:
             marks.append(Mark(float(trace.x[step]), float(trace.y[step]), "overlap"))
     if loop_from is None:
         marks.append(Mark(float(trace.x[-1]), float(trace.y[-1]), "end"))
-    return Trail(trace.path_x, trace.path_y, loop_from, marks)
+    return Trail(trace.path_x, trace.path_y, loop_from, marks, () if world is None else pierced_cells(episode, world))
 
 
 def drive_of(episode: Episode, world: World, name: str = "") -> Drive:
     """What the robot of a recorded episode did, and when; one without a recording stays at its start."""
-    trace, trail = episode.trace, trail_of(episode)
+    trace, trail = episode.trace, trail_of(episode, world)
     if trace is None or trail is None:
         start = world.start
         return Drive(name, Trail(np.array([start.x]), np.array([start.y])), np.zeros(1), np.array([start.heading]), 1.0)

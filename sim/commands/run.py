@@ -108,7 +108,7 @@ def _picture(world: World, episode: Episode, title: str, suffix: str) -> bytes:
     from sim.picture import drive_of, trail_of
     from worldgen import render
 
-    trail = trail_of(episode)
+    trail = trail_of(episode, world)
     if suffix == ".gif":
         return render.draw_gif(world, [drive_of(episode, world)], title=title)
     if suffix == ".svg":

@@ -299,3 +299,12 @@ def test_a_trail_outside_the_map_and_one_of_one_point_are_drawn():
     for trail in (Trail([-5.0, 9.0], [-5.0, 9.0]), Trail([0.35], [0.35]), Trail([0.35], [0.35], 0)):
         draw_png(small_world(), trail=trail)
         draw_svg(small_world(), trail=trail)
+
+
+def test_the_floor_ends_where_the_wall_around_it_begins():
+    world = small_world()
+    frame, picture = Frame.of(world), decoded(draw_png(world, signal=False))
+    row, column, end = frame.top + frame.height // 2, frame.left + 300, frame.left + frame.width
+    assert [tuple(picture[row, x]) for x in (end - 1, end)] == [rgb(FLOOR), rgb(WALL)]
+    assert [tuple(picture[y, column]) for y in (frame.bottom - 1, frame.bottom)] == [rgb(FLOOR), rgb(WALL)]
+    assert [tuple(picture[row, x]) for x in (frame.left - 1, frame.left)] == [rgb(WALL), rgb(FLOOR)]

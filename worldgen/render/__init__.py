@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from worldgen.render.animation import draw_gif
     from worldgen.render.frame import Frame
     from worldgen.render.html import draw_html
-    from worldgen.render.overlay import Drive, Mark, Trail
+    from worldgen.render.overlay import Drive, Mark, Pierced, Trail
     from worldgen.render.png import draw_png
     from worldgen.render.sheet import Panel, draw_sheet
     from worldgen.render.svg import draw_svg
@@ -29,6 +29,7 @@ _HOME = {
     "Frame": "frame",
     "Mark": "overlay",
     "Panel": "sheet",
+    "Pierced": "overlay",
     "Trail": "overlay",
     "draw_gif": "animation",
     "draw_html": "html",
@@ -44,6 +45,7 @@ __all__ = [
     "Frame",
     "Mark",
     "Panel",
+    "Pierced",
     "Trail",
     "draw_gif",
     "draw_html",

@@ -17,10 +17,27 @@ from worldgen.errors import InvalidParameter
 from worldgen.render.caption import printable, text_width
 from worldgen.render.frame import Frame
 from worldgen.render.overlay import Drive
-from worldgen.render.palette import APPROACH, FIRE, FLOOR, GREY, INK, LOOP, PAPER, START, TARGET, TUNNEL, WALL, mix, rgb
+from worldgen.render.palette import (
+    APPROACH,
+    FIRE,
+    FLOOR,
+    GREY,
+    INK,
+    LOOP,
+    PAPER,
+    PIERCED,
+    PIERCED_GROUND,
+    START,
+    TARGET,
+    TUNNEL,
+    WALL,
+    mix,
+    rgb,
+)
 from worldgen.render.png import draw_parts
 from worldgen.render.primitives import Circle, Paint, Path, Primitive, Text
 from worldgen.render.scene import moment_parts
+from worldgen.render.trail_parts import breach_crosses, pierced_parts
 from worldgen.timeline import CellState
 from worldgen.world import World
 
@@ -105,8 +122,15 @@ class _Stage:
         for trail, mask in zip(self.trails, self.masks, strict=True):
             trail.drawn_until(time, mask)
             picture.paste(rgb(trail.colour), None, mask.reduce(FINE))
+        pierced = [cell for drive in self.drives for cell in drive.trail.pierced if cell.time <= time + 1e-9]
+        if pierced:
+            picture = draw_parts(
+                pierced_parts(pierced, self.cells.shape, self.frame), self.frame, self.size, onto=picture
+            )
         parts = [part for k, drive in enumerate(self.drives) for part in self._robot(drive, time, self._colour(k))]
-        return draw_parts([*parts, *self._words(time)], self.frame, self.size, onto=picture)
+        return draw_parts(
+            [*parts, *breach_crosses(pierced, self.frame), *self._words(time)], self.frame, self.size, onto=picture
+        )
 
     def _ground_at(self, time: float) -> Image.Image:
         line = self.world.timeline
@@ -199,7 +223,8 @@ def _fitted(text: str, room: float, size: float) -> str:
 
 def _palette() -> Image.Image:
     """All colours of all frames: each meaning's own, and its edges against floor, wall and paper."""
-    solid = (PAPER, FLOOR, WALL, INK, LOOP, APPROACH, START, TARGET, FIRE, GREY, TUNNEL, *ROBOTS)
+    pierced = (PIERCED, PIERCED_GROUND)
+    solid = (PAPER, FLOOR, WALL, INK, LOOP, APPROACH, START, TARGET, FIRE, GREY, TUNNEL, *ROBOTS, *pierced)
     shares = (0.2, 0.35, 0.5, 0.65, 0.82)
     edges = [mix(ground, colour, share) for ground in (FLOOR, WALL) for colour in solid for share in shares]
     colours = list(dict.fromkeys((*solid, *(mix(PAPER, INK, share) for share in shares), *edges)))[:256]

@@ -18,6 +18,8 @@ from worldgen.render.palette import (
     LOOP,
     LOOP_HEAD,
     PAPER,
+    PIERCED,
+    PIERCED_GROUND,
     START,
     TARGET,
     TUNNEL,
@@ -152,9 +154,11 @@ def _trail_keys(trail: Trail, *, on_the_spot: bool) -> list[tuple[str, Sample]]:
         keys.append(("end", _end_sample))
     if "bump" in kinds:
         keys.append(("bump", _dot(INK, 2.4)))
-    if "overlap" in kinds:
+    if trail.pierced:
+        keys.append(("a wall that it went into", _pierced_sample))
+    if "overlap" in kinds and not trail.pierced:
         keys.append(("overlap", _overlap_sample))
-    if "tunnel" in kinds:
+    if "tunnel" in kinds and not trail.pierced:
         keys.append(("through a wall", _tunnel_sample))
     return keys
 
@@ -232,6 +236,16 @@ def _end_sample(x: float, y: float, unit: float) -> list[Primitive]:
         Circle(x, y, 6.0 * unit, Paint(fill=LOOP, opacity=0.3)),
         Circle(x, y, 6.0 * unit, Paint(stroke=LOOP, width=2.0 * unit)),
         Circle(x, y, 2.2 * unit, Paint(fill=LOOP)),
+    ]
+
+
+def _pierced_sample(x: float, y: float, unit: float) -> list[Primitive]:
+    stripe = Paint(stroke=PIERCED, width=1.4 * unit)
+    stripes = [np.array(((left, 6.0), (left + 6.0, -6.0))) for left in (5.0, 10.0, 15.0)]
+    return [
+        _square(x, y, unit, Paint(fill=PIERCED_GROUND)),
+        *(Path(np.array((x, y)) + line * unit, stripe) for line in stripes),
+        _square(x, y, unit, Paint(stroke=PIERCED, width=2.0 * unit)),
     ]
 
 

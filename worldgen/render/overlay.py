@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from worldgen.errors import InvalidParameter
 
-__all__ = ["Drive", "Mark", "MarkKind", "Trail"]
+__all__ = ["Drive", "Mark", "MarkKind", "Pierced", "Trail"]
 
 MarkKind = Literal["bump", "tunnel", "overlap", "end"]
 
@@ -42,6 +42,23 @@ class Mark:
             raise InvalidParameter(f"mark at ({self.x}, {self.y}) m: both must be finite numbers")
 
 
+@dataclass(frozen=True, slots=True)
+class Pierced:
+    """A wall cell that the robot went into.
+
+    Args:
+        ix: Column.
+        iy: Row.
+        time: When it first did, s.
+        place: Where it broke in, x and y in m, of the cell that the verdict names.
+    """
+
+    ix: int
+    iy: int
+    time: float
+    place: tuple[float, float] | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Trail:
     """The way of the robot's centre.
@@ -52,6 +69,7 @@ class Trail:
         loop_from: Index of the point where the endless cycle begins; what comes after it is one or more
             rounds of the cycle. ``None`` if the run has none.
         marks: What happened on the way.
+        pierced: Walls that the robot went into.
 
     Raises:
         InvalidParameter: If the arrays do not fit, are empty or not finite, or the index is none of theirs.
@@ -61,6 +79,7 @@ class Trail:
     y: npt.NDArray[np.float64]
     loop_from: int | None = None
     marks: Sequence[Mark] = field(default_factory=tuple)
+    pierced: Sequence[Pierced] = ()
 
     def __post_init__(self) -> None:
         for name in ("x", "y"):

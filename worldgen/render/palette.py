@@ -16,6 +16,8 @@ __all__ = [
     "LOOP",
     "LOOP_HEAD",
     "PAPER",
+    "PIERCED",
+    "PIERCED_GROUND",
     "RULE",
     "START",
     "SWEPT",
@@ -32,6 +34,7 @@ START = "#009E73"  # bluish green: the robot's start, and the path that it could
 LOOP = "#D55E00"  # vermillion: what it does instead
 FIRE = "#E69F00"  # orange: cells that burn at some time
 TUNNEL = "#CC79A7"  # reddish purple: where the run broke the world's rules, and cuts
+PIERCED = "#C00018"  # red, with stripes and a frame: walls that the robot went into
 # neutrals
 PAPER = "#FFFFFF"
 FLOOR = "#F9FBFD"  # where the signal is weakest
@@ -55,4 +58,5 @@ def mix(first: str, second: str, share: float) -> str:
 
 LOOP_HEAD = mix(LOOP, "#000000", 0.4)  # arrow heads, to stand out from the line
 SWEPT = mix(PAPER, LOOP, 0.35)  # the floor that the robot covers in its loop
+PIERCED_GROUND = mix(mix(WALL, FLOOR, 0.6), PIERCED, 0.25)  # light below the stripes, for every eye
 FULL_TINT = mix(FLOOR, TARGET, 0.55)  # the floor where the signal is strongest

@@ -151,7 +151,7 @@ class _Canvas:
             return
         if paint.fill:
             mask, pen = self._mask(box)
-            pen.polygon(self._fine(points, box), fill=255)
+            _fill(pen, self._fine(points, box))
             self._lay(mask.reduce(self.times), box, paint.fill, paint.opacity)
         if paint.stroke:
             mask, pen = self._mask(box)
@@ -194,3 +194,14 @@ class _Canvas:
     def _text(self, part: Text) -> None:
         font = ImageFont.load_default(part.size)
         ImageDraw.Draw(self.image).text((part.x, part.y), part.text, fill=rgb(part.fill), font=font, anchor="ls")
+
+
+def _fill(pen: ImageDraw.ImageDraw, points: list[tuple[float, float]]) -> None:
+    """Fills a polygon; a rectangle up to its edges, for Pillow counts the pixel beyond the right and lower one in."""
+    across, up = sorted({x for x, _ in points}), sorted({y for _, y in points})
+    if len(points) == 4 and len(across) == len(up) == 2 and len(set(points)) == 4:
+        left, right, top, bottom = (round(value) for value in (*across, *up))
+        if left < right and top < bottom:
+            pen.rectangle((left, top, right - 1, bottom - 1), fill=255)
+            return
+    pen.polygon(points, fill=255)

@@ -15,7 +15,7 @@ from worldgen.render.outline import corner_count, outlines
 from worldgen.render.overlay import Trail
 from worldgen.render.palette import FIRE, FLOOR, FULL_TINT, GREY, PAPER, START, TARGET, TUNNEL, WALL, mix
 from worldgen.render.primitives import Cells, Circle, Glow, Paint, Path, Primitive
-from worldgen.render.trail_parts import swept_parts, trail_parts
+from worldgen.render.trail_parts import breach_crosses, pierced_parts, swept_parts, trail_parts
 from worldgen.world import Cut, Witness, World
 
 __all__ = ["Scene", "compose", "map_parts", "moment_parts"]
@@ -97,6 +97,8 @@ def _map(content: Content) -> list[Primitive]:
     # The start's disc lies under the lines, for a cycle often leads through it; its heading lies above.
     parts += [*(swept_parts(trail, frame, radius) if trail else ()), *_start_disc(world, frame)]
     parts += [*(trail_parts(trail, frame, radius) if trail else ()), _start_heading(world, frame)]
+    if trail:
+        parts += [*pierced_parts(trail.pierced, world.walls.shape, frame), *breach_crosses(trail.pierced, frame)]
     return [*parts, *_target(world, frame)]
 
 

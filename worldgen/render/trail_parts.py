@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.render.frame import Frame
-from worldgen.render.overlay import Trail
-from worldgen.render.palette import APPROACH, INK, LOOP, LOOP_HEAD, PAPER, SWEPT, TUNNEL
+from worldgen.render.overlay import Pierced, Trail
+from worldgen.render.palette import APPROACH, FLOOR, INK, LOOP, LOOP_HEAD, PAPER, PIERCED, SWEPT, TUNNEL
 from worldgen.render.polyline import along, arc_length, arrow_places, corners, simplified
-from worldgen.render.primitives import Circle, Paint, Path, Primitive
+from worldgen.render.primitives import Cells, Circle, Paint, Path, Primitive
 
-__all__ = ["arrow_head", "cross", "stays_put", "swept_parts", "trail_parts"]
+__all__ = ["arrow_head", "breach_crosses", "cross", "pierced_parts", "stays_put", "swept_parts", "trail_parts"]
 
 Points = npt.NDArray[np.float64]
 THIN = (0.15, 0.5, 1.5)  # px; how far a drawn trail may be from the true one: the first that is short enough
@@ -135,6 +136,40 @@ def _footprint(centre: Points, radius: float, unit: float) -> list[Primitive]:
     ]
 
 
+def pierced_parts(cells: Sequence[Pierced], shape: tuple[int, int], frame: Frame) -> list[Primitive]:
+    """Walls that were gone into: red stripes on a light ground, and a frame, so that colour is not all.
+
+    Args:
+        cells: Which.
+        shape: Of the grid, rows and columns.
+        frame: Where the map lies.
+    """
+    mask, unit = np.zeros(shape, np.bool_), frame.unit
+    inside = [cell for cell in cells if 0 <= cell.iy < shape[0] and 0 <= cell.ix < shape[1]]
+    mask[[cell.iy for cell in inside], [cell.ix for cell in inside]] = True
+    parts: list[Primitive] = []
+    if inside:
+        parts += [Cells(mask, FLOOR, opacity=0.6), Cells(mask, PIERCED, opacity=0.25)]  # PIERCED_GROUND on a wall
+        parts.append(Cells(mask, PIERCED, hatch=max(4.0 * unit, 0.2 * frame.cell)))
+    for cell in cells:
+        square = np.array(((0, 0), (1, 0), (1, 1), (0, 1))) + np.array((cell.ix, cell.iy))
+        width = (2.0 if cell.place is None else 3.0) * unit
+        parts.append(Path(frame.corners(square), Paint(stroke=PIERCED, width=width), closed=True))
+    return parts
+
+
+def breach_crosses(cells: Sequence[Pierced], frame: Frame) -> list[Primitive]:
+    """A red cross wherever the robot broke into a wall that the verdict names; above all else."""
+    parts: list[Primitive] = []
+    unit = frame.unit
+    for cell in cells:
+        if cell.place is not None:
+            x, y = frame.to_pixels(*cell.place)
+            parts += cross(x, y, 7.0 * unit, PAPER, 7.0 * unit)
+            parts += cross(x, y, 7.0 * unit, PIERCED, 4.0 * unit)
+    return parts
+
+
 def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
     unit = frame.unit
     parts: list[Primitive] = []
@@ -146,8 +181,9 @@ def _marks(trail: Trail, frame: Frame, radius: float) -> list[Primitive]:
     for index, (x, y) in enumerate(_distinct(frame.points(trail.places("overlap")), 4.0 * unit)):
         reach = max(radius, 7.0 * unit) if index < MOST_FOOTPRINTS else 3.0 * unit
         parts.append(Circle(x, y, reach, Paint(stroke=PAPER, width=4.6 * unit, opacity=0.8)))
-        parts.append(Circle(x, y, reach, Paint(stroke=TUNNEL, width=2.6 * unit)))
-    for x, y in _distinct(frame.points(trail.places("tunnel")), 4.0 * unit):
+        parts.append(Circle(x, y, reach, Paint(stroke=PIERCED if trail.pierced else TUNNEL, width=2.6 * unit)))
+    tunnels = np.zeros((0, 2)) if trail.pierced else trail.places("tunnel")
+    for x, y in _distinct(frame.points(tunnels), 4.0 * unit):
         parts += cross(x, y, 7.0 * unit, PAPER, 7.0 * unit)
         parts += cross(x, y, 7.0 * unit, TUNNEL, 4.0 * unit)
     return parts

@@ -1,0 +1,118 @@
+"""Walls that a robot went into: which cells, when, and where it broke in. The player marks the same ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.episode import Episode
+from sim.trace import Trace
+from worldgen.render import Pierced
+from worldgen.timeline import CellState
+from worldgen.world import World
+
+__all__ = ["pierced_cells"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+_TOLERANCE = 0.1  # cells: a shallower cut of the disc is not reported by any motion model
+_FURTHEST = 6  # cells: of a larger robot only the cells that its centre enters are looked for
+_FINENESS = 0.125  # cells between two places of a way that are looked at
+
+
+def pierced_cells(episode: Episode, world: World) -> list[Pierced]:
+    """The wall cells that the robot cut into, the first to come first; the one that the verdict names is among them.
+
+    Args:
+        episode: A recorded run.
+        world: Where it was.
+    """
+    trace, evidence = episode.trace, episode.evidence
+    if trace is None or not (episode.verdict in ("tunnel", "overlap") or "wall_step" in evidence):
+        return []
+    first: dict[tuple[int, int], int] = {}
+    for step, ix, iy in _cut_into(trace, world):
+        first[ix, iy] = min(step, first.get((ix, iy), step))
+    at, cell = evidence.get("step"), evidence.get("cell")
+    named: tuple[int, int] | None = None
+    if episode.verdict in ("tunnel", "overlap") and isinstance(cell, list) and isinstance(at, int):
+        named = int(cell[0]), int(cell[1])  # type: ignore[arg-type]
+        first[named] = min(at, trace.steps)
+    return [
+        Pierced(ix, iy, step * trace.time_step, _broken_in(trace, world, step, ix, iy) if (ix, iy) == named else None)
+        for (ix, iy), step in sorted(first.items(), key=lambda item: (item[1], item[0]))
+    ]
+
+
+def _cut_into(trace: Trace, world: World) -> Iterator[tuple[int, int, int]]:
+    """Steps and cells, more than once where the robot stays in one."""
+    side, line = world.cell_size, world.timeline
+    steps, x, y = trace.path_step, trace.path_x / side, trace.path_y / side
+    cells = np.where(world.walls, CellState.SOLID, CellState.FREE)
+    changes = np.searchsorted(steps * trace.time_step, line.times, side="left")
+    bounds = np.unique(np.concatenate(([0], changes, [len(steps)])))
+    done = 0
+    for begin, end in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
+        while done < len(changes) and changes[done] <= begin:
+            cells[line.iy[done], line.ix[done]] = line.states[done]
+            done += 1
+        solid = np.pad(cells == CellState.SOLID, 1, constant_values=True)
+        yield from _discs(solid, steps[begin:end], x[begin:end], y[begin:end], world.robot_radius / side)
+        before = max(0, begin - 1)
+        yield from _centres(solid, steps[before:end], x[before:end], y[before:end])
+
+
+def _discs(
+    solid: npt.NDArray[np.bool_], steps: Ints, x: Floats, y: Floats, radius: float
+) -> Iterator[tuple[int, int, int]]:
+    """Walls that the disc cuts into deeper than is forgiven, or that its centre is in."""
+    reach = 0 if radius > _FURTHEST else math.ceil(radius)
+    most = max(0.0, radius - _TOLERANCE)
+    for di in range(-reach, reach + 1):
+        for dj in range(-reach, reach + 1):
+            ix, iy = np.floor(x).astype(np.int64) + di, np.floor(y).astype(np.int64) + dj
+            across, up = (
+                np.maximum(np.maximum(ix - x, x - ix - 1.0), 0.0),
+                np.maximum(np.maximum(iy - y, y - iy - 1.0), 0.0),
+            )
+            near = (across * across + up * up < most * most) & _is_solid(solid, ix, iy)
+            yield from _firsts(steps[near], ix[near], iy[near])
+
+
+def _centres(solid: npt.NDArray[np.bool_], steps: Ints, x: Floats, y: Floats) -> Iterator[tuple[int, int, int]]:
+    """Walls that the centre goes through between two points of its way."""
+    lengths = np.hypot(np.diff(x), np.diff(y))
+    for k in np.flatnonzero(lengths > _FINENESS).tolist():
+        share = np.arange(1, math.ceil(lengths[k] / _FINENESS)) / math.ceil(lengths[k] / _FINENESS)
+        ix = np.floor(x[k] + (x[k + 1] - x[k]) * share).astype(np.int64)
+        iy = np.floor(y[k] + (y[k + 1] - y[k]) * share).astype(np.int64)
+        hit = _is_solid(solid, ix, iy)
+        yield from _firsts(np.full(int(hit.sum()), steps[k + 1]), ix[hit], iy[hit])
+
+
+def _is_solid(solid: npt.NDArray[np.bool_], ix: Ints, iy: Ints) -> npt.NDArray[np.bool_]:
+    """Whether cells of the grid, or of what lies around it, are walls."""
+    found: npt.NDArray[np.bool_] = solid[np.clip(iy + 1, 0, solid.shape[0] - 1), np.clip(ix + 1, 0, solid.shape[1] - 1)]
+    return found
+
+
+def _firsts(steps: Ints, ix: Ints, iy: Ints) -> Iterator[tuple[int, int, int]]:
+    """Each cell once, with the first of its steps, which rise."""
+    cells, first = np.unique(np.column_stack((ix, iy)), axis=0, return_index=True)
+    for (i, j), at in zip(cells.tolist(), first.tolist(), strict=True):
+        yield int(steps[at]), i, j
+
+
+def _broken_in(trace: Trace, world: World, step: int, ix: int, iy: int) -> tuple[float, float]:
+    """The centre's first place in a cell during a step, or the cell's place that it came nearest to, m."""
+    side, share = world.cell_size, np.linspace(0.0, 1.0, 65)
+    before = max(0, step - 1)
+    x = (trace.x[before] + (trace.x[step] - trace.x[before]) * share) / side
+    y = (trace.y[before] + (trace.y[step] - trace.y[before]) * share) / side
+    near_x, near_y = np.clip(x, ix, ix + 1), np.clip(y, iy, iy + 1)
+    k = int(np.argmin(np.round(np.hypot(near_x - x, near_y - y), 9)))
+    return float(near_x[k] * side), float(near_y[k] * side)
