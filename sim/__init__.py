@@ -7,6 +7,7 @@ Contents, each imported when it is first used:
     the motion models on the lattice; switches of the thesis's simulator.
     CompiledController, PythonController, VectorController, ProcessController: bring your own controller.
     Observation, Command, Observations, Commands: what it sees and says, for one robot and for many.
+    MemoryField, MemoryMap: how its memory is shown to people.
     CONTROLLERS, MOTIONS: what is registered.
 
 PYTEST_DONT_REWRITE: a program that has imported this may call pytest.main() without a warning.
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
         Command,
         Commands,
         CompiledController,
+        MemoryField,
+        MemoryMap,
         Observation,
         Observations,
         ProcessController,
@@ -41,8 +44,8 @@ if TYPE_CHECKING:
 _HOME = {
     "batch": ("Runs", "simulate_many"),
     "controllers": (
-        "CONTROLLERS", "Command", "Commands", "CompiledController", "Observation", "Observations",
-        "ProcessController", "PythonController", "VectorController",
+        "CONTROLLERS", "Command", "Commands", "CompiledController", "MemoryField", "MemoryMap", "Observation",
+        "Observations", "ProcessController", "PythonController", "VectorController",
     ),
     "episode": ("Episode", "simulate"),
     "motion": ("MOTIONS",),
@@ -55,8 +58,9 @@ _HOME = {
 _MODULE = {name: f"sim.{module}" for module, names in _HOME.items() for name in names}
 
 __all__ = [
-    "CONTROLLERS", "MOTIONS", "Command", "Commands", "CompiledController", "Episode", "Observation", "Observations",
-    "ProcessController", "PythonController", "RobotOptions", "RunOptions", "Runs", "Scenario", "ThesisOptions", "Trace",
+    "CONTROLLERS", "MOTIONS", "Command", "Commands", "CompiledController", "Episode", "MemoryField", "MemoryMap",
+    "Observation", "Observations", "ProcessController", "PythonController", "RobotOptions", "RunOptions", "Runs",
+    "Scenario", "ThesisOptions", "Trace",
     "VectorController", "simulate", "simulate_many",
 ]  # fmt: skip
 

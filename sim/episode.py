@@ -62,6 +62,7 @@ def simulate(
     options: RunOptions | None = None,
     *,
     record: bool = False,
+    lean: bool = False,
     **settings: Value,
 ) -> Episode:
     """Runs a controller in a world until it arrives, provably loops, breaks a rule, or its budget is spent.
@@ -71,6 +72,8 @@ def simulate(
         controller: Its name, the controller itself, or its class.
         options: How; without them, ``swept`` and a budget of 50 times the witness's time.
         record: Whether to keep every state (``trace``).
+        lean: Whether a recording may leave out what would take more than 64 MB of a compiled controller's memory,
+            to be seen with ``Trace.show_memory``.
         **settings: Single options, as an alternative to ``options``: ``motion="stepped", seed=3``.
 
     Returns:
@@ -88,7 +91,7 @@ def simulate(
     elif settings:
         raise InvalidParameter(f"give options or {', '.join(settings)}, not both")
     found = controller_of(controller)
-    run = prepare(world, found, options)
+    run = prepare(world, found, options, lean=lean)
     at_once = record and options.steps <= _RECORDED_AT_ONCE and not isinstance(found, CompiledController)
     outcome = run.run(options.steps, find_loop=True, record=at_once)
     if outcome.ending == "loop":
@@ -99,13 +102,13 @@ def simulate(
     return _decided(run, world, outcome, options)
 
 
-def prepare(world: World, controller: str | Controller | type, options: RunOptions) -> Runnable:
+def prepare(world: World, controller: str | Controller | type, options: RunOptions, *, lean: bool = False) -> Runnable:
     """Packs a scenario for its motion model's kernel; see :func:`simulate`."""
     found = controller_of(controller)
     motion = MOTIONS.get(options.motion)
     switch_sets(motion.name, options.robot.changed() if motion.kernel == THESIS else options.thesis.changed())
     if motion.kernel != THESIS:
-        return LatticeRun(world, found, options)
+        return LatticeRun(world, found, options, lean=lean)
     if not isinstance(found, CompiledController) or not found.thesis_rule:
         raise InvalidParameter(
             f"motion {motion.name!r} runs the thesis's own robots: turn-left, turn-right, turn-random; "

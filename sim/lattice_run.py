@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -21,6 +22,7 @@ from sim.kernels.lattice_batch import lattice_batch, lattice_entry
 from sim.kernels.lattice_episode import lattice_episode
 from sim.kernels.lattice_sense import heading_table, sense
 from sim.kernels.lattice_state import Arena, Robot, new_robot, new_room
+from sim.long_runs import MOST_HELD, portions
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_time, start_overlaps, target_sq
@@ -82,14 +84,21 @@ def _typed(function: Any) -> Any:
 class LatticeRun:
     """One world, controller and set of options, ready to run any number of times.
 
+    Args:
+        world: Where.
+        controller: Who.
+        options: How.
+        lean: Whether the recording of a compiled controller leaves its memory out if that would take much.
+
     Raises:
         InvalidWorld: If the start is not clear of walls.
         InvalidParameter: If the controller does not compile.
     """
 
-    def __init__(self, world: World, controller: Controller, options: RunOptions) -> None:
+    def __init__(self, world: World, controller: Controller, options: RunOptions, *, lean: bool = False) -> None:
         robot = robot_for(controller, options.robot)
         self.world, self.controller, self.options = world, controller, replace(options, robot=robot)
+        self._lean = lean
         check_step_length(world, options.time_step, Fraction(1, UNIT))
         motion = MOTIONS.get(options.motion)
         self._cells = world.walls.astype(np.uint8)
@@ -285,6 +294,8 @@ class LatticeRun:
         if not record:
             return self._outcome(robot, None, fault=fault)
         done, points = int(robot.counts[layout.OUT_STEPS]), int(robot.counts[layout.OUT_POINTS])
+        if self._lean and 8 * (done + 1) * (layout.ROW_STATE + robot.state.size) > MOST_HELD:
+            return replace(self._outcome(robot, None, fault=fault), trace=self._lean_trace(controller, done, points))
         rows = np.zeros((done + 1, layout.ROW_STATE + robot.state.size), np.int64)
         path = np.zeros((points, layout.POINT_SIZE), np.int64)
         robot, fault = self._episode(controller, rows, path)
@@ -301,6 +312,27 @@ class LatticeRun:
         except Exception as error:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
             fault = Misbehaviour("crash", f"{type(error).__name__}: {error}")
         return robot, fault
+
+    def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
+        """The recording without the memory, which it can recall."""
+        settings, size = self.settings.copy(), len(controller.memory)
+        settings[layout.SET_FIND_LOOP] = 0
+        rows = np.zeros((steps + 1, layout.ROW_STATE + layout.STATE_MEMORY), np.int64)
+        path, filled = np.zeros((points, layout.POINT_SIZE), np.int64), 0
+        for portion in portions(controller, self.arena(), settings, self.scales, steps):
+            steps, new = portion.first + len(portion.rows) - 1, len(portion.path)
+            rows[portion.first : steps + 1] = portion.rows[:, : rows.shape[1]]
+            path[filled : filled + new] = portion.path
+            filled += new
+
+        def recall(at: Ints, take: Callable[[int, Floats], None]) -> None:
+            for first, states, _ in portions(controller, self.arena(), settings, self.scales, int(at[-1])):
+                memories = states[:, layout.ROW_STATE + layout.STATE_MEMORY :].view(np.float64)
+                begin, end = np.searchsorted(at, (first, first + len(states)))
+                for step in at[begin:end].tolist():
+                    take(step, memories[step - first])
+
+        return replace(self._trace(rows[: steps + 1], path[:filled], True, lean=True), recall=recall, recalled=size)
 
     def _outcome(
         self,
@@ -333,7 +365,7 @@ class LatticeRun:
             trace=None if recording is None else self._trace(*recording, complete),
         )
 
-    def _trace(self, rows: Ints, path: Ints, complete: bool) -> Trace:
+    def _trace(self, rows: Ints, path: Ints, complete: bool, *, lean: bool = False) -> Trace:
         """The recorded rows in metres and radians."""
         states, side = rows[:, layout.ROW_STATE :], self.world.cell_size
         turned = states[:, layout.STATE_HEADING]
@@ -348,9 +380,10 @@ class LatticeRun:
             path_y=_metres(way[:, layout.POINT_Y], side),
             path_step=way[:, layout.POINT_STEP].copy(),
             path_share=way[:, layout.POINT_TIME] / layout.TIME_UNIT,
-            words=_words(rows, path),
+            words=np.zeros(0, np.uint64) if lean else _words(rows, path),
             states=np.ascontiguousarray(states).view(np.uint64),
-            complete=complete,
+            complete=complete and not lean,
+            memory_at=-1 if lean else layout.STATE_MEMORY,
         )
 
 

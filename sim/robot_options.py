@@ -96,6 +96,14 @@ class RobotOptions(Switches):
         "coin": (0, 65536, ""),
     }
     CHOICES: ClassVar[Mapping[str, tuple[str, ...]]] = {"signal": SIGNALS}
+    GROUPS: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "Sensor": (
+            "sensor_cells", "sensor_range", "sensor_field", "sensor_noise", "signal", "smoke", "smoke_reach",
+        ),
+        "Beams": ("beams", "beam_range", "beam_field", "beam_noise", "beam_dropout"),
+        "Forces": ("turn_limit", "acceleration", "friction", "wall_friction", "slip", "odometry_noise"),
+        "Lattice": ("lattice", "coin"),
+    }  # fmt: skip
 
     def __post_init__(self) -> None:
         super().__post_init__()

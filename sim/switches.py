@@ -30,6 +30,8 @@ class Switches:
     """Texts that show how an option is written, where its default does not."""
     TOGETHER: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     """Names that switch on several options."""
+    GROUPS: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    """Headings under which a form shows the options; each option stands under one."""
 
     def __post_init__(self) -> None:
         for name, (low, high, unit) in self.RANGES.items():

@@ -29,6 +29,7 @@ class ThesisOptions(Switches):
         noise: Whether the noise filter has changed the signal near walls.
         collide_ticks: Counter of the collide behaviour, 0 to 1000; it drives one tick more.
         drive_ticks: Counter of the drive behaviour, 0 to 1000; it drives one tick more.
+        turn_angle: Angle by which the collide behaviour turns, rad, 0 to pi; the random rule draws its own.
         arbiter: Reading of the arbiter, which the thesis's listing lacks: ``A0`` to ``A6``; or ``interruptible``,
             which asks in every tick and lets a new collision begin the escape afresh.
         repair_slide: Slide along a wall only where the disc is then clear of every wall.
@@ -54,6 +55,7 @@ class ThesisOptions(Switches):
     noise: bool = False
     collide_ticks: int = 5
     drive_ticks: int = 2
+    turn_angle: float = math.pi / 2
     arbiter: str = "A0"
     repair_slide: bool = False
     repair_back_off: bool = False
@@ -73,6 +75,7 @@ class ThesisOptions(Switches):
         "sensor_range": (36, 1000, " px"),
         "collide_ticks": (0, 1000, " ticks"),
         "drive_ticks": (0, 1000, " ticks"),
+        "turn_angle": (0, math.pi, " rad"),
         "acceleration": (0, 1e6, " m/s2"),
         "friction": (0, 1e6, " m/s2"),
         "wall_friction": (0, 1, ""),
@@ -83,6 +86,12 @@ class ThesisOptions(Switches):
     }
     CHOICES: ClassVar[Mapping[str, tuple[str, ...]]] = {"arbiter": ARBITERS, "signal": SIGNALS}
     EXAMPLES: ClassVar[Mapping[str, str]] = {"draws": "0.25:0.5"}
+    GROUPS: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "Behaviours": ("collide_ticks", "drive_ticks", "turn_angle", "arbiter", "draws"),
+        "Sensor": ("sensor_range", "noise", "signal", "sensor_field", "sensor_noise", "map_scale"),
+        "Faults": (*REPAIRS, "keep_going"),
+        "Forces": ("acceleration", "friction", "wall_friction", "slip"),
+    }
     TOGETHER: ClassVar[Mapping[str, tuple[str, ...]]] = {"repaired": REPAIRS}
 
     def __post_init__(self) -> None:

@@ -100,6 +100,7 @@ class ThesisRun:
             sense=at.sensor_cells(thesis.sensor_range),
             collide_ticks=thesis.collide_ticks,
             drive_ticks=thesis.drive_ticks,
+            turn_angle=thesis.turn_angle,
             radius=self._radius(),
             speed=float(exact(world.robot_speed) * px / 1000),
             tolerance=options.motion_model().overlap_tolerance * at.CELL,

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["BEHAVIOURS", "Trace", "fnv1a", "state_digest"]
+from worldgen.errors import InvalidParameter
+
+__all__ = ["BEHAVIOURS", "Recall", "Trace", "fnv1a", "state_digest"]
 
 BEHAVIOURS = ("collide", "seek", "drive")
 """The behaviours of the thesis's robot."""
 
 Floats = npt.NDArray[np.float64]
 Words = npt.NDArray[np.uint64]
+Recall: TypeAlias = Callable[[npt.NDArray[np.int64], Callable[[int, Floats], None]], None]
+"""Runs again, and shows the memory after each of some steps, which rise."""
 
 _HASH_START = 1469598103934665603
 _HASH_PRIME = 1099511628211
@@ -37,6 +43,11 @@ class Trace:
         words: uint64, in any shape: what the digest runs over.
         states: (n + 1, k) uint64: the complete state, what a recurrence repeats.
         complete: Whether ``states`` is really all that decides the future (a controller may hide memory).
+        memory_at: Where in a state the controller's memory begins, whose words are the bits of float64s; below 0: none
+            can be seen.
+        recall: Of a recording that was too large to hold the memory: how it is seen after all. Such a one has no
+            ``words``, and the memory is not in its ``states``.
+        recalled: How many numbers of memory ``recall`` shows.
         active: (n + 1,) int8: which of :data:`BEHAVIOURS` acted in the step, -1 for none; None for other robots.
     """
 
@@ -52,18 +63,54 @@ class Trace:
     words: Words
     states: Words
     complete: bool
+    memory_at: int = -1
     active: npt.NDArray[np.int8] | None = None
+    recall: Recall | None = None
+    recalled: int = 0
 
     @property
     def steps(self) -> int:
         """Number of steps."""
         return len(self.x) - 1
 
+    @property
+    def memory_size(self) -> int:
+        """How many numbers the controller's memory has, as far as it can be seen."""
+        if self.recall is not None:
+            return self.recalled
+        return max(0, self.states.shape[1] - self.memory_at) if self.memory_at >= 0 else 0
+
+    def memory(self, step: int) -> Floats:
+        """(m,) the controller's memory after a step."""
+        found: list[Floats] = []
+        self.show_memory(np.array([step]), lambda _, memory: found.append(memory.copy()))
+        return found[0]
+
+    def show_memory(self, steps: npt.NDArray[np.int64], take: Callable[[int, Floats], None]) -> None:
+        """Hands the controller's memory after each of some steps to ``take``, which must copy what it keeps.
+
+        Args:
+            steps: (n,) rising, of this run.
+            take: Gets the step and (m,) the memory.
+        """
+        if self.recall is not None:
+            self.recall(steps, take)
+            return
+        first = self.states.shape[1] - self.memory_size
+        for step in steps.tolist():
+            take(step, self.states[step, first:].view(np.float64))
+
     def __repr__(self) -> str:
         return f"Trace({self.steps} steps, {self.time_step:g} s each, {len(self.path_x)} points)"
 
     def digest(self) -> str:
-        """The trace's digest, worked out afresh from the recorded words: 16 hex digits."""
+        """The trace's digest, worked out afresh from the recorded words: 16 hex digits.
+
+        Raises:
+            InvalidParameter: If the recording left them out.
+        """
+        if self.recall is not None:
+            raise InvalidParameter("this recording is lean and has no words to work a digest out of; record it whole")
         return fnv1a(self.words)
 
     def to_csv(self) -> str:

@@ -24,8 +24,8 @@ def evidence_in_words(episode: Episode) -> str:
         seen = f"no new cell after step {evidence['last_new_cell']} of {episode.steps}"
         return f" ({_manner(episode)}{seen}{_multiple(episode)})"
     if verdict == "timeout":
-        return f" (still in new cells after {episode.steps} steps{_multiple(episode)})"
-    if verdict in BY_THE_CONTROLLER and "error" in evidence:
+        return f" (still reaching new cells when its {episode.steps} steps were over{_multiple(episode)})"
+    if verdict in BY_THE_CONTROLLER:
         return f" ({_fault(episode)})"
     return ""
 
@@ -46,7 +46,9 @@ def _fault(episode: Episode) -> str:
     last = _list(evidence.get("stderr"))
     said = f"; stderr: {last[-1]}" if last else ""
     flush = "; does it flush its output?" if episode.verdict == "hang" and evidence["step"] == 1 else ""
-    return f"{evidence['error']}{within}{where}{answer}{partly}{said}{flush}"
+    error = evidence.get("error", "speed or turn rate is no finite number")  # that is all that the kernel judges
+    at = f", {evidence['at']}" if "at" in evidence else ""
+    return f"{error}{at}{within}{where}{answer}{partly}{said}{flush}"
 
 
 def _manner(episode: Episode) -> str:

@@ -3,6 +3,7 @@
 Contents:
     CompiledController, PythonController, VectorController, ProcessController: the ways to bring one.
     Observation, Command, Observations, Commands: what it sees and says, for one robot and for many.
+    MemoryField, MemoryMap: how its memory is shown to people.
     CONTROLLERS: finds one by name, as ``package.module:name``, ``./file.py:name``, or ``cmd:./program --flag``.
     controller_of: the same, or the thing itself, checked.
 """
@@ -18,6 +19,7 @@ from sim.controllers.base import (
     VectorController,
 )
 from sim.controllers.catalogue import CONTROLLERS, controller_of
+from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.process import ProcessController
 
 __all__ = [
@@ -26,6 +28,8 @@ __all__ = [
     "Commands",
     "CompiledController",
     "Controller",
+    "MemoryField",
+    "MemoryMap",
     "Observation",
     "Observations",
     "ProcessController",

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from numba.core.errors import NumbaError, NumbaWarning
 
+from sim.controllers.memory_view import MemoryField, MemoryMap, check_fields
 from sim.kernels import layout
 from sim.robot_options import RobotOptions
 from worldgen.errors import InvalidParameter
@@ -151,6 +152,9 @@ class CompiledController:
         needs: Options of the robot without which it cannot work, such as ``RobotOptions(beams=36)``; a run that says
             otherwise has its way.
         slow: Whether a step takes tens of microseconds, as one in Python does; a campaign then does less in a unit.
+        memory_fields: Numbers of the memory that have a name, for pages that show a run.
+        memory_map: What the memory (m,) says about the world, likewise; no kernel calls it.
+        memory_map_on: Indices of the numbers that the map hangs on; without any it hangs on all.
 
     Raises:
         InvalidParameter: If there is no such sense, ``needs`` are no options, or the start speed is below 0 or nan.
@@ -165,9 +169,13 @@ class CompiledController:
     senses: tuple[str, ...] = DEFAULT_SENSES
     needs: RobotOptions = _PLAIN
     slow: bool = False
+    memory_fields: tuple[MemoryField, ...] = ()
+    memory_map: Callable[[Floats], MemoryMap] | None = None
+    memory_map_on: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         check_declared(self.name, self.senses, self.needs)
+        check_fields(self.name, self.memory_fields)
         speed: object = self.start_speed
         if not isinstance(speed, int | float | np.number) or not speed >= 0.0:  # also true for nan
             raise InvalidParameter(
@@ -202,7 +210,8 @@ class PythonController(Protocol):
     ``memory`` is a tuple of numbers. A loop is only proved for a controller that keeps to this; one that
     changes itself is at most ``stalled`` or ``timeout``. One that plans first writes ``reset(self, world)`` and gets
     the :class:`~worldgen.world.World`, without certificate and provenance. Attributes ``senses`` and ``needs`` may say
-    what it looks at and which robot it needs, as for a :class:`CompiledController`.
+    what it looks at and which robot it needs, as for a :class:`CompiledController`; so may ``memory_fields``, a method
+    ``memory_map(self, memory)`` and ``memory_map_on`` how its memory is shown.
     """
 
     def reset(self) -> Memory:

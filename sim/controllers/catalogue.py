@@ -8,7 +8,7 @@ from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller,
 from sim.controllers.process import ProcessController, is_process_name
 from sim.robot_options import RobotOptions
 from worldgen.errors import InvalidParameter
-from worldgen.registry import Registry, user_code
+from worldgen.registry import Registry, check_code, user_code
 
 __all__ = ["CONTROLLERS", "called", "controller_of"]
 
@@ -19,6 +19,7 @@ class _Controllers(Registry[Controller]):
     def get(self, name: str) -> Controller:
         if is_process_name(name):
             if name not in self._loaded:
+                check_code(name)
                 self._loaded[name] = ProcessController.of(name)
             return self._loaded[name]
         return super().get(name)

@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from worldgen.errors import InvalidParameter
+from worldgen.registry import ONLY_CODE
 from worldgen.world import Value
 
 __all__ = ["LONGEST_LINE", "Limits", "Misbehaviour", "Program", "find_program", "shown"]
@@ -321,6 +322,7 @@ def _started(command: tuple[str, ...], file: str) -> subprocess.Popen[bytes]:
             stderr=subprocess.PIPE,
             bufsize=0,
             start_new_session=True,
+            env={name: value for name, value in os.environ.items() if name != ONLY_CODE},  # its code is its own
         )
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error

@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
+from sim.controllers.memory_view import MemoryField
 from sim.kernels import layout, thesis_arbiter
 from sim.kernels._jit import kernel
 from sim.kernels.lattice_sense import turn_towards
@@ -93,10 +94,25 @@ def _act_random(observation: Floats, memory: Floats, command: Floats) -> None:
     _act(observation, memory, command, RANDOM)
 
 
+_FIELDS = (
+    MemoryField("behaviour", BEHAVIOUR, ("none", "collide", "seek", "drive"), least=thesis_arbiter.IDLE),
+    MemoryField("ticks left", COUNTER),
+)
 _SENSES = ("bump", "signal_heading", "heading", "time_step", "top_speed")
 
-turn_right = CompiledController("turn-right", _act_right, AT_RESET, math.inf, thesis_rule=RIGHT, senses=_SENSES)
-turn_left = CompiledController("turn-left", _act_left, AT_RESET, math.inf, thesis_rule=LEFT, senses=_SENSES)
+turn_right = CompiledController(
+    "turn-right", _act_right, AT_RESET, math.inf, thesis_rule=RIGHT, senses=_SENSES, memory_fields=_FIELDS
+)
+turn_left = CompiledController(
+    "turn-left", _act_left, AT_RESET, math.inf, thesis_rule=LEFT, senses=_SENSES, memory_fields=_FIELDS
+)
 turn_random = CompiledController(
-    "turn-random", _act_random, AT_RESET, math.inf, RANDOM, randomised=True, senses=(*_SENSES, "random")
+    "turn-random",
+    _act_random,
+    AT_RESET,
+    math.inf,
+    RANDOM,
+    randomised=True,
+    senses=(*_SENSES, "random"),
+    memory_fields=_FIELDS,
 )

@@ -44,7 +44,6 @@ Ints = npt.NDArray[np.int64]
 Cells = npt.NDArray[np.int32]
 
 _TWO_PI = 2.0 * math.pi
-_HALF_PI = math.pi / 2.0
 _WORD = 0xFFFFFFFF
 _SLIP = 2**16 - 1  # of the random numbers of a tick, the one that the sensor does not use
 _LEAST_CROSSING = 1e-6  # px; a shorter way through a wall is rounding, and no checker could confirm it
@@ -95,9 +94,9 @@ def thesis_tick(
             old_speed = speed  # who rolls out, or is interrupted while it turns, still wants its speed before that
         speed = 0.0
         if setup.rule == 1:
-            target = np.fmod(heading + _HALF_PI, _TWO_PI)
+            target = np.fmod(heading + setup.turn_angle, _TWO_PI)
         elif setup.rule == 2:
-            target = np.fmod(heading - _HALF_PI, _TWO_PI)
+            target = np.fmod(heading - setup.turn_angle, _TWO_PI)
         else:
             target = draws[draws_used] * _TWO_PI
             draws_used += 1

@@ -10,6 +10,7 @@ must be ``WALL``.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -94,11 +95,12 @@ class Setup(NamedTuple):
     """The robot and what is asked of the run. Give ints as ints and floats as floats: types select code.
 
     Args:
-        rule: Turn after a collision: 1 heading + pi/2, 2 heading - pi/2, 3 random.
+        rule: Turn after a collision: 1 heading + turn_angle, 2 heading - turn_angle, 3 random.
         time_step: ms per tick.
         sense: Reach of the signal sensor in cells, :func:`sensor_cells`.
         collide_ticks: Counter of the collide behaviour; the thesis's is 5 and drives 6 ticks.
         drive_ticks: Counter of the drive behaviour; the thesis's is 2 and drives 3 ticks.
+        turn_angle: Of rules 1 and 2, rad; the thesis's is pi/2.
         radius: px.
         speed: px per ms.
         tolerance: Overlap with a wall that is not reported, px.
@@ -126,6 +128,7 @@ class Setup(NamedTuple):
     sense: int = 1
     collide_ticks: int = 5
     drive_ticks: int = 2
+    turn_angle: float = math.pi / 2
     radius: float = ROBOT_RADIUS
     speed: float = ROBOT_SPEED
     tolerance: float = 1.0

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from sim import Command, CompiledController, Observation, RunOptions, simulate, simulate_many
 from sim.episode import prepare
 from sim.kernels import layout
+from sim.words import evidence_in_words
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World, generate
 
 TURN_RATE = 512 / 65536 * 2 * math.pi / 0.015  # rad/s: 512 heading units a step, 128 steps a turn
@@ -235,6 +237,13 @@ class Forgetful(Straight):
 @pytest.mark.parametrize("record", [False, True])
 def test_a_broken_controller_has_a_verdict_of_its_own(controller, verdict, record):
     assert simulate(arena(), controller, record=record).verdict == verdict
+
+
+def test_a_crash_names_the_line_and_an_invalid_command_its_fault():
+    quit_at = next(k for k, line in enumerate(Path(__file__).read_text().splitlines(), 1) if "SystemExit(7)" in line)
+    assert simulate(arena(), Quitting()).evidence["at"] == f"test_episode.py:{quit_at}"
+    assert "at" not in simulate(arena(), Growing()).evidence  # it returned, and what it returned was wrong
+    assert "speed or turn rate is no finite number in step 1" in evidence_in_words(simulate(arena(), Nonsense()))
 
 
 def test_what_a_controller_prints_leaves_stdout_alone(capsys):

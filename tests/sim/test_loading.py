@@ -1,13 +1,16 @@
 """Whatever a user's file does while it is loaded, the answer is a sentence."""
 
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
 from sim.controllers import CONTROLLERS
 from worldgen import InvalidParameter, generate, write_world
 from worldgen.family import FAMILIES
+from worldgen.registry import LOAD_SECONDS
 
 EXITS_IN_INIT = "import sys\nclass Mine:\n    def __init__(self):\n        sys.exit(0)\n"
 STANDS = "class Mine:\n    def reset(self): return ()\n    def act(self, o, m): return o, m\n"
@@ -42,6 +45,47 @@ def test_a_file_that_raises_anything_at_import_is_refused(registry, code, messag
 def test_a_class_that_raises_anything_when_made_is_refused(code, message, tmp_path):
     (tmp_path / "mine.py").write_text(code)
     with pytest.raises(InvalidParameter, match=message):
+        CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="only Unix can interrupt what is loaded")
+@pytest.mark.parametrize("waits", ["while True: pass", "input()"])
+def test_a_file_that_is_never_done_loading_is_refused_in_time(waits, tmp_path, monkeypatch):
+    monkeypatch.setenv(LOAD_SECONDS, "0.2")
+    (tmp_path / "mine.py").write_text(f"{waits}\n")
+    monkeypatch.setattr("builtins.input", lambda: time.sleep(60))
+    with pytest.raises(InvalidParameter, match=r"takes longer than 0.2 s; put what waits .* under if __name__"):
+        CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
+    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0
+
+
+def test_a_file_that_is_loaded_in_time_leaves_no_clock_running(tmp_path, monkeypatch):
+    monkeypatch.setenv(LOAD_SECONDS, "0.2")
+    (tmp_path / "mine.py").write_text(STANDS)
+    CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
+    time.sleep(0.3)  # nothing rings
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="only Unix can interrupt what is loaded")
+@pytest.mark.parametrize(("clock", "left"), [("", 0.0), ("signal.setitimer(signal.ITIMER_REAL, 50.0, 25.0)\n", 25.0)])
+def test_a_file_with_a_handler_of_its_own_keeps_that_and_our_clock_stops(clock, left, tmp_path):
+    own = "import signal\nsignal.signal(signal.SIGALRM, lambda *_: None)\n"
+    before = signal.getsignal(signal.SIGALRM)
+    (tmp_path / "mine.py").write_text(own + clock + STANDS)
+    try:
+        CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
+        assert signal.getitimer(signal.ITIMER_REAL)[1] == left
+        assert signal.getsignal(signal.SIGALRM) is not before
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize("said", ["soon", "0", "-1", "inf", "nan", "1e12"])
+def test_a_time_to_load_that_is_none_is_refused(said, tmp_path, monkeypatch):
+    monkeypatch.setenv(LOAD_SECONDS, said)
+    (tmp_path / "mine.py").write_text(STANDS)
+    with pytest.raises(InvalidParameter, match="is no time; give seconds"):
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
 
 

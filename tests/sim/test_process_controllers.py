@@ -69,7 +69,7 @@ def waits_for(condition, seconds):
 
 
 def ends(process_id):
-    return waits_for(lambda: not is_running(process_id), 5.0)
+    return waits_for(lambda: not is_running(process_id), 30.0)
 
 
 @pytest.mark.parametrize(
@@ -102,21 +102,22 @@ def test_a_crash_keeps_the_last_lines_of_stderr_as_plain_text():
 
 @pytest.mark.parametrize("step", [1, 3])
 def test_a_program_that_does_not_answer_hangs(step):
-    episode = run(program("time.sleep(60)", at=step), deadline=0.2, start_deadline=0.5)
+    first = 0.5 if step == 1 else 30.0
+    episode = run(program("time.sleep(60)", at=step), deadline=1.0, start_deadline=first)
     assert (episode.verdict, episode.steps, episode.evidence["error"]) == ("hang", step, "no answer")
-    assert episode.evidence["deadline"] == (0.5 if step == 1 else 0.2)
+    assert episode.evidence["deadline"] == (first if step == 1 else 1.0)
 
 
 def test_drips_of_an_answer_do_not_put_off_the_deadline():
-    do = "for _ in range(100):\n    sys.stdout.write(' '); sys.stdout.flush(); time.sleep(0.05)"
+    do = "for _ in range(1200):\n    sys.stdout.write(' '); sys.stdout.flush(); time.sleep(0.05)"
     began = time.monotonic()
-    assert run(program(do), deadline=0.3).verdict == "hang" and time.monotonic() - began < 4.0
+    assert run(program(do), deadline=0.3).verdict == "hang" and time.monotonic() - began < 30.0
 
 
 def test_a_flood_of_stderr_does_not_put_off_the_deadline():
     began = time.monotonic()
     assert run(program("while True: os.write(2, 9000 * b'x')"), deadline=0.3).verdict == "hang"
-    assert time.monotonic() - began < 4.0
+    assert time.monotonic() - began < 30.0
 
 
 def test_an_answer_that_is_there_when_we_look_late_counts(monkeypatch):
@@ -210,9 +211,9 @@ def test_a_grandchild_that_holds_the_pipes_keeps_nobody_and_is_ended(tmp_path):
     note = f"open({str(tmp_path / 'pid')!r}, 'w').write(str(child.pid))"
     do = f"child = subprocess.Popen(['sleep', '60'])\n{note}\nos._exit(4)"
     began = time.monotonic()
-    episode = run(program(do), deadline=30.0)
+    episode = run(program(do), deadline=120.0)
     assert (episode.evidence["error"], episode.evidence["step"]) == ("exit code 4", 3)
-    assert ends((tmp_path / "pid").read_text()) and time.monotonic() - began < 10.0
+    assert ends((tmp_path / "pid").read_text()) and time.monotonic() - began < 50.0
 
 
 def test_a_program_ends_with_this_process_even_if_that_is_killed(tmp_path):
@@ -465,10 +466,10 @@ def test_ctrl_c_in_a_campaign_leaves_no_program(tmp_path):
     options = ["--controller", faulty(tmp_path, note), "--budget", "10m", "--out", str(tmp_path / "out")]
     with subprocess.Popen([*command, *options], stderr=subprocess.PIPE) as campaign:
         try:
-            assert waits_for(lambda: len(pids(tmp_path)) >= 3, 60)  # that of the first try, and the workers'
+            assert waits_for(lambda: len(pids(tmp_path)) >= 3, 180)  # that of the first try, and the workers'
         finally:
             campaign.send_signal(signal.SIGINT)
-            campaign.communicate(timeout=30)
+            campaign.communicate(timeout=180)
     assert campaign.returncode == 130 and all(ends(process_id) for process_id in pids(tmp_path))
 
 

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from sim import simulate
 from sim.kernels import stepped_motion, thesis_signal
 from sim.kernels import thesis_layout as at
-from sim.thesis_options import ARBITERS
+from sim.robot_options import RobotOptions
+from sim.thesis_options import ARBITERS, ThesisOptions
 from sim.thesis_run import signal_in
 from tests.sim.test_thesis_vectors import VECTORS, world_of
 from worldgen import InvalidParameter, Pose, Target, World, read_world
@@ -249,6 +250,7 @@ def test_a_coarse_map_makes_the_robot_head_for_the_middle_of_blocks():
         {"noise": True},
         {"collide_ticks": 9},
         {"drive_ticks": 6},
+        {"turn_angle": 1.0},
     ],
     ids="".join,
 )
@@ -256,6 +258,27 @@ def test_each_switch_changes_the_run_and_repeats_itself(switch):
     world = hall((20, 20), walls=[(x, 12) for x in range(5, 16)])
     plain, once, again = (run(world, steps=3000, **changes).trace_digest for changes in ({}, switch, switch))
     assert once == again != plain
+
+
+@pytest.mark.parametrize(("rule", "side"), [("thesis-1", -1), ("thesis-2", 1)])
+@pytest.mark.parametrize("angle", [0.0, 0.4, math.pi / 2, 2.5])
+def test_the_escape_turns_by_the_turn_angle_to_the_side_of_the_rule(rule, side, angle):
+    world = hall((20, 20), walls=[(x, 12) for x in range(5, 16)])
+    trace = run(world, rule, steps=300, turn_angle=angle, record=True).trace
+    first = int(np.flatnonzero(trace.bump)[0])  # the tick in which the escape begins
+    done = first + math.ceil(angle / 0.08) + 1
+    turned = (side * (trace.heading[done] - trace.heading[first - 1]) + 1) % (2 * math.pi) - 1
+    assert turned == pytest.approx(angle, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", [ThesisOptions, RobotOptions])
+def test_each_option_stands_under_one_heading(kind):
+    assert sorted(name for names in kind.GROUPS.values() for name in names) == sorted(kind.names())
+
+
+def test_a_quarter_turn_is_the_thesis_s_own_to_the_last_bit():
+    world = hall((20, 20), walls=[(x, 12) for x in range(5, 16)])
+    assert run(world, turn_angle=math.pi / 2).trace_digest == run(world).trace_digest
 
 
 def test_chance_in_the_simulator_itself_leaves_no_loop_to_prove():

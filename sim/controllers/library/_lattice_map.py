@@ -21,14 +21,17 @@ from sim.kernels._jit import allocating_kernel, kernel, rare_kernel
 
 __all__ = [
     "DOORS",
+    "NODES",
     "OWN",
     "PLAN_AT",
     "PLAN_LENGTH",
+    "SHOWN",
     "SIDE",
     "TARGET_X",
     "TARGET_Y",
     "block",
     "block_near",
+    "blocked_edges",
     "door",
     "forget",
     "has_door",
@@ -37,6 +40,7 @@ __all__ = [
     "neighbour",
     "next_move",
     "plan",
+    "planned_moves",
 ]
 
 Floats = npt.NDArray[np.float64]
@@ -53,6 +57,8 @@ OWN_SIZE = 12
 NODES = OWN + OWN_SIZE  # the bits of the nodes from here on
 
 _MOVES_A_WORD, _NODES_A_WORD = 16, 12  # of 3 and 4 bits: 48 bits, which a float64 holds exactly
+SHOWN = (DOORS, *range(PLAN_LENGTH, OWN))
+"""Numbers, beside those of the nodes, that blocked edges and plan hang on."""
 _MOST_MOVES = _MOVES_A_WORD * (OWN - PLAN)
 _STRAIGHT, _DIAGONAL = 5, 7  # costs of a move, nearly in the ratio of 1 to the root of 2
 _REACH = 2  # nodes at most so far from the target, along each axis, are next to it
@@ -167,6 +173,32 @@ def move_window(memory: Floats, x: int, y: int) -> None:
             _forget_line(memory, int(memory[WINDOW_X + axis]), axis == 0)
             memory[WINDOW_X + axis] += 1.0
             memory[PLAN_LENGTH] = 0.0
+
+
+def blocked_edges(memory: Floats) -> Floats:
+    """(n, 4) nodes at both ends, x and y, of all edges that the map has as blocked; the target's for a blocked door."""
+    side = int(memory[SIDE])
+    words = memory[NODES:].astype(np.int64)
+    bits = ((words[:, None] >> (4 * np.arange(_NODES_A_WORD))) & 15).ravel()[: side * side].reshape(side, side)
+    low_x, low_y = int(memory[WINDOW_X]), int(memory[WINDOW_Y])
+    found = []
+    for move in range(4):
+        row, column = np.nonzero((bits >> move) & 1)
+        x, y = low_x + (column - low_x) % side, low_y + (row - low_y) % side
+        dx, dy = neighbour(0, 0, move)
+        found.append(np.column_stack((x, y, x + dx, y + dy)).astype(np.float64))
+    for number in range(4 * _REACH * _REACH):
+        if (int(memory[DOORS]) >> number) & 1:
+            up, along = divmod(number, 2 * _REACH)
+            node_x, node_y = (math.floor(memory[TARGET_X + k]) - _REACH + 1 for k in range(2))
+            found.append(np.array([[node_x + along, node_y + up, memory[TARGET_X], memory[TARGET_Y]]]))
+    return np.concatenate(found)
+
+
+def planned_moves(memory: Floats) -> list[int]:
+    """All moves of the plan, those that are done among them."""
+    count = int(memory[PLAN_LENGTH])
+    return [(int(memory[PLAN + k // _MOVES_A_WORD]) >> (3 * (k % _MOVES_A_WORD))) & 7 for k in range(count)]
 
 
 @kernel

@@ -23,6 +23,7 @@ import numpy.typing as npt
 from sim.controllers.base import CompiledController
 from sim.controllers.library import _boundary as body
 from sim.controllers.library._directions import distance, distance_to_way, wrap
+from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.kernels import layout
 from sim.kernels._jit import rare_kernel
 
@@ -129,4 +130,22 @@ def _at_reset() -> tuple[float, ...]:
     return tuple(memory)
 
 
-bug1 = CompiledController("bug1", _act, _at_reset(), senses=body.SENSES)
+def shown_map(memory: Floats) -> MemoryMap:
+    """The hit point and the leave point, m, once there are any."""
+    points = {"hit": HIT, "leave": LEAVE} if memory[LEAVE_FAR] < math.inf else {}
+    return MemoryMap(places={name: (float(memory[k]), float(memory[k + 1])) for name, k in points.items()})
+
+
+bug1 = CompiledController(
+    "bug1",
+    _act,
+    _at_reset(),
+    senses=body.SENSES,
+    memory_fields=(
+        MemoryField("doing", MODE, ("start", "to the target", "meets a wall", "round it", "to the leave point")),
+        MemoryField("nearest, m", LEAVE_FAR),
+        MemoryField("way since the hit, m", WAY),
+    ),
+    memory_map=shown_map,
+    memory_map_on=(HIT, HIT + 1, LEAVE, LEAVE + 1, LEAVE_FAR),
+)

@@ -23,6 +23,7 @@ import numpy.typing as npt
 from sim.controllers.base import CompiledController
 from sim.controllers.library import _boundary as body
 from sim.controllers.library._directions import angle_of, distance
+from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.kernels import layout
 from sim.kernels._jit import rare_kernel
 from sim.kernels.fdlibm import cos, sin
@@ -109,4 +110,24 @@ def _at_reset() -> tuple[float, ...]:
     return tuple(memory)
 
 
-bug2 = CompiledController("bug2", _act, _at_reset(), senses=body.SENSES)
+def shown_map(memory: Floats) -> MemoryMap:
+    """The hit point, m, and the line from it to the target, once there is one."""
+    if memory[HIT_FAR] == math.inf:
+        return MemoryMap()
+    hit, towards = memory[HIT_X : HIT_Y + 1], memory[LINE_X : LINE_Y + 1]
+    line = np.array((hit, hit + memory[HIT_FAR] * towards))
+    return MemoryMap(plan=line, places={"hit": (float(hit[0]), float(hit[1]))})
+
+
+bug2 = CompiledController(
+    "bug2",
+    _act,
+    _at_reset(),
+    senses=body.SENSES,
+    memory_fields=(
+        MemoryField("doing", MODE, ("start", "to the target", "round the obstacle", "to the line")),
+        MemoryField("hit point's distance, m", HIT_FAR),
+    ),
+    memory_map=shown_map,
+    memory_map_on=(HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y),
+)

@@ -24,12 +24,13 @@ from sim.controllers.base import CompiledController
 from sim.controllers.library import _boundary as body
 from sim.controllers.library import _lattice_map as lattice
 from sim.controllers.library._directions import angle_of, distance, steer, wrap
+from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.kernels import layout
 from sim.kernels._jit import allocating_kernel, rare_kernel
 from sim.kernels.fdlibm import cos, sin
 from worldgen.errors import InvalidParameter
 
-__all__ = ["PITCH", "mapper", "mapper_small", "mapping"]
+__all__ = ["PITCH", "mapper", "mapper_small", "mapping", "shown_map"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -182,6 +183,29 @@ def _act(observation: Floats, memory: Floats, command: Floats) -> None:
     _map(observation, memory, command)
 
 
+def shown_map(memory: Floats) -> MemoryMap:
+    """The edges that the map has as blocked, and the plan from where it was made, in m."""
+    if memory[MODE] == START:
+        return MemoryMap()
+    origin, pitch = np.array((memory[START_X], memory[START_Y])), memory[GRID]
+    done, moves = int(memory[lattice.PLAN_AT]), lattice.planned_moves(memory)
+    way = [(0, 0)]
+    for move in moves:
+        way.append(lattice.neighbour(*way[-1], move))
+    at = way[min(max(done - 1 if memory[MODE] == GO else done, 0), len(moves))]
+    plan = np.array(way) - at + np.array((memory[FROM_X], memory[FROM_Y]))
+    return MemoryMap(
+        blocked=lattice.blocked_edges(memory) * pitch + np.tile(origin, 2),
+        plan=plan * pitch + origin if moves else np.zeros((0, 2)),
+    )
+
+
+_FIELDS = (
+    MemoryField("doing", MODE, ("start", "go", "to the target", "feel for the wall", "back")),
+    MemoryField("tries", TRIES),
+)
+
+
 def mapping(name: str, side: int, pitch: float = PITCH, no_room: float = CERTAIN) -> CompiledController:
     """A mapping controller with a map of a size of one's own.
 
@@ -203,7 +227,15 @@ def mapping(name: str, side: int, pitch: float = PITCH, no_room: float = CERTAIN
         raise InvalidParameter(f"no_room={no_room:g} is outside 0 to 10 times the robot's radius; give a share near 1")
     memory = [0.0] * (lattice.memory_size(side))
     memory[lattice.SIDE], memory[GRID], memory[NO_ROOM] = float(side), pitch, no_room
-    return CompiledController(name, _act, tuple(memory), senses=body.SENSES)
+    return CompiledController(
+        name,
+        _act,
+        tuple(memory),
+        senses=body.SENSES,
+        memory_fields=_FIELDS,
+        memory_map=shown_map,
+        memory_map_on=(*lattice.SHOWN, *range(lattice.NODES, len(memory))),
+    )
 
 
 mapper = mapping("mapper", FULL_SIDE)

@@ -25,6 +25,7 @@ import numpy.typing as npt
 from sim.controllers.base import CompiledController
 from sim.controllers.library import _boundary as body
 from sim.controllers.library._directions import WHOLE_TURN, angle_of, bearing_of, distance, wrap
+from sim.controllers.memory_view import MemoryField
 from sim.kernels import layout
 from sim.kernels._jit import rare_kernel
 from sim.kernels.fdlibm import cos, sin
@@ -238,4 +239,5 @@ tangent_bug = CompiledController(
     _at_reset(),
     senses=(*body.SENSES, "beams"),
     needs=RobotOptions(beams=BEAMS, beam_range=RANGE),
+    memory_fields=(MemoryField("doing", MODE, ("to the target", "by an end", "along the wall", "leaves the wall")),),
 )

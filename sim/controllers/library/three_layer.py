@@ -25,6 +25,7 @@ import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.library._directions import angle_of, bearing_of, steer, target_bearing, wrap
+from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.kernels import layout
 from sim.kernels._jit import kernel
 from sim.kernels.fdlibm import cos, sin
@@ -245,13 +246,42 @@ def drive(observation: Floats, memory: Floats, command: Floats, near: Ints, wave
     _react(observation, memory, command, tuned)
 
 
+def shown_map(memory: Floats) -> MemoryMap:
+    """The closed borders between cells of the map, and the waypoint, in m."""
+    if memory[LAID] == 0.0:
+        return MemoryMap()
+    corner, pitch = np.array((memory[CORNER_X], memory[CORNER_Y])), memory[PITCH]
+    bits = np.arange(SIDE)
+    row, column = np.nonzero((memory[RIGHT : RIGHT + SIDE].astype(np.int64)[:, None] >> bits) & 1)
+    upright = np.column_stack((column + 1, row, column + 1, row + 1))
+    row, column = np.nonzero((memory[UP : UP + SIDE].astype(np.int64)[:, None] >> bits) & 1)
+    level = np.column_stack((column, row + 1, column + 1, row + 1))
+    point = corner + (memory[TO_X : TO_Y + 1] + 0.5) * pitch
+    return MemoryMap(
+        blocked=np.concatenate((upright, level)) * pitch + np.tile(corner, 2),
+        places={"waypoint": (float(point[0]), float(point[1]))} if memory[TO_X] >= 0.0 else {},
+    )
+
+
+_FIELDS = (MemoryField("steps to the waypoint", WAITED), MemoryField("map forgotten", FORGOTTEN))
+
+
 def three_layer_robot(tuned: ThreeLayer, name: str = "three-layer") -> CompiledController:
     """A robot of three layers with these numbers."""
 
     def act(observation: Floats, memory: Floats, command: Floats) -> None:
         drive(observation, memory, command, np.zeros(SIDE, np.int64), np.zeros(SIDE, np.int64), tuned)
 
-    return CompiledController(name, act, AT_RESET, senses=SENSES, needs=NEEDS)
+    return CompiledController(
+        name,
+        act,
+        AT_RESET,
+        senses=SENSES,
+        needs=NEEDS,
+        memory_fields=_FIELDS,
+        memory_map=shown_map,
+        memory_map_on=(LAID, TO_X, TO_Y, *range(RIGHT, MEMORY)),
+    )
 
 
 three_layer = three_layer_robot(ThreeLayer())

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
 from sim.controllers.library import _boundary as body
+from sim.controllers.memory_view import MemoryField
 from sim.kernels import layout
 from sim.kernels._jit import rare_kernel
 
@@ -48,7 +49,8 @@ def _act(observation: Floats, memory: Floats, command: Floats) -> None:
 def _controller(name: str, hand: float) -> CompiledController:
     memory = [0.0] * (MODE + 1)
     memory[body.HAND] = hand
-    return CompiledController(name, _act, tuple(memory), senses=body.SENSES)
+    doing = MemoryField("doing", MODE, ("to the target", "along the wall"))
+    return CompiledController(name, _act, tuple(memory), senses=body.SENSES, memory_fields=(doing,))
 
 
 wall_left = _controller("wall-left", 1.0)
