@@ -6,6 +6,7 @@ import base64
 import hashlib
 import html
 import json
+from importlib.resources import files
 from typing import Any
 
 from fuzz.player.sources import script, style
@@ -13,11 +14,11 @@ from fuzz.player.sources import script, style
 __all__ = ["one_file"]
 
 
-def one_file(template: str, title: str, *, styles: str, scripts: str, data: dict[str, Any]) -> bytes:
+def one_file(body: str, title: str, *, styles: str, scripts: str, data: dict[str, Any]) -> bytes:
     """The page, which lets a browser run this very script and use this style, and load nothing at all.
 
     Args:
-        template: HTML with ``@@POLICY@@``, ``@@TITLE@@``, ``@@STYLE@@``, ``@@SCRIPT@@`` and ``@@DATA@@``.
+        body: What the page shows, as HTML; ``@@TITLE@@`` in it is the title.
         title: Of the page, as plain text.
         styles: CSS beside the player's.
         scripts: JavaScript after the player's, in one scope with it.
@@ -33,6 +34,7 @@ def one_file(template: str, title: str, *, styles: str, scripts: str, data: dict
         "SCRIPT": scripts,
         "DATA": json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
     }
+    template = (files("fuzz.player") / "one_file.html").read_text("utf-8").replace("@@BODY@@", body)
     return "".join(filled.get(piece, piece) for piece in template.split("@@")).encode("utf-8")
 
 

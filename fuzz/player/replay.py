@@ -21,6 +21,6 @@ def replay_page(title: str, world: dict[str, Any] | None, robots: Sequence[dict[
             and ``run`` and ``sensors`` as the player draws them.
     """
     folder = files("fuzz.player") / "replay_page"
-    template, styles, scripts = ((folder / name).read_text("utf-8") for name in ("page.html", "style.css", "start.js"))
+    body, styles, scripts = ((folder / name).read_text("utf-8") for name in ("body.html", "style.css", "start.js"))
     data = {"title": title, "world": world, "robots": list(robots)}
-    return one_file(template, title, styles=styles, scripts=scripts, data=data)
+    return one_file(body, title, styles=styles, scripts=scripts, data=data)

@@ -122,9 +122,17 @@ def _drawn(seen: Seen, record: FailureRecord | None) -> dict[str, Any]:
         "events": len(world.timeline),
         "kind": str(record.details.get("class", record.verdict)) if record else "",
         "world": drawn_world(world),
-        "run": None if seen.shown is None else drawn_run(seen.shown, world.cell_size, seen.replay.episode),
+        "run": _run(seen, record),
         "sensors": _sensors(record, world.cell_size) if record and seen.shown is not None else None,
     }
+
+
+def _run(seen: Seen, record: FailureRecord | None) -> dict[str, Any] | None:
+    """The run, with its controller's memory."""
+    if seen.shown is None:
+        return None
+    controller = CONTROLLERS.get(record.controller) if record else None
+    return drawn_run(seen.shown, seen.world.cell_size, seen.replay.episode, controller=controller)
 
 
 def _sensors(record: FailureRecord, side: float) -> dict[str, Any]:
@@ -143,5 +151,5 @@ def _page(title: str, data: dict[str, Any]) -> bytes:
     folder = files("fuzz.report") / "page"
     names = sorted(part.name for part in folder.iterdir() if part.name.endswith(".js"))  # start.js comes last
     scripts = "\n".join((folder / name).read_text("utf-8") for name in names)
-    template, styles = ((folder / name).read_text("utf-8") for name in ("page.html", "style.css"))
-    return one_file(template, title, styles=styles, scripts=scripts, data=data)
+    body, styles = ((folder / name).read_text("utf-8") for name in ("body.html", "style.css"))
+    return one_file(body, title, styles=styles, scripts=scripts, data=data)

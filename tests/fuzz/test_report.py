@@ -235,7 +235,7 @@ def test_a_breach_is_marked_on_the_whole_way_to_the_target(tmp_path):
 def test_a_stall_is_marked_where_the_last_new_cell_is_entered(page):
     stall = next(failure for failure in data_of(page)["failures"] if failure["verdict"] == "stalled")
     last = read_world(CORPUS / STALLED).failure.evidence["last_new_cell"]
-    assert [(mark["name"], mark["step"]) for mark in stall["now"]["run"]["marks"]] == [("Last new cell", last)]
+    assert [(mark["name"], mark["step"]) for mark in stall["now"]["run"]["marks"]] == [("Nothing new after", last)]
 
 
 def test_corners_inside_steps_are_kept():
@@ -312,7 +312,7 @@ def test_a_file_that_is_no_summary_is_refused(tmp_path, text):
         read_summary(tmp_path)
 
 
-@pytest.mark.parametrize(("package", "part"), [("fuzz.report", "page.html"), ("fuzz.player", "player.css")])
+@pytest.mark.parametrize(("package", "part"), [("fuzz.report", "body.html"), ("fuzz.player", "player.css")])
 def test_the_page_s_parts_are_shipped(package, part):
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
     patterns = project["tool"]["setuptools"]["package-data"][package]

@@ -2,6 +2,7 @@
 
 import { openWorld } from "./decode.js";
 import { choice, el, grouped, icon, keyButton, svg } from "./dom.js";
+import { hasMap } from "./memory.js";
 import { SPEEDS, makePlayer, usualSpeed } from "./player.js";
 import { saveMenu } from "./saving.js";
 
@@ -10,6 +11,7 @@ export const LAYERS = {
   touched: ["Touched walls", "u"],
   sensors: ["Sensors", "s"],
   signal: ["Signal", "i"],
+  memory: ["Memory", "m"],
   witness: ["Witness", "w"],
 };
 
@@ -25,7 +27,7 @@ export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
   if (former) Object.assign(player.show, former.show);
   if (!drawn.run) {
     const why = "The controller could not be run here, so the world is shown without the robot's way.";
-    under.replaceChildren(el("p", { class: "notice" }, why), viewButtons(player, parts));
+    under.replaceChildren(el("p", { class: "notice" }, drawn.why || why), viewButtons(player, parts));
     player.draw();
     return player;
   }
@@ -46,19 +48,23 @@ function fitStage(canvas, world) {
 }
 
 function viewButtons(player, parts) {
-  parts.follow = player.drawn.run ? keyButton("Robot", "Follow the robot", "r", () => player.robot()) : null;
+  parts.follow = player.drawn.run ? keyButton("Follow", "Follow the robot", "r", () => toggleFollow(player)) : null;
   return el(
     "div",
     { class: "view", role: "group", "aria-label": "View" },
     keyButton("−", "Zoom out", "-", () => player.zoom(1 / 1.4)),
     keyButton("+", "Zoom in", "+", () => player.zoom(1.4)),
-    keyButton("Fit", "Show the whole world", "0", () => player.fit()),
+    keyButton("Fit", "Fit the whole world", "0", () => player.fit()),
     parts.follow,
   );
 }
 
+export function toggleFollow(player) {
+  if (player.follow) player.fit();
+  else player.robot();
+}
+
 function scrubBar(player, parts) {
-  const { run } = player.drawn;
   parts.scrub = el("input", {
     type: "range",
     min: 0,
@@ -96,8 +102,7 @@ function changeSteps(world, run, last) {
 }
 
 function controls(player, parts) {
-  const { run } = player.drawn;
-  parts.play = keyButton("", "Play", "Space", () => player.play(!player.playing), { class: "main", id: "play" });
+  parts.play = keyButton("", "Play", "Space", () => player.play(!player.playing), { class: "main", id: "play-pause" });
   parts.speed = choice(
     SPEEDS.map((speed) => [speed, `${speed}×`]),
     player.speed,
@@ -175,6 +180,7 @@ function layers(player, parts) {
     has = {
       sensors: drawn.sensors,
       signal: drawn.sensors && drawn.sensors.signal,
+      memory: hasMap(drawn.run),
       witness: drawn.world.witness || drawn.world.cut,
     };
   const names = Object.keys(LAYERS).filter((name) => !(name in has) || has[name]);
@@ -235,9 +241,8 @@ function momentOf(run, step) {
   const mark = run.marks.find((one) => one.step === step);
   if (mark) return `: ${mark.text}`;
   if (!run.loop || step < run.loop[0]) return "";
-  return step === run.loop[0] + run.loop[1]
-    ? ": the state of the entry again"
-    : `, ${step - run.loop[0]} into the period`;
+  const into = (step - run.loop[0]) % run.loop[1]; // beside others that drive longer it goes round many times
+  return into === 0 ? ": the state of the entry again" : `, ${into} into the period`;
 }
 
 export function dragToMove(canvas, state) {

@@ -23,14 +23,14 @@ export function numbersOf(text) {
   return Float64Array.from(values);
 }
 
-export function bitsOf(text, count) {
+function bitsOf(text, count) {
   const bytes = bytesOf(text);
   return Uint8Array.from({ length: count }, (_, k) => (bytes[k >> 3] >> (k & 7)) & 1);
 }
 
 export const UNIT = 1024; // lattice units a cell
-export const TURN = 65536; // heading units a turn
-export const SHARE = 256; // parts of a step
+const TURN = 65536; // heading units a turn
+const SHARE = 256; // parts of a step
 export const SOLID = 1,
   BURNING = 2; // 0: free
 
@@ -129,37 +129,4 @@ export function poseAt(run, step) {
   const share = gap > 0 ? Math.min(1, Math.max(0, (step - open.at[row]) / gap)) : 0;
   const between = (column) => column[row] + (column[next] - column[row]) * share;
   return { x: between(open.x), y: between(open.y), heading: between(open.heading), bump: open.bump[row] === 1, row };
-}
-
-// The wall cells that the robot touches, each with the step in which it first did: those nearest to its disc at a bump.
-export function touchedCells(world, run) {
-  const open = openRun(run);
-  if (open.touched) return open.touched;
-  open.touched = new Map();
-  for (let row = 0; row < open.at.length; row += 1) {
-    if (!open.bump[row]) continue;
-    const cells = cellsAt(world, open.at[row] * run.dt * 1000);
-    for (const [ix, iy] of nearestWalls(cells, world, open.x[row], open.y[row])) {
-      const key = `${ix},${iy}`;
-      if (!open.touched.has(key)) open.touched.set(key, { ix, iy, step: open.at[row] });
-    }
-  }
-  return open.touched;
-}
-
-export function nearestWalls(cells, world, x, y) {
-  const reach = Math.min(40, Math.ceil(world.radius) + 1),
-    found = [];
-  let least = world.radius + 0.5;
-  for (let iy = Math.floor(y) - reach; iy <= Math.floor(y) + reach; iy += 1) {
-    for (let ix = Math.floor(x) - reach; ix <= Math.floor(x) + reach; ix += 1) {
-      if (stateAt(cells, world, ix, iy) !== SOLID) continue;
-      const dx = Math.max(ix - x, 0, x - ix - 1),
-        dy = Math.max(iy - y, 0, y - iy - 1);
-      const gap = Math.sqrt(dx * dx + dy * dy);
-      found.push([ix, iy, gap]);
-      least = Math.min(least, gap);
-    }
-  }
-  return found.filter(([, , gap]) => gap <= least + 0.03 && gap <= world.radius + 0.5);
 }

@@ -1,9 +1,9 @@
 // Elements, made without any markup text: whatever a name holds, it is only ever text.
 
 // The name of SVG's namespace, from the browser itself, so that this file holds no address at all.
-export const SVG = new DOMParser().parseFromString("<svg/>", "text/html").querySelector("svg").namespaceURI;
+const SVG = new DOMParser().parseFromString("<svg/>", "text/html").querySelector("svg").namespaceURI;
 
-export function make(space, tag, attributes, children) {
+function make(space, tag, attributes, children) {
   const element = space ? document.createElementNS(space, tag) : document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (value === null || value === undefined || value === false) continue;
@@ -22,7 +22,7 @@ export function svg(tag, attributes = {}, ...children) {
   return make(SVG, tag, attributes, children);
 }
 
-export const ICONS = {
+const ICONS = {
   play: "M4 2v12l10-6z",
   pause: "M3 2h4v12H3zM9 2h4v12H9z",
   back: "M10 2v12L3 8zM11 2h2v12h-2z",
@@ -54,6 +54,11 @@ export function choice(pairs, chosen, change) {
     { onchange: change },
     pairs.map(([value, words]) => el("option", { value, selected: value === chosen }, words)),
   );
+}
+
+// A robot's name with its options, which may go on in another line at each of them.
+export function breakable(name) {
+  return name.split(/(?=\+)/).flatMap((part, k) => (k > 0 ? [el("wbr"), part] : [part]));
 }
 
 export function byId(id) {

@@ -1,6 +1,39 @@
-// What the keys do while a player is on the page.
+// What the keys do while a player is on the page, and the dialog that tells what they do.
 
-import { LAYERS, jumpTo, nextMark, playPeriod, stepBy } from "./controls.js";
+import { LAYERS, jumpTo, nextMark, playPeriod, stepBy, toggleFollow } from "./controls.js";
+import { byId, el } from "./dom.js";
+
+/* Opens the page's dialog of keys, <dialog id="keys" aria-labelledby="keys-title">. */
+export function openKeys(...tables) {
+  const dialog = byId("keys");
+  dialog.replaceChildren(
+    el(
+      "div",
+      { class: "line" },
+      el("h2", { id: "keys-title" }, "Keys"),
+      el("button", { type: "button", onclick: () => dialog.close() }, "Close"),
+    ),
+    ...tables,
+  );
+  dialog.showModal();
+}
+
+/* A table of rows [a key or several, what it does]. */
+export function keyTable(rows) {
+  const row = ([keys, words]) => {
+    const marks = [keys].flat().map((key) => [el("kbd", {}, key), " "]);
+    return el("tr", {}, el("th", { scope: "row" }, marks), el("td", {}, words));
+  };
+  return el("table", {}, el("tbody", {}, rows.map(row)));
+}
+
+/* Whether what has the focus needs a key for itself: who types, moves a slider or presses a button means that. */
+export function keepsKey(target, key) {
+  if (target.matches("input:not([type=range], [type=checkbox], [type=radio]), select, textarea")) return true;
+  if (target.matches("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(key);
+  if (target.matches("input[type=radio]")) return /^( |Enter|Arrow)/.test(key);
+  return /^( |Enter)$/.test(key) && target.matches("button, a, summary, input");
+}
 
 export function cameraKeys(player) {
   const nearer = () => player.zoom(1.4);
@@ -23,7 +56,7 @@ export function clockKeys(player, steps) {
     ArrowRight: () => stepBy(player, steps),
     Home: () => jumpTo(player, 0),
     End: () => jumpTo(player, player.last),
-    r: () => (player.follow ? player.fit() : player.robot()),
+    r: () => toggleFollow(player),
     e: () => nextMark(player),
     l: () => run.loop && playPeriod(player),
   };

@@ -21,27 +21,37 @@ export function drawManyCells(pen, world, cells) {
 const FEW = 20_000; // changes that are drawn into the picture one by one; with more it is made anew
 const FLAMES = 150; // of 255: so that ways stand out from them
 
-// The picture of the cells as they are now: `done` counts their changes.
+// The picture of the cells as they are now: `done` counts their changes. What has changed since the picture was made
+// say the world's events, or for a world that is being drawn `open.boxSince`: a box of cells, null for all of them.
 function pictureOf(pen, world, cells) {
   const { wall, fire } = pen.colours,
     { done } = world.open;
-  const known = pictures.get(cells);
-  if (known && known.wall === wall && known.done <= done && done - known.done <= FEW) {
-    if (known.done < done) drawChanges(known, world, cells, done, { wall, fire });
+  const known = pictures.get(cells),
+    still = known && known.wall === wall && known.done <= done;
+  if (still && known.done === done) return known.canvas;
+  if (still && world.open.events && done - known.done <= FEW) {
+    drawChanges(known, world, cells, done, { wall, fire });
     return known.canvas;
   }
   const canvas = known ? known.canvas : new OffscreenCanvas(world.width, world.height);
-  const image = new ImageData(world.width, world.height),
-    pixels = new Uint32Array(image.data.buffer);
-  const colours = { [SOLID]: pixelOf(wall, 255), [BURNING]: pixelOf(fire, FLAMES) };
-  for (let iy = 0; iy < world.height; iy += 1) {
-    const row = (world.height - 1 - iy) * world.width;
-    for (let ix = 0, k = iy * world.width; ix < world.width; ix += 1, k += 1)
-      if (cells[k] !== 0) pixels[row + ix] = colours[cells[k]];
-  }
-  canvas.getContext("2d").putImageData(image, 0, 0);
+  const whole = { x: 0, y: 0, width: world.width, height: world.height };
+  const box = (still && world.open.boxSince && world.open.boxSince(known.done)) || whole;
+  drawBox(canvas, world, cells, box, { wall, fire });
   pictures.set(cells, { canvas, done, wall });
   return canvas;
+}
+
+// Draws a box of cells anew.
+function drawBox(canvas, world, cells, { x, y, width, height }, { wall, fire }) {
+  if (width < 1 || height < 1) return;
+  const image = new ImageData(width, height),
+    pixels = new Uint32Array(image.data.buffer);
+  const colours = { [SOLID]: pixelOf(wall, 255), [BURNING]: pixelOf(fire, FLAMES) };
+  for (let row = 0; row < height; row += 1) {
+    const from = (y + height - 1 - row) * world.width + x;
+    for (let ix = 0; ix < width; ix += 1) if (cells[from + ix] !== 0) pixels[row * width + ix] = colours[cells[from + ix]];
+  }
+  canvas.getContext("2d").putImageData(image, x, world.height - y - height);
 }
 
 // What has changed since the picture was made, cell by cell.

@@ -12,5 +12,5 @@ export function besideIn(stage, other, words = ["", ""]) {
   const canvas = el("canvas", { class: "beside", role: "img", "aria-label": words[0] });
   stage.prepend(canvas);
   stage.append(...words.map((text) => el("span", { class: "tag" }, text)));
-  return { ...other, canvas };
+  return { ...other, canvas, words };
 }

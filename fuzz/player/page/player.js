@@ -1,10 +1,11 @@
 // The replay: a clock in steps, and a canvas that shows the run at that time.
 
 import { poseAt, stepWithin } from "./decode.js";
-import { drawScene, fitView } from "./map.js";
+import { drawScene } from "./map.js";
+import { fitView } from "./pen.js";
 
 export const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 25, 100, 500];
-export const SECONDS = 12; // that a replay takes at most, unless asked otherwise
+const SECONDS = 12; // that a replay takes at most, unless asked otherwise
 
 export function usualSpeed(steps, dt) {
   const seconds = steps * dt;
@@ -18,15 +19,17 @@ export function usualSpeed(steps, dt) {
      changed   called whenever the time, or whether it plays, has changed */
 export function makePlayer(canvas, drawn, changed) {
   const { run, world } = drawn;
+  const last = lastStep(drawn);
   const player = {
     drawn,
     canvas,
-    step: run ? run.steps : 0,
-    last: lastStep(drawn),
+    step: last,
+    last,
     playing: false,
     period: false, // plays the loop's period only
-    speed: run ? usualSpeed(run.steps, run.dt) : 1,
-    show: { trail: true, witness: false, sensors: true, signal: true, touched: true },
+    speed: run ? usualSpeed(last, run.dt) : 1,
+    show: { trail: true, witness: false, sensors: true, signal: true, touched: true, memory: true },
+    drawnMore: null, // called after each frame, while a file of both runs is made
     view: null, // null: the whole world
     follow: false,
     draw() {
@@ -36,7 +39,8 @@ export function makePlayer(canvas, drawn, changed) {
       }
       drawScene(canvas, { ...drawn, world, run, step: player.step, show: player.show }, player.view);
       const { beside } = drawn;
-      if (beside) drawScene(beside.canvas, { ...beside, step: sameTime(player.step, run, beside.run), show: player.show });
+      if (beside) drawBeside(player, beside);
+      if (player.drawnMore) player.drawnMore();
     },
     update() {
       player.draw();
@@ -44,6 +48,23 @@ export function makePlayer(canvas, drawn, changed) {
     },
   };
   return Object.assign(player, clockOf(player), cameraOf(player));
+}
+
+// The run beside: at the same time, its world as near and as far to one side as the other one's is.
+function drawBeside(player, beside) {
+  const { canvas, view, show, follow, drawn } = player;
+  const step = sameTime(player.step, drawn.run, beside.run);
+  let own = null;
+  if (view) {
+    const whole = fitView(beside.world, beside.canvas.clientWidth, beside.canvas.clientHeight);
+    const nearer = view.scale / fitView(drawn.world, canvas.clientWidth, canvas.clientHeight).scale;
+    own = { x: (view.x * beside.world.width) / drawn.world.width, y: (view.y * beside.world.height) / drawn.world.height, scale: whole.scale * nearer };
+    if (follow && beside.run) {
+      const { x, y } = poseAt(beside.run, stepWithin(beside.run, step));
+      own = { x, y, scale: view.scale };
+    }
+  }
+  drawScene(beside.canvas, { ...beside, step, show }, own);
 }
 
 // The end of the longest of all runs, in steps of the one that is looked at.
@@ -63,7 +84,7 @@ function clockOf(player) {
   let frame = 0,
     before = 0;
   const tick = (now) => {
-    const passed = Math.min(0.25, (now - before) / 1000);
+    const passed = Math.max(0, Math.min(0.25, (now - before) / 1000)); // a frame's time may be before that of play()
     before = now;
     player.step = advanced(player, run, (passed * player.speed) / run.dt);
     player.playing = goesRound(player, run) || player.step < player.last;

@@ -1,7 +1,8 @@
 // Several robots in one world: which is in front, what became of each, what the instruments of that one say.
 
 import { behaviourAt, poseAt, rowAt, stepWithin } from "./decode.js";
-import { el, grouped, verdictDot } from "./dom.js";
+import { breakable, el, grouped, verdictDot } from "./dom.js";
+import { memoryFacts } from "./memory.js";
 
 // What the player draws with one robot in front of the others; each has its colour by its place in the list.
 export function sceneOf(world, robots, number) {
@@ -13,26 +14,28 @@ export function sceneOf(world, robots, number) {
     run: front.run,
     sensors: front.sensors,
     colour: alone ? null : colour(number),
-    others: robots.map((one, k) => ({ run: one.run, colour: colour(k) })).filter((one, k) => k !== number && one.run),
+    number: alone ? null : number + 1,
+    others: robots.map((one, k) => ({ run: one.run, colour: colour(k), number: k + 1 })).filter((one, k) => k !== number && one.run),
   };
 }
 
-// The list of robots with their results; a click puts one in front.
-export function showRobots(list, robots, looked, look) {
+// The list of robots with their results, and what is true for all that did not arrive; a click puts one in front.
+export function showRobots(list, robots, looked, look, note = "") {
   const row = (one, number) => {
-    const chip = robots.length > 1 ? el("i", { class: `chip robot-${number % 6}` }) : null;
-    if (one.error) return el("li", {}, chip, el("b", {}, one.name), el("p", { class: "bad" }, one.error));
-    const facts = `${grouped(one.steps)} steps, ${one.time.toFixed(3)} s, ${one.path.toFixed(2)} m, ${one.collisions} collisions`;
+    const chip = robots.length > 1 ? el("span", { class: `chip robot-${number % 6}` }, String(number + 1)) : null;
+    if (one.error)
+      return el("li", { class: "failed" }, el("span", { class: "who" }, chip, " ", el("b", {}, breakable(one.name)), " ", el("span", { class: "bad" }, "did not drive")), el("p", { class: "bad" }, one.error));
+    const facts = [`${grouped(one.steps)} steps, `, el("span", { class: "time" }, `${one.time.toFixed(3)} s, `), `${one.path.toFixed(2)} m, ${one.collisions} collisions`];
     return el(
       "li",
       { "aria-current": number === looked ? "true" : null },
       el(
         "button",
         { type: "button", class: "result", "data-controller": one.name, onclick: () => look(number) },
-        el("span", { class: "who" }, chip, el("b", {}, one.name), verdictDot(one.verdict), el("span", {}, one.verdict)),
-        el("span", { class: "quiet" }, facts),
-        one.verdict === "reached" ? null : el("span", {}, one.words.replace(/^\w+\s*/, "")),
-        el("code", { class: "digest", title: "Digest of every state of the run" }, one.digest),
+        el("span", { class: "who" }, chip, " ", el("b", {}, breakable(one.name)), " ", verdictDot(one.verdict), " ", el("span", {}, one.verdict), " ", el("code", { class: "digest", title: "Digest of every state of the run" }, one.digest)),
+        el("span", { class: "quiet facts" }, facts),
+        one.verdict === "reached" ? null : el("span", { class: "why" }, one.words.replace(one.verdict, "").trimStart()),
+        one.verdict === "reached" || !note ? null : el("span", { class: "note" }, note),
       ),
     );
   };
@@ -56,6 +59,7 @@ export function showInstruments(line, player) {
     ["heading", `${heading.toFixed(1)}°`],
     ["collision", pose.bump ? "yes" : "no"],
     ...(behaviour === null ? [] : [["behaviour", behaviour]]),
+    ...memoryFacts(run, step),
     ...(run.loop && step >= run.loop[0]
       ? [["loop", `period ${grouped(run.loop[1])}, step ${Math.floor(step - run.loop[0])} of it`]]
       : []),

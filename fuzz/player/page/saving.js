@@ -1,6 +1,8 @@
-// What the player shows, as files that the browser keeps: a picture of this moment, a film of the whole run.
+// What the player shows, as files that the browser keeps: a picture of this moment, a film of the whole run;
+// of two runs side by side both in one.
 
 import { el, say } from "./dom.js";
+import { palette } from "./pen.js";
 import { usualSpeed } from "./player.js";
 
 const FILMS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"];
@@ -11,23 +13,34 @@ const REST = 800; // ms that a film stays on its last picture
 // The menu: what every page can save, and `drawn.saves`, what this one can: pairs of words and what to do.
 export function saveMenu(player) {
   const { drawn } = player;
+  const wish = { stop: false }; // of who sees it saved
   const menu = el("details", { class: "save", onkeydown: (event) => close(event, menu) }, el("summary", { class: "button" }, "Save"));
-  const one = ([words, act]) => el("button", { type: "button", onclick: () => save(menu, words, act) }, words);
-  const film = drawn.run && filmKind() ? [[`Film, ${ending(filmKind()) === "mp4" ? "MP4" : "WebM"}`, () => keepFilm(player)]] : [];
+  const one = ([words, act]) => el("button", { type: "button", onclick: () => save(menu, words, act, wish) }, words);
+  menu.querySelector("summary").addEventListener("click", (event) => {
+    if (!menu.dataset.saving) return;
+    event.preventDefault(); // a click while it is saved ends that
+    wish.stop = true;
+    player.play(false);
+    if (drawn.stopSaving) drawn.stopSaving();
+  });
+  const film = drawn.run && filmKind() ? [[`Film, ${ending(filmKind()) === "mp4" ? "MP4" : "WebM"}`, () => keepFilm(player, wish)]] : [];
   const items = [["Picture, PNG", () => keepPicture(player)], ...film, ...(drawn.saves || [])];
   menu.append(el("div", { class: "menu" }, items.map(one)));
   return menu;
 }
 
-async function save(menu, words, act) {
+async function save(menu, words, act, wish) {
+  wish.stop = false;
   const summary = menu.querySelector("summary");
   menu.open = false;
-  summary.textContent = "Saving …";
+  summary.textContent = "Stop saving";
+  menu.dataset.saving = "yes";
   summary.focus();
   try {
     say((await act()) || `Saved: ${words}`);
   } finally {
     summary.textContent = "Save";
+    delete menu.dataset.saving;
   }
 }
 
@@ -54,7 +67,37 @@ function nameOf(player, kind) {
 
 async function keepPicture(player) {
   player.draw();
-  keep(nameOf(player, "png"), await new Promise((done) => player.canvas.toBlob(done, "image/png")));
+  const canvas = await together(player);
+  player.drawnMore = null;
+  keep(nameOf(player, "png"), await new Promise((done) => canvas.toBlob(done, "image/png")));
+}
+
+// What is seen: the canvas, or one with both runs that are played side by side, which each frame draws again.
+async function together(player) {
+  const { canvas, drawn } = player;
+  if (!drawn.beside) return canvas;
+  const both = el("canvas"),
+    left = drawn.beside.canvas,
+    gap = 2;
+  both.width = left.width + gap + canvas.width;
+  both.height = Math.max(left.height, canvas.height);
+  player.drawnMore = () => {
+    const context = both.getContext("2d"),
+      colours = palette();
+    context.fillStyle = colours.rule;
+    context.fillRect(0, 0, both.width, both.height);
+    context.drawImage(left, 0, 0);
+    context.drawImage(canvas, left.width + gap, 0);
+    const ratio = window.devicePixelRatio || 1;
+    context.font = `600 ${14 * ratio}px system-ui, sans-serif`;
+    context.textAlign = "right";
+    context.fillStyle = colours.ink;
+    const [before, after] = drawn.beside.words;
+    context.fillText(before, left.width - 8 * ratio, 20 * ratio);
+    context.fillText(after, both.width - 8 * ratio, 20 * ratio);
+  };
+  player.drawnMore();
+  return both;
 }
 
 function filmKind() {
@@ -65,9 +108,10 @@ function ending(kind) {
   return kind.startsWith("video/mp4") ? "mp4" : "webm";
 }
 
-// Plays the run from its start to its end, or once round its loop, and records the canvas meanwhile; Pause ends it.
-async function keepFilm(player) {
-  const recorder = new MediaRecorder(player.canvas.captureStream(FILM_RATE), {
+/* Plays the run from its start to its end, or once round its loop, as fast as is chosen, and records the canvas
+   meanwhile; Pause ends it. */
+async function keepFilm(player, wish) {
+  const recorder = new MediaRecorder((await together(player)).captureStream(FILM_RATE), {
     mimeType: filmKind(),
     videoBitsPerSecond: FILM_BITS,
   });
@@ -75,15 +119,21 @@ async function keepFilm(player) {
   recorder.addEventListener("dataavailable", (event) => parts.push(event.data));
   const stopped = new Promise((done) => recorder.addEventListener("stop", done));
   player.play(false);
+  if (player.period) player.speed = usualSpeed(player.last, player.drawn.run.dt); // not that of the period
   player.period = false;
-  player.speed = usualSpeed(player.drawn.run.steps, player.drawn.run.dt);
   player.go(0);
+  const begun = new Promise((done) => recorder.addEventListener("start", done));
   recorder.start();
-  player.play(true);
+  await begun; // on a busy machine the run might be over before
+  player.play(!wish.stop);
   await untilItEnds(player);
-  await new Promise((done) => setTimeout(done, REST));
+  for (let rest = 0; rest < REST; rest += REST / 8) {
+    await new Promise((done) => setTimeout(done, REST / 8));
+    player.draw(); // a picture that stays is none in a film unless it is drawn
+  }
   recorder.stop();
   await stopped;
+  player.drawnMore = null;
   keep(nameOf(player, ending(recorder.mimeType)), new Blob(parts, { type: recorder.mimeType.split(";")[0] }));
 }
 

@@ -177,11 +177,6 @@ function ticks(most) {
   return Array.from({ length: Math.floor(most / step + 1e-9) + 1 }, (_, k) => Number((k * step).toPrecision(12)));
 }
 
-function short(value) {
-  if (value >= 1e6) return `${Number((value / 1e6).toPrecision(3))} M`;
-  return value >= 1e4 ? `${Number((value / 1e3).toPrecision(3))} k` : String(Number(value.toPrecision(3)));
-}
-
 function laneChart(campaign) {
   if (campaign.lanes.length === 0) return null;
   const most = Math.max(...campaign.lanes.map((lane) => lane.classes), 1);

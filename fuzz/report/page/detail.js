@@ -37,7 +37,7 @@ function makeDetail(section, failure, neighbours) {
   };
   if (failure.now.world) load(failure.now, failure.kind);
   drawPair();
-  dragToMove(canvas, state);
+  dragToMove(stage, state);
   return {
     player: () => state.player,
     swap: () => {
@@ -93,8 +93,9 @@ function legend(failure) {
     ["loop", loop ? "the period, for ever" : "the robot's way"],
     ["square touched", "wall touched"],
     failure.now.run && failure.now.run.marks.some((mark) => mark.cell)
-      ? ["square breach", "where it goes wrong"]
+      ? ["square pierced", "wall gone into, or cell that goes wrong"]
       : null,
+    hasMap(failure.now.run) ? ["memory", "the robot's own map"] : null,
     burnsAtAll(failure.now.world) ? ["square fire", "burning"] : null,
   ];
   return el(

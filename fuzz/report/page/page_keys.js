@@ -15,56 +15,20 @@ const KEYS = [
   [["b"], "Before or after shrinking"],
   [["+", "−", "0"], "Zoom; show the whole world"],
   [["r"], "Follow the robot"],
-  [["t", "u", "s", "i", "w"], "Trail, touched walls, sensors, signal, witness"],
+  [["t", "u", "s", "i", "m", "w"], "Trail, touched walls, sensors, signal, the robot's memory, witness"],
 ];
 
 function showKeys() {
-  const dialog = byId("keys");
-  dialog.replaceChildren(
-    el(
-      "div",
-      { class: "line" },
-      el("h2", { id: "keys-title" }, "Keys"),
-      el("button", { type: "button", onclick: () => dialog.close() }, "Close"),
-    ),
-    el(
-      "table",
-      {},
-      el(
-        "tbody",
-        {},
-        KEYS.map(([keys, words]) =>
-          el(
-            "tr",
-            {},
-            el(
-              "th",
-              { scope: "row" },
-              keys.map((key) => [el("kbd", {}, key), " "]),
-            ),
-            el("td", {}, words),
-          ),
-        ),
-      ),
-    ),
-  );
-  dialog.showModal();
+  openKeys(keyTable(KEYS));
 }
 
 function onKey(event) {
   if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
   const { target, key } = event;
-  if (target.matches("input[type=search], select")) {
-    if (key === "Escape") target.blur();
-    return;
-  }
+  if (key === "Escape" && target.matches("input[type=search], select")) target.blur();
+  if (keepsKey(target, key)) return;
   const act = pageKeys()[key] || (page.detail && detailKeys(event)[key]);
-  if (
-    !act ||
-    (target.matches("input[type=range]") && /^Arrow|Home|End/.test(key)) ||
-    (key === " " && target.matches("button, a, input[type=checkbox], summary"))
-  )
-    return;
+  if (!act) return;
   event.preventDefault();
   act();
 }

@@ -1,9 +1,11 @@
-// Range beams for the picture: straight lines from the robot's centre to the first wall, without a sensor's noise.
+// What the robot senses: range beams, straight from its centre to the first wall and without a sensor's noise, and the
+// target's bearing.
 // Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
 
 import { SOLID, stateAt } from "./decode.js";
+import { stroke } from "./pen.js";
 
-export function beamHeadings(heading, sensors) {
+function beamHeadings(heading, sensors) {
   const { beams, field } = sensors;
   const turn = 2 * Math.PI;
   return Array.from({ length: beams }, (_, k) => {
@@ -12,7 +14,7 @@ export function beamHeadings(heading, sensors) {
   });
 }
 
-export function castBeam(cells, world, x, y, heading, longest) {
+function castBeam(cells, world, x, y, heading, longest) {
   const dx = Math.cos(heading),
     dy = Math.sin(heading);
   const stepX = dx > 0 ? 1 : -1,
@@ -38,4 +40,25 @@ export function castBeam(cells, world, x, y, heading, longest) {
   }
   way = Math.min(way, longest);
   return [x + dx * way, y + dy * way];
+}
+
+export function drawSenses(pen, scene, cells, pose) {
+  const { context, px, py, colours } = pen,
+    { world, sensors } = scene;
+  if (sensors.beams > 0) {
+    context.beginPath();
+    for (const heading of beamHeadings(pose.heading, sensors)) {
+      const [x, y] = castBeam(cells, world, pose.x, pose.y, heading, sensors.range);
+      context.moveTo(px(pose.x), py(pose.y));
+      context.lineTo(px(x), py(y));
+    }
+    stroke(pen, colours.beam, 1);
+  }
+  const bearing = Math.atan2(world.target[1] - pose.y, world.target[0] - pose.x);
+  const from = Math.max(world.radius, 5 / pen.scale) + 3 / pen.scale,
+    to = from + 9 / pen.scale;
+  context.beginPath();
+  context.moveTo(px(pose.x + Math.cos(bearing) * from), py(pose.y + Math.sin(bearing) * from));
+  context.lineTo(px(pose.x + Math.cos(bearing) * to), py(pose.y + Math.sin(bearing) * to));
+  stroke(pen, colours.target, 3);
 }

@@ -1,0 +1,84 @@
+// The archive of behaviours as a map: one square for each kind, stronger where its best run has a higher quality.
+
+import { svg } from "./dom.js";
+
+// What lies between two edges; the first and the last cell are open.
+export function rangeOf(edges, k) {
+  if (edges.length === 0) return "any";
+  if (k === 0) return `below ${short(edges[0])}`;
+  return k === edges.length ? `${short(edges[k - 1])} and above` : `${short(edges[k - 1])} to ${short(edges[k])}`;
+}
+
+export function rounded(number) {
+  return String(Number(number.toPrecision(4)));
+}
+
+/* The map.
+     archive    { names, edges, cells }: of two numbers, and [i, j, quality, verdict] of each kind that was met
+     space      { width, left, right, top, bottom }: of the picture, and what is kept free around the map
+     open       called with a kind, [i, j], that is clicked at; nothing can be opened where it is left out */
+export function archivePlot(archive, space, open = null) {
+  const [columns, rows] = archive.edges.map((edges) => edges.length + 1);
+  const wide = (space.width - space.left - space.right) / columns,
+    high = Math.min(wide, 340 / rows);
+  const top = space.top + 16,
+    bottom = top + rows * high;
+  const frame = { wide, high, top, bottom, x: (i) => space.left + i * wide, y: (j) => bottom - (j + 1) * high };
+  const height = bottom + space.bottom + 4;
+  const empty = svg("rect", { class: "empty", x: frame.x(0), y: top, width: wide * columns, height: high * rows });
+  const label = `Heat map of ${archive.cells.length} kinds of behaviour by ${archive.names.join(" and ")}; the table below has each`;
+  return svg(
+    "svg",
+    { class: "plot", viewBox: `0 0 ${space.width} ${height}`, role: "img", "aria-label": label },
+    empty,
+    archiveCells(archive, frame, open),
+    archiveAxes(archive, frame, space),
+  );
+}
+
+function archiveCells(archive, { wide, high, x, y }, open) {
+  const qualities = archive.cells.map((cell) => cell[2]);
+  const least = Math.min(...qualities),
+    span = Math.max(...qualities) - least || 1;
+  return archive.cells.map(([i, j, quality, verdict]) => {
+    const where = archive.names.map((name, axis) => `${name} ${rangeOf(archive.edges[axis], [i, j][axis])}`).join(", ");
+    const strength = (0.12 + (0.88 * (quality - least)) / span).toFixed(2);
+    const cell = svg(
+      "rect",
+      {
+        class: open ? "heat opens" : "heat",
+        x: x(i), y: y(j), width: wide, height: high, "fill-opacity": strength,
+        onclick: open && (() => open(i, j)),
+      },
+      svg("title", {}, `${where}: quality ${rounded(quality)}, ${verdict}${open ? "; a click opens its simplest world" : ""}`),
+    );
+    const said = verdict !== "reached" && high > 11 && wide > 11;
+    return [
+      cell,
+      said
+        ? svg("text", { class: "onheat", x: x(i) + wide / 2, y: y(j) + high / 2 + 4 }, verdict[0].toUpperCase())
+        : null,
+    ];
+  });
+}
+
+function archiveAxes(archive, { wide, high, bottom, x, y }, space) {
+  const [across, up] = archive.edges,
+    apart = Math.ceil(34 / wide),
+    above = Math.ceil(16 / high);
+  const middle = { "text-anchor": "middle" },
+    end = { "text-anchor": "end" };
+  return [
+    across.map((edge, k) =>
+      k % apart === 0 ? svg("text", { x: x(k + 1), y: bottom + 16, ...middle }, short(edge)) : null,
+    ),
+    up.map((edge, k) => (k % above === 0 ? svg("text", { x: space.left - 6, y: y(k) + 4, ...end }, short(edge)) : null)),
+    svg("text", { x: (space.left + space.width) / 2, y: bottom + space.bottom, ...middle }, archive.names[0]),
+    svg("text", { x: 4, y: space.top }, archive.names[1]),
+  ];
+}
+
+export function short(value) {
+  if (value >= 1e6) return `${Number((value / 1e6).toPrecision(3))} M`;
+  return value >= 1e4 ? `${Number((value / 1e3).toPrecision(3))} k` : String(Number(value.toPrecision(3)));
+}

@@ -1,0 +1,43 @@
+// The robot at a time, and the others beside it.
+
+import { poseAt, rowAt, stepWithin } from "./decode.js";
+import { ring, stroke } from "./pen.js";
+import { drawOtherTrail } from "./trail.js";
+
+export function bodyRadius(pen, world) {
+  return Math.max(world.radius, 3 / pen.scale);
+}
+
+export function drawRobot(pen, world, pose, scene) {
+  const { context, px, py, colours } = pen;
+  const radius = bodyRadius(pen, world);
+  ring(
+    pen,
+    pose.x,
+    pose.y,
+    radius,
+    pose.bump && !scene.whole ? colours.touched : colours.robot,
+    pose.bump ? 2.5 : 1.75,
+  );
+  context.beginPath();
+  context.moveTo(px(pose.x), py(pose.y));
+  context.lineTo(px(pose.x + Math.cos(pose.heading) * radius), py(pose.y + Math.sin(pose.heading) * radius));
+  stroke(pen, colours.robot, 2);
+}
+
+// Another robot at the same time: its way so far, and its disc.
+export function drawOther(pen, scene, { run, colour }) {
+  const step = (scene.step * scene.run.dt) / run.dt;
+  const pose = poseAt(run, stepWithin(run, step)),
+    strong = pen.colours[colour],
+    radius = bodyRadius(pen, scene.world);
+  if (scene.show.trail) {
+    drawOtherTrail(pen, run, strong, rowAt(run, Math.min(step, run.steps)) + 1, step <= run.steps ? pose : null);
+  }
+  ring(pen, pose.x, pose.y, radius, strong, 2);
+  pen.context.beginPath();
+  pen.context.moveTo(pen.px(pose.x), pen.py(pose.y));
+  const { x, y, heading } = pose;
+  pen.context.lineTo(pen.px(x + Math.cos(heading) * radius), pen.py(y + Math.sin(heading) * radius));
+  stroke(pen, strong, 2);
+}

@@ -1,0 +1,31 @@
+// The certificate of a world: its witness, or the cut that parts the target from the start.
+
+import { openWorld } from "./decode.js";
+import { disc, line, stroke } from "./pen.js";
+
+const CASING = 5; // pixels: the way and the cut stand out from what lies below them, whatever the eye makes of its colour
+
+export function drawCertificate(pen, world, ms) {
+  const { context, px, py, colours } = pen;
+  const witness = openWorld(world).witness;
+  context.save();
+  if (witness) {
+    line(pen, witness.x, witness.y, 0, witness.x.length);
+    stroke(pen, colours.floor, CASING);
+    stroke(pen, colours.start, 2, [6, 4]);
+    const next = witness.ms.findIndex((time) => time > ms),
+      last = witness.ms.length - 1;
+    const k = next < 0 ? last : Math.max(0, next - 1),
+      gap = witness.ms[Math.min(k + 1, last)] - witness.ms[k];
+    const share = gap > 0 ? Math.min(1, (ms - witness.ms[k]) / gap) : 0;
+    const along = (column) => column[k] + (column[Math.min(k + 1, last)] - column[k]) * share;
+    disc(pen, along(witness.x), along(witness.y), Math.max(3.5 / pen.scale, 0.08), colours.start);
+  }
+  if (world.cut) {
+    context.beginPath();
+    for (const [ix, iy] of [...world.cut, world.cut[0]]) context.lineTo(px(ix + 0.5), py(iy + 0.5));
+    stroke(pen, colours.floor, CASING); // it lies on walls
+    stroke(pen, colours.breach, 2.5, [6, 5]);
+  }
+  context.restore();
+}

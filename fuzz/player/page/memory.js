@@ -1,0 +1,90 @@
+// What a controller remembers: named numbers, and its map at the time that is shown.
+
+import { UNIT, numbersOf, opened, rowAt } from "./decode.js";
+import { stroke } from "./pen.js";
+
+const BLOCKED_LINE = 0,
+  HELD_CELL = 1,
+  PLAN_PIECE = 2,
+  PLACE_POINT = 3; // as in fuzz/player/memory.py
+const NO_NUMBER = 2 ** 50;
+
+function openMemory(memory) {
+  return opened(memory, () => ({
+    fields: memory.fields.map((field) => numbersOf(field.values)),
+    map: memory.map && Object.fromEntries(MAP_COLUMNS.map((name) => [name, numbersOf(memory.map[name])])),
+  }));
+}
+
+const MAP_COLUMNS = ["kind", "x0", "y0", "x1", "y1", "since", "until"];
+
+export function hasMap(run) {
+  return Boolean(run && run.memory && run.memory.map);
+}
+
+// Pairs of a name and what the memory holds there, in words where the controller has given some.
+export function memoryFacts(run, step) {
+  const { memory } = run;
+  if (!memory) return [];
+  if (memory.fault) return [["memory", memory.fault]];
+  const row = rowAt(run, step),
+    columns = openMemory(memory).fields;
+  return memory.fields.map(({ name, words, least }, k) => {
+    const thousandths = columns[k][row];
+    if (thousandths >= NO_NUMBER) return [name, "none"];
+    const value = thousandths / 1000;
+    return [name, words[value - least] || String(value)];
+  });
+}
+
+// The shapes that are there at a step, by kind.
+function shapesAt(run, step) {
+  const found = [[], [], [], []];
+  if (!hasMap(run)) return found;
+  const { kind, x0, y0, x1, y1, since, until } = openMemory(run.memory).map;
+  for (let k = 0; k < kind.length && since[k] <= step; k += 1) {
+    if (step >= until[k]) continue;
+    const ends = [x0[k] / UNIT, y0[k] / UNIT];
+    found[kind[k]].push(kind[k] === PLACE_POINT ? [...ends, run.memory.map.names[x1[k]]] : [...ends, x1[k] / UNIT, y1[k] / UNIT]);
+  }
+  return found;
+}
+
+// The robot's map over the world: what it holds for closed or occupied, its plan, the places that it remembers.
+export function drawMemory(pen, run, step) {
+  const { context, px, py, colours } = pen,
+    shapes = shapesAt(run, step);
+  context.save();
+  context.fillStyle = colours.memory;
+  context.globalAlpha = 0.3;
+  for (const [x0, y0, x1, y1] of shapes[HELD_CELL]) context.fillRect(px(x0), py(y0), px(x1) - px(x0), py(y1) - py(y0));
+  context.globalAlpha = 1;
+  const lines = (kind) => {
+    context.beginPath();
+    for (const [x0, y0, x1, y1] of shapes[kind]) {
+      context.moveTo(px(x0), py(y0));
+      context.lineTo(px(x1), py(y1));
+    }
+  };
+  lines(BLOCKED_LINE);
+  stroke(pen, colours.memory, 1.25);
+  lines(PLAN_PIECE);
+  stroke(pen, colours.memory, 2.5, [2, 5]);
+  for (const [x, y, name] of shapes[PLACE_POINT]) drawPlace(pen, x, y, name);
+  context.restore();
+}
+
+function drawPlace(pen, x, y, name) {
+  const { context, px, py, colours } = pen,
+    size = 6;
+  context.beginPath();
+  for (const [dx, dy] of [[0, -size], [size, 0], [0, size], [-size, 0]]) context.lineTo(px(x) + dx, py(y) + dy);
+  context.closePath();
+  stroke(pen, colours.memory, 2.5);
+  context.font = "600 12px system-ui, sans-serif";
+  context.lineWidth = 3;
+  context.strokeStyle = colours.floor;
+  context.strokeText(name, px(x) + size + 3, py(y) + 4);
+  context.fillStyle = colours.memory;
+  context.fillText(name, px(x) + size + 3, py(y) + 4);
+}

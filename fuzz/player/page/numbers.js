@@ -1,0 +1,68 @@
+// Robots' numbers, beside them and along their ways: for those to whom the colours look alike.
+
+import { bodyRadius } from "./body.js";
+import { openRun, poseAt, rowAt, stepWithin } from "./decode.js";
+
+const FIRST = 6; // cells driven before the first number on a way; the next ones stand at twice that, and so on
+const APART = 18; // pixels between two numbers on ways, and to a robot
+
+/** Where a robot's number stands on its way: rows, each twice as far along as the one before; each robot's elsewhere, for
+    ways may lie on one another. */
+function numberedRows(run, number) {
+  const open = openRun(run);
+  if (open.numbered) return open.numbered;
+  open.numbered = [];
+  let driven = 0,
+    next = FIRST * (1 + (number % 6) / 6);
+  for (let row = 1; row < open.x.length; row += 1) {
+    driven += Math.hypot(open.x[row] - open.x[row - 1], open.y[row] - open.y[row - 1]);
+    if (driven < next) continue;
+    open.numbered.push(row);
+    while (next <= driven) next *= 2;
+  }
+  return open.numbered;
+}
+
+/* The numbers of all robots, where there are several.
+     scene     as of drawScene; without a number there is but one robot */
+export function drawNumbers(pen, { run, step, world, show, number, colour, others }) {
+  if (!number) return;
+  const all = [...(others || []), { run, number, colour }].map((one) => ({ ...one, step: (step * run.dt) / one.run.dt }));
+  const places = [];
+  for (const one of all) {
+    const pose = poseAt(one.run, stepWithin(one.run, one.step)),
+      aside = bodyRadius(pen, world) * pen.scale;
+    const x = pen.px(pose.x) + aside + 3,
+      y = pen.py(pose.y) - aside - 1;
+    places.push([x + 4, y - 5]);
+    drawNumber(pen, one, x, y);
+  }
+  if (!show.trail) return;
+  for (const one of all) drawAlong(pen, one, places);
+}
+
+// Those on the way so far; where another stands there is none.
+function drawAlong(pen, one, places) {
+  const { x, y } = openRun(one.run),
+    here = rowAt(one.run, Math.min(one.step, one.run.steps));
+  pen.context.save();
+  pen.context.textAlign = "center";
+  for (const row of numberedRows(one.run, one.number)) {
+    if (row > here) break;
+    const place = [pen.px(x[row]), pen.py(y[row])];
+    if (places.some(([left, top]) => Math.hypot(left - place[0], top - place[1]) < APART)) continue;
+    places.push(place);
+    drawNumber(pen, one, place[0], place[1] + 5);
+  }
+  pen.context.restore();
+}
+
+function drawNumber(pen, { number, colour }, across, down) {
+  const { context, colours } = pen;
+  context.font = "700 13px system-ui, sans-serif";
+  context.lineWidth = 4;
+  context.strokeStyle = colours.floor;
+  context.fillStyle = colours[colour];
+  context.strokeText(number, across, down);
+  context.fillText(number, across, down);
+}

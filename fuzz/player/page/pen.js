@@ -1,0 +1,119 @@
+// The pen: a canvas that is spoken to in cells, the colours of the page, and lines, discs and rings. y grows upwards.
+
+const RIM = 0.4; // cells of the solid outside that are drawn around a world, if that is not too wide
+
+export function palette() {
+  const style = getComputedStyle(document.documentElement);
+  return new Proxy({}, { get: (_, name) => style.getPropertyValue(`--${name}`).trim() });
+}
+
+export function fitView(world, width, height) {
+  const edge = 2 * edgeOf(width);
+  return {
+    x: world.width / 2,
+    y: world.height / 2,
+    scale: Math.min((width - edge) / world.width, (height - edge) / world.height),
+  };
+}
+
+// Pixels around a world that is shown whole.
+function edgeOf(width) {
+  return width < 400 ? 9 : 16;
+}
+
+export function rimOf(pen) {
+  return Math.min(edgeOf(pen.width) - 3, Math.max(2, Math.round(RIM * pen.scale)));
+}
+
+// Sets the canvas to its place on the page and returns a pen that speaks in cells.
+export function penFor(canvas, view, world) {
+  const ratio = window.devicePixelRatio || 1;
+  const width = canvas.clientWidth,
+    height = canvas.clientHeight;
+  const wide = Math.round(width * ratio),
+    high = Math.round(height * ratio);
+  if (canvas.width !== wide || canvas.height !== high) {
+    canvas.width = wide;
+    canvas.height = high;
+  }
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.lineJoin = "round";
+  context.lineCap = "round";
+  const { x, y, scale } = view || fitView(world, width, height);
+  return {
+    context,
+    width,
+    height,
+    scale,
+    snap: (value) => Math.round(value * ratio) / ratio, // onto the screen's pixels: areas that touch have no seam
+    px: (value) => width / 2 + (value - x) * scale,
+    py: (value) => height / 2 - (value - y) * scale,
+    colours: palette(),
+  };
+}
+
+const LEAST = 0.75; // pixels: corners that are nearer to the one before are left out
+const OUT = 20; // pixels beyond the window: what lies there altogether is not drawn
+
+// Rows of two columns as a path, and on to a last place.
+export function line(pen, x, y, from, to, last = null) {
+  const { context, px, py } = pen;
+  context.beginPath();
+  corners(pen, x, y, from, to, (across, down, out) => {
+    if (out) context.moveTo(across, down);
+    else context.lineTo(across, down);
+  });
+  if (last) context.lineTo(px(last.x), py(last.y));
+}
+
+// How many pieces of such a path are in the window.
+export function seen(pen, x, y, from, to) {
+  let count = 0;
+  corners(pen, x, y, from, to, (across, down, out) => {
+    if (!out) count += 1;
+  });
+  return count;
+}
+
+// Calls `act` with each corner that makes a difference, in pixels, and whether the piece that leads to it is out of sight.
+function corners(pen, x, y, from, to, act) {
+  const { scale, width, height } = pen,
+    x0 = pen.px(0),
+    y0 = pen.py(0);
+  let left = NaN,
+    top = NaN,
+    side = 0;
+  for (let row = from; row < to; row += 1) {
+    const across = x0 + x[row] * scale,
+      down = y0 - y[row] * scale;
+    if (Math.abs(across - left) < LEAST && Math.abs(down - top) < LEAST && row < to - 1) continue;
+    const now = (across < -OUT ? 1 : across > width + OUT ? 2 : 0) | (down < -OUT ? 4 : down > height + OUT ? 8 : 0);
+    act(across, down, (now & side) !== 0);
+    left = across;
+    top = down;
+    side = now;
+  }
+}
+
+export function stroke(pen, colour, width, dash = []) {
+  const { context } = pen;
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  context.setLineDash(dash);
+  context.stroke();
+  context.setLineDash([]);
+}
+
+export function disc(pen, x, y, radius, colour) {
+  pen.context.beginPath();
+  pen.context.arc(pen.px(x), pen.py(y), radius * pen.scale, 0, 2 * Math.PI);
+  pen.context.fillStyle = colour;
+  pen.context.fill();
+}
+
+export function ring(pen, x, y, radius, colour, width) {
+  pen.context.beginPath();
+  pen.context.arc(pen.px(x), pen.py(y), radius * pen.scale, 0, 2 * Math.PI);
+  stroke(pen, colour, width);
+}

@@ -1,0 +1,138 @@
+// Walls that a robot goes into: which cells, when, and where. Red with stripes and a cross, so that colour is not all.
+
+import { SOLID, cellsAt, openRun, poseAt, stateAt } from "./decode.js";
+import { stroke } from "./pen.js";
+
+const TOLERANCE = 0.1; // cells: a shallower cut of the disc is not reported by any motion model
+const FURTHEST = 6; // cells: of a larger robot only the cells that its centre enters are looked for
+const FINENESS = 0.125; // cells between two places of a way that are looked at
+
+/* The wall cells that the robot cuts into, each with the step in which it first does, and how: `through` where its
+   centre is in it. The cell that the verdict names is always among them. */
+function piercedCells(world, run) {
+  const open = openRun(run);
+  if (open.pierced) return open.pierced;
+  open.pierced = new Map();
+  const note = (ix, iy, step, named = false) => {
+    const key = `${ix},${iy}`,
+      known = open.pierced.get(key);
+    if (!known) open.pierced.set(key, { ix, iy, step, named });
+    else if (named) Object.assign(known, { named, step });
+  };
+  if (run.breached) {
+    for (let row = 0; row < open.at.length; row += 1) {
+      const cells = cellsAt(world, open.at[row] * run.dt * 1000);
+      for (const [ix, iy] of cutAt(cells, world, open.x[row], open.y[row])) note(ix, iy, open.at[row]);
+      if (row > 0 && open.at[row] - open.at[row - 1] <= 1)
+        for (const [ix, iy] of crossed(cells, world, open, row)) note(ix, iy, open.at[row]);
+    }
+  }
+  for (const mark of run.marks) if (mark.cell) note(...mark.cell, mark.step, true);
+  return open.pierced;
+}
+
+// Walls that the disc cuts into deeper than is forgiven.
+function cutAt(cells, world, x, y) {
+  const reach = world.radius > FURTHEST ? 0 : Math.ceil(world.radius),
+    most = Math.max(0, world.radius - TOLERANCE),
+    found = [];
+  for (let iy = Math.floor(y) - reach; iy <= Math.floor(y) + reach; iy += 1) {
+    for (let ix = Math.floor(x) - reach; ix <= Math.floor(x) + reach; ix += 1) {
+      if (stateAt(cells, world, ix, iy) !== SOLID) continue;
+      const dx = Math.max(ix - x, 0, x - ix - 1),
+        dy = Math.max(iy - y, 0, y - iy - 1);
+      if (dx * dx + dy * dy < most * most) found.push([ix, iy]);
+    }
+  }
+  return found;
+}
+
+// Walls that the centre goes through between a row and the one before.
+function crossed(cells, world, open, row) {
+  const dx = open.x[row] - open.x[row - 1],
+    dy = open.y[row] - open.y[row - 1];
+  const places = Math.ceil(Math.hypot(dx, dy) / FINENESS),
+    found = [];
+  for (let k = 1; k < places; k += 1) {
+    const ix = Math.floor(open.x[row - 1] + (dx * k) / places),
+      iy = Math.floor(open.y[row - 1] + (dy * k) / places);
+    if (stateAt(cells, world, ix, iy) === SOLID) found.push([ix, iy]);
+  }
+  return found;
+}
+
+// Where the robot breaks into the cell that the verdict names: its centre's first place in it, or what it came nearest to.
+function breachPoint(run, mark) {
+  const [ix, iy] = mark.cell,
+    before = poseAt(run, Math.max(0, mark.step - 1)),
+    after = poseAt(run, mark.step);
+  const within = (value, low) => Math.min(low + 1, Math.max(low, value));
+  let least = Infinity,
+    point = [ix, iy];
+  for (let k = 0; k <= 64; k += 1) {
+    const x = before.x + ((after.x - before.x) * k) / 64,
+      y = before.y + ((after.y - before.y) * k) / 64;
+    const near = [within(x, ix), within(y, iy)],
+      gap = Math.hypot(near[0] - x, near[1] - y);
+    if (gap < least - 1e-9) [least, point] = [gap, near];
+  }
+  return point;
+}
+
+export function drawPierced(pen, scene) {
+  const { context, colours } = pen,
+    { world, run } = scene;
+  context.save();
+  for (const { ix, iy, step, named } of piercedCells(world, run).values()) {
+    const over = scene.whole || scene.step >= step;
+    if (over || named) stripe(pen, ix, iy, over, named);
+  }
+  for (const mark of run.marks) {
+    if (!mark.cell || !(scene.whole || scene.step >= mark.step)) continue;
+    const [x, y] = breachPoint(run, mark);
+    crossAt(pen, x, y, colours.floor, 6);
+    crossAt(pen, x, y, colours.pierced, 3.5);
+  }
+  context.restore();
+}
+
+// One cell: stripes and a frame; of what is still to come a dashed frame.
+function stripe(pen, ix, iy, over, named) {
+  const { context, px, py, scale, colours } = pen,
+    left = px(ix),
+    top = py(iy + 1);
+  if (over) {
+    context.save();
+    context.beginPath();
+    context.rect(left, top, scale, scale);
+    context.clip();
+    for (const [colour, alpha] of [[colours.floor, 0.6], [colours.pierced, 0.25]]) { // light below the stripes, for every eye
+      context.globalAlpha = alpha;
+      context.fillStyle = colour;
+      context.fillRect(left, top, scale, scale);
+    }
+    context.globalAlpha = 1;
+    context.beginPath();
+    const apart = Math.max(4, scale / 5);
+    for (let k = -scale; k < scale; k += apart) {
+      context.moveTo(left + k, top + scale);
+      context.lineTo(left + k + scale, top);
+    }
+    stroke(pen, colours.pierced, 2);
+    context.restore();
+  }
+  context.beginPath();
+  context.rect(left, top, scale, scale);
+  stroke(pen, colours.pierced, over ? (named ? 3 : 2) : 1.5, over ? [] : [4, 3]);
+}
+
+function crossAt(pen, x, y, colour, width) {
+  const { context, px, py } = pen,
+    reach = Math.max(5, Math.min(10, pen.scale / 4));
+  context.beginPath();
+  for (const slant of [1, -1]) {
+    context.moveTo(px(x) - reach, py(y) - slant * reach);
+    context.lineTo(px(x) + reach, py(y) + slant * reach);
+  }
+  stroke(pen, colour, width);
+}

@@ -1,0 +1,55 @@
+// The way of the robot: ahead faint, driven strong.
+
+import { openRun, poseAt, rowAt } from "./decode.js";
+import { drawLine } from "./long_line.js";
+import { line, stroke } from "./pen.js";
+
+const RECENT = 300; // rows of a long way that are drawn strongest
+
+// Ahead faint, driven strong; the period of a loop in its own colour, or stronger in the robot's.
+export function drawTrail(pen, scene) {
+  const { run } = scene,
+    open = openRun(run),
+    { colours, context } = pen;
+  const here = rowAt(run, scene.step),
+    rows = open.at.length;
+  const entry = run.loop ? rowAt(run, run.loop[0]) : rows;
+  const end = scene.whole ? rows : here + 1,
+    pose = scene.whole || scene.step > run.steps ? null : poseAt(run, scene.step);
+  const own = scene.colour ? colours[scene.colour] : colours.loop;
+  const before = run.loop && !scene.colour ? colours.way : own,
+    last = Math.min(end, entry + 1);
+  const recent = Math.max(0, last - RECENT),
+    part = (name, look) => drawLine(pen, open, name, { alpha: 1, once: scene.whole, ...look });
+  if (!scene.whole) part("ahead", { from: 0, to: rows, colour: colours.ahead, width: 1.25, alpha: 0.45 });
+  part("before", { from: 0, to: recent + 1, colour: before, width: 1.75, alpha: 0.4 });
+  context.globalAlpha = run.loop && scene.colour ? 0.5 : 1;
+  line(pen, open.x, open.y, recent, last, end <= entry ? pose : null);
+  stroke(pen, before, 2.25);
+  context.globalAlpha = 1;
+  if (end > entry) {
+    const width = scene.colour ? 3.5 : 2.75;
+    part("loop", { from: entry, to: end, colour: own, width });
+    line(pen, open.x, open.y, end - 1, end, pose);
+    stroke(pen, own, width);
+  }
+  drawBreachPath(pen, run, scene);
+}
+
+// Another robot's way until a row, and on to where it is.
+export function drawOtherTrail(pen, run, colour, until, pose) {
+  const open = openRun(run);
+  drawLine(pen, open, "other", { from: 0, to: until, colour, width: 2, alpha: 1 });
+  line(pen, open.x, open.y, until - 1, until, pose);
+  stroke(pen, colour, 2);
+}
+
+// The way of the step that breaks the world's rules.
+function drawBreachPath(pen, run, scene) {
+  const open = openRun(run);
+  for (const mark of run.marks) {
+    if (!mark.cell || (!scene.whole && scene.step < mark.step)) continue;
+    line(pen, open.x, open.y, Math.max(0, rowAt(run, mark.step - 1)), rowAt(run, mark.step) + 1);
+    stroke(pen, pen.colours.breach, 4);
+  }
+}

@@ -1,0 +1,217 @@
+"""Replay pages of the player in Debian's Chromium: walls gone into, the memory's map, long ways, films."""
+
+import base64
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from fuzz.player import drawn_run, drawn_world, replay_page
+from sim import simulate
+from sim.controllers import CONTROLLERS
+from tests.helpers.browser import missing_browser
+from worldgen.grid_file import read_world
+from worldgen.world import Pose, Target, World
+
+pytest.importorskip("playwright", reason="no playwright here: pages are not tested in a browser")
+pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+
+
+FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
+RED = (192, 0, 24)  # --pierced
+
+
+def room(speed):
+    walls = np.zeros((10, 14), np.bool_)
+    walls[2:8, 7] = True
+    return World(walls, Pose(0.25, 0.45, 0.0), Target(1.25, 0.45, 0.1), robot_speed=speed)
+
+
+def endless_room():
+    """One in which a robot drives for as long as it may: its target stands in a wall."""
+    walls = np.zeros((10, 14), np.bool_)
+    walls[3:6, 11:14] = True
+    return World(walls, Pose(0.25, 0.45, 0.0), Target(1.25, 0.45, 0.01), robot_speed=2.0)
+
+
+def page_of(browser, folder, world, controller, *, density=1, **settings):
+    """A replay page that has been opened, at its end, on a screen of so many pixels a CSS pixel."""
+    robot, episode = driven(world, controller, **settings)
+    page = browser.new_page(viewport={"width": 900, "height": 700}, device_scale_factor=density)
+    open_replay(page, folder, world, robot)
+    page.keyboard.press("End")
+    return page, episode
+
+
+def driven(world, controller, **settings):
+    """A robot as a replay page has it, and its episode."""
+    episode = simulate(world, controller, record=True, **settings)
+    run = drawn_run(episode, world.cell_size, controller=CONTROLLERS.get(controller))
+    robot = {"name": controller, "verdict": episode.verdict, "words": episode.verdict, "steps": episode.steps}
+    robot |= {"time": episode.time, "path": episode.path_length, "collisions": episode.collisions, "digest": "-"}
+    return robot | {"run": run, "sensors": None}, episode
+
+
+def open_replay(page, folder, world, *robots):
+    path = folder / "replay.html"
+    path.write_bytes(replay_page("replay", drawn_world(world), list(robots)))
+    page.goto(path.as_uri())
+
+
+def shown(page):
+    data = page.evaluate("document.querySelector('#stage').toDataURL()")
+    return np.asarray(Image.open(io.BytesIO(base64.b64decode(data.partition(",")[2]))).convert("RGB"), np.int64)
+
+
+def red(page):
+    """How many pixels are of the colour of a wall that is gone into."""
+    return int((np.abs(shown(page) - RED).max(axis=2) < 12).sum())
+
+
+def thesis_failure(name):
+    world = read_world(FAULTS / name)
+    failure = world.failure
+    return replace(world, failure=None), failure.controller, {"motion": failure.motion, "steps": 3000}
+
+
+def test_a_fast_robot_s_walls_are_red_once_it_is_in_them(browser, tmp_path):
+    page, episode = page_of(browser, tmp_path, room(20.0), "turn-left", motion="endpoint", steps=300)
+    assert episode.verdict in ("tunnel", "overlap") and red(page) > 200
+    page.keyboard.press("Home")
+    assert red(page) < 100  # a dashed frame: it is still to come
+
+
+def test_a_thesis_robot_s_tunnel_is_red_and_its_touched_walls_are_not(browser, tmp_path):
+    world, controller, settings = thesis_failure("thesis-2-slide.grid")
+    page, episode = page_of(browser, tmp_path, world, controller, **settings)
+    assert episode.verdict in ("tunnel", "overlap") and red(page) > 200
+    before = red(page)
+    page.keyboard.press("u")  # touched walls have their own colour
+    assert red(page) == pytest.approx(before, rel=0.1)
+
+
+def test_a_robot_that_keeps_out_of_walls_has_none_in_red(browser, tmp_path):
+    page, _ = page_of(browser, tmp_path, room(2.0), "turn-left", steps=300)
+    assert red(page) == 0
+
+
+def test_of_several_robots_the_whole_of_the_longest_run_is_shown_and_played(browser, tmp_path):
+    world = endless_room()
+    robots = [driven(world, "turn-random", steps=steps)[0] for steps in (20, 4000)]
+    page = browser.new_page()
+    open_replay(page, tmp_path, world, *robots)
+    page.locator("#readout", has_text="step 4,000 of 4,000").wait_for()
+    assert page.locator(".controls select").first.input_value() == "5"  # 60 s in 12
+
+
+def test_the_memory_s_map_is_a_layer_of_its_own(browser, tmp_path):
+    page, _ = page_of(browser, tmp_path, room(2.0), "mapper")
+    with_map = shown(page)
+    page.get_by_label("Memory").uncheck()
+    assert (shown(page) != with_map).any()
+    page.keyboard.press("m")
+    assert (shown(page) == with_map).all()
+    assert "doing" in page.locator("#instruments").inner_text()
+
+
+def test_a_long_way_is_drawn_alike_forwards_and_at_once(browser, tmp_path):
+    page, _ = page_of(browser, tmp_path, endless_room(), "random-walk", steps=12_000)
+    at_once = shown(page)
+    page.keyboard.press("Home")
+    for step in (4_000, 9_000):
+        page.locator("#scrub").fill(str(step))
+    page.keyboard.press("End")
+    assert np.abs(shown(page) - at_once).max() <= 40
+
+
+def follow(page):
+    """Follows the robot near the end of its way, with much of that in sight."""
+    page.locator("#scrub").fill("9000")
+    for key in "r-":
+        page.keyboard.press(key)
+
+
+def corners(page, keys):
+    """How many corners of lines are drawn while keys are pressed."""
+    page.evaluate("window.corners = 0")
+    for key in keys:
+        page.keyboard.press(key)
+    return page.evaluate("window.corners")
+
+
+def test_a_long_way_that_is_followed_is_where_it_is_when_drawn_anew(browser, tmp_path):
+    page, _ = page_of(browser, tmp_path, endless_room(), "random-walk", steps=12_000)
+    follow(page)
+    for _ in range(6):
+        page.keyboard.press("ArrowRight")
+    followed = shown(page)
+    for key in "+-":
+        page.keyboard.press(key)
+    anew = shown(page)
+    page.get_by_label("Trail").uncheck()
+    assert np.abs(followed - anew).mean() < np.abs(shown(page) - anew).mean() / 10
+
+
+def test_a_long_way_is_at_the_same_place_on_a_finer_screen(browser, tmp_path):
+    pages = [page_of(browser, tmp_path, endless_room(), "random-walk", steps=12_000, density=k)[0] for k in (1, 2)]
+    for page in pages:
+        follow(page)
+    coarse, fine = map(shown, pages)
+    height, width = coarse.shape[:2]
+    fine = fine[: 2 * height, : 2 * width].reshape(height, 2, width, 2, 3).mean(axis=(1, 3))
+    pages[0].get_by_label("Trail").uncheck()
+    assert np.abs(fine - coarse).mean() < np.abs(shown(pages[0]) - coarse).mean() / 3
+
+
+def test_of_a_long_way_that_is_followed_little_is_drawn_in_each_frame(browser, tmp_path):
+    page, _ = page_of(browser, tmp_path, endless_room(), "random-walk", steps=12_000)
+    page.evaluate(_COUNT)
+    follow(page)
+    anew = corners(page, "+")
+    assert anew > 1_000
+    assert corners(page, ["ArrowRight"] * 20) < 20 * anew * 0.6
+
+
+_COUNT = """() => {
+  for (const pen of [CanvasRenderingContext2D.prototype, OffscreenCanvasRenderingContext2D.prototype]) {
+    const { lineTo } = pen;
+    pen.lineTo = function (x, y) { window.corners += 1; lineTo.call(this, x, y); };
+  }
+}"""
+
+
+def test_a_film_can_be_played_and_its_end_is_not_its_beginning(browser, tmp_path):
+    page, _ = page_of(browser, tmp_path, room(2.0), "mapper")
+    page.locator(".save summary").click()
+    with page.expect_download() as download:
+        page.locator(".save button", has_text="Film").click()
+    film = base64.b64encode(Path(download.value.path()).read_bytes()).decode()
+    blank = browser.new_page()
+    width, height, changed, length = blank.evaluate(_LOOK_AT, film)
+    canvas = page.evaluate("(({width, height}) => [width, height])(document.querySelector('#stage'))")
+    assert [width, height] == canvas and changed > 50 and length > 0.5
+
+
+_LOOK_AT = """async (film) => {
+  const video = document.createElement("video");
+  video.muted = true;
+  const bytes = Uint8Array.from(atob(film), (c) => c.charCodeAt(0));
+  video.src = URL.createObjectURL(new Blob([bytes], {type: "video/webm"}));
+  await new Promise((done, fail) => { video.onloadeddata = done; video.onerror = () => fail(video.error.message); });
+  const canvas = new OffscreenCanvas(video.videoWidth, video.videoHeight), pen = canvas.getContext("2d");
+  const look = () => {
+    pen.drawImage(video, 0, 0);
+    return pen.getImageData(0, 0, canvas.width, canvas.height).data;
+  };
+  let first = null;
+  video.requestVideoFrameCallback(() => (first = look()));
+  await video.play();
+  await new Promise((done) => { video.onended = done; });
+  const last = look();
+  let changed = 0;
+  for (let k = 0; k < first.length; k += 4) changed += Math.abs(first[k] - last[k]) > 40;
+  return [video.videoWidth, video.videoHeight, changed, video.currentTime];
+}"""

@@ -1,0 +1,100 @@
+"""The scripts and styles of studio, report and replay: modules without cycles, nothing in them that nobody uses."""
+
+import functools
+import re
+from pathlib import Path
+
+import pytest
+
+FUZZ = Path(__file__).parents[2] / "fuzz"
+PLAYER, STUDIO = FUZZ / "player" / "page", FUZZ / "studio" / "page"
+REPORT = sorted((FUZZ / "report" / "page").glob("*.js"))  # no modules: these follow the player's in one script
+REPLAY = FUZZ / "player" / "replay_page" / "start.js"  # likewise
+MODULES = [*sorted(PLAYER.glob("*.js")), *sorted(STUDIO.glob("*.js"))]
+PAGES = {"report": [*sorted(PLAYER.glob("*.js")), *REPORT], "replay": [*sorted(PLAYER.glob("*.js")), REPLAY]}
+
+IMPORT = re.compile(r'^import \{([^}]*)\} from "([^"]+)";', re.MULTILINE)
+DECLARED = r"(?:async )?(?:function|class|const|let) (\w+)"
+each_module = pytest.mark.parametrize("module", MODULES, ids=lambda path: f"{path.parts[-3]}/{path.name}")
+
+
+@functools.cache
+def code(path):
+    """A script without its comments."""
+    return re.sub(r"/\*.*?\*/|(?<![:\w\"'])//[^\n]*", "", path.read_text("utf-8"), flags=re.DOTALL)
+
+
+def imported(path):
+    """Pairs of a module and a name that comes from there."""
+    for names, source in IMPORT.findall(code(path)):
+        folder = PLAYER if source.startswith("/player/") else path.parent
+        for name in re.findall(r"\w+", names):
+            yield folder / Path(source).name, name
+
+
+def exported(path):
+    """The names that others may import, each of ``export const a = 1,`` and the lines that go on with it."""
+    for first, more in re.findall(rf"^export {DECLARED}((?: = [^,;]+,\n  \w+)*)", code(path), re.MULTILINE):
+        yield from [first, *re.findall(r"\n  (\w+)", more)]
+
+
+def cycle_from(path, above=()):
+    """A chain of imports that comes back to where it has been."""
+    if path in above:
+        return [part.name for part in (*above[above.index(path) :], path)]
+    for part in sorted({module for module, _ in imported(path)}):
+        if found := cycle_from(part, (*above, path)):
+            return found
+    return []
+
+
+def times(script, name):
+    """How often a script has a name, other than as part of something else."""
+    return len(re.findall(rf"(?:(?<=\.\.\.)|(?<![\w.])){name}(?!\w)", script))
+
+
+def declared(script):
+    return re.findall(rf"^(?:export )?{DECLARED}", script, re.MULTILINE)
+
+
+@each_module
+def test_a_module_imports_what_is_there_and_uses_it(module):
+    rest = IMPORT.sub("", code(module))
+    assert [name for source, name in imported(module) if name not in set(exported(source))] == []
+    assert [name for _, name in imported(module) if times(rest, name) == 0] == []
+
+
+@each_module
+def test_no_module_leads_back_to_itself(module):
+    assert cycle_from(module) == []
+
+
+@each_module
+def test_what_a_module_exports_is_used_elsewhere(module):
+    used = {name for other in MODULES for source, name in imported(other) if source == module}
+    plain = "\n".join(map(code, [*REPORT, REPLAY])) if module.parent == PLAYER else ""
+    assert [name for name in exported(module) if name not in used and times(plain, name) == 0] == []
+
+
+@pytest.mark.parametrize("scripts", [[module] for module in MODULES] + [REPORT], ids=lambda paths: paths[0].name)
+def test_what_is_declared_is_used(scripts):
+    whole = "\n".join(map(code, scripts))
+    kept = {name for path in scripts for name in exported(path)}
+    assert [name for name in declared(whole) if name not in kept and times(whole, name) < 2] == []
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_no_name_is_there_twice_in_what_becomes_one_script(page):
+    names = [name for path in PAGES[page] for name in declared(code(path))]
+    assert sorted({name for name in names if names.count(name) > 1}) == []
+
+
+@pytest.mark.parametrize("style", sorted(FUZZ.rglob("*.css")), ids=lambda path: f"{path.parts[-3]}/{path.name}")
+def test_every_class_in_a_style_is_on_some_element(style):
+    makers = [path for path in sorted(FUZZ.rglob("*")) if path.suffix in (".js", ".html")]
+    pages = "\n".join(
+        path.read_text("utf-8") for path in (*makers, FUZZ / "player" / "runs.py")
+    )  # kinds of marks there
+    selectors = re.sub(r"\{[^{}]*\}|/\*.*?\*/", "", style.read_text("utf-8"), flags=re.DOTALL)
+    names = {re.sub(r"^robot-\d$", "robot-", name) for name in re.findall(r"[.#]([a-zA-Z][\w-]*)", selectors)}
+    assert [name for name in sorted(names) if not re.search(rf"(?<![\w-]){name}(?![\w-])", pages)] == []
