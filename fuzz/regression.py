@@ -166,7 +166,7 @@ def tell(seen: Seen, path: Path | None) -> Told:
     lines, properties = [], {}
     if seen.scenario is not None and seen.episode is not None:
         lines.append(f"{_who(seen.scenario)}: {seen.episode.verdict}{evidence_in_words(seen.episode)}")
-    trail = None if seen.episode is None else trail_of(seen.episode)
+    trail = None if seen.episode is None else trail_of(seen.episode, seen.world)
     lines.append(draw_terminal(seen.world, trail=trail, color=False).rstrip("\n"))
     replayed_by = seen.stored
     if not replayed_by and path is not None:

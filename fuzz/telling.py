@@ -63,7 +63,7 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
         f"  class {shown(kind)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{f'  {begins}{chr(10)}' if begins else ''}"
-        f"{draw_terminal(world, trail=trail_of(episode), color=color)}"
+        f"{draw_terminal(world, trail=trail_of(episode, world), color=color)}"
         f"  {shown(replay_line(path))}\n"
     )
 

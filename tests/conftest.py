@@ -3,6 +3,7 @@
 import os
 import signal
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 # With CI set, Hypothesis would choose for us, silently. So the choice is ours, everywhere: the gate runs the
@@ -19,6 +20,24 @@ settings.register_profile(
 )
 settings.load_profile("worldgen")
 
+MOST_WORKERS = 8
+
 # In the background of a shell Ctrl-C is ignored, and so it would be by every process that a test starts.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config):
+    """With ``-n`` the tests of a file stay together and in order, for they may share what was costly to make.
+
+    Files go out in the order of their names: the short ones are the last, and no worker waits long for another.
+    """
+    if getattr(config.option, "numprocesses", None) and config.option.dist == "no":
+        config.option.dist, config.option.loadscopereorder = "loadfile", False
+
+
+@pytest.hookimpl(wrapper=True, optionalhook=True)
+def pytest_xdist_auto_num_workers():
+    """A worker for each processor, but no more than have work: each compiles kernels and needs memory."""
+    return min((yield), MOST_WORKERS)

@@ -78,7 +78,7 @@ class Finding:
         who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
         try:
             episode, words = run_to_draw(replace(world, failure=record))
-            trail = trail_of(episode)
+            trail = trail_of(episode, world)
         except WorldgenError as error:
             words, trail = f", but it cannot be run here: {error}", None
         said = reason if state == "not confirmed" else f"{record.verdict}{words}"

@@ -35,11 +35,12 @@ class Outputs:
     def __bool__(self) -> bool:
         return any((self.junit, self.sarif, self.summary))
 
-    def check(self, page: Path | None = None) -> None:
+    def check(self, page: Path | None = None, *, made: Path | None = None) -> None:
         """Refuses before the work what could not be written after it.
 
         Args:
             page: The HTML page that is to be written as well.
+            made: A folder that the work makes if it is not there: what lies in it can be written.
 
         Raises:
             OutputError: If a file is there, cannot be made, or is named for two reports.
@@ -49,7 +50,8 @@ class Outputs:
         for option, path in options.items():
             if path is None:
                 continue
-            check_output(path, self.force or option == "--summary")
+            if made is None or made.exists() or path.resolve().parent != made.resolve():
+                check_output(path, self.force or option == "--summary")
             other = named.setdefault(path.resolve(), option)
             if other != option:
                 raise OutputError(f"{path} is named for {other} and for {option}; give each a file of its own")

@@ -77,7 +77,7 @@ def _world_and_run(out: Path, controller: str) -> None:
     _say(f"worldgen run {path} --controller {controller} --trail {picture}")
     episode = simulate(world, controller, record=True)
     title = f"{controller}, swept: {episode.verdict}"
-    write_bytes(picture, draw_png(world, trail=trail_of(episode), title=title), force=True)
+    write_bytes(picture, draw_png(world, trail=trail_of(episode, world), title=title), force=True)
     note(f"{episode.verdict} after {episode.steps} steps; wrote {picture}")
 
 
@@ -93,6 +93,6 @@ def _replay_and_draw(folder: Path) -> None:
     for path in sorted(folder.glob("*.grid")):
         world, picture = read_world(path), path.with_suffix(".png")
         again, episode = replay(world), run_to_draw(world)[0]
-        write_bytes(picture, draw_png(world, trail=trail_of(episode), title=path.stem), force=True)
+        write_bytes(picture, draw_png(world, trail=trail_of(episode, world), title=path.stem), force=True)
         said = "confirmed" if again.confirmed else f"not confirmed: {again.reason}"
         note(f"{path.name}: {again.verdict} {said}; drawn in {picture}")

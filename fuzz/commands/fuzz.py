@@ -142,7 +142,7 @@ def fuzz(
     if scheduler is not None and workers is not None:
         raise click.UsageError("give --scheduler or --workers, not both: a cluster has its own workers")
     outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
-    outputs.check(report)
+    outputs.check(report, made=begun["out"])
     known = read_corpus(baseline).entries
     goal = ledger.Goal(units, None if units else budget or 30.0)
     if resume is None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from fuzz.commands._options import output_options
-from worldgen.cli.output import emit_json, force_option, json_option, shown
+from worldgen.cli.output import emit_json, force_option, json_option, note, shown
 
 __all__ = ["replay"]
 
@@ -29,7 +29,7 @@ def replay(
 ) -> None:
     """Run saved failures again and compare verdict, evidence, trace digest and certificate.
 
-    Exit code 0 if every one is confirmed, 1 if one is not.
+    Exit code 0 if every one is confirmed, 1 if one is not, else 2 if a file holds no failure.
     """
     from fuzz.ci import Finding, Outputs, Report, State
     from fuzz.failure import replay as replay_failure
@@ -39,7 +39,12 @@ def replay(
     reports = Outputs(**outputs, force=force)
     reports.check()
     results, findings = [], []
+    without = 0
     for path, world in read_worlds(paths):
+        if world.failure is None:
+            note(f"{shown(path)}: this world holds no failure; worldgen run simulates it")
+            without += 1
+            continue
         outcome = replay_failure(world, controller)
         results.append({"file": str(path), "verdict": outcome.verdict, "confirmed": outcome.confirmed})
         if not as_json:
@@ -60,3 +65,5 @@ def replay(
         click.echo(f"{confirmed} of {len(results)} confirmed")
     if confirmed < len(results):
         raise SystemExit(1)
+    if without:
+        raise SystemExit(2)

@@ -22,7 +22,11 @@ EXAMPLES = "\b\n  worldgen studio\n  worldgen studio worlds/maze.grid\n  worldge
     help="A controller of your own that the page may run, such as ./mine.py:Robot; as often as you like.",
 )
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen at; any but this is a risk.")
-@click.option("--port", type=click.IntRange(1, 65535), help="Port to listen at.  [default: 8642, or one that is free]")
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    help="Port to listen at; 0 is any that is free.  [default: 8642, or one that is free]",
+)
 @click.option("--browser/--no-browser", default=True, help="Open the page.  [default: open]")
 def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None, browser: bool) -> None:
     """Draw worlds, run robots in them and watch, in the browser.
@@ -32,8 +36,8 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
     has the whole of it.
     """
     import importlib.util
+    import ipaddress
 
-    from sim.scenario import Scenario
     from worldgen.errors import FormatError, InvalidParameter
 
     missing = [name for name in ("starlette", "uvicorn", "websockets") if importlib.util.find_spec(name) is None]
@@ -41,15 +45,24 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
         raise InvalidParameter(f"the studio needs {', '.join(missing)}; install it: pip install 'worldgen[studio]'")
     if not path.exists():
         raise FormatError("there is no such file or folder; check the name", source=str(path))
+    if path.suffix == ".py" and path.is_file():
+        place = path if path.is_absolute() else f"./{path}"
+        raise InvalidParameter(f"{path} is no world; its robot NAME runs by worldgen studio --controller {place}:NAME")
+
+    from fuzz.studio.starting import check_controller, check_world
+
     for label in controllers:
-        Scenario.parse(label)
+        check_controller(label)
+    if path.is_file():
+        check_world(path)
 
     from fuzz.studio import Folder, Gate, Studio
-    from fuzz.studio.serving import bind, serve
+    from fuzz.studio.serving import bind, called, serve
 
     listener = bind(host, port)
-    if host not in ("127.0.0.1", "localhost", "::1"):
-        note(f"warning: whoever can reach {host} and learns the address can read and write the folder")
-    gate = Gate(host, listener.getsockname()[1])
+    address, number = listener.getsockname()[:2]
+    gate = Gate(called(host, listener), number)
+    if not ipaddress.ip_address(address).is_loopback:
+        note(f"warning: whoever can reach {gate.host} and learns the address can read and write the folder")
     folder, file = (path, None) if path.is_dir() else (path.parent, path.name)
     serve(Studio(Folder(folder), gate, controllers, file), listener, browse=browser, said=note)

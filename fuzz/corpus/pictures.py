@@ -54,6 +54,6 @@ def _trail(world: World) -> Trail | None:
     if isinstance(world.certificate, Cut):
         options = regardless_of_walls(options)
     try:
-        return trail_of(simulate(world, record.controller, options, record=True))
+        return trail_of(simulate(world, record.controller, options, record=True), world)
     except WorldgenError:
         return None

@@ -100,7 +100,7 @@ def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
     except FileNotFoundError as error:
         raise FormatError("there is no such file; check the name", source=str(file)) from error
     except (OSError, ValueError) as error:  # the latter for a name with a NUL
-        raise FormatError(f"cannot be read: {error}", source=str(file)) from error
+        raise FormatError(f"cannot be read: {getattr(error, 'strerror', None) or error}", source=str(file)) from error
     if len(data) > MAX_FILE_BYTES:
         raise FormatError(f"longer than {MAX_FILE_BYTES} bytes, the limit of a .grid file", source=str(file))
     digest = hashlib.sha256(data).hexdigest()

@@ -24,9 +24,12 @@ from worldgen.family import FAMILIES
 from worldgen.grid_file import dumps, loads
 from worldgen.registry import Registry
 
-__all__ = ["Setup", "config_of", "digest_of", "setup_of"]
+__all__ = ["Setup", "config_of", "digest_of", "digest_of_sources", "setup_of"]
 
 _OWN = ("worldgen", "sim", "fuzz")
+_SHOWS = ("fuzz/ci", "fuzz/commands", "fuzz/player", "fuzz/report", "fuzz/studio", "worldgen/cli")
+"""What shows campaigns and decides nothing in them; that no search imports it is a contract in pyproject.toml."""
+_LEFT_OUT = tuple(f"{folder}/" for folder in _SHOWS)
 _DIGITS = 16  # hex, of every digest here
 _LONGEST = 60  # characters of a value in a message
 
@@ -127,12 +130,22 @@ def _own_folders() -> list[Path]:
 
 @functools.cache
 def _own_sources() -> str:
-    """A digest of our own files, comments and tables included: which of them a unit hangs on is hard to say."""
+    """A digest of our own files: which of them a unit hangs on is hard to say."""
+    return digest_of_sources(_own_folders())
+
+
+def digest_of_sources(folders: Sequence[Path]) -> str:
+    """A digest of packages' files, comments and tables included, without those that only show what was found.
+
+    Args:
+        folders: Of the packages.
+    """
     digest = hashlib.sha256()
-    for folder in _own_folders():
+    for folder in folders:
         for file in sorted(folder.rglob("*")):
-            if file.is_file() and "__pycache__" not in file.parts:
-                digest.update(f"{file.relative_to(folder.parent).as_posix()}\0".encode() + file.read_bytes())
+            name = file.relative_to(folder.parent).as_posix()
+            if file.is_file() and "__pycache__" not in file.parts and not name.startswith(_LEFT_OUT):
+                digest.update(f"{name}\0".encode() + file.read_bytes())
     return digest.hexdigest()[:_DIGITS]
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 from fuzz.failure import scenario_of
+from sim.controllers.process import is_process_name
 from sim.run_options import RunOptions
 from worldgen.grid_file import dumps
 from worldgen.plain_text import shown
@@ -16,10 +18,9 @@ __all__ = ["snippet"]
 _MODULE = '''"""{title}."""
 {imports}
 
-FAILURE = loads(
-    """\\
-{text}""".encode()
-)
+{comment}GRID = """\\
+{text}"""
+FAILURE = loads(GRID.encode())
 
 
 def test_{name}_gets_over_this():
@@ -42,8 +43,12 @@ _EXAMPLE = """
 @given(world=worlds())
 @example(world=FAILURE)
 def test_{name}_arrives(world):
-    assert simulate(world, {call}).verdict == "reached"
+    episode = {call}
+    assert episode.verdict == "reached"
 """
+_RELATIVE = "# {controller} is looked for from the folder in which pytest is started.\n"
+_WIDTH = 88  # columns, the usual of formatters; a wider one leaves what is written so as it is
+_LONGEST = 40  # characters of a test's name that come from the controller's
 
 
 def snippet(failure: World) -> str:
@@ -60,22 +65,43 @@ def snippet(failure: World) -> str:
     """
     record, options = scenario_of(failure)
     world = replace(failure, provenance=None, failure=replace(record, details={}))
-    name = re.sub(r"\W+", "_", record.controller.rpartition(":")[2]).strip("_").lower() or "controller"
+    name = re.sub(r"\W+", "_", record.controller.rpartition(":")[2]).strip("_").lower()[:_LONGEST] or "controller"
     title = f"{record.controller} under {record.motion}: {record.outcome}"
     text = dumps(world).decode("utf-8")
     has_example = "oracle" not in record.evidence and isinstance(failure.certificate, Witness)
     imports = (_EXAMPLE_IMPORTS if has_example else _IMPORTS).rstrip()
-    made = _MODULE.format(title=_quoted(shown(title)), imports=imports, text=_quoted(text), name=name)
-    return made + (_EXAMPLE.format(name=name, call=_call(record, options)) if has_example else "")
+    comment = _RELATIVE.format(controller=shown(record.controller)) if _is_relative(record.controller) else ""
+    said = {"title": _quoted(shown(title)), "imports": imports, "comment": comment, "text": _quoted(text), "name": name}
+    return _MODULE.format(**said) + (_EXAMPLE.format(name=name, call=_call(record, options)) if has_example else "")
+
+
+def _is_relative(controller: str) -> bool:
+    """Whether it depends on the current folder which file a controller's name means."""
+    if is_process_name(controller):
+        return re.search(r"(?<![^\s:])\./", controller) is not None
+    place = controller.rpartition(":")[0]
+    return place.endswith(".py") and not place.startswith("~") and not Path(place).is_absolute()
 
 
 def _call(record: FailureRecord, options: RunOptions) -> str:
-    """What ``simulate`` is called with, after the world."""
+    """The call of ``simulate``, as formatters leave it: in one line, or with one argument a line."""
     settings = {"motion": record.motion, "seed": record.seed, **options.parameters()}
     del settings["steps"]  # each world has its own
     if settings["time_step"] == RunOptions.time_step:
         del settings["time_step"]
-    return ", ".join([repr(record.controller), *(f"{name}={value!r}" for name, value in settings.items())])
+    said = ["world", _literal(record.controller), *(f"{name}={_literal(value)}" for name, value in settings.items())]
+    line = f"simulate({', '.join(said)})"
+    if len(f"    episode = {line}") <= _WIDTH:
+        return line
+    return "\n".join(["simulate(", *(f"        {one}," for one in said), "    )"])
+
+
+def _literal(value: object) -> str:
+    """A value in Python's words; a text between double quotation marks, unless it has some itself."""
+    text = repr(value)
+    if not isinstance(value, str) or text.startswith('"') or '"' in value:
+        return text
+    return f'"{text[1:-1]}"'
 
 
 def _quoted(text: str) -> str:

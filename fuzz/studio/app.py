@@ -16,14 +16,16 @@ from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
 from fuzz.studio.folder import Folder
-from fuzz.studio.gate import Gate, Guarded
+from fuzz.studio.gate import SUBPROTOCOL, Gate, Guarded
 from fuzz.studio.lanes import LANES, Lane
 from fuzz.studio.session import Session
 from fuzz.studio.watching import Watching
 
-__all__ = ["MOST_MESSAGE", "Studio", "make_app"]
+__all__ = ["FULL", "MOST_MESSAGE", "MOST_PAGES", "Studio", "make_app"]
 
 MOST_MESSAGE = 32 << 20  # bytes of a message to the server: a dropped file, or the largest world with its text
+MOST_PAGES = 64  # that are connected at the same time; more are a program gone wild
+FULL = 4000  # the code with which one more is closed; its reason is a sentence for the page
 _KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
 
@@ -69,8 +71,18 @@ def make_app(studio: Studio) -> ASGIApp:
         ending = "." + request.url.path.rpartition(".")[2] if request.url.path != "/" else ".html"
         return Response(data, media_type=_KINDS[ending])
 
+    pages: set[WebSocket] = set()
+
     async def connection(socket: WebSocket) -> None:
-        await Session(socket, lanes, _begins(studio)).serve()
+        if len(pages) >= MOST_PAGES:
+            await socket.accept(SUBPROTOCOL)
+            await socket.close(FULL, f"{MOST_PAGES} pages are open, and the studio takes no more; close another one.")
+            return
+        pages.add(socket)
+        try:
+            await Session(socket, lanes, _begins(studio)).serve()
+        finally:
+            pages.remove(socket)
 
     @contextlib.asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:

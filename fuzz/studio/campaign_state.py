@@ -2,28 +2,40 @@
 
 from __future__ import annotations
 
+import os
 import time
 from pathlib import Path
 from typing import Any
 
 from fuzz.ledger import CampaignFolder
 from fuzz.report.summary import MEMORY, read_summary
+from fuzz.studio.sentences import on_the_page
 from worldgen.errors import FormatError
 from worldgen.files import read_text
 from worldgen.locks import holder
 from worldgen.world_files import is_world_file
 
-__all__ = ["SAID", "campaign_state", "is_campaign", "running_process"]
+__all__ = ["SAID", "campaign_state", "is_campaign", "is_own", "running_process"]
 
 SAID = "studio.txt"
 """Name, in a campaign's memory, of what its process says on stderr when the studio has started it."""
 
 _COMPLAINT = "worldgen: "  # how a command's last line begins when it gave up
+_INTERRUPTED = "interrupted; "  # how it begins when it was told to end
 
 
 def is_campaign(folder: Path) -> bool:
     """Whether a campaign was begun in a folder."""
     return (folder / MEMORY / "campaign.json").is_file()
+
+
+def is_own(folder: Path) -> bool:
+    """Whether a campaign's memory holds files and folders alone: no link to somewhere else, no pipe to wait for."""
+    memory = folder / MEMORY
+    if memory.is_symlink() or not memory.is_dir():
+        return not memory.is_symlink()
+    with os.scandir(memory) as entries:
+        return all(entry.is_file(follow_symlinks=False) or entry.is_dir(follow_symlinks=False) for entry in entries)
 
 
 def running_process(folder: Path) -> int | None:
@@ -49,7 +61,9 @@ def campaign_state(folder: Path, name: str) -> dict[str, Any]:
     lock = folder / MEMORY / "lock"
     state["sitting"] = max(0.0, time.time() - lock.stat().st_mtime) if running else None
     state["failures"] = _stamp(folder)
-    state["fault"] = "" if running else _fault(folder)
+    said = [] if running else _said(folder)
+    state["fault"] = _fault(said)
+    state["stopped"] = any(line.startswith(_INTERRUPTED) for line in said)
     return state
 
 
@@ -77,7 +91,7 @@ def _totals(folder: Path) -> dict[str, Any]:
     summary = read_summary(folder)
     if summary is None:
         none: dict[str, Any] = {"units": 0, "worlds": 0, "steps": 0, "seconds": 0.0}
-        return none | {"verdicts": {}, "met": {}, "known": {}, "lanes": []}
+        return none | {"verdicts": {}, "met": {}, "known": {}, "lanes": [], "archive": None}
     return {
         "controller": summary.controller,
         "units": summary.units,
@@ -88,6 +102,7 @@ def _totals(folder: Path) -> dict[str, Any]:
         "met": summary.met,
         "known": summary.known,
         "lanes": [vars(lane) for lane in summary.lanes],
+        "archive": None if summary.archive is None else vars(summary.archive),
     }
 
 
@@ -97,9 +112,17 @@ def _stamp(folder: Path) -> str:
     return f"{len(found)}-{max((when for _, when in found), default=0)}"
 
 
-def _fault(folder: Path) -> str:
+def _said(folder: Path) -> list[str]:
+    """What its last process said, if the studio has started that; a terminal's signs the lock after it."""
+    path, lock = folder / MEMORY / SAID, folder / MEMORY / "lock"
+    if not path.is_file() or path.is_symlink():
+        return []
+    if lock.is_file() and path.stat().st_mtime_ns < lock.stat().st_mtime_ns:
+        return []
+    return read_text(path).splitlines()
+
+
+def _fault(said: list[str]) -> str:
     """Why its process gave up; empty if it did not."""
-    path = folder / MEMORY / SAID
-    lines = read_text(path).splitlines() if path.is_file() and not path.is_symlink() else []
-    said = [line for line in lines if line.startswith(_COMPLAINT)]
-    return said[-1].removeprefix(_COMPLAINT) if said else ""
+    complaints = [line for line in said if line.startswith(_COMPLAINT)]
+    return on_the_page(complaints[-1].removeprefix(_COMPLAINT)) if complaints else ""

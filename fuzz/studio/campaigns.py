@@ -13,56 +13,50 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from fuzz.asked import ORACLES
-from fuzz.corpus import read_corpus
-from fuzz.lanes import OWN_LANES
 from fuzz.ledger import CampaignFolder
 from fuzz.report.summary import MEMORY
-from fuzz.studio.campaign_state import SAID, campaign_state, is_campaign, running_process
-from fuzz.studio.folder import Folder
+from fuzz.studio.campaign_state import SAID, campaign_state, is_campaign, is_own, running_process
+from fuzz.studio.elites import elite_of, runs_in
+from fuzz.studio.folder import KNOWN, MOST_FAILURES, Folder
+from fuzz.studio.fuzz_words import (
+    baseline,
+    begun,
+    check_lanes,
+    check_oracles,
+    command_line,
+    goal,
+    workers,
+)
 from fuzz.studio.messages import field as part_of
-from fuzz.studio.messages import restored
+from fuzz.studio.messages import opened_message, restored
+from fuzz.studio.opened import Opened
 from fuzz.studio.running import may_run
-from sim.controllers import CONTROLLERS
 from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
-from worldgen.family import FAMILIES
-from worldgen.grid_file import read_world, write_world
-from worldgen.world_files import files_in
+from worldgen.grid_file import write_world
 
-__all__ = ["KNOWN", "CampaignAnswers"]
+__all__ = ["CampaignAnswers"]
 
-KNOWN = "known"
-"""The folder, in the opened one, of failures that are marked as known: the baseline of campaigns begun here."""
-
-_BEGINS = 90.0  # s that a process gets until it has begun; kernels may have to be compiled
+_BEGINS = 300.0  # s that a process gets until it has begun: kernels may have to be compiled on a machine that is busy
 _ENDS = 2.0  # s that a campaign is waited for that was told to end; it may end later
 _LOOK = 0.05  # s between two looks
-_MOST_SECONDS, _MOST_UNITS, _MOST_EXAMPLES, _MOST_WORKERS = 7 * 86_400.0, 1_000_000, 100_000, 256
 
 Message = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class CampaignAnswers:
-    """What the campaign page asks for, as far as campaigns' processes are concerned.
+class CampaignAnswers(Opened):
+    """What the campaign page asks for, as far as campaigns' processes are concerned."""
 
-    Args:
-        folder: What can be read and written.
-        named: Controllers that were named at the start, beside the registered ones.
-    """
-
-    folder: Folder
-    named: Sequence[str] = ()
     _begun: list[subprocess.Popen[bytes]] = field(default_factory=list, init=False, repr=False, compare=False)
 
     def campaigns(self, message: Message, part: object) -> dict[str, Any]:
-        """The campaigns in the folder, those that run first; folders that hold worlds; and what a form offers."""
+        """The campaigns in the folder, those that run first; and folders that hold worlds."""
         self._reap()
         folders = _folders(self.folder)
         states, faults = [], []
@@ -70,15 +64,12 @@ class CampaignAnswers:
             try:
                 states += [campaign_state(self.folder.place(name), name)] if self._is_campaign(name) else []
             except WorldgenError as error:  # of one; the others are as they were
-                faults.append(str(error))
+                faults.append(self.folder.in_words(str(error)))
         return {
             "faults": faults,
             "campaigns": sorted(states, key=lambda state: (not state["running"], state["folder"])),
             "folders": [{"name": name, "worlds": count} for name, count in folders.items() if count],
-            "known": KNOWN,
-            "lanes": list(OWN_LANES),
-            "oracles": ORACLES.names(),
-            "cores": os.cpu_count() or 1,
+            "archives": self.folder.archives(),
         }
 
     def begin(self, message: Message, part: object) -> dict[str, Any]:
@@ -86,23 +77,24 @@ class CampaignAnswers:
         self._reap()
         name = part_of(message, "folder", str)
         out = self._own(name)
-        words = [f"--controller={self._controller(message)}", f"--motion={_one_of(message, 'motion', MOTIONS.names())}"]
-        words += [f"--lane={lane}" for lane in _some_of(message, "lanes", (*OWN_LANES, *FAMILIES.names()))]
-        words += [f"--oracle={text}" for text in _oracles(message.get("oracles", []))]
-        words += [f"--vary={text}" for text in _texts(message, "vary")]
-        if message.get("time_step") is not None:
-            words.append(f"--time-step={part_of(message, 'time_step', float)!r}")
-        if message.get("examples") is not None:
-            words.append(f"--examples={_whole(message, 'examples', _MOST_EXAMPLES)}")
-        if message.get("seed") is not None:
-            words.append(f"--seed={_seed(message)}")
+        words = [*self._words(message), f"--out={out}"]
         with tempfile.TemporaryDirectory() as there:
             if message.get("world") is not None:
                 fixed = Path(there) / "world.grid"
                 write_world(restored(part_of(message, "world", dict)), fixed)
                 words.append(f"--world={fixed}")
-            self._start(out, [*words, f"--out={out}", *_goal(message, needed=True), *self._known(message)], message)
+            self._start(out, words)
         return {"state": campaign_state(out, name)}
+
+    def command(self, message: Message, part: object) -> dict[str, Any]:
+        """The line that begins the same campaign at a terminal."""
+        out = self._own(part_of(message, "folder", str))
+        return {"command": command_line(self._words(message), message, out, self.folder)}
+
+    def _words(self, message: Message) -> list[str]:
+        """What `begin` has `worldgen fuzz` do, but for the fixed map and the folder."""
+        ours = (*goal(message, needed=True), *workers(message), *baseline(message, self.folder))
+        return [*begun(message, self.named, self.folder), *ours]
 
     def resume(self, message: Message, part: object) -> dict[str, Any]:
         """Goes on with the campaign in a folder."""
@@ -110,7 +102,8 @@ class CampaignAnswers:
         name = part_of(message, "folder", str)
         out = self._own(name)
         self._check_stored(out, name)
-        self._start(out, [f"--resume={out}", *_goal(message, needed=False), *self._known(message)], message)
+        ours = (*goal(message, needed=False), *workers(message), *baseline(message, self.folder))
+        self._start(out, [f"--resume={out}", *ours])
         return {"state": campaign_state(out, name)}
 
     def stop(self, message: Message, part: object) -> dict[str, Any]:
@@ -127,6 +120,12 @@ class CampaignAnswers:
         self._reap()
         return {"state": campaign_state(out, name)}
 
+    def elite(self, message: Message, part: object) -> dict[str, Any]:
+        """The simplest world of a cell of a campaign's archive, and who ran in it."""
+        out = self._own(part_of(message, "folder", str))
+        world = elite_of(out, part_of(message, "i", int), part_of(message, "j", int))
+        return opened_message(world) | {"runs": runs_in(out)}
+
     def _is_campaign(self, name: str) -> bool:
         try:
             return bool(name) and is_campaign(self._own(name))
@@ -136,26 +135,13 @@ class CampaignAnswers:
     def _own(self, name: str) -> Path:
         """A folder in the opened one whose memory is no link to somewhere else."""
         out = self.folder.place(name)
-        memory = out / MEMORY
-        if (
-            out == self.folder.root
-            or memory.is_symlink()
-            or (memory.is_dir() and any(map(Path.is_symlink, memory.iterdir())))
-        ):
+        if out == self.folder.root or not is_own(out):
             raise InvalidParameter(f"{name!r} is no folder of a campaign in the opened one; give the name of another")
         if out.is_relative_to(self.folder.root / KNOWN):
             raise InvalidParameter(
                 f"{KNOWN}/ is for failures that are marked as known; give the name of another folder"
             )
         return out
-
-    def _controller(self, message: Message) -> str:
-        label: str = part_of(message, "controller", str)
-        if label not in self.named and label not in CONTROLLERS.names():
-            raise InvalidParameter(
-                f"controller {label[:60]!r} was not named when the studio was started; start it with --controller"
-            )
-        return label
 
     def _check_stored(self, out: Path, name: str) -> None:
         """Refuses a campaign that would run what nobody has named; its folder may come from anywhere."""
@@ -165,29 +151,16 @@ class CampaignAnswers:
         said = stored[0].configuration
         scenario = said.get("scenario")
         if not isinstance(scenario, dict) or not may_run(str(scenario.get("controller")), self.named):
-            raise InvalidParameter(f"{name} runs a controller that was not named at the start; start with --controller")
+            raise InvalidParameter(f"{name} runs a controller that was not named: worldgen studio --controller does")
         if scenario.get("motion") not in MOTIONS.names():
             raise InvalidParameter(f"{name} uses a motion model of a file; resume it at a terminal")
-        _some_of({"lanes": said.get("families")}, "lanes", (*OWN_LANES, *FAMILIES.names()))
-        _oracles(said.get("oracles"))
-        if said.get("database"):
+        check_lanes(said.get("families"))
+        check_oracles(said.get("oracles"))
+        database = Path(os.path.realpath(str(said.get("database") or self.folder.root)))
+        if not database.is_relative_to(self.folder.root):
             raise InvalidParameter(f"{name} uses a database outside of the opened folder; resume it at a terminal")
 
-    def _known(self, message: Message) -> list[str]:
-        """The baseline, if it is wanted and there is one."""
-        known = self.folder.place(KNOWN)
-        if message.get("known") is not True or not known.is_dir() or not files_in(known):
-            return []
-        for file in files_in(known):
-            if file.is_symlink():
-                raise InvalidParameter(f"{KNOWN}/ holds a link, {file.name}; copy the file into it")
-        for entry in read_corpus([known]).entries:  # whose oracles would be asked again
-            record = read_world(entry.path).failure
-            if record is not None and "oracle" in record.evidence:
-                _oracles([record.evidence["oracle"]])
-        return [f"--baseline={known}"]
-
-    def _start(self, out: Path, words: list[str], message: Message) -> None:
+    def _start(self, out: Path, words: list[str]) -> None:
         """Starts a campaign's process and waits until it has begun.
 
         Raises:
@@ -195,18 +168,16 @@ class CampaignAnswers:
         """
         if running_process(out) is not None:
             raise OutputError(f"the campaign in {out.name} runs already; stop it first")
-        if message.get("workers") is not None:
-            words = [*words, f"--workers={_whole(message, 'workers', _MOST_WORKERS)}"]
         memory = out / MEMORY
         made = [folder for folder in (memory, out, *out.parents) if not folder.exists()]
         try:
             memory.mkdir(parents=True, exist_ok=True)
+            with (memory / SAID).open("wb") as said:
+                process = _process([sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said)
         except OSError as error:
             raise OutputError(
                 f"{out.name} cannot be written: {error.strerror or error}; name another folder"
             ) from error
-        with (memory / SAID).open("wb") as said:
-            process = _process([sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said)
         self._begun.append(process)
         until = time.monotonic() + _BEGINS
         while process.poll() is None and not (running_process(out) == process.pid and is_campaign(out)):
@@ -248,7 +219,7 @@ def _last_words(path: Path) -> str:
 def _folders(folder: Folder) -> dict[str, int]:
     """Folders below the opened one, and how many worlds are in each and below; "" is the opened one itself."""
     counts: dict[str, int] = {"": 0}
-    for entry in folder.files():
+    for entry in folder.files(most=MOST_FAILURES):
         if entry["world"]:
             parts = entry["name"].split("/")[:-1]
             for depth in range(len(parts) + 1):
@@ -257,53 +228,3 @@ def _folders(folder: Folder) -> dict[str, int]:
     for name in folder.folders():
         counts.setdefault(name, 0)
     return dict(sorted(counts.items()))
-
-
-def _one_of(message: Message, name: str, offered: Iterable[str]) -> str:
-    said = part_of(message, name, str)
-    if said not in offered:
-        raise InvalidParameter(f"{name} {said[:40]!r} is not registered; choose one of the list")
-    return str(said)
-
-
-def _some_of(message: Message, name: str, offered: Sequence[str]) -> list[str]:
-    return [_one_of({name: one}, name, offered) for one in part_of(message, name, list)]
-
-
-def _texts(message: Message, name: str) -> list[str]:
-    return [part_of({name: one}, name, str) for one in part_of(message, name, list)] if name in message else []
-
-
-def _oracles(texts: object) -> list[str]:
-    """Oracles that are registered: others are code of files."""
-    said = _texts({"oracles": texts}, "oracles")
-    for text in said:
-        if text.partition("=")[0].strip() not in ORACLES.names():
-            raise InvalidParameter(f"oracle {text[:40]!r} is not registered; ask for one of {', '.join(ORACLES)}")
-    return said
-
-
-def _goal(message: Message, *, needed: bool) -> list[str]:
-    if message.get("units") is not None:
-        return [f"--units={_whole(message, 'units', _MOST_UNITS)}"]
-    if message.get("seconds") is None and not needed:
-        return []
-    seconds = part_of(message, "seconds", float)
-    if not 0.0 < seconds <= _MOST_SECONDS:
-        raise InvalidParameter(f"{seconds:g} s; give a time above 0 and up to {_MOST_SECONDS:g} s")
-    return [f"--budget={seconds:f}"]
-
-
-def _seed(message: Message) -> str:
-    """A seed, as digits: a browser's numbers cannot hold all of them."""
-    seed: str = part_of(message, "seed", str)
-    if not (seed.isascii() and seed.isdigit() and int(seed[:40]) < 1 << 64):
-        raise InvalidParameter(f"seed={seed[:40]!r} is no whole number from 0 to 2**64 - 1; give one")
-    return seed
-
-
-def _whole(message: Message, name: str, most: int) -> int:
-    value: int = part_of(message, name, int)
-    if not 1 <= value <= most:
-        raise InvalidParameter(f"{name} is {value}; give a whole number from 1 to {most}")
-    return value

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Sequence
+import os
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import fields
+from pathlib import Path
 from typing import Any
 
+from fuzz.asked import ORACLES
+from fuzz.lanes import OWN_LANES
+from fuzz.studio.folder import KNOWN
+from fuzz.studio.fuzz_words import options
 from sim.controllers import CONTROLLERS, CompiledController
+from sim.controllers.base import Controller
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.robot_options import RobotOptions
@@ -19,23 +27,37 @@ from sim.thesis_options import ThesisOptions
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.interop import FORMATS
-from worldgen.parameters import Parameter, argument_notes
+from worldgen.parameters import Bounds, Parameter, argument_notes
 
 __all__ = ["catalogue"]
 
+_SLOW = 3.0  # s: a controller that took longer to fail is not tried again, for each page would wait for it
+_FAILED: dict[tuple[str, int], dict[str, Any]] = {}
 
-def catalogue(named: Sequence[str]) -> dict[str, Any]:
+
+def catalogue(named: Sequence[str], part: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
     """Everything that the page offers.
 
     Args:
         named: Controllers that were named when the studio was started.
+        part: Called with each of them before it is loaded, which may take long.
     """
+    controllers = []
+    for label in dict.fromkeys((*named, *CONTROLLERS.names())):
+        if label in named:
+            part({"loading": label})
+        controllers.append(_tried(label) | {"named": label in named})
     return {
         "families": [_family(name) for name in FAMILIES.names()],
-        "controllers": [_controller(name) for name in dict.fromkeys((*named, *CONTROLLERS.names()))],
+        "controllers": controllers,
         "motions": [_motion(name) for name in MOTIONS.names()],
         "formats": [_format(name) for name in FORMATS.names()],
         "time_step": DEFAULT_TIME_STEP,
+        "lanes": list(OWN_LANES),
+        "oracles": ORACLES.names(),
+        "cores": os.cpu_count() or 1,
+        "known": KNOWN,
+        "options": options(),
     }
 
 
@@ -50,26 +72,69 @@ def _family(name: str) -> dict[str, Any]:
 
 
 def _parameter(parameter: Parameter) -> dict[str, Any]:
+    bounds = parameter.bounds or Bounds()
     return {
         "name": parameter.name,
         "default": parameter.default,
         "kind": type(parameter.default).__name__,
         "choices": list(parameter.choices),
+        "low": bounds.low,
+        "high": bounds.high,
+        "above": bounds.above,
+        "chosen": bounds.chosen,
+        "bounds": bounds.words,
         "help": parameter.help,
     }
 
 
-def _controller(label: str) -> dict[str, Any]:
-    """A controller's label, and under which kind of motion model it drives; a fault in it is told, not raised."""
-    entry = {"name": label, "thesis": False, "lattice": True, "fault": ""}
+def _tried(label: str) -> dict[str, Any]:
+    """A controller, loaded; one that has taken long to fail before, as it was then, until its file is another."""
+    key = (label, _changed(label))
+    if key in _FAILED:
+        return _FAILED[key]
+    began = time.monotonic()
+    entry = _controller(label)
+    if entry["fault"] and time.monotonic() - began > _SLOW:
+        _FAILED[key] = entry
+    return entry
+
+
+def _changed(label: str) -> int:
+    """When a controller's file was last changed; 0 where that is none."""
+    file, ending, _ = label.partition(".py:")
     try:
-        found = CONTROLLERS.get(Scenario.parse(label).controller)
+        return Path(file + ".py").expanduser().stat().st_mtime_ns if ending else 0
+    except (OSError, ValueError, RuntimeError):  # ValueError: a NUL; RuntimeError: nobody's home
+        return 0
+
+
+def _controller(label: str) -> dict[str, Any]:
+    """A controller's label, which motion models it drives under, and first of all; its faults are told, not raised."""
+    entry = {"name": label, "thesis": False, "lattice": True, "motion": "swept", "also": "", "fault": ""}
+    try:
+        scenario = Scenario.parse(label)
+        found = CONTROLLERS.get(scenario.controller)
     except InvalidParameter as error:
         with contextlib.suppress(InvalidParameter):  # with options of the other motion models
             found = CONTROLLERS.get(Scenario.parse(label, motion="stepped").controller)
-            return entry | {"thesis": True, "lattice": False}
+            return entry | {"thesis": True, "lattice": False, "motion": "stepped"}
         return entry | {"fault": str(error)}
-    return entry | {"thesis": isinstance(found, CompiledController) and bool(found.thesis_rule)}
+    thesis = isinstance(found, CompiledController) and bool(found.thesis_rule)
+    return entry | {"thesis": thesis, "motion": scenario.motion, "also": _other_name(label)}
+
+
+def _other_name(label: str) -> str:
+    """The registered name that means the same controller; empty where there is none."""
+    same = (name for name in CONTROLLERS.names() if name != label and _registered(name) is _registered(label))
+    return next(same, "") if label in CONTROLLERS.names() else ""
+
+
+def _registered(name: str) -> Controller | None:
+    """A registered controller; none where it is faulty."""
+    try:
+        return CONTROLLERS.get(name)
+    except InvalidParameter:
+        return None
 
 
 def _motion(name: str) -> dict[str, Any]:
@@ -85,24 +150,26 @@ def _motion(name: str) -> dict[str, Any]:
 
 def _options(kind: type[Switches]) -> list[dict[str, Any]]:
     notes = argument_notes(kind.__doc__ or "")
-    listed = []
-    for one in fields(kind):
-        low, high, unit = kind.RANGES.get(one.name, (-math.inf, math.inf, ""))
-        if isinstance(one.default, tuple):
-            continue  # lists are the command line's
-        listed.append(
-            {
-                "name": one.name,
-                "default": one.default,
-                "kind": type(one.default).__name__,
-                "choices": list(kind.CHOICES.get(one.name, ())),
-                "low": low if math.isfinite(low) else None,
-                "high": high if math.isfinite(high) else None,
-                "unit": unit.strip(),
-                "help": notes.get(one.name, ""),
-            }
-        )
-    return listed
+    defaults = {one.name: one.default for one in fields(kind)}
+    return [
+        _option(kind, name, defaults[name]) | {"help": notes.get(name, ""), "group": heading}
+        for heading, names in kind.GROUPS.items()
+        for name in names
+        if not isinstance(defaults[name], tuple)  # lists are the command line's
+    ]
+
+
+def _option(kind: type[Switches], name: str, default: Any) -> dict[str, Any]:
+    low, high, unit = kind.RANGES.get(name, (-math.inf, math.inf, ""))
+    return {
+        "name": name,
+        "default": default,
+        "kind": type(default).__name__,
+        "choices": list(kind.CHOICES.get(name, ())),
+        "low": low if math.isfinite(low) else None,
+        "high": high if math.isfinite(high) else None,
+        "unit": unit.strip(),
+    }
 
 
 def _format(name: str) -> dict[str, Any]:
@@ -113,4 +180,7 @@ def _format(name: str) -> dict[str, Any]:
         "suffixes": list(known.suffixes),
         "reads": known.read is not None,
         "writes": known.write is not None,
+        "changes": known.changes,
+        "options": [_parameter(parameter) for parameter in known.write_options],
+        "read_options": [_parameter(parameter) for parameter in known.read_options],
     }

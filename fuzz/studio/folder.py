@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+import errno
+import glob
 import os
+import re
 import stat
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fuzz.studio.sentences import on_the_page
+from worldgen.archives import ENDINGS
 from worldgen.errors import InvalidParameter
 from worldgen.plain_text import shown
 from worldgen.world_files import is_world_file
 
-__all__ = ["MOST_FILES", "Folder"]
+__all__ = ["KNOWN", "MOST_FAILURES", "MOST_FILES", "Folder"]
 
+KNOWN = "known"
+"""The folder, in the opened one, of failures that are marked as known: the baseline of campaigns begun here."""
+
+_MEMORY = ".campaign"  # in a campaign's folder, what it remembers
 MOST_FILES = 2_000  # that are listed; more than anybody scrolls through
+MOST_FAILURES = 20_000  # that a wall shows: it has filters
 _DEEPEST = 4  # folders below the opened one
 _LONGEST = 400  # characters of a name
 
@@ -40,7 +50,8 @@ class Folder:
             name: Relative to the folder, with ``/`` between its parts.
 
         Raises:
-            InvalidParameter: If it is no such name, is hidden, or leads out of the folder, through links too.
+            InvalidParameter: If it is no such name, is hidden, leads out of the folder, through links too, or if a pipe
+                or device is there.
         """
         parts = name.split("/")
         if not name or len(name) > _LONGEST or not name.isprintable() or "\\" in name or ":" in name:
@@ -55,19 +66,58 @@ class Folder:
         real = Path(os.path.realpath(path))
         if not real.is_relative_to(self.root):
             raise InvalidParameter(f"{shown(name[:60])!r} leads out of the opened folder; copy the file into it")
+        try:
+            mode = real.stat().st_mode
+        except OSError as error:
+            if error.errno == errno.ENAMETOOLONG:
+                raise InvalidParameter(
+                    f"{shown(name[:60])!r} is too long for a file in the opened folder; shorten it"
+                ) from error
+            return real
+        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # a pipe would be waited for without end
+            raise InvalidParameter(f"{shown(name[:60])!r} in the opened folder is no regular file; name another")
         return real
 
-    def files(self, endings: tuple[str, ...] = (), below: str = "") -> list[dict[str, Any]]:
-        """What there is to open: worlds and files with such endings, none hidden, the first :data:`MOST_FILES`.
+    def in_words(self, sentence: str) -> str:
+        """A sentence of the library's as the page says it: its way out, and paths relative to this folder."""
+        sentence, root = on_the_page(sentence), str(self.root)
+        if root == self.root.anchor:
+            return sentence
+        said = sentence.replace(f"{root}{os.sep}", "")
+        return re.sub(rf"{re.escape(root)}(?![\w.-])", "the opened folder", said)
+
+    def place_of_map(self, name: str) -> Path:
+        """The path of a name beside which no link of the same stem leads out: formats read other files there.
+
+        Raises:
+            InvalidParameter: As ``place`` does; also if such a link is there.
+        """
+        place = self.place(name)
+        if place.is_file():
+            for other in place.parent.glob(f"{glob.escape(place.stem)}*"):
+                if not Path(os.path.realpath(other)).is_relative_to(self.root):
+                    raise InvalidParameter(
+                        f"{shown(other.name)!r} beside it leads out of the opened folder; copy the file into it"
+                    )
+        return place
+
+    def files(self, endings: tuple[str, ...] = (), below: str = "", most: int = MOST_FILES) -> list[dict[str, Any]]:
+        """What there is to open: worlds and files with such endings, none hidden; what campaigns have found comes last.
 
         Args:
             endings: Of files that are no worlds.
             below: A folder in it; all of it if left out.
+            most: How many of them, the first.
         """
-        walked = self._walk(self.place(below) if below else self.root, 0)
+        walked = self._walk(self.place(below) if below else self.root, 0, 2 * most, False)
         known = (entry for entry in walked if entry["world"] or entry["name"].lower().endswith(endings))
-        found = sorted(known, key=lambda entry: (entry["name"].count("/"), entry["name"]))
-        return found[:MOST_FILES]
+        return sorted(known, key=lambda entry: (entry["found"], entry["name"].count("/"), entry["name"]))[:most]
+
+    def archives(self) -> list[str]:
+        """The archives in it and below, by name, which may hold worlds."""
+        names = [entry["name"] for entry in self._walk(self.root, 0, 2 * MOST_FILES, False)]
+        packed = (name for name in names if name.lower().endswith(ENDINGS))
+        return sorted(packed, key=lambda name: (name.count("/"), name))[:MOST_FILES]
 
     def folders(self) -> list[str]:
         """The folders in it and below, by name; neither hidden ones nor links."""
@@ -81,19 +131,21 @@ class Folder:
                 inner.clear()
         return found[:MOST_FILES]
 
-    def _walk(self, folder: Path, depth: int) -> Iterator[dict[str, Any]]:
+    def _walk(self, folder: Path, depth: int, most: int, found: bool) -> Iterator[dict[str, Any]]:
         try:
-            entries = sorted(os.scandir(folder), key=lambda entry: entry.name)[: 2 * MOST_FILES]
+            entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
         except OSError:  # not ours to read
             return
-        for entry in entries:
+        found = found or folder == self.root / KNOWN or any(entry.name == _MEMORY for entry in entries)
+        for entry in entries[:most]:
             if entry.name.startswith(".") or entry.is_symlink() or not entry.name.isprintable():
                 continue
-            if entry.is_dir():
-                if depth < _DEEPEST:
-                    yield from self._walk(Path(entry.path), depth + 1)
-            else:
-                facts = entry.stat()
-                if stat.S_ISREG(facts.st_mode):
-                    name = Path(entry.path).relative_to(self.root).as_posix()
-                    yield {"name": name, "bytes": facts.st_size, "world": is_world_file(entry.name)}
+            try:
+                facts = entry.stat(follow_symlinks=False)
+            except OSError:  # it has gone meanwhile, as a running campaign's files do
+                continue
+            if stat.S_ISDIR(facts.st_mode) and depth < _DEEPEST:
+                yield from self._walk(Path(entry.path), depth + 1, most, found)
+            elif stat.S_ISREG(facts.st_mode):
+                name = Path(entry.path).relative_to(self.root).as_posix()
+                yield {"name": name, "bytes": facts.st_size, "world": is_world_file(entry.name), "found": found}

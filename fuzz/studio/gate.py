@@ -2,11 +2,14 @@
 
 A page of another site can make a browser send requests here, and can make its own name lead to this machine (DNS
 rebinding). So every request must say a host that is this server's, a request of a page must come from this server's own
-page, and all but the first must bring the cookie that only the token gives.
+page, and all but the first must bring the cookie that only the token gives. Cookies know no ports: a browser shows ours
+to any other server of this machine that it visits. So the cookie opens the page's parts alone, which are no secret, and
+the connection needs the token itself, which the page keeps where only pages of this very port can read it.
 """
 
 from __future__ import annotations
 
+import hashlib
 import hmac
 import ipaddress
 import secrets
@@ -15,13 +18,15 @@ from dataclasses import dataclass, field
 from http.cookies import CookieError, SimpleCookie
 
 from starlette.datastructures import Headers, MutableHeaders, QueryParams
-from starlette.responses import PlainTextResponse
+from starlette.responses import PlainTextResponse, RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-__all__ = ["LOOPBACK", "Gate", "Guarded"]
+__all__ = ["LOOPBACK", "SUBPROTOCOL", "Gate", "Guarded"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
+SUBPROTOCOL = "worldgen-studio"
 _ANY = ("0.0.0.0", "::")
+_UNSAID = 80  # the port that browsers leave out
 _REFUSED = (
     "This is a worldgen studio, and it does not know you.\n\nOpen the whole address that `worldgen studio` has "
     "printed, with its token. After a new start of the studio that is a new one.\n"
@@ -33,7 +38,7 @@ class Gate:
     """What lets a request in.
 
     Args:
-        host: Name or address that the server is bound to.
+        host: Name or address that the server is bound to, as a browser writes it.
         port: Its port.
         token: What the address that is opened first must hold; a fresh one where left out.
     """
@@ -41,6 +46,7 @@ class Gate:
     host: str
     port: int
     token: str = field(default_factory=lambda: secrets.token_urlsafe(32), repr=False)
+    _tickets: set[str] = field(default_factory=set, init=False, repr=False, compare=False)
 
     @property
     def cookie(self) -> str:
@@ -48,15 +54,37 @@ class Gate:
         return f"worldgen-studio-{self.port}"
 
     @property
+    def cookie_value(self) -> str:
+        """What the cookie holds: it is got from the token, and does not tell it."""
+        return hmac.new(self.token.encode(), b"cookie", hashlib.sha256).hexdigest()
+
+    @property
     def address(self) -> str:
         """The address to open, with the token."""
+        return f"{self._place}/?token={self.token}"
+
+    def address_for_once(self) -> str:
+        """An address that leads to the other, once: the arguments of a browser's process are everybody's to read."""
+        ticket = secrets.token_urlsafe(32)
+        self._tickets.add(ticket)
+        return f"{self._place}/?ticket={ticket}"
+
+    def takes_ticket(self, said: str) -> bool:
+        """Whether this is a ticket that nobody has used; from now on somebody has."""
+        if said not in self._tickets:
+            return False
+        self._tickets.remove(said)
+        return True
+
+    @property
+    def _place(self) -> str:
         host = "127.0.0.1" if self.host in _ANY else f"[{self.host}]" if ":" in self.host else self.host
-        return f"http://{host}:{self.port}/?token={self.token}"
+        return f"http://{host}:{self.port}"
 
     def knows_host(self, said: str) -> bool:
         """Whether a Host header names this server, and not a name that somebody has made to lead here."""
-        name, _, port = said.rpartition(":")
-        if port != str(self.port):
+        name = said.removesuffix(f":{self.port}")
+        if name == said and self.port != _UNSAID:
             return False
         if name in (self.host, f"[{self.host}]"):
             return True
@@ -72,17 +100,22 @@ class Gate:
         return headers.get("sec-fetch-site", "none") in ("none", "same-origin")
 
     def has_cookie(self, headers: Headers) -> bool:
-        """Whether a request brings the token as its cookie."""
+        """Whether a request brings the cookie that the token gives."""
         jar: SimpleCookie = SimpleCookie()
         try:
             jar.load(headers.get("cookie", ""))
         except CookieError:
             return False
-        return self.cookie in jar and self.is_token(jar[self.cookie].value)
+        return self.cookie in jar and _are_same(jar[self.cookie].value, self.cookie_value)
+
+    def has_token(self, headers: Headers) -> bool:
+        """Whether a WebSocket brings the token, as the second of the subprotocols that it offers."""
+        offered = [name.strip() for name in headers.get("sec-websocket-protocol", "").split(",")]
+        return len(offered) == 2 and offered[0] == SUBPROTOCOL and self.is_token(offered[1])
 
     def is_token(self, said: str) -> bool:
         """Whether this is the token; takes as long whatever is said."""
-        return hmac.compare_digest(said.encode("utf-8", "replace"), self.token.encode())
+        return _are_same(said, self.token)
 
     def headers(self, said_host: str) -> dict[str, str]:
         """What every answer tells the browser: nothing of other hosts, no script or style in the page's own text."""
@@ -99,6 +132,10 @@ class Gate:
             "x-frame-options": "DENY",
             "cache-control": "no-store",
         }
+
+
+def _are_same(said: str, wanted: str) -> bool:
+    return hmac.compare_digest(said.encode("utf-8", "replace"), wanted.encode())
 
 
 def _is_address(name: str) -> bool:
@@ -130,13 +167,14 @@ class Guarded:
                 for name, value in self.gate.headers(headers.get("host", "")).items():
                     answer[name] = value
                 if gives_cookie:
-                    answer["set-cookie"] = (
-                        f"{self.gate.cookie}={self.gate.token}; Path=/; HttpOnly; SameSite=Strict; Max-Age=2592000"
-                    )
+                    given = f"{self.gate.cookie}={self.gate.cookie_value}"
+                    answer["set-cookie"] = f"{given}; Path=/; HttpOnly; SameSite=Strict; Max-Age=2592000"
             await send(message)
 
         if status == 200:
             await self.app(scope, receive, sent)
+        elif status == 303:
+            await RedirectResponse(self.gate.address, status, {"cache-control": "no-store"})(scope, receive, send)
         elif socket_opens:
             await send({"type": "websocket.close", "code": 1008, "reason": "not let in"})
         else:
@@ -148,11 +186,14 @@ class Guarded:
         if len(headers.getlist("host")) != 1 or not gate.knows_host(headers["host"]):
             return 421, False
         if scope["type"] == "websocket":
-            fine = "origin" in headers and gate.is_ours(headers) and gate.has_cookie(headers)
-            return (200 if fine else 403), False
+            fine = "origin" in headers and gate.is_ours(headers)
+            return (200 if fine and gate.has_cookie(headers) and gate.has_token(headers) else 403), False
         if scope["method"] not in ("GET", "HEAD"):
             return 405, False
-        token = QueryParams(scope["query_string"]).get("token")
+        asked = QueryParams(scope["query_string"])
+        token, ticket = asked.get("token"), asked.get("ticket")
+        if scope["path"] == "/" and ticket is not None:
+            return (303 if gate.takes_ticket(ticket) else 403), False
         if scope["path"] == "/" and token is not None:  # opened by hand, or by a link in a terminal's page
             return (200, True) if gate.is_token(token) else (403, False)
         return (200 if gate.is_ours(headers) and gate.has_cookie(headers) else 403), False

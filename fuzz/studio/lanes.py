@@ -7,7 +7,10 @@ import contextlib
 import multiprocessing
 import os
 import signal
-from collections.abc import AsyncGenerator
+import threading
+from collections.abc import AsyncGenerator, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -28,18 +31,22 @@ LANES = {
     "widest": "widths",
     "signal": "making",
     "generate": "making",
+    "shift": "making",
     "measure": "widths",
     "run": "runs",
+    "check": "looks",
     "picture": "pictures",
     "before": "pictures",
     "campaigns": "campaigns",
     "begin": "campaigns",
+    "command": "campaigns",
     "resume": "campaigns",
     "stop": "campaigns",
     "watch": "watching",
     "failures": "walls",
     "know": "walls",
     "look": "looks",
+    "elite": "looks",
     "snippet": "looks",
 }
 """Which process does what: what is saved is never ended, and a long search for a proof stops no run."""
@@ -60,6 +67,7 @@ class Lane:
     def __init__(self, folder: Folder, named: tuple[str, ...]) -> None:
         self._given = (str(folder.root), named)
         self._turn = asyncio.Lock()
+        self._thread = ThreadPoolExecutor(1, "lane")  # of its own: all that wait at once would use up asyncio's
         self._process: multiprocessing.process.BaseProcess | None = None
         self._pipe: Connection | None = None
 
@@ -78,10 +86,11 @@ class Lane:
             pipe = self._pipe if self._process is not None and self._process.is_alive() else None
             pipe = pipe or self._start()
             heard_all = False
+            wait = asyncio.get_running_loop().run_in_executor
             try:
-                pipe.send((kind, message))
+                await wait(self._thread, pipe.send, (kind, message))  # a large one waits until the process has begun
                 while not heard_all:
-                    said = await asyncio.to_thread(pipe.recv)
+                    said = await wait(self._thread, pipe.recv)
                     heard_all = said[0] != "part"
                     yield said
             except (EOFError, OSError) as error:
@@ -89,6 +98,11 @@ class Lane:
             finally:
                 if not heard_all:
                     self.end()  # or the next one would hear the rest
+
+    def warm(self) -> None:
+        """Has the process begin, which takes a second, before anything is asked of it."""
+        if self._process is None:
+            self._start()
 
     def end(self) -> None:
         """Ends what is being done."""
@@ -99,25 +113,53 @@ class Lane:
     def _start(self) -> Connection:
         ours, theirs = multiprocessing.Pipe()
         context = multiprocessing.get_context("spawn")
-        self._process = context.Process(target=_work, args=(theirs, *self._given), daemon=True)
-        self._process.start()
+        process = context.Process(target=_work, args=(theirs, *self._given), daemon=True)
+        with _without_interrupts():
+            process.start()
         theirs.close()  # so that the end of the process is the end of the pipe
-        self._pipe = ours
+        self._process, self._pipe = process, ours
         return ours
+
+
+@contextlib.contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """A process that is started inside hears no Ctrl-C before it says so; this one hears it afterwards."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # which would start with the process otherwise, and lets interrupts through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _work(pipe: Connection, folder: str, named: tuple[str, ...]) -> None:
     """What the process does until the server is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # for the campaigns that are started here
+    threading.Thread(target=_end_with_the_server, daemon=True).start()
     with contextlib.suppress(OSError):
         os.nice(5)  # the page comes first
     from fuzz.studio.answers import Answers  # noqa: PLC0415 - heavy: in this process only
+    from fuzz.studio.running import allow_only  # noqa: PLC0415
 
+    allow_only(named)
     answers = Answers(Folder(Path(folder)), named)
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
             kind, message = pipe.recv()
             pipe.send(_answer(answers, kind, message, pipe))
+
+
+def _end_with_the_server() -> None:
+    """Ends this process with the server, killed maybe, even while a controller hangs; files are whole at any time."""
+    server = multiprocessing.parent_process()
+    if server is not None:
+        server.join()
+        os._exit(1)
 
 
 def _answer(answers: Any, kind: str, message: dict[str, Any], pipe: Connection) -> tuple[str, Any]:
@@ -126,8 +168,12 @@ def _answer(answers: Any, kind: str, message: dict[str, Any], pipe: Connection) 
     except (BrokenPipeError, EOFError):
         raise
     except WorldgenError as error:
-        return "error", str(error)
+        return "error", answers.folder.in_words(str(error))
+    except UnicodeEncodeError:
+        return "error", "the message has half of a character in a text; send whole ones"
     except MemoryError:
         return "error", "out of memory; take a smaller world"
+    except OSError as error:  # a full disk, of the temporary folder too
+        return "error", answers.folder.in_words(f"the disk cannot do this: {error}; make room, or use another one")
     except Exception as error:  # noqa: BLE001 - a fault of ours must not end the studio
         return "error", f"a fault of our own, not of your input: {type(error).__name__}: {error}"

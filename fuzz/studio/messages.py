@@ -19,9 +19,20 @@ from worldgen.grid_file import dumps, loads
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 
-__all__ = ["EventsMessage", "WorldMessage", "field", "is_same_place", "message_of", "restored", "world_of"]
+__all__ = [
+    "EventsMessage",
+    "WorldMessage",
+    "field",
+    "is_same_place",
+    "message_of",
+    "opened_message",
+    "restored",
+    "seed_of",
+    "world_of",
+]
 
 _MOST_EVENTS = 1_000_000
+_CELL_SIZES = 0.0001, 10_000  # m, least and largest: the page writes lengths with nine decimals
 _SOURCE_LIMIT = 8 << 20  # characters of the text of a file, which the page keeps to give it back
 
 
@@ -57,8 +68,14 @@ def message_of(world: World) -> WorldMessage:
     """A world as the page edits it.
 
     Raises:
-        InvalidWorld: If it has more cells, or changes more often, than a page takes.
+        InvalidWorld: If it has more cells, or of another size, or changes more often, than a page takes.
     """
+    least, largest = _CELL_SIZES
+    if not least <= world.cell_size <= largest:
+        raise InvalidWorld(
+            f"cell_size={world.cell_size:g} m: the studio draws cells of {least} to {largest} m; "
+            "worldgen show draws others"
+        )
     if world.walls.size > MOST_CELLS or len(world.timeline) > _MOST_EVENTS:
         raise InvalidWorld(
             f"{world.width} x {world.height} cells with {len(world.timeline)} changes are more than the studio's "
@@ -84,6 +101,25 @@ def message_of(world: World) -> WorldMessage:
         if world.is_dynamic
         else None,
         "source": text.decode("utf-8") if len(text) <= _SOURCE_LIMIT else None,
+    }
+
+
+def opened_message(world: World) -> dict[str, Any]:
+    """A world with what its file says of it."""
+    made, failure = world.provenance, world.failure
+    return {
+        "world": message_of(world),
+        "made": None if made is None else f"{made.family}, version {made.version}, seed {made.seed}",
+        "failure": None
+        if failure is None
+        else {
+            "controller": failure.controller,
+            "motion": failure.motion,
+            "seed": failure.seed,
+            "verdict": failure.verdict,
+            "digest": failure.trace_digest,
+            "parameters": dict(failure.parameters),
+        },
     }
 
 
@@ -143,6 +179,18 @@ def field(message: Mapping[str, Any], name: str, kind: type) -> Any:
     if type(value) is not kind:
         raise InvalidParameter(f"the message's {name} is {type(value).__name__}; it must be {kind.__name__}")
     return value
+
+
+def seed_of(message: Mapping[str, Any]) -> int:
+    """A message's seed, which comes as digits: a browser's numbers cannot hold all of them.
+
+    Raises:
+        InvalidParameter: If it is no whole number from 0 to 2**64 - 1.
+    """
+    seed: str = field(message, "seed", str)
+    if not (seed.isascii() and seed.isdigit() and len(seed) <= 20 and int(seed) < 1 << 64):
+        raise InvalidParameter(f"seed={seed[:40]!r} is no whole number from 0 to 2**64 - 1; give one")
+    return int(seed)
 
 
 def _numbers(message: Mapping[str, Any], name: str, count: int) -> list[float]:

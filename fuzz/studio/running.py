@@ -1,15 +1,28 @@
-"""Which controllers the page may run: the registered ones, and those named when the studio was started."""
+"""What the page may run: registered controllers and those named at the start, in registered motion models."""
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from sim.controllers import CONTROLLERS
+from sim.motion import MOTIONS
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
+from worldgen.plain_text import shown
+from worldgen.registry import only_code
+from worldgen.world import FailureRecord
 
-__all__ = ["may_run"]
+__all__ = ["allow_only", "check_named", "check_record", "check_registered", "may_run"]
+
+
+def allow_only(named: Sequence[str]) -> None:
+    """From now on this process, and each that it starts, runs no code but the registered and what was named.
+
+    Args:
+        named: Controllers, with their variations.
+    """
+    only_code(_names(tuple(named)))
 
 
 def may_run(controller: str, named: Sequence[str]) -> bool:
@@ -20,6 +33,50 @@ def may_run(controller: str, named: Sequence[str]) -> bool:
         named: What was named at the start, with them.
     """
     return controller in CONTROLLERS.names() or controller in _names(tuple(named))
+
+
+def check_record(record: FailureRecord, named: Sequence[str]) -> None:
+    """Refuses to run a failure that needs the code of a file, which may come from anywhere; before any of it is loaded.
+
+    Raises:
+        InvalidParameter: If its controller was not named at the start, or its motion model is not registered.
+    """
+    if not may_run(record.controller, named):
+        raise InvalidParameter(
+            f"{record.verdict}; {shown(record.controller[:60])} is not run here: "
+            "it was not named when the studio started"
+        )
+    if record.motion not in MOTIONS.names():
+        raise InvalidParameter(
+            f"{record.verdict}; it is not run here: its motion model {shown(record.motion[:60])} is a file's; "
+            "replay it at a terminal"
+        )
+
+
+def check_named(label: object, named: Sequence[str]) -> None:
+    """Refuses a controller that the page may not run; with options of its own, ``NAME+option=value``, it may.
+
+    Raises:
+        InvalidParameter: If it is neither registered nor named at the start.
+    """
+    if label in named or label in CONTROLLERS.names():
+        return
+    text = str(label)
+    known = (*CONTROLLERS.names(), *named, *_names(tuple(named)))
+    if not any(text.startswith(f"{name}+") for name in known):
+        raise InvalidParameter(
+            f"controller {text[:60]!r} was not named when the studio was started; worldgen studio --controller does"
+        )
+
+
+def check_registered(what: str, name: str, offered: Iterable[str]) -> None:
+    """Refuses what is no registered name: others are code of files.
+
+    Raises:
+        InvalidParameter: If it is none.
+    """
+    if name not in offered:
+        raise InvalidParameter(f"{what} {name[:40]!r} is not registered; choose one of the list")
 
 
 @functools.cache

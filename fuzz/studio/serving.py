@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import socket
 import webbrowser
 from collections.abc import Callable
@@ -12,28 +13,53 @@ import uvicorn
 from fuzz.studio.app import MOST_MESSAGE, Studio, make_app
 from worldgen.errors import InvalidParameter
 
-__all__ = ["bind", "serve"]
+__all__ = ["USUAL_PORT", "bind", "called", "serve"]
 
 
 def bind(host: str, port: int | None) -> socket.socket:
-    """A socket at a port; where none is named, at the studio's usual one, or any other that is free.
+    """A socket at a port; 0 is any that is free. Where none is named, the studio's usual one, or any that is free.
 
     Raises:
         InvalidParameter: If the host is not this machine's, or the port is taken.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listener = socket.socket(family, socket.SOCK_STREAM)
-    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     for number in (USUAL_PORT, 0) if port is None else (port,):
+        listener = socket.socket(family, socket.SOCK_STREAM)  # one that is bound cannot be bound again
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind((host, number))
+            listener.listen(64)
         except OSError as error:
-            reason = error.strerror or str(error)
-            continue
-        listener.listen(64)
-        return listener
-    listener.close()
-    raise InvalidParameter(f"{host}, port {port}: {reason}; give another --host or --port")
+            fault = _fault(host, number, error)
+        except (TypeError, UnicodeError):  # Python's, of a name that no host can have
+            fault = f"no host can be called {host!r}; give another --host"
+        else:
+            return listener
+        listener.close()
+    raise InvalidParameter(fault)
+
+
+def _fault(host: str, port: int, error: OSError) -> str:
+    """Why nobody can listen there, and the way out."""
+    if error.errno == errno.EADDRINUSE:
+        return (
+            f"port {port} of {host} is taken, by another studio maybe; end that, or give another --port; "
+            "with --port 0 it is any that is free"
+        )
+    if error.errno in (errno.EACCES, errno.EPERM):
+        return f"port {port} of {host} is not for everybody; give a --port from 1024 on, or 0 for any that is free"
+    if error.errno == errno.EADDRNOTAVAIL:
+        return f"{host} is no address of this machine; give another --host, or none for this machine alone"
+    return f"{host}: {error.strerror or error}; give another --host or --port"
+
+
+def called(host: str, listener: socket.socket) -> str:
+    """The host as a browser writes it: 127.0.0.1 for 127.1, a name in small letters."""
+    with contextlib.suppress(OSError, UnicodeError):
+        if host:  # all of this machine's addresses, where it is empty
+            socket.getaddrinfo(host, None, flags=socket.AI_NUMERICHOST)
+        return str(listener.getsockname()[0])
+    return host.lower()
 
 
 USUAL_PORT = 8642
@@ -64,6 +90,6 @@ def serve(studio: Studio, listener: socket.socket, *, browse: bool, said: Callab
     said("Ctrl-C ends it; what you have saved stays.")
     if browse:
         with contextlib.suppress(webbrowser.Error):
-            webbrowser.open(studio.gate.address)
+            webbrowser.open(studio.gate.address_for_once())
     with contextlib.suppress(KeyboardInterrupt):  # the way to end it
         uvicorn.Server(config).run(sockets=[listener])

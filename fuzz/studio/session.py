@@ -11,6 +11,7 @@ from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from fuzz.studio.gate import SUBPROTOCOL
 from fuzz.studio.lanes import LANES, Ended, Lane
 from fuzz.studio.watching import Watching
 
@@ -18,8 +19,14 @@ __all__ = ["PROTOCOL", "Session"]
 
 PROTOCOL = 1  # goes up whenever a page of before would not understand
 _REPLACED = frozenset({"decide", "widest", "signal", "generate", "measure", "run", "watch"})  # only the newest counts
+_ENDED = _REPLACED | {"before", "hello", "look", "picture"}  # what runs controllers or takes long, and writes nothing
 _PATIENCE = 0.7  # s: what is replaced may finish in this time, for a new process takes longer to start
+_WARM = {"campaigns": ("walls", "looks")}  # lanes that are asked next by a page that asks for that
 _MOST_WAITING = 64
+_DIED = (
+    "the process that did this has died, of a controller that ends or crashes Python or for want of memory; what it "
+    "said is in the studio's terminal; try again with another controller or a smaller world"
+)
 
 
 @dataclass(eq=False)
@@ -52,13 +59,19 @@ class Session:
 
     async def serve(self) -> None:
         """Answers until the page is gone."""
-        await self.socket.accept()
+        await self.socket.accept(SUBPROTOCOL)
         await self._send({"protocol": PROTOCOL, **self.begins})
         with contextlib.suppress(WebSocketDisconnect):
             while True:
-                await self._take(await self.socket.receive_text())
+                await self._take(await self._hear())
         for job in list(self._jobs.values()):
             self._end(job)
+
+    async def _hear(self) -> str:
+        try:
+            return await self.socket.receive_text()
+        except KeyError:  # of Starlette: these were bytes
+            return ""
 
     async def _take(self, text: str) -> None:
         try:
@@ -73,7 +86,7 @@ class Session:
         kind = message.get("do")
         if kind == "cancel":
             job = self._jobs.get(message.get("of", -1)) if type(message.get("of")) is int else None
-            if job is not None and job.kind in _REPLACED:
+            if job is not None and job.kind in _ENDED:
                 self._end(job)
             await self._send({"id": number, "answer": {}})
         elif not isinstance(kind, str) or kind not in LANES:
@@ -89,6 +102,9 @@ class Session:
             old.replaced = True
         self._jobs[job.number] = self._newest[job.kind] = job
         job.task = asyncio.create_task(self._do(job, old, message))
+        for name in _WARM.get(job.kind, ()):
+            with contextlib.suppress(OSError):  # no process can begin now; what is asked of it later says so
+                self.lanes[name].warm()
 
     async def _do(self, job: _Job, old: _Job | None, message: dict[str, Any]) -> None:
         """Does one job after what it replaces is out of the way."""
@@ -97,10 +113,15 @@ class Session:
             if old is not None and old.task is not None and not old.task.done():
                 await asyncio.wait({old.task}, timeout=_PATIENCE if old.running else 0)
                 self._end(old)
-            if not (job.replaced and job.kind in _REPLACED):
+            if not (job.replaced and job.kind in _ENDED):
                 said = await self._ask(job, message)
         except Ended:
+            if not job.replaced:
+                said = {"error": _DIED}
+        except (WebSocketDisconnect, RuntimeError):  # RuntimeError: the page has gone meanwhile
             pass
+        except Exception as error:  # noqa: BLE001 - every question gets an answer, or the page waits for ever
+            said = {"error": f"a fault of our own, not of your input: {type(error).__name__}: {error}"}
         finally:
             self._jobs.pop(job.number, None)
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # RuntimeError: the page has gone meanwhile
@@ -110,7 +131,7 @@ class Session:
         try:
             async with contextlib.aclosing(job.lane.ask(job.kind, message)) as said:
                 async for what, table in said:
-                    if job.replaced and job.kind in _REPLACED:
+                    if job.replaced and job.kind in _ENDED:
                         break
                     job.running = True
                     if what == "part":
@@ -124,7 +145,7 @@ class Session:
     def _end(self, job: _Job) -> None:
         """Ends a job: what is running with its process, what waits by not beginning it."""
         job.replaced = True
-        if job.kind in _REPLACED and job.running:
+        if job.kind in _ENDED and job.running:
             job.lane.end()
 
     async def _send(self, message: Mapping[str, Any]) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from itertools import islice
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from fuzz.asked import objection_in_words
@@ -15,45 +16,52 @@ from fuzz.corpus.names import name_of
 from fuzz.failure import regardless_of_walls, scenario_of
 from fuzz.player import drawn_run, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
-from fuzz.studio.campaigns import KNOWN
-from fuzz.studio.folder import Folder
+from fuzz.studio.folder import KNOWN, MOST_FAILURES
 from fuzz.studio.messages import field as part_of
-from fuzz.studio.running import may_run
+from fuzz.studio.opened import Opened
+from fuzz.studio.pasted import from_anywhere
+from fuzz.studio.running import check_record, check_registered
 from fuzz.telling import replay_line, seeds_in_words
 from sim.controllers import CONTROLLERS
 from sim.episode import simulate
+from sim.motion import MOTIONS
 from sim.words import evidence_in_words
-from worldgen.errors import InvalidParameter, WorldgenError
+from worldgen.archives import is_archive, members
+from worldgen.errors import FormatError, InvalidParameter, OutputError, WorldgenError
 from worldgen.files import write_bytes
 from worldgen.grid_file import dumps, read_world
+from worldgen.grid_file.disk import unpack_world
 from worldgen.world import Cut, World
+from worldgen.world_files import is_world_file
 
 __all__ = ["WallAnswers"]
 
 _MOST_STEPS = 200_000  # of a run for a picture; a longer one is played on the page Play
 
+_TOLD = 500  # files between two words on how far reading is
+
 Message = Mapping[str, Any]
+Part = Callable[[dict[str, Any]], None]
 
 
 @dataclass(frozen=True)
-class WallAnswers:
-    """What the campaign page asks for, as far as failures are concerned.
+class WallAnswers(Opened):
+    """What the campaign page asks for, as far as failures are concerned."""
 
-    Args:
-        folder: What can be read and written.
-        named: Controllers that were named at the start, beside the registered ones.
-    """
-
-    folder: Folder
-    named: Sequence[str] = ()
     _read: dict[tuple[str, int, int], Entry | None] = field(default_factory=dict, init=False, repr=False, compare=False)
 
-    def failures(self, message: Message, part: object) -> dict[str, Any]:
+    def failures(self, message: Message, part: Part) -> dict[str, Any]:
         """The failures in a folder and below; what cannot be read is told, not raised."""
         below = part_of(message, "folder", str)
-        known = {entry.facts.key for entry in self._entries(KNOWN, [])} if self.folder.place(KNOWN).is_dir() else set()
+        known = (
+            {entry.facts.key for entry in self._entries(KNOWN, [], part)}
+            if self.folder.place(KNOWN).is_dir()
+            else set()
+        )
         faults: list[str] = []
-        entries = self._entries(below, faults)
+        place = self.folder.place(below) if below else self.folder.root
+        packed = is_archive(place) and place.is_file()
+        entries = self._packed(place, faults, part) if packed else self._entries(below, faults, part)
         return {
             "failures": [
                 {
@@ -79,21 +87,25 @@ class WallAnswers:
         """A failure's world and its run, to be drawn, and what happened in words."""
         path = self.folder.place(part_of(message, "name", str))
         world = read_world(path)
+        who = world.failure.controller if world.failure is not None else ""
         told: dict[str, Any] = {"world": drawn_world(world), "run": None, "sensors": None}
         told |= {
-            "replay": replay_line(path),
+            "replay": from_anywhere(replay_line(path), who, CONTROLLERS.names()),
             "notes": [*filter(None, (seeds_in_words(world), boundaries_in_words(world)))],
         }
         try:
             return told | self._seen(world)
         except WorldgenError as error:
-            return told | {"words": str(error)}
+            return told | {"words": self.folder.in_words(str(error))}
 
     def snippet(self, message: Message, part: object) -> dict[str, Any]:
         """A failure as the text of a test."""
-        return {"text": snippet(read_world(self.folder.place(part_of(message, "name", str))))}
+        world = read_world(self.folder.place(part_of(message, "name", str)))
+        if world.failure is not None:
+            check_registered("motion", world.failure.motion, MOTIONS.names())
+        return {"text": snippet(world)}
 
-    def know(self, message: Message, part: object) -> dict[str, Any]:
+    def know(self, message: Message, part: Part) -> dict[str, Any]:
         """Marks a failure's class as known, by a copy in the folder of known ones, or takes that back."""
         path = self.folder.place(part_of(message, "name", str))
         world = read_world(path)
@@ -102,47 +114,78 @@ class WallAnswers:
             raise InvalidParameter(f"{path.name} holds no failure; mark one that does")
         if part_of(message, "known", bool):
             copy = self.folder.place(f"{KNOWN}/{name_of(facts)}.grid")
-            copy.parent.mkdir(parents=True, exist_ok=True)
+            try:
+                copy.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise OutputError(f"{KNOWN}/ cannot be made: {error.strerror or error}; make room for it") from error
             write_bytes(copy, dumps(world), force=True)
         else:
-            for entry in self._entries(KNOWN, []):
+            for entry in self._entries(KNOWN, [], part):
                 if entry.facts.key == facts.key:
                     entry.path.unlink()
         return {}
 
     def _seen(self, world: World) -> dict[str, Any]:
         """The run of a failure, as long as a picture has use for."""
+        if world.failure is not None:
+            check_record(world.failure, self.named)
         record, options = scenario_of(world)
-        if not may_run(record.controller, self.named):
-            raise InvalidParameter(
-                f"{record.verdict}; {record.controller[:60]} is not run here: it was not named when the studio started"
-            )
         options = replace(options, steps=min(options.steps, _MOST_STEPS))
         judged = shown = simulate(world, record.controller, options, record=True)
+        controller = CONTROLLERS.get(record.controller)
         words = f"{judged.verdict}{evidence_in_words(judged)}"
         if isinstance(world.certificate, Cut):
             shown = simulate(world, record.controller, regardless_of_walls(options), record=True)
             words += f": reached a walled-off target in step {shown.steps}"
         return {
-            "run": drawn_run(shown, world.cell_size, judged),
-            "sensors": sensors_of(CONTROLLERS.get(record.controller), options, world.cell_size),
+            "run": drawn_run(shown, world.cell_size, judged, controller=controller),
+            "sensors": sensors_of(controller, options, world.cell_size),
             "words": words + objection_in_words(record.evidence),
         }
 
-    def _entries(self, below: str, faults: list[str]) -> list[Entry]:
+    def _entries(self, below: str, faults: list[str], part: Part) -> list[Entry]:
         """The failures of a folder's files, read once; links are passed over."""
+        files = [file for file in self.folder.files(below=below, most=MOST_FAILURES) if file["world"]]
+        if len(files) == MOST_FAILURES:
+            faults.append(f"Only the first {MOST_FAILURES} files are shown; choose a folder below.")
         found = []
-        for file in self.folder.files(below=below):
-            if not file["world"]:
-                continue
-            path = self.folder.root / file["name"]
+        for number, file in enumerate(files):
+            if number % _TOLD == _TOLD - 1:
+                part({"read": number + 1, "of": len(files)})
             try:
-                entry = self._entry(path)
+                entry = self._entry(self.folder.root / file["name"])
+            except FileNotFoundError:  # it has just been removed
+                continue
             except WorldgenError as error:
-                faults.append(str(error))
+                faults.append(self.folder.in_words(str(error)))
                 continue
             if entry is not None:
                 found.append(entry)
+        return found
+
+    def _packed(self, archive: Path, faults: list[str], part: Part) -> list[Entry]:
+        """The failures in an archive, under its name and then their own; those that have no name there are told."""
+        found: list[Entry] = []
+        there = archive.relative_to(self.folder.root).as_posix()
+        packed = (one for one in members(archive) if is_world_file(one.name) and not _is_hidden(one.name))
+        try:
+            for number, member in enumerate(islice(packed, MOST_FAILURES + 1)):
+                if number == MOST_FAILURES:
+                    faults.append(f"Only the first {MOST_FAILURES} files of {archive.name} are shown.")
+                    break
+                if number % _TOLD == _TOLD - 1:
+                    part({"read": number + 1, "of": None})
+                try:
+                    name = PurePosixPath(member.name).as_posix()  # any text, one that begins with / too
+                    place = self.folder.place(f"{there}/{name}")
+                    facts = Facts.of(unpack_world(member, str(place)), str(place))
+                except WorldgenError as error:
+                    faults.append(self.folder.in_words(str(error)))
+                    continue
+                if facts is not None:
+                    found.append(Entry(place, facts))
+        except FormatError as error:  # of the archive; what was read until there is sound
+            faults.append(self.folder.in_words(str(error)))
         return found
 
     def _entry(self, path: Path) -> Entry | None:
@@ -152,3 +195,8 @@ class WallAnswers:
             entries = read_corpus([path]).entries
             self._read[key] = entries[0] if entries else None
         return self._read[key]
+
+
+def _is_hidden(name: str) -> bool:
+    """Whether it is none of a person's files: a campaign's memory, or what macOS packs beside each file."""
+    return any(part.startswith(".") and part != ".." for part in PurePosixPath(name).parts)

@@ -8,7 +8,7 @@ from collections.abc import AsyncGenerator
 from typing import Any
 
 from fuzz.studio.folder import Folder
-from worldgen.errors import WorldgenError
+from worldgen.errors import InvalidParameter, WorldgenError
 
 __all__ = ["Watching"]
 
@@ -39,7 +39,7 @@ class Watching:
             try:
                 state = await asyncio.to_thread(self._state, message)
             except WorldgenError as error:
-                yield "error", str(error)
+                yield "error", self._folder.in_words(str(error))
                 return
             except OSError as error:
                 yield "error", f"the campaign's folder cannot be read: {error.strerror or error}; look at it again"
@@ -52,11 +52,17 @@ class Watching:
             yield ("part", {"state": state}) if changed else ("turn", {})
             await asyncio.sleep(_EVERY)
 
+    def warm(self) -> None:
+        """Nothing: there is no process that would have to begin."""
+
     def end(self) -> None:
         """Nothing: who is not asked for more ends by itself."""
 
     def _state(self, message: dict[str, Any]) -> dict[str, Any]:
         name = str(message.get("folder"))
         reads = importlib.import_module("fuzz.studio.campaign_state")  # heavy: not before somebody watches
-        state: dict[str, Any] = reads.campaign_state(self._folder.place(name), name)
+        place = self._folder.place(name)
+        if not reads.is_own(place):
+            raise InvalidParameter(f"{name!r} is no folder of a campaign in the opened one; give the name of another")
+        state: dict[str, Any] = reads.campaign_state(place, name)
         return state

@@ -21,7 +21,7 @@ from fuzz.campaign import Campaign
 from fuzz.config import CampaignConfig
 from fuzz.crews import Alone
 from fuzz.ledger import CampaignFolder, Goal, begin, resume, setup_of, stored_seed
-from fuzz.ledger.setup import config_of
+from fuzz.ledger.setup import config_of, digest_of_sources
 from fuzz.session import CampaignSession
 from fuzz.variation import Variation
 from sim.scenario import Scenario
@@ -121,7 +121,7 @@ def test_ctrl_c_leaves_a_campaign_that_goes_on_to_the_same_corpus(whole, tmp_pat
     process = start(*FUZZ, "--units", UNITS, "--out", out)
     wait_for(lambda: any(out.glob("*.grid")))
     process.send_signal(signal.SIGINT)
-    err = process.communicate(timeout=60)[1]
+    err = process.communicate(timeout=180)[1]
     assert process.returncode == 130 and f"worldgen fuzz --resume {out} goes on" in err
     assert worldgen("fuzz", "--resume", out, "--workers", 1, "--json").code == 1
     assert left_in(out) == left_in(whole)
@@ -349,3 +349,16 @@ def test_a_configuration_comes_back_from_its_folder_as_it_was():
     )
     stored = json.loads(json.dumps(setup_of(config).configuration))
     assert config_of(stored) == config
+
+
+@pytest.mark.parametrize(
+    ("file", "same"),
+    [("fuzz/studio/page/campaign.js", True), ("fuzz/player/page/map.js", True), ("fuzz/report/page.py", True),
+     ("fuzz/kernels/looks.py", False), ("fuzz/studio_of_mine.py", False)],
+)  # fmt: skip
+def test_an_edit_of_what_shows_a_campaign_leaves_it_as_it_is_and_one_of_a_kernel_does_not(tmp_path, file, same):
+    (tmp_path / file).parent.mkdir(parents=True)
+    (tmp_path / "fuzz/campaign.py").write_text("")
+    before = digest_of_sources([tmp_path / "fuzz"])
+    (tmp_path / file).write_text("changed")
+    assert (digest_of_sources([tmp_path / "fuzz"]) == before) is same

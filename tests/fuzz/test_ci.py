@@ -208,12 +208,12 @@ def test_two_reports_in_one_file_are_refused_before_the_work(one, other, project
     assert f"x is named for {one} and for {other}" in result.err
 
 
-def test_fuzz_writes_what_it_found(project):
+def test_fuzz_writes_what_it_found_also_into_the_folder_that_it_makes(project):
     options = ("--motion", "stepped", "--units", 1, "--examples", 40, "--seed", 1, "--workers", 1, "--out", "out")
     result = worldgen(
-        "fuzz", "--controller", "thesis-1", *options, "--json", "--sarif", "s.sarif", "--summary", "sum.md"
+        "fuzz", "--controller", "thesis-1", *options, "--json", "--sarif", "out/s.sarif", "--summary", "sum.md"
     )
     found = json.loads(result.out)["failures"]
-    run = read_sarif(Path("s.sarif").read_bytes())
+    run = read_sarif(Path("out/s.sarif").read_bytes())
     assert [one["ruleId"] for one in run["results"]] == [one["class"] for one in found] != []
     assert run["properties"]["seed"] == "1" and len(read_markdown(Path("sum.md").read_text())[0]) == len(found)

@@ -257,7 +257,7 @@ def test_a_worker_that_dies_is_one_line_and_code_2(tmp_path):
     wanted = f"{tmp_path}/mine.py:Dies=reached"
     ended = subprocess.run(
         [*FIND, wanted, "--units", "1", "--workers", "2", "--out", tmp_path / "w.grid"],
-        check=False, capture_output=True, text=True, timeout=60,
+        check=False, capture_output=True, text=True, timeout=180,
     )  # fmt: skip
     assert ended.returncode == 2 and "a worker process died" in ended.stderr and "Traceback" not in ended.stderr
 
@@ -266,7 +266,7 @@ def interrupted(process):
     """Presses Ctrl-C as a terminal does, at every process; returns what it printed, once all have ended."""
     os.killpg(process.pid, signal.SIGINT)
     try:
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=180)
         assert ended(process.pid)
     finally:
         process.kill()
@@ -281,8 +281,8 @@ def started(*args):
 
 
 def ended(group):
-    """Whether every process of a group ends, within 10 s."""
-    deadline = time.monotonic() + 10
+    """Whether every process of a group ends, within a minute."""
+    deadline = time.monotonic() + 60
     while time.monotonic() < deadline:
         try:
             os.killpg(group, 0)
@@ -308,7 +308,7 @@ def test_ctrl_c_in_the_first_unit_keeps_what_that_unit_had(tmp_path):
     (tmp_path / "mine.py").write_text(MINE.replace("MET", str(met)))
     wanted = f"{tmp_path}/mine.py:Slow=reached@9999"
     process = started(wanted, "--budget", "10m", "--seed", 1, "--workers", 1, "--out", tmp_path / "w.grid")
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 120
     while not met.exists() and time.monotonic() < deadline:
         time.sleep(0.05)
     assert "worlds in 1 units; wrote" in interrupted(process)

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -66,7 +67,7 @@ def test_what_could_not_be_written_is_refused_before_the_work(big, tmp_path, mon
 
 def run_pytest(folder):
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "ignore", "."]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False).stdout
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False).stdout
 
 
 def test_the_printed_module_runs_and_fails_as_the_failure_does(big, tmp_path):
@@ -105,3 +106,51 @@ def test_a_module_is_valid_python_that_carries_the_same_world(motion):
     names = {}
     exec(compile(snippet(made), "test_it.py", "exec"), names)
     assert world_digest(names["FAILURE"]) == world_digest(made)
+
+
+NAMES = [
+    "turn-right",
+    "./deep/down/below/mine.py:MyRobotThatHasALongNameOfItsOwn",
+    "cmd:./it's mine",
+    'cmd:./mine "it"',
+]
+
+
+@pytest.mark.parametrize("controller", NAMES)
+@pytest.mark.parametrize("parameters", [{}, {"slip": 0.125, "beams": 36, "sensor_range": 0.25, "friction": 0.5}])
+def test_a_module_is_as_a_formatter_leaves_it_whatever_its_lines_are_allowed(controller, parameters, tmp_path):
+    pytest.importorskip("ruff", reason="no formatter here")
+    made = failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000)
+    record = replace(made.failure, controller=controller, parameters={**made.failure.parameters, **parameters})
+    (tmp_path / "test_it.py").write_text(snippet(replace(made, failure=record)))
+    for width in ("88", "120"):
+        command = [
+            sys.executable,
+            "-m",
+            "ruff",
+            "format",
+            "--isolated",
+            "--check",
+            "--line-length",
+            width,
+            "test_it.py",
+        ]
+        subprocess.run(command, cwd=tmp_path, check=True, timeout=60)
+
+
+@pytest.mark.parametrize(
+    ("controller", "says"),
+    [
+        ("./mine.py:Mine", True),
+        ("mine.py:Mine", True),
+        ("/a/./mine.py:Mine", False),
+        ("cmd:./mine", True),
+        ("cmd:python3 ./mine.py", True),
+        ("cmd:/a/./mine", False),
+        ("turn-right", False),
+    ],
+)
+def test_a_module_says_from_where_a_controller_s_file_is_looked_for(controller, says):
+    made = failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000)
+    text = snippet(replace(made, failure=replace(made.failure, controller=controller)))
+    assert (f"# {controller} is looked for from the folder in which pytest is started." in text) == says

@@ -1,9 +1,18 @@
 """The studio's server: what it answers, and whom."""
 
+import asyncio
 import base64
+import errno
 import json
+import multiprocessing
+import re
+import signal
+import socket
+import subprocess
+import sys
 import threading
 import tomllib
+from collections import defaultdict
 from fnmatch import fnmatch
 from importlib.resources import files
 from pathlib import Path
@@ -11,10 +20,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from starlette.datastructures import Headers
+from starlette.websockets import WebSocketDisconnect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from fuzz.studio import Folder, Gate
+from fuzz.studio.app import FULL, MOST_MESSAGE
+from fuzz.studio.catalogue import catalogue
+from fuzz.studio.lanes import Lane
 from fuzz.studio.messages import message_of, restored, world_of
+from fuzz.studio.serving import USUAL_PORT, bind, called
+from fuzz.studio.session import Session
+from fuzz.studio.starting import check_controller
 from sim.episode import simulate
 from tests.helpers.command_line import worldgen
 from tests.helpers.studio import get, page_of, studio_of
@@ -22,6 +38,7 @@ from worldgen import generate
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.grid_file import dumps, read_world, write_world
 from worldgen.interop import export_world
+from worldgen.world import Pose, Target, World
 
 CONTROLLER = """
 class Robot:
@@ -80,7 +97,7 @@ def run_message(**changes):
 def test_the_address_with_the_token_gives_a_cookie_that_other_sites_cannot_send(gate):
     answer = get(gate, f"/?token={gate.token}", token=False)
     cookie = answer.headers["set-cookie"]
-    assert answer.status == 200 and gate.token in cookie
+    assert answer.status == 200 and gate.cookie_value in cookie and gate.token not in cookie
     assert "HttpOnly" in cookie and "SameSite=Strict" in cookie
 
 
@@ -120,7 +137,18 @@ def test_a_connection_under_a_name_that_was_made_to_lead_here_is_refused(gate):
 
 
 def test_a_connection_without_the_cookie_is_refused(gate):
+    assert refused(gate, cookie=False) == 403
+
+
+def test_a_server_of_another_port_that_the_browser_shows_the_cookie_cannot_connect_with_it(gate):
     assert refused(gate, token=False) == 403
+
+
+def test_the_address_that_a_browser_is_started_with_lets_in_once(gate):
+    path = "/?ticket=" + gate.address_for_once().rpartition("=")[2]
+    first, second = (get(gate, path, token=False) for _ in range(2))
+    assert (first.status, first.headers["location"]) == (303, gate.address)
+    assert second.status == 403 and "set-cookie" not in first.headers
 
 
 @pytest.mark.parametrize("path", ["/../answers.py", "/studio/../gate.py", "/studio/%2e%2e/gate.py", "/player/", "/x"])
@@ -138,6 +166,25 @@ def test_every_answer_forbids_scripts_in_the_page_s_text_and_everything_from_els
 def test_it_listens_to_this_machine_alone_unless_told():
     gate = Gate("127.0.0.1", 80)
     assert gate.knows_host("localhost:80") and not gate.knows_host("192.168.1.2:80")
+
+
+def test_at_the_port_that_browsers_leave_out_it_knows_its_name_without():
+    assert Gate("127.0.0.1", 80).knows_host("127.0.0.1") and Gate("::1", 80).knows_host("[::1]")
+    assert not Gate("127.0.0.1", 80).knows_host("evil.example") and not Gate("::1", 81).knows_host("[::1]")
+
+
+@pytest.mark.parametrize(
+    ("host", "name"), [("127.1", "127.0.0.1"), ("0:0::1", "::1"), ("LOCALHOST", "localhost"), ("", "0.0.0.0")]
+)
+def test_a_host_is_known_by_what_a_browser_makes_of_it(host, name):
+    with bind(host, None) as listener:
+        assert called(host, listener) == name
+
+
+@pytest.mark.parametrize("host", ["a\0b", "x" * 80, "a host", "::x"])
+def test_what_can_be_no_host_is_told(host):
+    with pytest.raises(InvalidParameter, match="give another --host"):
+        bind(host, None)
 
 
 def test_bound_to_every_address_it_still_knows_no_name_but_its_own():
@@ -197,6 +244,30 @@ def test_it_offers_what_is_registered_and_what_was_named(page, folder):
     assert offered["controllers"][0]["name"] == f"{folder}/mine.py:Robot"
     assert {"maze", "trap"} <= {family["name"] for family in offered["families"]}
     assert next(motion for motion in offered["motions"] if motion["name"] == "stepped")["thesis"]
+
+
+def test_a_named_controller_stands_first_with_the_motion_model_it_drives_in():
+    labels = ["thesis-1+repaired+motion=stepped", "bug1"]
+    offered = catalogue(labels, print)["controllers"]
+    assert [(one["name"], one["motion"]) for one in offered if one["named"]] == list(
+        zip(labels, ["stepped", "swept"], strict=True)
+    )
+    assert [one["name"] for one in offered[:2]] == labels
+
+
+def test_a_controller_that_took_long_to_fail_is_tried_again_when_its_file_is_mended(tmp_path, monkeypatch):
+    monkeypatch.setattr("fuzz.studio.catalogue._SLOW", -1.0)
+    (tmp_path / "mine.py").write_text(f"print('tried')\nraise OSError({'x' * 50!r})\n")
+    label = f"{tmp_path / 'mine.py'}:Robot"
+    first, again = (catalogue([label], print)["controllers"][0] for _ in range(2))
+    assert first["fault"] and again["fault"] == first["fault"]
+    (tmp_path / "mine.py").write_text(CONTROLLER)
+    assert not catalogue([label], print)["controllers"][0]["fault"]
+
+
+def test_a_robot_s_second_name_is_told():
+    also = {one["name"]: one["also"] for one in catalogue([], print)["controllers"]}
+    assert (also["thesis-1"], also["turn-right"], also["bug1"]) == ("turn-right", "thesis-1", "")
 
 
 def test_a_world_saved_as_it_was_opened_is_the_same_file(page, folder):
@@ -275,6 +346,12 @@ def test_what_is_wrong_with_a_dropped_file_is_said_by_its_own_name(page):
     assert page.ask("bring", name="../drawing.txt", data=data)["error"].startswith("drawing.txt")
 
 
+def test_a_document_type_in_a_dropped_file_is_said_once(page):
+    data = base64.b64encode(b"<?xml version='1.0'?><!DOCTYPE sdf><sdf version='1.7'/>").decode()
+    error = page.ask("bring", name="e.world", data=data)["error"]
+    assert error.startswith("e.world:1: a document type ('sdf') is declared") and "/" not in error
+
+
 def test_a_newer_question_replaces_an_older_one(gate):
     with page_of(gate) as page:
         first = page.send("decide", world=world())
@@ -304,9 +381,22 @@ def test_a_run_that_nobody_wants_is_ended_and_the_next_one_runs(gate, folder):
     assert again["parts"][-1]["verdict"]
 
 
+@pytest.mark.parametrize("more", [{}, {"difficulty": 0.5}])
+@pytest.mark.parametrize("name", ["seed", "tries", "progress"])
+def test_what_is_no_parameter_of_a_family_is_told(page, name, more):
+    said = page.ask("generate", family="trap", seed="1", parameters={name: 3}, **more)
+    assert f"trap has no parameter '{name}'" in said["error"]
+
+
+def test_half_of_a_character_is_the_message_s_fault(page):
+    said = page.ask("save", name="x.grid", overwrite=True, world=world(source="\ud800"))
+    assert "half of a character" in said["error"]
+
+
 @pytest.mark.parametrize(
-    "text", ["", "{", "[]", "1", '{"id": 1}', '{"id": -1, "do": "files"}', '{"id": true, "do": "files"}', "[" * 100_000,
-             '{"id": 7, "do": "__init__"}', '{"id": 8, "do": "open"}', '{"id": 9, "do": "open", "name": 3}'],
+    "text", [b"{}", "", "{", "[]", "1", '{"id": 1}', '{"id": -1, "do": "files"}', '{"id": true, "do": "files"}',
+             "[" * 100_000, '{"id": 7, "do": "__init__"}', '{"id": 8, "do": "open"}',
+             '{"id": 9, "do": "open", "name": 3}'],
 )  # fmt: skip
 def test_nonsense_gets_a_sentence(page, text):
     page.socket.send(text)
@@ -335,13 +425,181 @@ def test_a_world_with_changes_comes_back_from_its_message():
     assert restored(json.loads(json.dumps(message_of(burning)))) == burning
 
 
+def test_a_world_whose_lengths_the_page_would_round_to_nothing_is_refused_in_words():
+    tiny = World(
+        np.zeros((3, 3), np.bool_), Pose(1e-300, 1e-300, 0.0), Target(2e-300, 2e-300, 1e-301), cell_size=1e-300
+    )
+    with pytest.raises(InvalidWorld, match="the studio draws cells of"):
+        message_of(tiny)
+
+
 def test_a_port_that_is_taken_is_told(gate, tmp_path):
     said = worldgen("studio", tmp_path, "--no-browser", "--port", gate.port)
-    assert said.code == 2 and "give another --host or --port" in said.err
+    assert said.code == 2 and f"port {gate.port} of 127.0.0.1 is taken" in said.err and "--port 0" in said.err
+
+
+def test_of_two_studios_that_start_at_once_the_second_takes_another_port(monkeypatch):
+    class Late(socket.socket):
+        def listen(self, *backlog):
+            if self.getsockname()[1] == usual:  # the other one has bound it too, and listened first
+                raise OSError(errno.EADDRINUSE, "taken")
+            super().listen(*backlog)
+
+    with bind("127.0.0.1", 0) as free:
+        usual = free.getsockname()[1]
+    monkeypatch.setattr("fuzz.studio.serving.USUAL_PORT", usual)
+    monkeypatch.setattr("fuzz.studio.serving.socket.socket", Late)
+    with bind("127.0.0.1", None) as listener:
+        assert listener.getsockname()[1] != usual
+
+
+def test_a_process_that_cannot_begin_ahead_of_time_costs_no_connection():
+    class Full:
+        def warm(self):
+            raise OSError(errno.EAGAIN, "too many processes")
+
+        async def ask(self, kind, message):
+            yield "answer", {}
+
+    class Socket:
+        def __init__(self):
+            self.asked, self.said = [json.dumps({"id": 7, "do": "campaigns"})], []
+
+        async def accept(self, name):
+            pass
+
+        async def receive_text(self):
+            if self.asked:
+                return self.asked.pop()
+            await asyncio.sleep(0.1)
+            raise WebSocketDisconnect
+
+        async def send_text(self, text):
+            self.said.append(json.loads(text))
+
+    page = Session(Socket(), defaultdict(Full), {})
+    asyncio.run(page.serve())
+    assert page.socket.said[1:] == [{"id": 7, "answer": {}}]
+
+
+def test_port_0_is_one_that_is_free():
+    with bind("127.0.0.1", 0) as one, bind("127.0.0.1", 0) as other:
+        ports = {listener.getsockname()[1] for listener in (one, other)}
+        assert len(ports) == 2 and not ports & {0, USUAL_PORT}
+
+
+def test_the_command_prints_the_port_that_it_has_found(tmp_path):
+    command = [sys.executable, "-m", "worldgen", "studio", str(tmp_path), "--no-browser", "--port", "0"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
+        host, port, token = re.search(r"http://(.*):(\d+)/\?token=(.*)", server.stderr.readline()).groups()
+        with page_of(Gate(host, int(port), token)) as page:
+            assert page.begins["folder"] == str(tmp_path)
+        server.send_signal(signal.SIGINT)
+        assert server.wait(timeout=60) == 0
+
+
+def test_one_page_more_than_there_may_be_is_closed_with_a_sentence(tmp_path, monkeypatch):
+    monkeypatch.setattr("fuzz.studio.app.MOST_PAGES", 2)
+    with studio_of(tmp_path) as gate, page_of(gate), page_of(gate):
+        with pytest.raises(ConnectionClosed) as closed, page_of(gate):
+            pass
+        assert closed.value.rcvd.code == FULL
+        assert closed.value.rcvd.reason == "2 pages are open, and the studio takes no more; close another one."
+
+
+def test_a_message_that_is_too_large_ends_that_connection_alone(gate):
+    with page_of(gate) as page, page_of(gate) as other:
+        with pytest.raises(ConnectionClosed) as closed:
+            page.ask("files", more="x" * MOST_MESSAGE)
+        assert closed.value.rcvd.code == 1009
+        assert "files" in other.ask("files")["answer"]
+
+
+def test_what_is_wrong_with_a_name_is_said_without_the_path_of_the_folder(page, folder):
+    message = {"world": message_of(generate("corridor", 3)), "overwrite": False}
+    for said in (page.ask("save", name="missing/w.grid", **message), page.ask("open", name="missing.grid")):
+        assert "missing" in said["error"] and str(folder) not in said["error"]
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ("{}/w.grid: line 3", "w.grid: line 3"),
+        ("{}: the folder {} does not exist", "the opened folder: the folder the opened folder does not exist"),
+        ("{}.old/w.grid and {}-2", "{}.old/w.grid and {}-2"),
+    ],
+)
+def test_paths_are_told_as_the_page_has_them(said, told, tmp_path):
+    assert Folder(tmp_path).in_words(said.replace("{}", str(tmp_path))) == told.replace("{}", str(tmp_path))
+
+
+def test_a_lane_that_waits_holds_no_other_up(tmp_path, monkeypatch):
+    ends = []
+
+    def start(lane):
+        ours, theirs = multiprocessing.Pipe()
+        ends.append((ours, theirs))
+        return ours
+
+    async def ask(lane):
+        return [said async for said in lane.ask("files", {})][-1]
+
+    async def all_wait_but_one():
+        lanes = [Lane(Folder(tmp_path), ()) for _ in range(40)]
+        tasks = [asyncio.create_task(ask(lane)) for lane in lanes]
+        while len(ends) < len(lanes):
+            await asyncio.sleep(0.01)
+        ends[-1][1].send(("answer", "here"))
+        try:
+            return await asyncio.wait_for(tasks[-1], 20)
+        finally:
+            for _, theirs in ends:
+                theirs.close()
+            await asyncio.wait(tasks)
+
+    monkeypatch.setattr(Lane, "_start", start)
+    assert asyncio.run(all_wait_but_one()) == ("answer", "here")
 
 
 def test_the_command_says_what_is_wrong_with_its_path(tmp_path):
     assert "no such file" in worldgen("studio", tmp_path / "gone", "--no-browser").err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--controller", "turn-rigt"], "did you mean 'turn-right'?"),
+        (["--controller", "nope+noise"], "no controller is called 'nope'"),
+        (["--controller", "{}/gone.py:Robot"], "gone.py cannot be read: No such file"),
+        (["--controller", "{}/loud.py:Nope"], "has no 'Nope'; its classes: Robot"),
+        (["--controller", "{}/junk.grid:Robot"], "there is no module"),
+        (["--controller", "{}/torn.py:Robot"], "is no Python"),
+        (["--controller", "__main__:Robot"], "there is no module __main__"),
+        (["--controller", ":Robot"], "names no module; name it too, module:Robot or ./file.py:Robot"),
+        (["{}/words.txt"], "words.txt:1: 'h' in column 1 is no cell"),
+        (["{}/junk.grid"], "junk.grid"),
+        (["{}/my --words.txt"], "words.txt:1: 'h' in column 1 is no cell"),
+        (["{}/set.zip"], "set.zip is an archive of worlds; open its folder"),
+        (["--host", "192.0.2.1", "--port", "8000"], "192.0.2.1 is no address of this machine"),
+        (["--host", "192.0.2.1"], "192.0.2.1 is no address of this machine"),
+    ],
+)
+def test_the_studio_does_not_start_with_arguments_that_are_wrong(tmp_path, arguments, words):
+    (tmp_path / "loud.py").write_text("class Robot:\n    pass\n\n\nraise SystemExit\n")
+    (tmp_path / "torn.py").write_text("class Robot(:\n")
+    for name in ("words.txt", "my --words.txt", "set.zip"):
+        (tmp_path / name).write_text("hello\n")
+    (tmp_path / "junk.grid").write_bytes(bytes(range(256)))
+    said = worldgen("studio", "--no-browser", *(one.format(tmp_path) for one in arguments))
+    assert said.code == 2 and words in said.err and said.err.count("\n") == 1
+
+
+def test_what_may_be_a_controller_or_a_map_is_left_to_the_page(tmp_path):
+    (tmp_path / "loud.py").write_text("from os import *\n\n\nraise SystemExit\n")
+    (tmp_path / "made.py").write_text("import sys\nsys.modules[__name__].__dict__['Rob' + 'ot'] = object\n")
+    files = [f"{tmp_path}/{name}.py:Robot" for name in ("loud", "made")]
+    for label in ("thesis-1+repaired", "cmd:./mine", "json:loads", *files):
+        check_controller(label)
 
 
 def test_the_signal_is_the_one_that_the_thesis_s_robot_reads(page):

@@ -2,20 +2,28 @@
 
 import json
 import os
+import shlex
 import signal
+import subprocess
 from dataclasses import replace
 
 import pytest
 
 from fuzz.campaign import Campaign
+from fuzz.report.summary import MEMORY
 from fuzz.session import configure
 from fuzz.shrink.snippet import snippet
+from fuzz.studio import Folder
+from fuzz.studio.answers import Answers
+from fuzz.studio.campaign_state import SAID, _said
 from fuzz.studio.messages import message_of
+from tests.helpers.command_line import worldgen
 from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import SHORT, begin, watch
 from worldgen import generate
 from worldgen.grid_file import dumps, read_world, write_world
 from worldgen.locks import holder, lock, sign
+from worldgen.world import FailureRecord
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +59,34 @@ def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
     assert (done["worlds"], done["met"]) == (campaign.state.worlds, dict(campaign.state.met))
 
 
+MORE = {"oracles": ["turn"], "vary": ["robot_speed=1,2"], "detour": 5, "epoch": 1, "shrink": False, "examples": 3}
+
+
+def test_the_copied_command_does_at_a_terminal_what_the_page_does(page, folder):
+    drawn = generate("trap", 1)
+    write_world(drawn, folder / "drawn.grid")
+    asked = SHORT | MORE | {"lanes": [], "world": message_of(read_world(folder / "drawn.grid")), "units": 1}
+    begin(page, "by page", **asked)
+    watch(page, "by page")
+    line = page.ask("command", folder="by line", **asked, world_name="drawn.grid")["answer"]["command"]
+    program, *words = shlex.split(line)
+    assert program == "worldgen" and worldgen(*words).code in (0, 1)
+    assert written(folder / "by line") == written(folder / "by page") != {}
+
+
+def written(out):
+    """What a campaign wrote, but for times."""
+    files = {path.relative_to(out).as_posix(): path for path in out.rglob("*") if path.is_file()}
+    whole = {name: path.read_bytes() for name, path in files.items() if name.endswith((".grid", "campaign.json"))}
+    units = {name: json.loads(path.read_text()) for name, path in files.items() if "/units/" in name}
+    return whole | {name: said | {"seconds": 0, "digest": ""} for name, said in units.items()}
+
+
+def test_no_command_names_a_map_that_is_in_no_file(page):
+    message = SHORT | {"lanes": [], "world": message_of(generate("trap", 2)), "units": 1}
+    assert "save it first" in page.ask("command", folder="x", **message, world_name=None)["error"]
+
+
 def test_a_campaign_that_is_done_says_so(done, page):
     assert (done["running"], done["units"], done["goal"]) == (False, 2, {"units": 2, "seconds": None})
     (listed,) = [state for state in page.ask("campaigns")["answer"]["campaigns"] if state["folder"] == "done"]
@@ -62,6 +98,19 @@ def test_a_failure_is_looked_at_with_its_run_and_the_line_that_replays_it(done, 
     seen = page.ask("look", name=first["name"])["answer"]
     assert seen["run"]["steps"] > 0 and seen["words"].startswith(first["verdict"])
     assert seen["replay"] == f"worldgen replay {folder / first['name']}"
+
+
+def test_what_is_copied_finds_a_controller_s_file_wherever_it_is_pasted(tmp_path, monkeypatch):
+    here, label = tmp_path / "a place", "./mine.py:Robot+robot_speed=2"
+    here.mkdir()
+    (here / "mine.py").write_text("")
+    monkeypatch.chdir(here)
+    answers = Answers(Folder(here), (label,))
+    failure = FailureRecord("./mine.py:Robot", "swept", 0, "loop", "0" * 16, {"steps": 10})
+    write_world(replace(generate("trap", 1), failure=failure), here / "f.grid")
+    line = answers.command(SHORT | {"folder": "out", "controller": label, "units": 1}, None)["command"]
+    for one in (line, answers.look({"name": "f.grid"}, None)["replay"]):
+        subprocess.run(f"worldgen() {{ test -f ./mine.py; }}\n{one}", shell=True, cwd="/", check=True)
 
 
 def test_a_failure_s_test_is_that_of_the_command_line(done, page, folder):
@@ -135,7 +184,9 @@ def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, f
     [({"controller": "./mine.py:Robot"}, "was not named"), ({"lanes": ["./mine.py:family"]}, "is not registered"),
      ({"oracles": ["./mine.py:oracle=3"]}, "is not registered"), ({"motion": "./mine.py:M"}, "is not registered"),
      ({"units": 0}, "from 1 to"), ({"units": None}, "message's seconds"), ({"seed": "-1"}, "no whole number"),
-     ({"workers": 1000}, "from 1 to"), ({"vary": ["nothing=1"]}, "nothing of that name")],
+     ({"workers": 1000}, "from 1 to"), ({"epoch": -1}, "from 1 to"), ({"database": "../x"}, "leads out of"),
+     ({"baseline": ["../x"]}, "leads out of"), ({"baseline": ["none"]}, "no folder of failures"),
+     ({"vary": ["nothing=1"]}, "nothing of that name")],
 )  # fmt: skip
 def test_a_campaign_that_cannot_be_or_may_not_be_is_refused_and_leaves_nothing(page, folder, changes, why):
     assert why in begin(page, "refused", **({"units": 1} | changes))["error"]
@@ -153,6 +204,12 @@ def test_a_file_and_the_folder_of_known_failures_are_no_place_for_a_campaign(pag
     (folder / "plain.txt").write_text("mine")
     assert "another folder" in begin(page, name, units=1)["error"]
     assert (folder / "plain.txt").read_text() == "mine"
+
+
+def test_a_folder_that_cannot_be_written_is_told_and_begins_nothing(page, folder):
+    (folder / "full/.campaign/studio.txt").mkdir(parents=True)
+    assert "cannot be written" in begin(page, "full", units=1)["error"]
+    assert not (folder / "full/.campaign/campaign.json").exists()
 
 
 def test_a_campaign_s_memory_that_is_a_link_is_not_written(page, folder, tmp_path):
@@ -211,3 +268,30 @@ def test_a_lock_that_names_another_s_process_stops_nothing(page, folder):
     before = signal.getsignal(signal.SIGINT)
     assert "holds no campaign" in page.ask("stop", folder="forged")["error"]
     assert signal.getsignal(signal.SIGINT) == before
+
+
+def test_every_lane_that_the_form_offers_may_be_asked_for(page):
+    lanes = [
+        lane for lane in page.ask("hello")["answer"]["lanes"] if lane != "sealed"
+    ]  # of robots that go on past a wall
+    assert "archive" in lanes
+    assert "answer" in begin(page, "of lanes", lanes=lanes, units=1)
+    assert {lane["lane"] for lane in watch(page, "of lanes")["lanes"]} <= set(lanes)
+
+
+def test_a_campaign_by_the_clock_that_was_stopped_says_so(done, page):
+    begin(page, "by the clock", seconds=600)
+    watched(page, "by the clock", 0)
+    page.ask("stop", folder="by the clock")
+    assert watch(page, "by the clock")["stopped"] and not done["stopped"]
+
+
+def test_what_the_studio_s_process_said_no_longer_counts_after_one_of_a_terminal(tmp_path):
+    said, lock = tmp_path / MEMORY / SAID, tmp_path / MEMORY / "lock"
+    said.parent.mkdir()
+    lock.touch()
+    said.write_text("interrupted; go on\n")
+    assert _said(tmp_path) == ["interrupted; go on"]
+    later = said.stat().st_mtime_ns + 10**9
+    os.utime(lock, ns=(later, later))
+    assert _said(tmp_path) == []

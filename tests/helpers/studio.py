@@ -11,13 +11,14 @@ from websockets.sync.client import connect
 
 from fuzz.studio import Folder, Gate, Studio, make_app
 from fuzz.studio.app import MOST_MESSAGE
+from fuzz.studio.gate import SUBPROTOCOL
 from fuzz.studio.serving import bind
 
 
 @contextlib.contextmanager
-def studio_of(folder, *, named=(), file=None):
-    """A studio of a folder, served at a free port; gives its gate."""
-    listener = bind("127.0.0.1", free_port())
+def studio_of(folder, *, named=(), file=None, port=None):
+    """A studio of a folder, served at a free port, or at one where another was; gives its gate."""
+    listener = bind("127.0.0.1", port or free_port())
     gate = Gate("127.0.0.1", listener.getsockname()[1])
     app = make_app(Studio(Folder(folder), gate, tuple(named), file))
     server = uvicorn.Server(
@@ -44,8 +45,8 @@ def free_port():
 
 def get(gate, path="/", *, method="GET", token=True, **headers):
     """Asks the server over HTTP; gives the answer with its body read."""
-    connection = http.client.HTTPConnection("127.0.0.1", gate.port, timeout=20)
-    said = {"Cookie": f"{gate.cookie}={gate.token}"} if token else {}
+    connection = http.client.HTTPConnection("127.0.0.1", gate.port, timeout=120)
+    said = {"Cookie": f"{gate.cookie}={gate.cookie_value}"} if token else {}
     said |= {name.replace("_", "-"): value for name, value in headers.items()}
     connection.request(method, path, headers=said)
     answer = connection.getresponse()
@@ -69,7 +70,7 @@ class Page:
 
     def hear(self):
         """The next thing that the server says."""
-        return json.loads(self.socket.recv(timeout=60))
+        return json.loads(self.socket.recv(timeout=180))
 
     def ask(self, do, **message):
         """Asks and waits; gives the answer, with its parts as ``parts``."""
@@ -83,10 +84,13 @@ class Page:
 
 
 @contextlib.contextmanager
-def page_of(gate, *, origin=None, token=True):
+def page_of(gate, *, origin=None, token=True, cookie=True):
     """A connection as the page opens it."""
-    headers = {"Cookie": f"{gate.cookie}={gate.token}"} if token else {}
+    headers = {"Cookie": f"{gate.cookie}={gate.cookie_value}"} if cookie else {}
+    offered = [SUBPROTOCOL, gate.token] if token else [SUBPROTOCOL]
     place = f"http://127.0.0.1:{gate.port}" if origin is None else origin
     address = f"ws://127.0.0.1:{gate.port}/socket"
-    with connect(address, origin=place or None, additional_headers=headers, max_size=None) as socket:
+    with connect(
+        address, origin=place or None, additional_headers=headers, subprotocols=offered, max_size=None
+    ) as socket:
         yield Page(socket)

@@ -7,6 +7,7 @@ from playwright.sync_api import sync_playwright
 from tests.helpers.browser import chromium
 
 SECONDS = 180  # the first run on a machine compiles its kernels
+CAMPAIGN = 180_000  # ms that a campaign gets, for its process has to start and to compile
 
 
 @contextlib.contextmanager
@@ -20,14 +21,22 @@ def chromium_browser():
 @contextlib.contextmanager
 def opened(browser, gate, **how):
     """The page of a studio, in a browser that knows nothing yet; gives it with what it said on the console."""
+    with opened_at(browser, gate.address, **how) as page:
+        yield page
+
+
+@contextlib.contextmanager
+def opened_at(browser, address, *, until="#proof.good, #proof.bad", **how):
+    """Likewise, of the address that a studio printed."""
     with browser.new_context(**({"viewport": {"width": 1280, "height": 720}} | how)) as context:
         page = context.new_page()
         page.set_default_timeout(SECONDS * 1000)
         page.complaints = []
         page.on("console", lambda message: page.complaints.append(message.text))
         page.on("pageerror", lambda error: page.complaints.append(str(error)))
-        page.goto(gate.address)
-        page.wait_for_selector("#proof.good, #proof.bad")
+        page.goto(address)
+        if until:
+            page.wait_for_selector(until)
         yield page
 
 
@@ -35,7 +44,7 @@ def place(page, x, y):
     """Where a point of the world, in cells, is in the window; the whole world is shown."""
     box = page.locator("#board").bounding_box()
     columns, rows = (int(page.get_by_label(name).first.input_value()) for name in ("Columns", "Rows"))
-    scale = min((box["width"] - 68) / columns, (box["height"] - 68) / rows)
+    scale = min((box["width"] - 108) / columns, (box["height"] - 68) / rows)
     return (
         box["x"] + box["width"] / 2 + (x - columns / 2) * scale,
         box["y"] + box["height"] / 2 - (y - rows / 2) * scale,

@@ -35,7 +35,7 @@ def folder(tmp_path_factory):
 
 def test_two_commands_do_the_set_up():
     first, second = commands(README)
-    assert first.endswith("worldgen demo --out demo") and second.endswith("python -m pytest")
+    assert first.endswith("worldgen demo --out demo") and second.endswith("python -m pytest -n auto")
 
 
 @pytest.mark.parametrize("line", console_lines())

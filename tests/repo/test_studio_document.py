@@ -29,5 +29,6 @@ def test_every_tool_is_described_with_its_key():
 
 
 def test_the_pictures_are_there():
-    pictures = re.findall(r"\]\((pictures/[^)]+)\)", (DOCS / "studio.md").read_text())
-    assert len(pictures) == 3 and all((DOCS / picture).exists() for picture in pictures)
+    text = (DOCS / "studio.md").read_text() + (DOCS / "studio-walk.md").read_text()
+    pictures = set(re.findall(r"\]\((pictures/[^)]+)\)", text))
+    assert len(pictures) >= 6 and all((DOCS / picture).exists() for picture in pictures)

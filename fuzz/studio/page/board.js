@@ -1,11 +1,13 @@
 // The drawing board: a canvas that shows the world, what is being done to it, and its proof.
 
 import { numbersOf } from "/player/decode.js";
-import { drawScene, line, penFor, ring, stroke } from "/player/map.js";
+import { drawScene } from "/player/map.js";
+import { line, penFor, ring, stroke } from "/player/pen.js";
+import { pictureOf } from "./pattern_picture.js";
 
 const UNIT = 1024; // lattice units a cell
 const NEAREST = 200; // pixels a cell
-const MARGIN = 34; // pixels around the whole world, for the rulers
+const MARGIN = { across: 54, up: 34 }; // pixels around the whole world, for the rulers
 
 /* A board.
      canvas   where
@@ -20,7 +22,7 @@ export function makeBoard(canvas, model, show) {
     proof: null, // of the server, for this very world
     signal: null, // likewise: { values, most }
     ghost: null, // { pattern, at }: what would be put down
-    marks: [], // cells that would be changed
+    marks: [], // boxes of cells that would be changed
     selection: null, // a rectangle of cells
     measure: null, // two points, in cells
     cursor: null, // the cell that keys draw at
@@ -33,7 +35,7 @@ function cameraOf(board) {
   const { canvas, model } = board;
   const whole = () => {
     const { width, height } = model.world;
-    const scale = Math.min((canvas.clientWidth - 2 * MARGIN) / width, (canvas.clientHeight - 2 * MARGIN) / height);
+    const scale = Math.min((canvas.clientWidth - 2 * MARGIN.across) / width, (canvas.clientHeight - 2 * MARGIN.up) / height);
     return { x: width / 2, y: height / 2, scale: Math.max(scale, 0.05) };
   };
   const now = () => board.view || whole();
@@ -62,6 +64,18 @@ function cameraOf(board) {
       board.view = { x: x - dx / scale, y: y + dy / scale, scale };
       board.draw();
     },
+    /** Moves the view as little as shows a cell, and some room around it. */
+    reveal([ix, iy]) {
+      if (!board.view) return;
+      const { x, y, scale } = board.view;
+      const moved = (middle, at, pixels) => {
+        const half = Math.max(0.5, pixels / 2 / scale - 1);
+        return Math.min(at + half, Math.max(at + 1 - half, middle));
+      };
+      const wide = canvas.clientWidth - 2 * MARGIN.across,
+        high = canvas.clientHeight - 2 * MARGIN.up;
+      board.view = { x: moved(x, ix, wide), y: moved(y, iy, high), scale };
+    },
     fit() {
       board.view = null;
       board.draw();
@@ -70,7 +84,8 @@ function cameraOf(board) {
 }
 
 /** A world as the player draws it, without a copy of its cells. */
-function sceneWorld({ world, version }, proof) {
+function sceneWorld(model, proof) {
+  const { world, version } = model;
   const side = world.cell_size;
   const inCells = ([x, y, rest]) => [x / side, y / side, rest];
   const target = inCells(world.target);
@@ -87,6 +102,7 @@ function sceneWorld({ world, version }, proof) {
       cells: world.cells,
       events: null,
       done: version,
+      boxSince: (then) => model.boxSince(then),
       witness: proof && proof.witness ? openWitness(proof) : null,
     },
   };
@@ -140,12 +156,15 @@ function drawSignal(pen, { signal, model }) {
     signal.picture = new OffscreenCanvas(width, height);
     const context = signal.picture.getContext("2d"),
       image = context.createImageData(width, height);
-    signal.values.forEach((value, k) => {
-      if (value < 0) return;
-      const strength = 1 - Math.log1p(value) / Math.log1p(signal.most);
+    const pixels = new Uint32Array(image.data.buffer),
+      colour = (blue << 16) | (green << 8) | red,
+      most = Math.log1p(signal.most);
+    for (let k = 0; k < signal.values.length; k += 1) {
+      if (signal.values[k] < 0) continue;
+      const strength = 1 - Math.log1p(signal.values[k]) / most;
       const row = height - 1 - Math.floor(k / width);
-      image.data.set([red, green, blue, 20 + 180 * strength], 4 * (row * width + (k % width)));
-    });
+      pixels[row * width + (k % width)] = (Math.round(20 + 180 * strength) << 24) | colour;
+    }
     context.putImageData(image, 0, 0);
   }
   const { context, px, py, scale } = pen;
@@ -173,21 +192,26 @@ function drawMarks(pen, { marks }) {
   context.save();
   context.globalAlpha = 0.45;
   context.fillStyle = colours.focus;
-  for (const [ix, iy] of marks) context.fillRect(px(ix), py(iy + 1), pen.scale, pen.scale);
+  context.beginPath(); // one path: where boxes overlap, nothing is darker
+  for (const { x, y, width, height } of marks)
+    context.rect(px(x), py(y + height), width * pen.scale, height * pen.scale);
+  context.fill();
   context.restore();
 }
 
 function drawGhost(pen, { pattern, at }) {
-  const { context, px, py, colours } = pen;
+  const { context, px, py, colours } = pen,
+    { width, height } = pattern;
   context.save();
   context.globalAlpha = 0.6;
-  pattern.cells.forEach((cell, k) => {
-    if (cell > 1) return;
-    context.fillStyle = cell === 1 ? colours.focus : colours.floor;
-    const ix = at[0] + (k % pattern.width),
-      iy = at[1] + Math.floor(k / pattern.width);
-    context.fillRect(px(ix), py(iy + 1), pen.scale, pen.scale);
-  });
+  context.imageSmoothingEnabled = false;
+  context.drawImage(
+    pictureOf(pattern, colours),
+    px(at[0]),
+    py(at[1] + height),
+    width * pen.scale,
+    height * pen.scale,
+  );
   context.restore();
   frame(pen, { x: at[0], y: at[1], width: pattern.width, height: pattern.height }, colours.focus, [3, 3]);
 }

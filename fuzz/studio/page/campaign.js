@@ -1,32 +1,42 @@
 // The campaign page: which folder is looked at, what its campaign does now, and the failures that lie there.
 
 import { byId, el, plural, say } from "/player/dom.js";
+import { makeArchive } from "./campaign_archive.js";
 import { makeFailurePanel } from "./campaign_failure.js";
 import { makeForm } from "./campaign_form.js";
 import { makeStatus } from "./campaign_status.js";
 import { makeWall } from "./campaign_wall.js";
 import { Ended, Refused } from "./connection.js";
+import { showTabs } from "./fields.js";
+import { keep, keptOf } from "./kept.js";
 
-const CHOSEN = "worldgen-studio-campaign"; // under which the browser keeps the folder that was looked at last
-const PANELS = { new: "New campaign", failure: "Failure" };
+const CHOSEN = "folder"; // under which the browser keeps which one was looked at last
+const LOOKING = "Looking through the opened folder …";
+const PANELS = { new: "New campaign", failure: "Failure", archive: "Archive" };
 
 /* The page.
      studio    { connection, offered, model, show, go, ... }: what all pages share */
 export function makeCampaign(section, studio) {
-  const campaign = { studio, folder: null, states: new Map(), folders: [], offered: null, stamp: "", watched: null, stopping: "" };
+  const campaign = { studio, folder: null, shown: null, states: new Map(), folders: [], isListed: false, stamp: "", read: null, watched: null, stopping: "" };
+  campaign.listed = new Promise((done) => (campaign.foundOut = done));
   const parts = {
     said: el("p", { class: "said", role: "status", id: "campaign-said" }),
-    folders: el("select", { id: "campaign-folder", onchange: (event) => choose(campaign, event.target.value) }),
+    folders: el("select", { id: "campaign-folder", disabled: true, onchange: (event) => choose(campaign, event.target.value) }, el("option", {}, "…")),
   };
   Object.assign(campaign, { parts, select: (one) => select(campaign, one), trying: (act) => trying(campaign, act) });
-  campaign.begin = (message) => trying(campaign, () => start(campaign, "begin", message));
-  campaign.goOn = (message) => trying(campaign, () => start(campaign, "resume", { folder: campaign.folder, ...message }));
+  campaign.begin = (message) => start(campaign, "begin", message);
+  campaign.goOn = (message) => {
+    campaign.parts.said.className = "said quiet";
+    campaign.parts.said.textContent = "Beginning …";
+    return trying(campaign, () => start(campaign, "resume", { folder: campaign.folder, ...message }));
+  };
   campaign.stop = () => trying(campaign, () => stop(campaign));
   campaign.reload = () => reloadWall(campaign);
   campaign.form = makeForm(campaign);
   campaign.status = makeStatus(campaign);
   campaign.wall = makeWall(campaign);
   campaign.failure = makeFailurePanel(campaign);
+  campaign.archive = makeArchive(campaign);
   section.replaceChildren(
     el(
       "div",
@@ -39,16 +49,27 @@ export function makeCampaign(section, studio) {
     sidePart(campaign),
   );
   openPanel(campaign, "new");
+  parts.tabs.at(-1).hidden = true;
+  campaign.wall.wait(LOOKING);
   return {
     begin: () => begin(campaign),
     refresh: () => refresh(campaign),
+    name: () => nameOf(campaign),
     redraw: () => (campaign.wall.redraw(), campaign.failure.redraw()),
   };
 }
 
+// Which folder is looked at, and what its campaign does.
+function nameOf({ folder, states, stopping, isListed }) {
+  if (folder === null) return [isListed ? "no failures yet" : "looking …", ""];
+  const state = states.get(folder);
+  const doing = state?.running ? (stopping === folder ? "stopping" : "running") : "";
+  return [folder || "the whole opened folder", doing];
+}
+
 function sidePart(campaign) {
   const { parts } = campaign;
-  const bodies = { new: campaign.form.element, failure: campaign.failure.element };
+  const bodies = { new: campaign.form.element, failure: campaign.failure.element, archive: campaign.archive.element };
   parts.tabs = Object.entries(PANELS).map(([name, words]) =>
     el(
       "button",
@@ -63,7 +84,7 @@ function sidePart(campaign) {
 }
 
 function openPanel({ parts, form }, name) {
-  for (const tab of parts.tabs) tab.setAttribute("aria-selected", String(tab.id === `tab-${name}`));
+  showTabs(parts.tabs, `tab-${name}`);
   for (const panel of parts.panels) panel.hidden = panel.id !== `panel-${name}`;
   if (name === "new") form.refresh();
 }
@@ -85,20 +106,21 @@ async function trying({ parts }, act) {
 async function begin(campaign) {
   if (!campaign.studio.offered) return;
   await trying(campaign, () => list(campaign));
+  campaign.foundOut(); // or nobody will
   await look(campaign);
 }
 
 async function list(campaign) {
   const answer = await campaign.studio.connection.ask("campaigns");
-  campaign.offered = answer;
-  campaign.folders = answer.folders;
+  campaign.folders = [...answer.folders, ...answer.archives.map((name) => ({ name, worlds: null }))];
   campaign.states = new Map(answer.campaigns.map((state) => [state.folder, state]));
-  const names = [...campaign.states.keys(), ...answer.folders.map(({ name }) => name)];
+  const names = [...campaign.states.keys(), ...answer.folders.map(({ name }) => name), ...answer.archives];
   const running = answer.campaigns.find((state) => state.running);
   if (campaign.folder === null || !names.includes(campaign.folder)) {
-    const kept = localStorage.getItem(CHOSEN);
+    const kept = keptOf(campaign.studio.folder, CHOSEN);
     campaign.folder = running ? running.folder : names.includes(kept) ? kept : (names[0] ?? null);
   }
+  campaign.isListed = true;
   campaign.form.refresh();
   showFolders(campaign);
   return answer.faults.join(" ");
@@ -112,39 +134,55 @@ function showFolders({ parts, folder, folders, states }) {
     return option(state.folder, `${state.folder} ${state.running ? "· running" : worlds}`);
   });
   const others = folders
-    .filter(({ name }) => !states.has(name))
+    .filter(({ name, worlds }) => !states.has(name) && worlds !== null)
     .map(({ name, worlds }) => option(name, `${name || "the whole opened folder"} (${worlds})`));
+  const archives = folders.filter(({ worlds }) => worlds === null).map(({ name }) => option(name, name));
   const group = (label, options) => (options.length > 0 ? el("optgroup", { label }, options) : null);
-  parts.folders.replaceChildren(...[group("Campaigns", campaigns), group("Other folders", others)].filter(Boolean));
-  parts.folders.disabled = campaigns.length + others.length === 0;
+  parts.folders.replaceChildren(...[group("Campaigns", campaigns), group("Other folders", others), group("Archives", archives)].filter(Boolean));
+  parts.folders.disabled = campaigns.length + others.length + archives.length === 0;
+  if (parts.folders.disabled) parts.folders.append(option("", "none yet"));
 }
 
 function choose(campaign, folder) {
   campaign.folder = folder;
   campaign.parts.said.textContent = "";
-  localStorage.setItem(CHOSEN, folder);
+  keep(campaign.studio.folder, CHOSEN, folder);
   return look(campaign);
 }
 
 // Shows the chosen folder; while its campaign runs, follows it.
 async function look(campaign) {
-  campaign.stamp = "";
+  const { folder } = campaign;
+  campaign.stamp = campaign.states.get(folder)?.failures ?? "";
   campaign.watched = null;
-  campaign.wall.forget();
-  campaign.status.show(campaign.states.get(campaign.folder) || null);
+  if (folder !== null && folder !== campaign.shown) {
+    campaign.shown = folder;
+    campaign.read = null;
+    campaign.status.sizes(null);
+    campaign.wall.wait(`Looking through ${folder || "the opened folder"} …`);
+  }
+  showState(campaign, campaign.states.get(campaign.folder) || null);
   await reloadWall(campaign);
-  if (campaign.states.get(campaign.folder)?.running) watch(campaign);
+  const running = [campaign.folder, ...campaign.states.keys()].find((name) => isBelow(name, campaign.folder) && campaign.states.get(name)?.running);
+  if (running !== undefined) watch(campaign, running);
 }
 
-async function watch(campaign) {
-  const { folder } = campaign;
+// Whether a folder is another one, or lies below it; "" is the opened one.
+function isBelow(name, folder) {
+  return name !== null && folder !== null && (name === folder || folder === "" || name.startsWith(`${folder}/`));
+}
+
+async function watch(campaign, folder) {
   if (campaign.watched === folder) return;
   campaign.watched = folder;
   try {
     const answer = await campaign.studio.connection.ask("watch", { folder }, ({ state }) => take(campaign, state));
     take(campaign, answer.state);
     say(`The campaign in ${folder} stands still: ${plural(answer.state.worlds, "world")}.`);
-    if (campaign.folder === folder) await trying(campaign, () => list(campaign));
+    if (campaign.watched === folder) {
+      await trying(campaign, () => list(campaign));
+      await reloadWall(campaign); // an empty one says why
+    }
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
   }
@@ -154,9 +192,20 @@ async function watch(campaign) {
 function take(campaign, state) {
   campaign.states.set(state.folder, state);
   if (!state.running && campaign.stopping === state.folder) campaign.stopping = "";
-  if (state.folder !== campaign.folder) return;
-  campaign.status.show(state);
+  if (state.folder === campaign.folder) showState(campaign, state);
+  else if (state.folder !== campaign.watched) return;
   if (state.failures !== campaign.stamp) reloadWall(campaign, state.failures);
+}
+
+// What the folder's campaign does: in numbers, by behaviour, and in the page's head. Null where there is none.
+function showState(campaign, state) {
+  const { parts } = campaign;
+  campaign.status.show(state);
+  campaign.archive.show(state?.archive);
+  const tab = parts.tabs.at(-1);
+  tab.hidden = !state?.archive;
+  if (tab.hidden && tab.getAttribute("aria-selected") === "true") openPanel(campaign, "new");
+  campaign.studio.showName();
 }
 
 async function reloadWall(campaign, stamp = campaign.stamp) {
@@ -167,8 +216,11 @@ async function reloadWall(campaign, stamp = campaign.stamp) {
     return;
   }
   try {
-    const answer = await campaign.studio.connection.ask("failures", { folder });
-    if (folder === campaign.folder) campaign.wall.show(answer);
+    const reading = ({ read, of }) => folder === campaign.folder && campaign.wall.reading(read, of);
+    const answer = await campaign.studio.connection.ask("failures", { folder }, reading);
+    if (folder !== campaign.folder) return;
+    campaign.read = stamp;
+    campaign.wall.show(answer);
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     if (error instanceof Refused) campaign.wall.refuse(error.message);
@@ -177,12 +229,9 @@ async function reloadWall(campaign, stamp = campaign.stamp) {
 
 // Begins a campaign, or goes on with one, and shows it.
 async function start(campaign, kind, message) {
-  const { parts } = campaign;
-  parts.said.className = "said quiet";
-  parts.said.textContent = "Beginning …";
   const { state } = await campaign.studio.connection.ask(kind, message);
   campaign.folder = state.folder;
-  localStorage.setItem(CHOSEN, state.folder);
+  keep(campaign.studio.folder, CHOSEN, state.folder);
   await list(campaign);
   take(campaign, state);
   look(campaign);
@@ -190,10 +239,17 @@ async function start(campaign, kind, message) {
 }
 
 async function stop(campaign) {
-  campaign.stopping = campaign.folder;
-  campaign.status.show(campaign.states.get(campaign.folder));
-  const { state } = await campaign.studio.connection.ask("stop", { folder: campaign.folder });
-  take(campaign, state);
+  const { folder } = campaign;
+  campaign.stopping = folder;
+  showState(campaign, campaign.states.get(folder));
+  try {
+    const { state } = await campaign.studio.connection.ask("stop", { folder });
+    take(campaign, state);
+  } catch (error) {
+    campaign.stopping = ""; // it goes on, and can be stopped once more
+    showState(campaign, campaign.states.get(campaign.folder) || null);
+    throw error;
+  }
   return "";
 }
 

@@ -1,17 +1,29 @@
 // The failure that was chosen: what happened, and what can be done with it.
 
-import { el, plural, say, verdictDot } from "/player/dom.js";
+import { el, plural, verdictDot } from "/player/dom.js";
 import { drawSmall } from "/player/map.js";
+import { copied } from "./clipboard.js";
 import { openFile } from "./files.js";
 
 export function makeFailurePanel(campaign) {
   const element = el("div", { id: "failure-panel" }, el("p", { class: "quiet" }, "Choose a picture."));
   const panel = { campaign, element, failure: null, look: null, canvas: null };
-  return { element, show: (failure) => show(panel, failure), redraw: () => redraw(panel) };
+  return { element, show: (failure) => show(panel, failure), follow: (failures) => follow(panel, failures), redraw: () => redraw(panel) };
 }
 
 function redraw({ canvas, look }) {
   if (canvas && look) drawSmall(canvas, look);
+}
+
+// The failures are there anew: one that was made smaller meanwhile, or marked, is shown as it is now.
+function follow(panel, failures) {
+  const before = panel.failure,
+    now = before && failures.find((one) => one.name === before.name);
+  if (!now || (now.digest === before.digest && now.known === before.known)) return;
+  const buttons = () => [...panel.element.querySelectorAll("button")];
+  const focused = buttons().indexOf(document.activeElement);
+  show(panel, now);
+  buttons()[focused]?.focus({ preventScroll: true });
 }
 
 function show(panel, failure) {
@@ -50,11 +62,11 @@ function actions(panel) {
     });
   const button = (words, act, more = {}) => el("button", { type: "button", onclick: act, ...more }, words);
   const known = button(failure.known ? "No longer known" : "Mark as known", () => mark(panel), { id: "mark-known" });
-  const copyLine = button("Copy replay line", async (event) => copied(panel, event.target, (await campaign.look(failure)).replay));
+  const copyLine = button("Copy replay line", (event) => campaign.trying(async () => copied(event.target, (await campaign.look(failure)).replay)));
   const copyTest = button("Copy test", (event) =>
     campaign.trying(async () => {
       const { text } = await campaign.studio.connection.ask("snippet", { name: failure.name });
-      await copied(panel, event.target, text);
+      await copied(event.target, text);
     }),
   );
   return el(
@@ -73,26 +85,11 @@ function mark(panel) {
   return campaign.trying(async () => {
     await campaign.studio.connection.ask("know", { name: failure.name, known: !failure.known });
     failure.known = !failure.known;
-    show(panel, failure);
-    panel.element.querySelector("#mark-known").focus();
+    if (panel.failure === failure) {
+      show(panel, failure);
+      panel.element.querySelector("#mark-known").focus();
+    }
     await campaign.reload();
     return failure.known ? "A copy is in known/: campaigns begun here count this class, and keep only others." : "";
   });
-}
-
-// Into the clipboard; where a browser does not allow that, the text is shown to be copied by hand.
-async function copied(panel, button, text) {
-  const words = button.textContent;
-  try {
-    await navigator.clipboard.writeText(text);
-    button.textContent = "Copied";
-    say(`Copied: ${text.split("\n")[0]}`);
-    setTimeout(() => (button.textContent = words), 1500);
-  } catch {
-    const shown = el("textarea", { readonly: true, rows: 6, "aria-label": words, class: "by-hand" });
-    shown.value = text;
-    panel.element.querySelector(".by-hand")?.remove();
-    panel.element.querySelector(".actions").after(shown);
-    shown.select();
-  }
 }

@@ -1,59 +1,131 @@
 // The form that begins a campaign: what `worldgen fuzz` takes.
 
 import { choice, el } from "/player/dom.js";
-import { labelled, number } from "./fields.js";
+import { makeMore } from "./campaign_more.js";
+import { copied } from "./clipboard.js";
+import { Ended, Refused } from "./connection.js";
+import { isGood, labelled, motionField, number } from "./fields.js";
+import { keep, keptOf } from "./kept.js";
 import { messageOf } from "./model.js";
 
+const MOST = { seconds: 604_800, units: 1_000_000 };
+const KEPT = "campaign-form"; // under which the browser keeps what was chosen
+const SLOW = 4000; // ms after which one wants to know what takes so long
+const FIRST = "The first campaign of a new installation prepares the simulator, once; that can take a minute.";
+const USUAL = { motion: "swept", controller: "turn-right", worlds: "search", goal: "seconds", units: 50, seconds: 30, named: false };
+
 export function makeForm(campaign) {
-  const state = { motion: "swept", controller: "turn-right", worlds: "search", goal: "seconds", units: 50, seconds: 30, lanes: new Set(), named: false };
-  const parts = { fields: el("div", {}) };
-  const submit = (event) => {
+  const state = { ...USUAL, lanes: new Set(), chosen: false };
+  const parts = { fields: el("div", {}, el("h2", {}, "New campaign"), el("p", { class: "quiet" }, "Asking the studio what it has …")) };
+  const sent = (event) => {
     event.preventDefault();
-    campaign.begin(messageFor(form));
+    return once(parts.begin, () => submit(form, (message) => begin(form, message)));
   };
-  parts.element = el("form", { class: "campaign-form", id: "campaign-form", novalidate: true, onsubmit: submit }, parts.fields);
-  const form = { campaign, state, parts, built: false };
-  return { element: parts.element, refresh: () => refresh(form), workers: () => (form.built ? parts.workers.valueAsNumber || null : null) };
+  const typed = ({ target }) => target.hasAttribute("aria-invalid") && isGood(target); // at once: nothing moves under a click
+  const changed = () => keepForm(form); // after the field's own listener
+  const listeners = { onsubmit: sent, oninput: typed, onchange: changed };
+  parts.element = el("form", { class: "campaign-form", id: "campaign-form", novalidate: true, ...listeners }, parts.fields);
+  const form = { campaign, state, parts, folder: null, offered: null };
+  return { element: parts.element, refresh: () => refresh(form), workers: () => (form.folder === null ? null : parts.workers.valueAsNumber || null) };
 }
 
 function refresh(form) {
+  const { campaign } = form;
+  const { offered, folder } = campaign.studio;
+  if (!offered) return;
+  if (form.folder !== folder) build(form);
+  else if (form.offered !== offered) setMotion(form, form.state.motion); // the studio was started anew, with others
+  form.offered = offered;
+  follow(form);
+  suggestFolder(form);
+  const folders = campaign.folders.filter(({ worlds }) => worlds !== null); // archives are refused there
+  form.more.offer(folders.map(({ name }) => name).filter((name) => name && name !== offered.known));
+}
+
+// The form for the opened folder, with what was chosen there last.
+function build(form) {
   const { campaign, parts, state } = form;
-  const { offered } = campaign.studio;
-  if (!offered || !campaign.offered) return;
-  if (form.built) {
-    suggestFolder(form);
-    return;
-  }
-  form.built = true;
-  const motions = offered.motions.map(({ name, about }) => [name, `${name}: ${about}`]);
-  parts.motion = choice(motions, state.motion, (event) => setMotion(form, event.target.value));
+  const { offered, folder } = campaign.studio;
+  form.folder = folder;
+  const kept = keptFor(folder, offered);
+  Object.assign(state, USUAL, firstOf(offered), kept.state, { lanes: new Set(kept.lanes) });
+  parts.motion = motionField(offered.motions, state.motion, (name) => {
+    state.chosen = true;
+    setMotion(form, name);
+  });
   parts.controllerPlace = el("div", {});
-  parts.folder = el("input", { type: "text", autocomplete: "off", required: true, oninput: () => (state.named = true) });
-  parts.seed = el("input", { type: "text", inputmode: "numeric", value: "1", pattern: "[0-9]+" });
-  parts.workers = number(campaign.offered.cores, () => {}, { low: 1, high: 256, step: 1 });
+  parts.folder = el("input", { type: "text", autocomplete: "off", required: true, placeholder: "looking …", title: "Give the name of a folder.", oninput: () => (state.named = true) });
+  parts.seed = el("input", { type: "text", inputmode: "numeric", value: kept.seed ?? "1", required: true, pattern: "[0-9]+", title: "Give a whole number from 0 on." });
+  parts.workers = number(kept.workers ?? offered.cores, () => {}, { low: 1, high: 256, step: 1 });
+  parts.said = el("p", { class: "fault", role: "alert", id: "form-said" });
+  parts.waiting = el("p", { class: "quiet", role: "status" });
+  parts.begin = el("button", { type: "submit", class: "main", id: "begin" }, "Begin");
+  const title = "The line that does the same at a terminal";
+  parts.copy = el("button", { type: "button", id: "copy-command", title, onclick: () => submit(form, (message) => copyCommand(form, message)) }, "Copy command");
+  form.more = makeMore(offered);
+  form.more.write(kept.more ?? {});
   parts.fields.replaceChildren(
     el("h2", {}, "New campaign"),
-    labelled("Motion model", parts.motion),
+    parts.motion.element,
     parts.controllerPlace,
     worldsPart(form),
     goalPart(form),
     el("div", { class: "pair-fields" }, labelled("Seed", parts.seed), labelled("Workers", parts.workers)),
     labelled("Folder for the failures", parts.folder, { help: "Below the opened one." }),
-    knownPart(form),
-    morePart(form),
-    el("div", { class: "actions" }, el("button", { type: "submit", class: "main", id: "begin" }, "Begin")),
+    knownPart(form, kept.known ?? true),
+    form.more.element,
+    parts.said,
+    el("div", { class: "actions" }, parts.begin, parts.copy),
+    parts.waiting,
     el("p", { class: "quiet small-print" }, "It runs in a process of its own, and goes on when this page or the studio is closed."),
   );
   setMotion(form, state.motion);
 }
 
+// Whom a form begins with of which nothing was kept: the first that was named when the studio was started.
+function firstOf({ controllers }) {
+  const first = controllers.find(({ named, fault }) => named && !fault);
+  return first ? { controller: first.name, motion: first.motion } : {};
+}
+
+const namedIn = ({ controllers }) => controllers.filter(({ named }) => named).map(({ name }) => name);
+
+function keepForm({ campaign, state, parts, folder, more }) {
+  const { lanes, named, ...chosen } = state;
+  const fields = { seed: parts.seed.value, workers: parts.workers.value, known: parts.known.checked, more: more.written() };
+  keep(folder, KEPT, { state: chosen, lanes: [...lanes], named: namedIn(campaign.studio.offered), ...fields });
+}
+
+// What was kept, as far as it is still offered; a start that names other controllers begins with those.
+function keptFor(folder, offered) {
+  const kept = keptOf(folder, KEPT) ?? {};
+  const { controller, motion, ...state } = kept.state ?? {};
+  const who = offered.controllers.find(({ name, fault }) => name === controller && !fault);
+  const same = String(namedIn(offered)) === String(kept.named) && who && offered.motions.some(({ name }) => name === motion);
+  const names = [...offered.lanes, ...offered.families.map(({ name }) => name)];
+  const chosen = same ? { controller, motion } : { chosen: false };
+  return { ...kept, state: { ...state, ...chosen }, lanes: (kept.lanes ?? []).filter((name) => names.includes(name)) };
+}
+
+// Until something is chosen here, what was played last: its controller, motion model and time step.
+function follow(form) {
+  const { state, parts, campaign, more } = form;
+  const played = campaign.studio.play.played();
+  if (!played || state.chosen) return;
+  state.controller = played.controller;
+  more.timeStep(played.time_step === campaign.studio.offered.time_step ? null : played.time_step);
+  setMotion(form, played.motion);
+}
+
 function setMotion(form, name) {
   const { campaign, state, parts } = form;
   state.motion = name;
+  parts.motion.show(name);
   const motion = campaign.studio.offered.motions.find((one) => one.name === name);
   const fitting = campaign.studio.offered.controllers.filter((one) => !one.fault && (motion.thesis ? one.thesis : one.lattice));
   if (!fitting.some((one) => one.name === state.controller)) state.controller = fitting[0].name;
   const change = (event) => {
+    state.chosen = true;
     state.controller = event.target.value;
     suggestFolder(form);
   };
@@ -71,6 +143,7 @@ function setMotion(form, name) {
 function suggestFolder({ campaign, state, parts }) {
   if (state.named || document.activeElement === parts.folder) return;
   const plain = state.controller.split(/[/\\]/).at(-1).replace(/[^A-Za-z0-9._+-]+/g, "-").replace(/^[.-]+/, "");
+  if (!campaign.isListed) return; // which names are taken is not known yet
   const taken = new Set([...campaign.states.keys(), ...campaign.folders.map(({ name }) => name)]);
   const name = `${plain || "campaign"}-${state.motion}`;
   let number = 1;
@@ -90,13 +163,15 @@ function radios(form, name, title, pairs, change) {
 }
 
 function worldsPart(form) {
-  const { campaign, state } = form;
-  const names = [...campaign.offered.lanes, ...campaign.studio.offered.families.map(({ name }) => name)];
+  const { campaign, state, parts } = form;
+  const names = [...campaign.studio.offered.lanes, ...campaign.studio.offered.families.map(({ name }) => name)];
   const box = (name) => {
     const change = (event) => (event.target.checked ? state.lanes.add(name) : state.lanes.delete(name));
-    return el("label", { class: "check" }, el("input", { type: "checkbox", value: name, onchange: change }), name);
+    return el("label", { class: "check" }, el("input", { type: "checkbox", value: name, checked: state.lanes.has(name), onchange: change }), name);
   };
-  const lanes = el("div", { class: "robots", id: "campaign-lanes", role: "group", "aria-label": "Lanes and families", hidden: true }, names.map(box));
+  parts.none = el("small", { class: "fault", role: "alert", hidden: true }, "Choose one at least.");
+  const lanes = el("div", { class: "robots", id: "campaign-lanes", role: "group", "aria-label": "Lanes and families", hidden: state.worlds !== "some" }, names.map(box));
+  parts.lanes = lanes;
   const pairs = [
     ["search", "As the search chooses"],
     ["some", "Of these lanes and families"],
@@ -105,8 +180,9 @@ function worldsPart(form) {
   const set = (value) => {
     state.worlds = value;
     lanes.hidden = value !== "some";
+    parts.none.hidden = true;
   };
-  return el("div", {}, radios(form, "worlds", "Worlds", pairs, set), lanes);
+  return el("div", {}, radios(form, "worlds", "Worlds", pairs, set), lanes, parts.none);
 }
 
 function goalPart(form) {
@@ -114,11 +190,15 @@ function goalPart(form) {
   const set = (value) => {
     state.goal = value;
     parts.amount.value = state[value];
+    parts.amount.max = MOST[value];
+    isGood(parts.amount);
     parts.amount.setAttribute("aria-label", value === "units" ? "Units" : "Seconds");
   };
-  parts.amount = number(state.seconds, (value) => (state[state.goal] = value), { low: 1, step: 1 });
+  parts.amount = number(state[state.goal], (value) => (state[state.goal] = value), { low: 1, high: MOST[state.goal], step: 1 });
+  parts.amount.required = true;
+  parts.amount.title = "Give a whole number from 1 on.";
   parts.amount.id = "campaign-amount";
-  parts.amount.setAttribute("aria-label", "Seconds");
+  parts.amount.setAttribute("aria-label", state.goal === "units" ? "Units" : "Seconds");
   const pairs = [
     ["seconds", "Seconds"],
     ["units", "Units of work"],
@@ -126,43 +206,84 @@ function goalPart(form) {
   return el("div", { class: "goal" }, radios(form, "goal", "How long", pairs, set), parts.amount);
 }
 
-function knownPart({ parts, campaign }) {
-  parts.known = el("input", { type: "checkbox", checked: true });
-  return el("label", { class: "check" }, parts.known, `Count what is in ${campaign.offered.known}/, but keep only what is new`);
+function knownPart({ parts, campaign }, checked) {
+  parts.known = el("input", { type: "checkbox", checked });
+  return el("label", { class: "check" }, parts.known, `Count what is in ${campaign.studio.offered.known}/, but keep only what is new`);
 }
 
-function morePart({ parts, campaign }) {
-  parts.step = el("input", { type: "number", min: 0.001, max: 10, step: "any", placeholder: "usual" });
-  parts.examples = el("input", { type: "number", min: 1, max: 100_000, step: 1, placeholder: "400" });
-  parts.oracles = el("input", { type: "text", autocomplete: "off", placeholder: "detour=5 turn" });
-  parts.vary = el("input", { type: "text", autocomplete: "off", placeholder: "robot_speed=1,2" });
-  return el(
-    "details",
-    {},
-    el("summary", {}, "More"),
-    el("div", { class: "pair-fields" }, labelled("Time step", parts.step, { unit: "s" }), labelled("Draws a unit", parts.examples)),
-    labelled("Oracles", parts.oracles, { help: `With blanks between: ${campaign.offered.oracles.join(", ")}.` }),
-    labelled("Vary", parts.vary, { help: "NAME=VALUE,VALUE with blanks between; the simplest value first." }),
-  );
-}
-
-function messageFor({ campaign, state, parts }) {
-  const whole = ({ valueAsNumber: value }) => (Number.isFinite(value) ? Math.round(value) : null);
-  const listed = (input) => input.value.split(/\s+/).filter(Boolean);
-  const message = {
+function messageFor({ campaign, state, parts, more }) {
+  const { model } = campaign.studio;
+  const given = ({ valueAsNumber: value }) => (Number.isFinite(value) ? value : null);
+  return {
+    ...more.filled(),
     folder: parts.folder.value.trim(),
     controller: state.controller,
     motion: state.motion,
     lanes: state.worlds === "some" ? [...state.lanes] : [],
-    world: state.worlds === "drawn" ? messageOf(campaign.studio.model.world) : null,
+    world: state.worlds === "drawn" ? messageOf(model.world) : null,
+    world_name: state.worlds === "drawn" && !model.unsaved ? model.world.name || null : null,
     seed: parts.seed.value.trim(),
-    workers: whole(parts.workers),
-    examples: whole(parts.examples),
-    time_step: Number.isFinite(parts.step.valueAsNumber) ? parts.step.valueAsNumber : null,
-    oracles: listed(parts.oracles),
-    vary: listed(parts.vary),
+    workers: given(parts.workers),
     known: parts.known.checked,
+    [state.goal]: given(parts.amount),
   };
-  state.named = false; // the next one gets a name of its own
-  return { ...message, [state.goal]: whole(parts.amount) };
+}
+
+// Whether every field is as it must be; else the first that is not has the focus.
+function isFilled({ parts, state }) {
+  const inputs = [...parts.element.querySelectorAll("input:not([type=radio], [type=checkbox])")];
+  const bad = inputs.filter((input) => !isGood(input));
+  const none = state.worlds === "some" && state.lanes.size === 0;
+  parts.none.hidden = !none;
+  const first = none ? parts.lanes.querySelector("input") : bad[0];
+  if (!first) return true;
+  first.closest("details:not([open])")?.setAttribute("open", "");
+  first.focus();
+  return false;
+}
+
+// Does something that a button begins; until it is done, the button begins nothing more.
+async function once(button, act) {
+  if (button.disabled) return;
+  button.disabled = true;
+  try {
+    await act();
+  } finally {
+    button.disabled = false;
+  }
+}
+
+async function submit(form, act) {
+  const { parts } = form;
+  parts.said.textContent = "";
+  await form.campaign.listed; // the folder's name may have to wait for those that are taken
+  if (!isFilled(form)) return;
+  keepForm(form); // what was played last, too
+  try {
+    await act(messageFor(form));
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    parts.said.textContent = error instanceof Refused ? error.message : "";
+    parts.said.scrollIntoView({ block: "nearest" });
+  }
+}
+
+async function begin(form, message) {
+  const { campaign, state, parts } = form;
+  parts.begin.textContent = "Beginning …";
+  const slow = setTimeout(() => (parts.waiting.textContent = FIRST), SLOW);
+  try {
+    await campaign.begin(message);
+    state.named = false; // the next one gets a name of its own
+    suggestFolder(form);
+  } finally {
+    clearTimeout(slow);
+    parts.waiting.textContent = "";
+    parts.begin.textContent = "Begin";
+  }
+}
+
+async function copyCommand({ campaign, parts }, message) {
+  const { command } = await campaign.studio.connection.ask("command", message);
+  await copied(parts.copy, command);
 }

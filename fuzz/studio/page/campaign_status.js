@@ -1,5 +1,6 @@
 // What a campaign does now: how far it is, how fast, what fails, and which lane finds it.
 
+import { rangeOf } from "/player/archive.js";
 import { el, grouped, plural, verdictDot } from "/player/dom.js";
 
 const SPAN = 10_000; // ms over which the present speed is taken
@@ -12,6 +13,7 @@ export function makeStatus(campaign) {
     classes: el("tbody", {}),
     lanes: el("tbody", {}),
     fault: el("p", { class: "notice", role: "alert", hidden: true }),
+    best: el("p", { class: "best-line", id: "best-so-far" }),
   };
   const table = (title, names, body) =>
     el(
@@ -25,35 +27,81 @@ export function makeStatus(campaign) {
     table("Failures by class", ["Class", "Met", "Smallest"], parts.classes),
     table("Lanes", ["Lane", "Units", "Worlds", "Failed", "New"], parts.lanes),
   );
-  const element = el("div", { class: "status-part" }, parts.line, parts.bar, parts.fault, parts.tables);
-  const status = { campaign, parts, past: [], state: null, smallest: new Map() };
+  const element = el("div", { class: "status-part" }, parts.line, parts.bar, parts.best, parts.fault, parts.tables);
+  const status = { campaign, parts, past: [], lanes: new Map(), state: null, smallest: null };
+  for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = true; // until there is a campaign
   return {
     element,
     actions: parts.actions,
     show: (state) => show(status, state),
     sizes: (smallest) => {
-      status.smallest = smallest;
-      if (status.state) showClasses(status);
+      status.smallest = smallest; // by class; null while the folder is being read
+      if (status.state) showFailures(status);
     },
   };
 }
 
+// All that is said of failures: in the line, in the table, and which is the best. They go by the same classes.
+function showFailures(status) {
+  const classes = classesOf(status);
+  status.parts.line.replaceChildren(...line(status, classes));
+  showClasses(status, classes);
+  showBest(status);
+}
+
 function show(status, state) {
   const { parts } = status;
-  if (!state || status.state?.folder !== state.folder) status.past = [];
+  if (!state || status.state?.folder !== state.folder) Object.assign(status, { past: [], lanes: new Map() });
   status.state = state;
-  for (const part of [parts.line, parts.bar, parts.tables]) part.hidden = !state;
+  for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = !state;
   parts.fault.hidden = !(state && state.fault);
   showActions(status);
   if (!state) return;
   parts.fault.textContent = state.fault;
   parts.bar.value = share(state);
   parts.bar.hidden = !state.running;
-  parts.line.replaceChildren(...line(status));
-  showClasses(status);
-  const row = (lane) => [lane.lane, lane.units, lane.worlds, lane.failures, lane.classes];
+  showFailures(status);
+  const now = lanesNow(status);
+  const mark = (name) => (now.has(name) ? [name, el("b", { class: "now" }, " now")] : name);
+  const row = (lane) => [mark(lane.lane), lane.units, lane.worlds, lane.failures, lane.classes];
   parts.lanes.replaceChildren(...[...state.lanes].sort((a, b) => b.classes - a.classes || b.worlds - a.worlds).map((lane) => rowOf(row(lane))));
   parts.tables.hidden = state.lanes.length === 0;
+}
+
+// The lanes whose counts have grown in the last seconds; where none has, for units may take long, those that grew last.
+function lanesNow({ state, lanes }) {
+  if (!state.running) return new Set();
+  const now = performance.now(),
+    first = lanes.size === 0;
+  for (const { lane, worlds, units } of state.lanes) {
+    const before = lanes.get(lane),
+      counted = worlds + units;
+    if (!before || before.counted !== counted) lanes.set(lane, { counted, grew: first ? 0 : now });
+  }
+  const last = Math.max(0, ...[...lanes.values()].map(({ grew }) => grew));
+  return new Set([...lanes].filter(([, { grew }]) => grew > 0 && grew >= Math.min(last, now - SPAN)).map(([name]) => name));
+}
+
+// The smallest failure; before there is one, the longest way to the target that a robot has gone.
+function showBest({ state, smallest, parts, campaign }) {
+  const all = [...(smallest || new Map()).values()].sort((a, b) => a.solid - b.solid || a.width * a.height - b.width * b.height);
+  const [best] = all;
+  if (best) {
+    const open = el("button", { type: "button", class: "link", onclick: () => campaign.wall.choose(best) }, best.class);
+    parts.best.replaceChildren(el("span", {}, "Best so far:"), open, el("span", {}, `${best.width} x ${best.height} cells, ${best.solid} solid`));
+    return;
+  }
+  const longest = longestWay(state.archive);
+  parts.best.replaceChildren(longest ? `Best so far, no failure: a way of ${longest} times the straight line` : "");
+  parts.best.hidden = !longest;
+}
+
+// The range of the longest detour of runs that arrived; empty where none is known.
+function longestWay(archive) {
+  if (!archive || archive.names[0] !== "detour") return "";
+  const [edges] = archive.edges;
+  const last = Math.max(-1, ...archive.cells.filter(([, , , verdict]) => verdict === "reached").map(([i]) => i));
+  return last < 0 ? "" : rangeOf(edges, last);
 }
 
 function rowOf([name, ...cells]) {
@@ -67,13 +115,14 @@ function share({ goal, units, sitting }) {
   return goal.seconds && sitting !== null ? Math.min(1, sitting / goal.seconds) : 0;
 }
 
-function line(status) {
-  const { state, campaign } = status;
+function line(status, classes) {
+  const { state, campaign, smallest } = status;
   const failed = Object.values(state.met).reduce((sum, times) => sum + times, 0);
   const facts = [
     [grouped(state.worlds), "worlds"],
     [short(state.steps), "steps"],
-    [grouped(failed), `failures of ${plural(Object.keys(state.met).length, "class", "classes")}`],
+    [grouped(failed), failed === 1 ? "failure met" : "failures met"],
+    ...(smallest ? [[grouped(classes.length), classWords(classes)]] : []),
     [grouped(speed(status)), state.running ? "worlds/s now" : "worlds/s"],
   ];
   const doing = !state.running ? stands(state) : campaign.stopping === state.folder ? "Stopping" : "Running";
@@ -85,14 +134,16 @@ function line(status) {
   ];
 }
 
-function stands({ goal, units, fault }) {
+function stands({ goal, units, fault, stopped }) {
   if (fault) return "Gave up";
-  return goal.units && units < goal.units ? "Stopped" : "Done";
+  return stopped || (goal.units && units < goal.units) ? "Stopped" : "Done";
 }
 
 function goalWords({ goal, units, running, sitting }) {
   if (goal.units) return `unit ${units} of ${goal.units}`;
-  if (running && sitting !== null) return `${Math.round(sitting)} of ${goal.seconds} s, ${plural(units, "unit")}`;
+  const shown = plural(units, "unit");
+  if (running && sitting !== null && sitting > goal.seconds) return `the ${goal.seconds} s are over: ending what is under way, ${shown}`;
+  if (running && sitting !== null) return `${Math.round(sitting)} of ${goal.seconds} s, ${shown}`;
   return plural(units, "unit");
 }
 
@@ -112,15 +163,35 @@ function speed({ state, past }) {
   return state.seconds > 0 ? state.worlds / state.seconds : 0;
 }
 
-function showClasses({ state, parts, smallest, campaign }) {
-  const slid = [...smallest.keys()].filter((name) => !(name in state.met)).map((name) => [name, 0]); // met while shrinking
+/* The classes, those that were met most first; a failure may have slid into a class that was never met by being shrunk.
+   Of each { name, times, best, stands }: stands says why it has no picture, "" where it has one. */
+function classesOf({ state, smallest, campaign }) {
+  const kept = smallest || new Map();
+  const slid = [...kept.keys()].filter((name) => !Object.hasOwn(state.met, name)).map((name) => [name, 0]);
+  const why = (name) => {
+    if (kept.has(name)) return "";
+    if (state.known[name]) return "known";
+    if (state.running) return "to be shrunk";
+    return campaign.read === state.failures ? "not kept" : "…"; // the folder is still being read
+  };
   const rows = [...Object.entries(state.met), ...slid].sort(([, a], [, b]) => b - a);
+  return rows.map(([name, times]) => ({ name, times, best: kept.get(name), stands: why(name) }));
+}
+
+// "classes: 1 known, 2 to be shrunk"; the others are on the wall.
+function classWords(classes) {
+  const counts = ["known", "to be shrunk", "not kept"].map((words) => [words, classes.filter(({ stands }) => stands === words).length]);
+  const said = counts.filter(([, count]) => count > 0).map(([words, count]) => `${count} ${words}`);
+  return `${classes.length === 1 ? "class" : "classes"}${said.length > 0 ? `: ${said.join(", ")}` : ""}`;
+}
+
+function showClasses({ parts, campaign }, classes) {
   parts.classes.replaceChildren(
-    ...rows.map(([name, times]) => {
-      const best = smallest.get(name);
+    ...classes.map(({ name, times, best, stands }) => {
       const show = el("button", { type: "button", class: "link", title: "Show these alone", onclick: () => campaign.wall.only(name) }, name);
-      const size = best ? `${best.width} x ${best.height}, ${best.solid} solid` : state.known[name] ? "known" : "to be shrunk";
-      return rowOf([el("span", { class: "kind" }, verdictDot(best ? best.verdict : name.split("-")[0]), best ? show : name), times, size]);
+      const size = best ? `${best.width} x ${best.height}, ${best.solid} solid` : stands;
+      const kind = el("span", { class: "kind" }, verdictDot(best ? best.verdict : name.split("-")[0]), best ? show : name);
+      return rowOf([kind, times || "by shrinking", size]);
     }),
   );
 }

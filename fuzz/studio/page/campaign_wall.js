@@ -1,10 +1,12 @@
 // Failures as a wall of small pictures: filtered, sorted, each drawn when it comes into sight.
 
-import { choice, el, plural, verdictDot } from "/player/dom.js";
+import { choice, el, grouped, plural, verdictDot } from "/player/dom.js";
 import { drawSmall } from "/player/map.js";
 import { Ended, Refused } from "./connection.js";
+import { Recent } from "./recent.js";
 
 const AT_ONCE = 3; // pictures that are asked for at a time
+const LOOKS = 400; // pictures that are kept, some 50 kB each
 const ROWS = 120; // cards that are shown before more are asked for
 const SORTS = { size: "smallest first", newest: "newest first", oldest: "oldest first", class: "by class" };
 const FILTERS = { class: "Class", verdict: "Verdict", controller: "Controller" };
@@ -17,7 +19,7 @@ export function makeWall(campaign) {
     faults: el("p", { class: "notice", hidden: true }),
   };
   const wall = {
-    campaign, parts, failures: [], shown: ROWS, sort: "size", chosen: "", filter: {}, looks: new Map(), queue: [], busy: 0, cards: new Map(),
+    campaign, parts, failures: [], shown: ROWS, sort: "size", chosen: "", filter: {}, looks: new Recent(LOOKS), queue: [], busy: 0, cards: new Map(),
   };
   wall.seen = new IntersectionObserver((entries) => entries.forEach((entry) => entry.isIntersecting && want(wall, entry.target)), { rootMargin: "200px" });
   const element = el("div", { class: "wall-part" }, parts.tools, parts.faults, el("div", { class: "wall-scroll" }, parts.list));
@@ -26,11 +28,15 @@ export function makeWall(campaign) {
   return {
     element,
     show: (answer) => show(wall, answer),
+    reading: (read, of) => {
+      parts.tools.hidden = false;
+      parts.count.textContent = `Reading ${grouped(read)}${of ? ` of ${grouped(of)}` : ""} files …`;
+    },
     refuse: (words) => {
       parts.faults.hidden = false;
       parts.faults.textContent = words;
     },
-    forget: () => forget(wall),
+    wait: (words) => wait(wall, words),
     only: (kind) => {
       wall.filter = { class: kind };
       showAll(wall);
@@ -40,9 +46,15 @@ export function makeWall(campaign) {
   };
 }
 
-function forget(wall) {
+// Another folder is going to be shown: until it has been read, words stand where its pictures will.
+function wait(wall, words) {
+  const { parts } = wall;
   for (const { fail } of wall.queue) fail(new Ended("Another folder was chosen."));
-  Object.assign(wall, { filter: {}, shown: ROWS, chosen: "", queue: [] });
+  Object.assign(wall, { filter: {}, shown: ROWS, chosen: "", queue: [], failures: [], cards: new Map() });
+  wall.seen.disconnect();
+  parts.tools.replaceChildren(parts.count); // the filters were the other folder's
+  parts.tools.hidden = parts.faults.hidden = true;
+  parts.list.replaceChildren(el("li", { class: "empty quiet" }, words));
 }
 
 function show(wall, answer) {
@@ -50,11 +62,18 @@ function show(wall, answer) {
   wall.failures = answer ? answer.failures : [];
   for (const name of Object.keys(FILTERS)) if (!wall.failures.some((one) => one[name] === wall.filter[name])) delete wall.filter[name];
   parts.faults.hidden = !answer || answer.faults.length === 0;
-  parts.faults.textContent = answer ? answer.faults.slice(0, 3).join(" ") : "";
+  parts.faults.textContent = answer ? faultWords(answer.faults) : "";
   const smallest = new Map();
   for (const one of sorted(wall.failures, "size")) if (!smallest.has(one.class)) smallest.set(one.class, one);
-  campaign.status.sizes(smallest);
+  campaign.status.sizes(answer && smallest);
+  campaign.failure.follow(wall.failures);
   showAll(wall);
+}
+
+// What could not be read: three of them in words, the others as a number.
+function faultWords(faults) {
+  const more = faults.length - 3;
+  return [...faults.slice(0, 3), more > 0 ? `And ${plural(more, "more file")} cannot be read.` : ""].join(" ").trim();
 }
 
 function sorted(failures, by) {
@@ -105,7 +124,9 @@ function showCards(wall) {
   const fitting = sorted(failures, wall.sort).filter((one) => fits(wall, one));
   const focused = document.activeElement?.dataset?.failure;
   const all = fitting.length === failures.length;
-  parts.count.textContent = all ? plural(failures.length, "failure") : `${fitting.length} of ${plural(failures.length, "failure")}`;
+  const each = campaign.states.has(campaign.folder) && new Set(failures.map((one) => one.class)).size === failures.length;
+  const words = `${plural(failures.length, "failure")}${each && failures.length > 1 ? ", one of each class" : ""}`;
+  parts.count.textContent = all ? words : `${fitting.length} of ${plural(failures.length, "failure")}`;
   wall.seen.disconnect();
   const cards = fitting.slice(0, wall.shown).map((failure) => cardOf(wall, failure));
   wall.cards = new Map(cards);
@@ -116,10 +137,11 @@ function showCards(wall) {
   if (focused) wall.cards.get(focused)?.focus({ preventScroll: true });
 }
 
-function emptyWords({ folder, states }) {
-  if (folder === null) return "There is no failure in the opened folder yet. Begin a campaign on the right: it looks for worlds in which the controller fails.";
+function emptyWords({ folder, states, folders }) {
+  if (folder === null || folder === "" || (states.size === 0 && folders.length <= 1)) return "There is no failure in the opened folder yet. Begin a campaign on the right: it looks for worlds in which the controller fails.";
   if (states.get(folder)?.running) return "No failure yet; each appears here as soon as it is proved and shrunk.";
-  return "No failure here.";
+  if (states.has(folder)) return "The campaign has found no failure here. Go on for longer, or begin another on the right.";
+  return "No failure lies in this folder. Choose another above, or begin a campaign on the right.";
 }
 
 function moreButton(wall, left) {
@@ -172,14 +194,15 @@ function want(wall, card) {
 // What the server says of a failure, asked for once.
 function lookAt(wall, failure, first = false) {
   const key = `${failure.name} ${failure.digest}`;
-  if (!wall.looks.has(key)) {
-    const asked = new Promise((done, fail) => wall.queue.push({ key, failure, done, fail }));
+  let asked = wall.looks.get(key);
+  if (!asked) {
+    asked = new Promise((done, fail) => wall.queue.push({ key, failure, done, fail }));
     wall.looks.set(key, asked);
     asked.catch(() => wall.looks.delete(key));
   }
   if (first) wall.queue.sort((a, b) => (b.key === key) - (a.key === key)); // others wait
   pump(wall);
-  return wall.looks.get(key);
+  return asked;
 }
 
 function pump(wall) {
@@ -200,9 +223,8 @@ function draw(card, look) {
   drawSmall(card.querySelector("canvas"), look);
 }
 
+// Every picture is drawn anew when it comes into sight, those in sight at once.
 function redraw(wall) {
-  for (const [name, card] of wall.cards) {
-    const look = wall.looks.get(`${name} ${card.dataset.digest}`);
-    if (look) look.then((seen) => draw(card, seen)).catch(() => {});
-  }
+  wall.seen.disconnect();
+  for (const card of wall.cards.values()) wall.seen.observe(card);
 }

@@ -2,8 +2,38 @@
 
 const FIRST_WAIT = 300; // ms before the first attempt to come back
 const LONGEST_WAIT = 3000;
+const PROTOCOL = 1; // that this page speaks
+const FULL = 4000; // the code with which the server closes a connection too many; the reason is a sentence
+const TOO_LARGE = 1009;
+const LARGEST = 32 * 2 ** 20; // bytes of a message
+const TOKEN = "worldgen-studio-token"; // kept for this port's pages alone, unlike a cookie
+let token = "";
 
-/** What is asked again in vain: the connection was gone meanwhile, or a newer question has replaced it. */
+/** Takes the token of the address that was opened out of what the browser shows and remembers. */
+export function takeToken() {
+  token = new URLSearchParams(location.search).get("token") || "";
+  history.replaceState(null, "", `${location.pathname}${location.hash}`);
+}
+
+/** Keeps that token for this page when it is loaded anew, and for the pages of before the server's start. */
+export function shareToken() {
+  try {
+    if (token) localStorage.setItem(TOKEN, token);
+  } catch {
+    // no storage: this page has the token until it is loaded anew
+  }
+}
+
+// The newest token: another page may have been opened since, with that of a new start.
+function newestToken() {
+  try {
+    return localStorage.getItem(TOKEN) || token;
+  } catch {
+    return token;
+  }
+}
+
+/** What was asked in vain: it was stopped, a newer question has replaced it, or the connection is gone. */
 export class Ended extends Error {}
 
 /** What the server objects to, in its own words. */
@@ -11,27 +41,35 @@ export class Refused extends Error {}
 
 /* A connection.
      begun(begins)       called each time the connection is there
-     lost(forbidden)     called when it is gone; forbidden: the server is there, but does not know this page any more */
-export function makeConnection(begun, lost) {
+     lost(forbidden, why)    called when it is gone; forbidden: the server is there, but does not know this page any
+                         more; why: a sentence of the server's, or empty
+     ready               a promise: the connection is opened after it */
+export function makeConnection(begun, lost, ready) {
   const state = { socket: null, number: 0, waiting: new Map(), wait: FIRST_WAIT, opened: false };
   const open = () => {
     state.opened = false;
-    state.socket = new WebSocket(`ws://${location.host}/socket`);
+    state.socket = new WebSocket(`ws://${location.host}/socket`, ["worldgen-studio", newestToken()].filter(Boolean));
     state.socket.addEventListener("message", (event) => hear(state, JSON.parse(event.data), begun));
-    state.socket.addEventListener("close", async () => {
-      for (const { fail } of state.waiting.values()) fail(new Ended("The connection is gone."));
+    state.socket.addEventListener("close", async ({ code, reason }) => {
+      const error = code === TOO_LARGE ? new Refused(tooLarge()) : new Ended("The connection is gone.");
+      for (const { fail } of state.waiting.values()) fail(error);
       state.waiting.clear();
-      lost(!state.opened && (await isForbidden()));
+      if (code === FULL) lost(false, reason);
+      else lost(!state.opened && (await isForbidden()), "");
       setTimeout(open, state.wait);
       state.wait = Math.min(LONGEST_WAIT, state.wait * 1.6);
     });
   };
-  open();
+  ready.finally(open);
   return { ask: (kind, message = {}, part = () => {}) => ask(state, kind, message, part) };
 }
 
 function hear(state, said, begun) {
   if (!("id" in said)) {
+    if (said.protocol !== PROTOCOL) {
+      location.reload(); // the page of the server that runs now; what is drawn is kept
+      return;
+    }
     state.opened = true;
     state.wait = FIRST_WAIT;
     begun(said);
@@ -45,21 +83,31 @@ function hear(state, said, begun) {
   }
   state.waiting.delete(said.id);
   if ("answer" in said) question.done(said.answer);
-  else question.fail(said.ended ? new Ended("A newer question came.") : new Refused(said.error));
+  else question.fail(said.ended ? new Ended("Stopped.") : new Refused(said.error));
 }
 
 function ask(state, kind, message, part) {
   if (!state.socket || state.socket.readyState !== WebSocket.OPEN)
     return Promise.reject(new Ended("The server is not there."));
-  state.number += 1;
-  const id = state.number;
-  state.socket.send(JSON.stringify({ ...message, id, do: kind }));
-  return new Promise((done, fail) => state.waiting.set(id, { done, fail, part }));
+  const id = state.number + 1,
+    text = JSON.stringify({ ...message, id, do: kind });
+  if (3 * text.length > LARGEST && new Blob([text]).size > LARGEST) return Promise.reject(new Refused(tooLarge()));
+  state.number = id;
+  state.socket.send(text);
+  const asked = new Promise((done, fail) => state.waiting.set(id, { done, fail, part }));
+  asked.stop = () => state.waiting.has(id) && ask(state, "cancel", { of: id }).catch(() => {});
+  return asked;
+}
+
+// What is larger would end the connection, and all that waits for answers with it.
+function tooLarge() {
+  return `This is more than ${LARGEST / 2 ** 20} MiB, the most that can be sent to the studio at once; put a file into its folder, draw a smaller world.`;
 }
 
 async function isForbidden() {
   try {
-    return (await fetch("/studio/start.js", { method: "HEAD" })).status === 403;
+    await fetch("/studio/start.js", { method: "HEAD" });
+    return true; // it is there and does not let this page in
   } catch {
     return false;
   }

@@ -2,11 +2,14 @@
 
 import { choice, el, grouped, keyButton, svg } from "/player/dom.js";
 import { makeBoard } from "./board.js";
+import { showTabs } from "./fields.js";
 import { makeFiles } from "./files.js";
 import { makeMaker } from "./maker.js";
+import { markAt } from "./model.js";
 import { askSignal, proofWords } from "./proof.js";
+import { SELECTION, withSelection } from "./selection.js";
 import { STAMPS } from "./shapes.js";
-import { SELECTION, TOOLS, makeTools, withSelection } from "./tools.js";
+import { TOOLS, makeTools } from "./tools.js";
 import { makeWorldPanel } from "./world_panel.js";
 
 const VIEWS = {
@@ -27,13 +30,13 @@ export function makeDraw(section, studio) {
     tabindex: "0",
     role: "application",
     "aria-label": "Drawing board",
-    "aria-describedby": "proof",
+    "aria-describedby": "place proof board-keys",
   });
   const show = { grid: true, ruler: true, proof: true, signal: false, noise: false };
   const board = makeBoard(canvas, studio.model, show);
   const setting = { size: 1, hollow: false, stamp: "U trap", stampSize: 12 };
   const draw = { studio, board, canvas, show, setting, tool: "brush", tools: makeTools(board, setting, studio.say) };
-  const parts = { options: el("div", { class: "options" }), status: el("div", { class: "status" }) };
+  const parts = { options: el("div", { class: "options" }), ...statusParts() };
   section.replaceChildren(
     palette(draw, parts),
     el("div", { class: "middle" }, parts.options, el("div", { class: "stage board" }, canvas), parts.status),
@@ -48,9 +51,9 @@ export function makeDraw(section, studio) {
     panel: (name) => openPanel(draw, parts, name),
     where: (point) => showPlace(draw, parts, point),
     senseSignal: () => senseSignal(draw),
-    bring: (file) => {
+    bring: (dropped) => {
       draw.panel("files");
-      parts.bodies.files.bring(file);
+      parts.bodies.files.bring(dropped);
     },
   });
   draw.choose("brush");
@@ -74,13 +77,17 @@ function palette(draw, parts) {
 }
 
 function choose(draw, parts, tool) {
+  draw.cancelKeys?.(); // none while the page is made
   draw.tool = tool;
   draw.board.ghost = null;
   draw.board.marks = [];
   if (tool !== "select") draw.board.selection = null;
   if (tool !== "measure") draw.board.measure = null;
   if (tool !== "stamp") draw.tools.kit.turns = [];
-  for (const button of parts.tools) button.setAttribute("aria-pressed", String(button.dataset.tool === tool));
+  for (const button of parts.tools) {
+    button.setAttribute("aria-pressed", String(button.dataset.tool === tool));
+    button.tabIndex = button.dataset.tool === tool ? 0 : -1; // arrow keys go to the others
+  }
   draw.canvas.dataset.tool = tool;
   showOptions(draw, parts);
   draw.board.draw();
@@ -94,7 +101,7 @@ function showOptions(draw, parts) {
   if (tool === "rectangle") shown.push(box("Outline only", setting, "hollow"));
   if (tool === "stamp") {
     const names = Object.keys(STAMPS).map((name) => [name, name]);
-    if (draw.tools.kit.clipboard) names.unshift(["clipboard", "What was copied"]);
+    if (draw.tools.kit.clipboard) names.unshift(["clipboard", "Copied"]);
     const list = choice(names, setting.stamp, (event) => {
       setting.stamp = event.target.value;
     });
@@ -103,11 +110,11 @@ function showOptions(draw, parts) {
     shown.push(["mirror", "flip", "turn"].map((what) => actButton(draw, what)));
   }
   if (tool === "select") shown.push(Object.keys(SELECTION).map((what) => actButton(draw, what)));
-  const help = HELP[tool];
+  const help = (matchMedia("(pointer: coarse)").matches ? TOUCH_HELP : HELP)[tool];
   const zoom = [
     keyButton("−", "Zoom out", "-", () => draw.board.zoom(1 / 1.4)),
     keyButton("+", "Zoom in", "+", () => draw.board.zoom(1.4)),
-    keyButton("Fit", "Show the whole world", "0", () => draw.board.fit()),
+    keyButton("Fit", "Fit the whole world", "0", () => draw.board.fit()),
   ];
   parts.options.replaceChildren(
     el(
@@ -144,6 +151,14 @@ const HELP = {
   target: "Alt: anywhere",
   measure: "drag",
   pan: "drag; wheel zooms",
+};
+const TOUCH_HELP = {
+  ...HELP,
+  brush: "two fingers move and zoom",
+  fill: "tap an open region",
+  start: "drag to turn",
+  target: "tap",
+  pan: "drag; two fingers zoom",
 };
 
 function actButton(draw, what) {
@@ -211,6 +226,7 @@ async function senseSignal(draw) {
 }
 
 function act(draw, parts, what) {
+  draw.cancel();
   if (what === "paste" && draw.tools.kit.clipboard) {
     draw.setting.stamp = "clipboard";
     draw.choose("stamp");
@@ -251,7 +267,7 @@ function panels(draw, parts) {
 }
 
 function openPanel(draw, parts, name) {
-  for (const tab of parts.tabs) tab.setAttribute("aria-selected", String(tab.id === `tab-${name}`));
+  showTabs(parts.tabs, `tab-${name}`);
   for (const panel of parts.panels) panel.hidden = panel.id !== `panel-${name}`;
   if (name === "files") parts.bodies.files.list();
 }
@@ -268,12 +284,24 @@ function showPlace(draw, parts, point) {
   const { world } = draw.studio.model,
     side = world.cell_size;
   const changes = world.events ? `, ${grouped(world.events.times.length)} changes` : "";
+  const mark = markAt(world, point);
+  draw.canvas.title = mark && `${mark}: drag it with the tool of that name`;
   const place = point
-    ? `cell ${Math.floor(point[0])}, ${Math.floor(point[1])} · ${(point[0] * side).toFixed(3)}, ${(point[1] * side).toFixed(3)} m`
+    ? `${mark && `${mark} · `}cell ${Math.floor(point[0])}, ${Math.floor(point[1])} · ${(point[0] * side).toFixed(3)}, ${(point[1] * side).toFixed(3)} m`
     : `${world.width} x ${world.height} cells, ${grouped(draw.studio.model.solid)} solid${changes} · ${(world.width * side).toFixed(2)} x ${(world.height * side).toFixed(2)} m`;
   const { words, kind } = proofWords(draw.board.proof);
-  parts.status.replaceChildren(
-    el("span", { class: "place" }, place),
-    el("span", { class: `proof ${kind}`, id: "proof", role: "status" }, words),
-  );
+  parts.where.textContent = place;
+  if (parts.proof.textContent === words) return; // a screen reader says it once
+  const [, head, rest] = words.match(/^([^:]*:?)(.*)$/s);
+  parts.proof.className = `proof ${kind}`;
+  parts.proof.title = words;
+  parts.proof.replaceChildren(el("b", {}, head), rest);
+}
+
+// Below the board; what stands there is also what a screen reader says of the board.
+function statusParts() {
+  const where = el("span", { class: "place", id: "place" }),
+    proof = el("span", { class: "proof", id: "proof", role: "status" }),
+    keys = el("span", { class: "away", id: "board-keys" }, "Arrow keys move a cursor, Space uses the tool there.");
+  return { where, proof, status: el("div", { class: "status" }, where, proof, keys) };
 }

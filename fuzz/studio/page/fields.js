@@ -1,6 +1,7 @@
 // Form fields that panels share.
 
 import { choice, el } from "/player/dom.js";
+import { Refused } from "./connection.js";
 
 let count = 0;
 
@@ -19,6 +20,21 @@ export function labelled(words, input, { unit = "", help = "" } = {}) {
   );
 }
 
+/** A list of motion models: their short names, and below it what the chosen one is. */
+export function motionField(motions, chosen, change) {
+  const list = choice(
+    motions.map(({ name }) => [name, name]),
+    chosen,
+    (event) => change(event.target.value),
+  );
+  const element = labelled("Motion model", list, { help: " " });
+  const show = (name) => {
+    list.value = name;
+    element.querySelector("small").textContent = motions.find((one) => one.name === name).about;
+  };
+  return { element, show };
+}
+
 export function number(value, change, { low = null, high = null, step = "any" } = {}) {
   return el("input", {
     type: "number",
@@ -33,7 +49,7 @@ export function number(value, change, { low = null, high = null, step = "any" } 
   });
 }
 
-/** A field for a parameter as the server declares it: { name, default, kind, choices, low, high }. */
+/** A field for a parameter as the server declares it: { name, default, kind, choices, low, high }, and `chosen`, one number beside. */
 export function parameterField(parameter, value, change) {
   const { kind, choices, low, high } = parameter;
   if (kind === "bool") {
@@ -47,20 +63,89 @@ export function parameterField(parameter, value, change) {
     );
   }
   if (kind === "str") return el("input", { type: "text", value, onchange: (event) => change(event.target.value) });
-  return number(value, change, { low, high, step: kind === "int" ? 1 : "any" });
+  const least = typeof parameter.chosen === "number" && low !== null ? Math.min(low, parameter.chosen) : low;
+  const input = number(value, change, { low: least, high, step: kind === "int" ? 1 : "any" });
+  if (kind !== "int" && kind !== "float") return input;
+  input.addEventListener("input", () => {
+    input.setCustomValidity(boundsFault(parameter, input.valueAsNumber));
+    const fault = faultOf(input);
+    input.setAttribute("aria-invalid", String(fault !== ""));
+    input.closest(".labelled")?.classList.toggle("wrong", fault !== "");
+  });
+  return input;
+}
+
+// What is wrong with a parameter's value: its bounds are more than a browser's field can say.
+function boundsFault({ name, kind, low, high, above, chosen, bounds }, value) {
+  const fits =
+    Number.isFinite(value) &&
+    (kind === "float" || Number.isInteger(value)) &&
+    (value === chosen ||
+      ((low === null || value > low || (value === low && !above)) && (high === null || value <= high)));
+  if (fits) return "";
+  const ends = [low, high].map((end) => end?.toLocaleString("en-US"));
+  const range = bounds || (low !== null && high !== null ? ends.join(" to ") : "");
+  return `${words(name)} is ${kind === "int" ? "a whole number" : "a number"}${range ? `, ${range}` : ""}.`;
+}
+
+/** Fields for options of a format: what is given goes into `given` by name. */
+export function optionFields(options, given) {
+  return options.map((option) => {
+    const input = parameterField(option, option.default, (value) => {
+      given[option.name] = value;
+    });
+    return labelled(words(option.name), input, { help: [option.help.replaceAll("`", ""), option.bounds].filter(Boolean).join(" ") });
+  });
+}
+
+/** Refuses what stands wrong in one of such fields, and goes there. */
+export function checkOptions(place) {
+  const bad = firstFault(place);
+  if (!bad) return;
+  bad.focus();
+  throw new Refused(faultOf(bad));
+}
+
+/** The first field in a place that is not as it must be. */
+export function firstFault(place) {
+  return [...place.querySelectorAll("input")].find((input) => faultOf(input) !== "");
 }
 
 export function words(name) {
   return name.replaceAll("_", " ").replace(/^./, (letter) => letter.toUpperCase());
 }
 
-/** An address of bytes that the browser keeps as a file. */
-export function download(name, base64) {
-  const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
-  const address = URL.createObjectURL(new Blob([bytes]));
-  const link = el("a", { href: address, download: name });
-  document.body.append(link);
-  link.click();
-  link.remove();
-  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+/** Whether what is in a field is as it must be; if not, the field says why. */
+export function isGood(input) {
+  const fault = faultOf(input);
+  const place = input.closest(".labelled, .goal"),
+    id = `${input.id}-fault`;
+  document.getElementById(id)?.remove();
+  const about = (input.getAttribute("aria-describedby") || "").split(" ").filter((one) => one && one !== id);
+  if (fault) {
+    place.append(el("small", { id, class: "fault" }, fault));
+    about.push(id);
+  }
+  if (fault) input.setAttribute("aria-invalid", "true");
+  else input.removeAttribute("aria-invalid");
+  if (about.length > 0) input.setAttribute("aria-describedby", about.join(" "));
+  else input.removeAttribute("aria-describedby");
+  return fault === "";
+}
+
+/** What is wrong in a field, and what to give instead; empty if nothing is. */
+export function faultOf({ validity, min, max, step, title, validationMessage }) {
+  if (validity.customError) return validationMessage;
+  const kind = step === "any" ? "a number" : "a whole number";
+  const from = min === "" ? "" : max === "" ? ` from ${min} on` : ` from ${min} to ${Number(max).toLocaleString("en-US")}`;
+  if (validity.badInput || validity.rangeUnderflow || validity.rangeOverflow || validity.stepMismatch) return `Give ${kind}${from}.`;
+  return validity.valueMissing || validity.patternMismatch ? title : "";
+}
+
+/** Which of several tabs is chosen; the Tab key stops at that one, arrow keys go to the others. */
+export function showTabs(tabs, chosen) {
+  for (const tab of tabs) {
+    tab.setAttribute("aria-selected", String(tab.id === chosen));
+    tab.tabIndex = tab.id === chosen ? 0 : -1;
+  }
 }

@@ -1,14 +1,17 @@
 // The files of the opened folder: open, save, import, export.
 
-import { choice, el, grouped, plural } from "/player/dom.js";
+import { el, grouped, plural } from "/player/dom.js";
 import { Ended, Refused } from "./connection.js";
-import { download, labelled } from "./fields.js";
+import { makeExport } from "./export_form.js";
+import { labelled } from "./fields.js";
+import { makeImport } from "./import_form.js";
 import { messageOf } from "./model.js";
 
 export function makeFiles(studio) {
   const parts = {
     list: el("ul", { class: "files", "aria-label": "Files of the folder" }),
-    said: el("p", { role: "status" }),
+    found: el("details", { hidden: true }, el("summary", {}), el("ul", { class: "files", "aria-label": "Found by campaigns" })),
+    said: Object.fromEntries(["save", "import", "export", "open"].map((name) => [name, el("p", { role: "status" })])),
   };
   const files = { parts, files: [] };
   parts.find = el("input", {
@@ -23,41 +26,50 @@ export function makeFiles(studio) {
     "div",
     {},
     savePart(studio, files),
-    parts.said,
+    parts.said.save,
     exchangePart(studio, files),
     el("h2", {}, "Open"),
+    parts.said.open,
     parts.folder,
     parts.find,
     parts.list,
+    parts.found,
   );
   return {
     element,
     list: () => list(studio, files),
-    bring: (file) => bringFile(studio, parts, file),
+    bring: (dropped) => {
+      parts.exchange.open = true;
+      parts.imported.bring(dropped);
+    },
     refresh: () => {
       if (files.shown !== studio.model.world.name) showList(studio, files);
       if (document.activeElement !== parts.name) parts.name.value = studio.model.world.name;
-      fillFormats(studio, parts);
+      parts.imported.refresh();
+      parts.exported.refresh();
     },
   };
 }
 
-// Does something that the server may refuse; what it says is shown.
-async function trying(parts, act) {
+// Does something that the server may refuse; what it says is shown where it was asked for.
+async function trying({ said }, where, act) {
+  const tell = (words, kind) => {
+    for (const [name, place] of Object.entries(said)) {
+      place.textContent = name === where ? words : "";
+      place.className = kind;
+    }
+  };
   try {
-    const words = await act();
-    parts.said.className = "good";
-    parts.said.textContent = words || "";
+    tell((await act()) || "", "good");
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
-    parts.said.className = "bad";
-    parts.said.textContent = error.message;
+    tell(error.message, "bad");
   }
 }
 
 function savePart(studio, files) {
   const { parts } = files;
-  const save = () => trying(parts, () => saveAs(studio, files, parts.name.value.trim()));
+  const save = () => trying(parts, "save", () => saveAs(studio, files, parts.name.value.trim()));
   parts.name.addEventListener("keydown", (event) => {
     if (event.key === "Enter") save();
   });
@@ -66,86 +78,46 @@ function savePart(studio, files) {
     {},
     el("h2", {}, "Save"),
     labelled("Name in the folder", parts.name),
-    el("div", { class: "actions" }, el("button", { type: "button", id: "save", class: "main", onclick: save }, "Save")),
+    el("div", { class: "actions" }, el("button", { type: "button", class: "main", onclick: save }, "Save")),
   );
 }
 
-/** Saves under a name; a file of another world is overwritten only after it was said so. */
+/** Saves under a name; a file that is not the one that was opened or saved here is overwritten only after it was said so. */
 export async function saveAs(studio, files, name) {
   if (!name) throw new Refused("Give the file a name, such as world.grid.");
   const full = /\.grid(\.gz)?$/.test(name) ? name : `${name}.grid`;
-  const message = { name: full, world: messageOf(studio.model.world) };
+  const mark = studio.model.mark(),
+    { world } = studio.model;
+  const message = { name: full, world: messageOf(world), replaces: full === world.name ? world.file : null };
   let answer;
   try {
-    answer = await studio.connection.ask("save", { ...message, overwrite: full === studio.model.world.name });
+    answer = await studio.connection.ask("save", { ...message, overwrite: false });
   } catch (error) {
-    if (!(error instanceof Refused) || !error.message.includes("there already")) throw error;
-    if (!confirm(`${full} is there already. Overwrite it?`)) return `${full} is as it was.`;
+    const changed = error.message.includes("has changed since");
+    if (!(error instanceof Refused) || !(changed || error.message.includes("there already"))) throw error;
+    const why = changed ? "was changed by another program since it was opened here" : "is there already";
+    if (!confirm(`${full} ${why}. Overwrite it?`)) return `${full} is as it was.`;
     answer = await studio.connection.ask("save", { ...message, overwrite: true });
   }
-  studio.model.markSaved(answer.name, answer.world.source);
+  if (studio.model.world.sheet === world.sheet) studio.model.markSaved(answer.name, answer.world.source, answer.file, mark);
   if (files) list(studio, files);
   return `Saved ${answer.name}.`;
 }
 
 function exchangePart(studio, files) {
   const { parts } = files;
-  parts.format = el("div");
-  const file = el("input", {
-    type: "file",
-    id: "import",
-    onchange: () => bringFile(studio, parts, file.files[0]).then(() => (file.value = "")),
-  });
-  const keep = (inFolder) => trying(parts, () => exportAs(studio, parts, inFolder));
-  return el(
+  parts.imported = makeImport(studio, (act) => trying(parts, "import", act));
+  parts.exported = makeExport(studio, (act) => trying(parts, "export", act), () => list(studio, files));
+  parts.exchange = el(
     "details",
     {},
     el("summary", {}, "Import and export"),
-    labelled("Import a map", file, { help: "Any format of worldgen formats; or drop a file on the page." }),
-    parts.format,
-    el(
-      "div",
-      { class: "actions" },
-      el("button", { type: "button", onclick: () => keep(false) }, "Download"),
-      el("button", { type: "button", onclick: () => keep(true) }, "Into the folder"),
-    ),
+    parts.imported.element,
+    parts.said.import,
+    parts.exported.element,
+    parts.said.export,
   );
-}
-
-function fillFormats(studio, parts) {
-  if (parts.formats || !studio.offered) return;
-  const written = studio.offered.formats.filter((format) => format.writes);
-  parts.formats = choice(
-    written.map(({ name, about }) => [name, `${name}: ${about}`]),
-    written[0].name,
-    () => {},
-  );
-  parts.format.replaceChildren(labelled("Export as", parts.formats));
-}
-
-async function exportAs(studio, parts, keep) {
-  const format = studio.offered.formats.find(({ name }) => name === parts.formats.value);
-  const name = (studio.model.world.name || "world.grid").replace(/\.grid(\.gz)?$/, "") + format.suffixes[0];
-  const message = { format: format.name, name, world: messageOf(studio.model.world), keep, overwrite: false };
-  const answer = await studio.connection.ask("export", message);
-  for (const file of answer.files || []) download(file.name, file.data);
-  const where = keep
-    ? `Wrote ${answer.written.join(", ")}.`
-    : `Downloaded ${answer.files.map((file) => file.name).join(", ")}.`;
-  return [where, ...answer.lost, ...answer.notes].join(" ");
-}
-
-/** A file of the browser's becomes the world. */
-export async function bringFile(studio, parts, file) {
-  if (!file) return;
-  await trying(parts, async () => {
-    const bytes = new Uint8Array(await file.arrayBuffer());
-    let text = "";
-    for (let k = 0; k < bytes.length; k += 8192) text += String.fromCharCode(...bytes.subarray(k, k + 8192));
-    const answer = await studio.connection.ask("bring", { name: file.name, data: btoa(text) });
-    studio.show(answer, "", file.name);
-    return [`Imported ${file.name}.`, ...(answer.notes || [])].join(" ");
-  });
+  return parts.exchange;
 }
 
 async function list(studio, files) {
@@ -166,33 +138,32 @@ function showList(studio, files) {
   files.shown = studio.model.world.name;
   const wanted = parts.find.value.toLowerCase();
   const shown = files.files.filter(({ name }) => name.toLowerCase().includes(wanted));
-  const open = (file) => () => trying(parts, () => openFile(studio, file));
-  parts.list.replaceChildren(
-    ...shown.map((file) =>
-      el(
-        "li",
-        {},
-        el(
-          "button",
-          {
-            type: "button",
-            class: "file",
-            "aria-current": file.name === studio.model.world.name ? "true" : null,
-            onclick: open(file),
-          },
-          el("span", { class: file.world ? "" : "quiet" }, file.name),
-          el("span", { class: "quiet" }, `${grouped(Math.ceil(file.bytes / 1024))} kB`),
-        ),
-      ),
-    ),
-  );
+  const [own, found] = [false, true].map((which) => shown.filter((file) => file.found === which));
+  const items = (listed) => listed.map((file) => el("li", {}, fileButton(studio, files, file)));
+  parts.list.replaceChildren(...items(own));
+  parts.found.querySelector("summary").textContent = `Found by campaigns (${grouped(found.length)})`;
+  parts.found.querySelector("ul").replaceChildren(...items(found));
+  parts.found.hidden = found.length === 0;
+  if (own.length === 0 && found.length > 0) parts.found.open = true;
   if (shown.length === 0 && files.files.length > 0)
     parts.list.append(el("li", { class: "quiet" }, `No file of ${plural(files.files.length, "file")} fits.`));
 }
 
-/** Opens a world of the folder, or imports another file of it. */
-export async function openFile(studio, file) {
+function fileButton(studio, { parts }, file) {
+  const open = () => (file.world ? openFile(studio, file) : parts.imported.bringNamed(file.name));
+  const current = file.name === studio.model.world.name ? "true" : null;
+  return el(
+    "button",
+    { type: "button", class: "file", "aria-current": current, onclick: () => trying(parts, "open", open) },
+    el("span", { class: file.world ? "" : "quiet" }, file.name),
+    el("span", { class: "quiet" }, `${grouped(Math.ceil(file.bytes / 1024))} kB`),
+  );
+}
+
+/** Opens a world of the folder, or imports another file of it; unless something else is wanted by the time it is there. */
+export async function openFile(studio, file, wanted = () => true) {
   const answer = await studio.connection.ask(file.world ? "open" : "bring", { name: file.name });
-  studio.show(answer, file.world ? file.name : "", file.name);
+  if (!wanted()) return "";
+  studio.show(answer, file.world && answer.file ? file.name : "", file.name); // in an archive nothing can be saved
   return [`${file.world ? "Opened" : "Imported"} ${file.name}.`, ...(answer.notes || [])].join(" ");
 }

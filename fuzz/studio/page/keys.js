@@ -1,6 +1,6 @@
 // What the keys do, on all pages.
 
-import { cameraKeys, clockKeys, layerKeys } from "/player/keys.js";
+import { cameraKeys, clockKeys, keepsKey, keyTable, layerKeys, openKeys } from "/player/keys.js";
 import { byId, el } from "/player/dom.js";
 import { TOOLS } from "./tools.js";
 
@@ -8,8 +8,12 @@ const EVERYWHERE = [
   ["?", "Show these keys"],
   ["d", "Dark or light"],
   ["1, 2, 3", "Draw, play, campaign"],
-  ["Ctrl+S", "Save"],
-  ["Ctrl+Enter", "Run the robots in what is drawn"],
+  ["Ctrl+S", "Save the drawn world"],
+  ["Ctrl+Enter", "Run the robots in what is drawn; again from the start"],
+  ["Ctrl+M, Ctrl+I", "To the board; to the run of what is drawn"],
+  ["Ctrl+O, Ctrl+L", "Open a file"],
+  ["Ctrl+B", "The settings of the robots' behaviours"],
+  ["Arrows", "Among tools, and among tabs"],
 ];
 const DRAWING = [
   ...Object.values(TOOLS).map(([words, key]) => [key, words]),
@@ -19,61 +23,32 @@ const DRAWING = [
   ["x y .", "Mirror, flip, turn the selection or the stamp"],
   ["Ctrl+C, X, V", "Copy, cut, paste the selection"],
   ["Enter, Delete", "Fill, clear the selection"],
+  ["Escape", "Take back what is being drawn"],
   ["# u w i n", "Grid, ruler, way or cut, signal, its noise filter"],
   ["+ − 0", "Zoom; show the whole world; the middle button moves it"],
 ];
 const PLAYING = [
-  ["Space", "Play, pause"],
+  ["Space, Ctrl+P", "Play, pause"],
   ["← →", "One step; with Shift ten"],
   ["Home End", "To the start, to the end"],
   ["l", "One period of a loop again and again"],
   ["e", "To the next marked step"],
   ["r", "Follow the robot"],
-  ["t u s i w", "Trail, touched walls, sensors, signal, witness"],
+  ["t u s i m w", "Trail, touched walls, sensors, signal, the robot's memory, witness"],
   ["+ − 0", "Zoom; show the whole world"],
 ];
 
 export function showKeys() {
-  const dialog = byId("keys");
-  const table = (title, rows) =>
-    el(
-      "div",
-      {},
-      el("h3", {}, title),
-      el(
-        "table",
-        {},
-        el(
-          "tbody",
-          {},
-          rows.map(([keys, words]) =>
-            el("tr", {}, el("th", { scope: "row" }, el("kbd", {}, keys)), el("td", {}, words)),
-          ),
-        ),
-      ),
-    );
-  dialog.replaceChildren(
-    el(
-      "div",
-      { class: "line" },
-      el("h2", { id: "keys-title" }, "Keys"),
-      el("button", { type: "button", onclick: () => dialog.close() }, "Close"),
-    ),
-    el(
-      "div",
-      { class: "key-tables" },
-      table("Draw", DRAWING),
-      el("div", {}, table("Play", PLAYING), table("Everywhere", EVERYWHERE)),
-    ),
-  );
-  dialog.showModal();
+  const table = (title, rows) => el("div", {}, el("h3", {}, title), keyTable(rows));
+  const others = el("div", {}, table("Play", PLAYING), table("Everywhere", EVERYWHERE));
+  openKeys(el("div", { class: "key-tables" }, table("Draw", DRAWING), others));
 }
 
 /* Listens to the keys.
      studio    { page(), draw, play, undo, redo, save, run, go } */
 export function listen(studio) {
   addEventListener("keydown", (event) => {
-    if (byId("keys").open) return;
+    if (byId("keys").open || moveAmong(event)) return;
     const act = commandFor(studio, event) || plainFor(studio, event);
     if (!act) return;
     event.preventDefault();
@@ -84,13 +59,46 @@ export function listen(studio) {
 function commandFor(studio, event) {
   if (!(event.ctrlKey || event.metaKey) || event.altKey) return null;
   const key = event.key.toLowerCase();
-  if (key === "s") return () => settled(event.target, studio.save);
+  if (key === "s") return () => studio.page() !== "campaign" && settled(event.target, studio.save);
   if (key === "enter") return () => settled(event.target, studio.run);
+  const far = {
+    m: () => studio.go("draw"),
+    i: () => studio.go("play"),
+    b: () => toSettings(studio),
+    o: () => toFiles(studio),
+    l: () => toFiles(studio),
+    p: studio.page() === "play" && studio.play.player() ? clockKeys(studio.play.player(), 1)[" "] : null,
+  }[key];
+  if (far && !event.shiftKey) return far;
   if (event.target.matches("input, select, textarea") || studio.page() !== "draw") return null;
   if (key === "z") return event.shiftKey ? studio.redo : studio.undo;
   if (key === "y") return studio.redo;
   const what = { c: "copy", x: "cut", v: "paste" }[key];
   return what ? () => studio.draw.act(what) : null;
+}
+
+function toFiles(studio) {
+  studio.go("draw");
+  studio.draw.panel("files");
+  byId("tab-files").focus();
+}
+
+function toSettings(studio) {
+  studio.go("play");
+  setTimeout(() => studio.play.settings()); // the page is shown by then
+}
+
+// Arrow keys among the buttons of a toolbar or a row of tabs; a tab is opened at once.
+function moveAmong(event) {
+  const group = event.target.closest("[role=tablist], [role=toolbar]");
+  const by = { ArrowLeft: -1, ArrowUp: -1, ArrowRight: 1, ArrowDown: 1 }[event.key];
+  if (!group || !by || event.ctrlKey || event.metaKey || event.altKey) return false;
+  const all = [...group.querySelectorAll("button")],
+    next = all[(all.indexOf(event.target) + by + all.length) % all.length];
+  next.focus();
+  if (group.role === "tablist") next.click();
+  event.preventDefault();
+  return true;
 }
 
 // What was typed into a field counts before it is left.
@@ -105,9 +113,7 @@ function settled(target, act) {
 function plainFor(studio, event) {
   if (event.ctrlKey || event.metaKey || event.altKey) return null;
   const { target, key } = event;
-  if (target.matches("input:not([type=range], [type=checkbox]), select, textarea")) return null;
-  if (target.matches("input[type=range]") && /^(Arrow|Home|End|Page)/.test(key)) return null;
-  if (/^( |Enter)$/.test(key) && target.matches("button, a, summary, input")) return null;
+  if (keepsKey(target, key)) return null;
   const keys = {
     "?": showKeys,
     d: () => byId("theme").click(),
@@ -137,7 +143,7 @@ function drawKeys(draw) {
     ".": () => draw.act("turn"),
     Delete: () => draw.act("clear"),
     Backspace: () => draw.act("clear"),
-    Escape: () => draw.choose(draw.tool),
+    Escape: () => draw.cancel() || draw.choose(draw.tool),
   });
   if (draw.tool === "select" && draw.board.selection) keys.Enter = () => draw.act("fill");
   return keys;

@@ -2,12 +2,12 @@
 
 import { choice, el } from "/player/dom.js";
 import { Ended, Refused } from "./connection.js";
-import { labelled, parameterField, words } from "./fields.js";
+import { faultOf, firstFault, labelled, parameterField, words } from "./fields.js";
 
 const OF_THE_ROBOT = ["cell_size", "robot_radius", "robot_speed"];
 
 export function makeMaker(studio) {
-  const state = { family: null, given: {}, seed: "1" };
+  const state = { family: null, given: {} };
   const parts = { fields: el("div"), about: el("p", { class: "quiet" }), said: el("p", { role: "status" }) };
   parts.seed = el("input", { type: "text", inputmode: "numeric", value: "1", id: "maker-seed", pattern: "[0-9]+" });
   const element = el(
@@ -20,6 +20,9 @@ export function makeMaker(studio) {
     wishPart(parts),
     parts.fields,
   );
+  element.addEventListener("keydown", (event) => {
+    if (event.key === "Enter" && event.target.matches("input")) setTimeout(() => generate(studio, state, parts)); // what was typed counts by then
+  });
   return {
     element,
     refresh: () => {
@@ -65,11 +68,16 @@ function chooseFamily(studio, state, parts, name) {
   state.family = studio.offered.families.find((family) => family.name === name);
   state.given = {};
   parts.about.textContent = state.family.about.split("\n\n")[0];
+  parts.difficulty.disabled = state.family.changes;
+  if (state.family.changes) parts.difficulty.value = ""; // no search would find it
+  parts.difficulty.placeholder = state.family.changes ? "none: its worlds change" : "any";
   const field = (parameter) => {
-    const input = parameterField({ low: null, high: null, ...parameter }, parameter.default, (value) => {
+    const input = parameterField(parameter, parameter.default, (value) => {
       state.given[parameter.name] = value;
     });
-    return labelled(words(parameter.name), input, { help: parameter.help });
+    const bounds = parameter.bounds.replace(/^./, (letter) => letter.toUpperCase());
+    const help = [parameter.help, bounds ? `${bounds}.` : ""].join(" ").trim();
+    return labelled(words(parameter.name), input, { help });
   };
   const own = state.family.parameters.filter((parameter) => !OF_THE_ROBOT.includes(parameter.name));
   const robot = state.family.parameters.filter((parameter) => OF_THE_ROBOT.includes(parameter.name));
@@ -79,7 +87,28 @@ function chooseFamily(studio, state, parts, name) {
   );
 }
 
+// The first field that is not as it must be, and what is wrong there; null where all are.
+function wrongIn(parts) {
+  const bad = firstFault(parts.fields);
+  if (bad) return [bad, faultOf(bad)];
+  const seed = parts.seed.value.trim();
+  if (!/^[0-9]{1,20}$/.test(seed) || BigInt(seed) >= 1n << 64n)
+    return [parts.seed, "The seed is a whole number from 0 to 2^64 - 1."];
+  if (!parts.difficulty.validity.valid && !parts.difficulty.validity.stepMismatch)
+    return [parts.difficulty, "The difficulty is a number, 0 to 1; nothing: any."];
+  return null;
+}
+
 async function generate(studio, state, parts) {
+  const fault = wrongIn(parts);
+  if (fault) {
+    parts.said.className = "bad";
+    parts.said.textContent = fault[1];
+    const within = fault[0].closest("details");
+    if (within) within.open = true;
+    fault[0].focus();
+    return;
+  }
   parts.said.className = "quiet";
   parts.said.textContent = "…";
   const message = { family: state.family.name, seed: parts.seed.value.trim(), parameters: state.given };

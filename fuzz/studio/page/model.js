@@ -2,16 +2,14 @@
 
 import { KEEP } from "./shapes.js";
 
-const DRAFT = "worldgen-studio-draft";
-const OPENED = "worldgen-studio-opened";
-const LARGEST_DRAFT = 4e6; // characters: what browsers keep at least
+const MOST_BOXES = 64; // that are remembered of what was painted last
 
-/** An empty world of the thesis's kind: a border of walls, start and target in opposite corners. */
+/** An empty world of the thesis's kind: a border of walls, where there is room for one; start and target in opposite corners. */
 export function emptyWorld(width, height, usual = {}) {
   const cell = usual.cell_size || 0.1;
-  const cells = new Uint8Array(width * height);
-  for (let ix = 0; ix < width; ix += 1) cells[ix] = cells[(height - 1) * width + ix] = 1;
-  for (let iy = 0; iy < height; iy += 1) cells[iy * width] = cells[iy * width + width - 1] = 1;
+  const cells = bordered(width, height);
+  const near = (side) => round((side < 3 ? 0.5 : side < 6 ? 1.5 : 2.5) * cell),
+    far = (side) => round(side * cell - near(side));
   return {
     width,
     height,
@@ -19,12 +17,22 @@ export function emptyWorld(width, height, usual = {}) {
     cell_size: cell,
     robot_radius: usual.robot_radius || 0.07,
     robot_speed: usual.robot_speed || 2,
-    start: [round(2.5 * cell), round(2.5 * cell), 0],
-    target: [round((width - 2.5) * cell), round((height - 2.5) * cell), round(0.5 * cell)],
+    start: [near(width), near(height), 0],
+    target: [far(width), far(height), round(0.5 * cell)],
     events: null,
     source: null,
     name: "", // of its file in the folder; empty: it has none
+    file: null, // the digest of that file as it was opened or saved
+    sheet: Symbol("sheet"), // the same for all that one drawing has been
   };
+}
+
+/** Free cells with a border of walls; a side of one or two cells has no room for one. */
+export function bordered(width, height) {
+  const cells = new Uint8Array(width * height);
+  for (let ix = 0; height > 2 && ix < width; ix += 1) cells[ix] = cells[(height - 1) * width + ix] = 1;
+  for (let iy = 0; width > 2 && iy < height; iy += 1) cells[iy * width] = cells[iy * width + width - 1] = 1;
+  return cells;
 }
 
 /** A length without the dirt of binary arithmetic. */
@@ -32,11 +40,12 @@ export function round(value) {
   return Number(value.toFixed(9));
 }
 
-/** A world as the server sends it, made ready to edit; with the name of its file, if it has one. */
-export function worldOf(message, name = "") {
-  const bytes = Uint8Array.from(atob(message.cells), (letter) => letter.charCodeAt(0));
-  const cells = Uint8Array.from({ length: message.width * message.height }, (_, k) => (bytes[k >> 3] >> (k & 7)) & 1);
-  return { ...message, cells, name };
+/** A world as the server sends it, made ready to edit; with the name and digest of its file, if it has one. */
+export function worldOf(message, name = "", file = null) {
+  const text = atob(message.cells),
+    cells = new Uint8Array(message.width * message.height);
+  for (let k = 0; k < cells.length; k += 1) cells[k] = (text.charCodeAt(k >> 3) >> (k & 7)) & 1; // not from(): a tenth of its time
+  return { ...message, cells, name, file, sheet: Symbol("sheet") };
 }
 
 /** A world as the server wants it. */
@@ -45,7 +54,7 @@ export function messageOf(world) {
   for (let k = 0; k < world.cells.length; k += 1) if (world.cells[k]) bytes[k >> 3] |= 1 << (k & 7);
   let text = "";
   for (let k = 0; k < bytes.length; k += 8192) text += String.fromCharCode(...bytes.subarray(k, k + 8192));
-  return { ...world, name: undefined, cells: btoa(text) }; // what is undefined is not sent
+  return { ...world, name: undefined, file: undefined, sheet: undefined, cells: btoa(text) }; // these are not sent
 }
 
 /** A world and its history. `changed` is called after each change. */
@@ -58,7 +67,8 @@ export class Model {
     this.version = 0; // of what is seen; goes up with each change
     this.counted = { version: -1, solid: 0 };
     this.saved = null; // the last entry of the past when it was saved
-    this.stroke = null;
+    this.stroke = null; // the cells as they were before what is being drawn
+    this.painted = { since: 0, boxes: [] }; // which cells have changed after that version, each box with its own
   }
 
   get unsaved() {
@@ -75,40 +85,59 @@ export class Model {
     return this.counted.solid;
   }
 
-  /** Sets cells in the stroke that is being drawn; cells outside are passed over. */
-  paint(cells, value) {
-    const { width, height, cells: all } = this.world;
-    this.stroke ||= new Set();
-    for (const [ix, iy] of cells) {
-      if (ix < 0 || iy < 0 || ix >= width || iy >= height) continue;
-      const k = iy * width + ix;
-      if (all[k] === value) continue;
-      all[k] = value;
-      if (!this.stroke.delete(k)) this.stroke.add(k);
+  /** Sets boxes of cells in the stroke that is being drawn; what lies outside is passed over. */
+  paint(boxes, value) {
+    const { width, height } = this.world,
+      all = this.begun();
+    for (const box of boxes) {
+      const from = Math.max(0, box.x),
+        to = Math.min(width, box.x + box.width);
+      if (from >= to) continue;
+      const low = Math.max(0, box.y),
+        high = Math.min(height, box.y + box.height);
+      for (let iy = low; iy < high; iy += 1) all.fill(value, iy * width + from, iy * width + to);
     }
-    this.touch();
+    this.touch(boxAround(boxes));
+  }
+
+  /** Sets cells by their numbers, row by row from the lowest. */
+  paintCells(numbers, value) {
+    const all = this.begun();
+    for (let k = 0; k < numbers.length; k += 1) all[numbers[k]] = value; // of millions, far faster than for ... of
+    this.touch(rowsOf(numbers, this.world.width));
   }
 
   /** Puts a pattern down, its lower left corner at (x, y). */
   put(pattern, [x, y]) {
-    for (const value of [0, 1]) {
-      const cells = [];
-      pattern.cells.forEach((cell, k) => {
-        if (cell === value && cell !== KEEP) cells.push([x + (k % pattern.width), y + Math.floor(k / pattern.width)]);
-      });
-      this.paint(cells, value);
-    }
+    const { width, height } = this.world,
+      all = this.begun();
+    pattern.cells.forEach((cell, k) => {
+      const ix = x + (k % pattern.width),
+        iy = y + Math.floor(k / pattern.width);
+      if (cell !== KEEP && ix >= 0 && iy >= 0 && ix < width && iy < height) all[iy * width + ix] = cell;
+    });
+    this.touch({ x, y, width: pattern.width, height: pattern.height });
+  }
+
+  // The cells, to be changed; as they were before is kept until the stroke ends.
+  begun() {
+    this.stroke ||= this.world.cells.slice();
+    return this.world.cells;
   }
 
   /** Ends the stroke: one step of the history. */
   lift(label) {
-    const stroke = this.stroke;
+    const before = this.stroke,
+      { cells } = this.world;
     this.stroke = null;
-    if (stroke && stroke.size > 0) this.note({ label, cells: Int32Array.from(stroke) });
+    if (!before) return;
+    const runs = runsOf(cells, before);
+    if (runs.length > 0) this.note({ label, runs });
   }
 
   /** Changes anything but single cells; changes of one kind that follow each other, as of a slider, are one step. */
   change(label, parts, together = false) {
+    this.lift("stroke");
     const last = this.past.at(-1);
     const before = this.world;
     this.world = { ...before, ...parts };
@@ -135,6 +164,7 @@ export class Model {
   }
 
   redo() {
+    this.lift("stroke");
     const entry = this.future.pop();
     if (!entry) return null;
     this.past.push(entry);
@@ -143,79 +173,128 @@ export class Model {
   }
 
   turn(entry, world) {
-    if (entry.cells) for (const k of entry.cells) this.world.cells[k] ^= 1;
-    else this.world = world;
-    this.touch();
+    const { cells, width } = this.world;
+    for (let k = 0; entry.runs && k < entry.runs.length; k += 2)
+      for (let at = entry.runs[k]; at < entry.runs[k + 1]; at += 1) cells[at] ^= 1;
+    if (!entry.runs) this.world = world;
+    this.touch(entry.runs ? rowsOf(entry.runs, width) : null);
   }
 
-  touch() {
+  // Something is another now; of the cells themselves at most those in a box.
+  touch(box = null) {
     this.version += 1;
+    const { painted } = this;
+    if (box) painted.boxes.push({ ...box, version: this.version });
+    if (painted.boxes.length > MOST_BOXES) painted.since = painted.boxes.shift().version;
     this.changed();
   }
 
-  markSaved(name, source) {
-    this.world.name = name;
-    this.world.source = source;
-    this.saved = this.past.at(-1) || null;
+  /** A box with all cells that may have changed after a version; null where that is not known any more. */
+  boxSince(version) {
+    const { since, boxes } = this.painted,
+      { width, height } = this.world;
+    if (version < since) return null;
+    const all = boxAround(boxes.filter((box) => box.version > version));
+    const x = Math.max(0, all.x),
+      y = Math.max(0, all.y);
+    return { x, y, width: Math.min(width, all.x + all.width) - x, height: Math.min(height, all.y + all.height) - y };
+  }
+
+  /** The step of the history that is being saved; what is changed from now on is another one. */
+  mark() {
+    this.lift("stroke");
+    const last = this.past.at(-1) || null;
+    if (last) last.together = null;
+    return last;
+  }
+
+  /** What stood there at a mark is in a file now; so is, under its name, all that the drawing has been before. */
+  markSaved(name, source, file, mark) {
+    const { sheet } = this.world,
+      entries = [...this.past, ...this.future];
+    for (const world of [this.world, ...entries.flatMap(({ before, after }) => [before, after])])
+      if (world && world.sheet === sheet) Object.assign(world, { name, source, file });
+    this.saved = mark;
     this.changed();
   }
-
-  /** Keeps what is drawn in the browser, in case the page or the server ends. */
-  keepDraft() {
-    try {
-      const text = JSON.stringify({ name: this.world.name, world: messageOf(this.world) });
-      if (text.length < LARGEST_DRAFT && this.unsaved) localStorage.setItem(DRAFT, text);
-      else localStorage.removeItem(DRAFT);
-      sessionStorage.setItem(OPENED, this.unsaved ? "" : this.world.name);
-    } catch {
-      // a browser that keeps nothing: what is saved is in the folder
-    }
-  }
 }
 
-/** What was drawn and not saved when the page was last here. */
-export function draft() {
-  try {
-    const { name, world } = JSON.parse(localStorage.getItem(DRAFT));
-    return worldOf(world, name);
-  } catch {
-    return null;
+// Where two maps differ: from and to of each run of cells, in order; for undoing as often as one likes, in little room.
+function runsOf(cells, before) {
+  const runs = [];
+  let k = 0;
+  while (k < cells.length) {
+    while (k < cells.length && cells[k] === before[k]) k += 1;
+    if (k === cells.length) break;
+    runs.push(k);
+    while (k < cells.length && cells[k] !== before[k]) k += 1;
+    runs.push(k);
   }
+  return Int32Array.from(runs);
 }
 
-/** The file that was open when this tab was loaded anew; empty where there was none. */
-export function openedBefore() {
-  try {
-    return sessionStorage.getItem(OPENED) || "";
-  } catch {
-    return "";
-  }
+function boxAround(boxes) {
+  if (boxes.length === 0) return { x: 0, y: 0, width: 0, height: 0 };
+  const x = boxes.reduce((least, box) => Math.min(least, box.x), Infinity),
+    y = boxes.reduce((least, box) => Math.min(least, box.y), Infinity);
+  const right = boxes.reduce((most, box) => Math.max(most, box.x + box.width), -Infinity),
+    top = boxes.reduce((most, box) => Math.max(most, box.y + box.height), -Infinity);
+  return { x, y, width: right - x, height: top - y };
 }
 
-/** The same world in another size: what lies beyond is cut, what is new is free; start and target are kept inside. */
-export function resized(world, width, height) {
+// The rows in which cells of these numbers lie.
+function rowsOf(numbers, width) {
+  if (numbers.length === 0) return null;
+  let least = numbers[0],
+    most = least;
+  for (let k = 1; k < numbers.length; k += 1) {
+    if (numbers[k] < least) least = numbers[k];
+    if (numbers[k] > most) most = numbers[k];
+  }
+  const low = Math.floor(least / width),
+    high = Math.floor(most / width);
+  return { x: 0, y: low, width, height: high - low + 1 };
+}
+
+/* The same world in another size: what lies beyond is cut, what is new is free; start and target are kept inside.
+     kept    across and up, which part stays where it is: 0 the left or lower one, 0.5 the middle, 1 the right or upper one */
+export function resized(world, width, height, kept = [0, 0]) {
+  const right = Math.floor((width - world.width) * kept[0]),
+    up = Math.floor((height - world.height) * kept[1]);
   const cells = new Uint8Array(width * height);
-  for (let iy = 0; iy < Math.min(height, world.height); iy += 1)
-    cells.set(world.cells.subarray(iy * world.width, iy * world.width + Math.min(width, world.width)), iy * width);
-  const inside = ([x, y, ...rest]) => [
-    Math.min(x, round((width - 0.5) * world.cell_size)),
-    Math.min(y, round((height - 0.5) * world.cell_size)),
-    ...rest,
-  ];
+  const from = Math.max(0, -right),
+    to = Math.min(world.width, width - right);
+  for (let iy = Math.max(0, -up); from < to && iy < Math.min(world.height, height - up); iy += 1)
+    cells.set(world.cells.subarray(iy * world.width + from, iy * world.width + to), (iy + up) * width + from + right);
+  const side = world.cell_size;
+  const inside = (value, by, most) => {
+    const moved = round(value + by * side);
+    return moved >= 0 && moved <= round(most * side) ? moved : round((moved < 0 ? 0.5 : most - 0.5) * side);
+  };
+  const place = ([x, y, rest]) => [inside(x, right, width), inside(y, up, height), rest];
   return {
     width,
     height,
     cells,
-    start: inside(world.start),
-    target: inside(world.target),
-    events: eventsIn(world, width, height),
+    start: place(world.start),
+    target: place(world.target),
+    events: eventsIn(world, [right, up], width, height),
   };
 }
 
-function eventsIn({ events }, width, height) {
+function eventsIn({ events }, [right, up], width, height) {
   if (!events) return null;
-  const kept = events.ix.map((ix, k) => k).filter((k) => events.ix[k] < width && events.iy[k] < height);
-  const pick = (column) => kept.map((k) => column[k]);
+  const is = (at, most) => at >= 0 && at < most;
+  const kept = events.ix.map((_, k) => k).filter((k) => is(events.ix[k] + right, width) && is(events.iy[k] + up, height));
+  const pick = (column, by = 0) => kept.map((k) => column[k] + by);
   if (kept.length === 0) return null;
-  return { times: pick(events.times), ix: pick(events.ix), iy: pick(events.iy), state: pick(events.state) };
+  return { times: pick(events.times), ix: pick(events.ix, right), iy: pick(events.iy, up), state: pick(events.state) };
+}
+
+/** Whether the start or the target is at a point, in cells; empty where neither is. */
+export function markAt(world, point) {
+  if (!point) return "";
+  const near = ([x, y], reach) => Math.hypot(point[0] - x / world.cell_size, point[1] - y / world.cell_size) <= Math.max(0.5, reach / world.cell_size);
+  if (near(world.start, world.robot_radius)) return "Start";
+  return near(world.target, world.target[2]) ? "Target" : "";
 }

@@ -2,13 +2,17 @@
 
 import { buildPlayer, dragToMove } from "/player/controls.js";
 import { bytesOf } from "/player/decode.js";
-import { el } from "/player/dom.js";
+import { el, say } from "/player/dom.js";
 import { besideIn } from "/player/pair.js";
 import { sceneOf, showInstruments, showRobots } from "/player/robots.js";
 import { keep } from "/player/saving.js";
 import { Ended, Refused } from "./connection.js";
 import { messageOf } from "./model.js";
 import { makeRobots } from "./robots.js";
+
+const SLOW = 1500; // ms after which one wants to know what takes so long
+const FIRST = "Running … The first run of a new installation prepares the simulator, once; that can take half a minute.";
+const PARTED = "No robot of this size can reach the target: the cut, which is drawn, parts it from the start.";
 
 /* The page.
      studio    { model, connection, offered, ... }: what all pages share */
@@ -20,29 +24,33 @@ export function makePlay(section, studio) {
     said: el("p", { class: "said", role: "status", id: "run-said" }),
     instruments: el("p", { class: "instruments", id: "instruments" }),
   };
+  parts.stop = el("button", { type: "button", id: "stop-run", hidden: true, onclick: () => stop(play) }, "Stop");
   parts.stage = el("div", { class: "stage" }, parts.canvas);
   parts.beside = el("button", { type: "button", id: "beside", hidden: true, "aria-pressed": "false", onclick: () => toggleBeside(play) }, "Beside it: as found, before shrinking");
-  const play = { studio, before: null, both: false, parts, player: null, runs: [], world: null, message: null, looked: 0, version: -1, asked: 0 };
-  play.robots = makeRobots(studio, () => run(play));
+  const play = { studio, before: null, both: false, parts, player: null, running: null, saving: null, bare: null, ran: false, cut: false, way: false, runs: [], world: null, message: null, looked: 0, version: -1, under: null, asked: 0 };
+  play.robots = makeRobots(studio, () => run(play, true));
   section.replaceChildren(
     el("div", { class: "middle" }, parts.stage, parts.instruments, parts.under),
-    el("aside", { class: "side" }, play.robots.element, parts.said, el("div", { class: "results" }, parts.list, parts.beside)),
+    el("aside", { class: "side" }, play.robots.element, parts.said, parts.stop, el("div", { class: "results" }, parts.list, parts.beside)),
   );
-  dragToMove(parts.canvas, play);
-  parts.canvas.addEventListener("wheel", (event) => wheel(play, event), { passive: false });
-  new ResizeObserver(() => play.player && play.player.draw()).observe(parts.canvas);
+  dragToMove(parts.stage, play);
+  parts.stage.addEventListener("wheel", (event) => wheel(play, event), { passive: false });
+  new ResizeObserver(() => (play.player || play.bare)?.draw()).observe(parts.canvas);
   return {
     player: () => play.player,
-    run: () => run(play),
+    run: () => run(play, true),
     begin: () => begin(play),
     pause: () => play.player && play.player.play(false),
-    redraw: () => play.player && play.player.draw(),
+    redraw: () => (play.player || play.bare)?.draw(),
     refresh: () => play.robots.refresh(),
     prefer: (failure) => {
       play.robots.prefer(failure);
       askBefore(play);
     },
+    forget: () => play.robots.forget(),
+    settings: (heading) => play.robots.settings(heading),
     runs: () => play.runs,
+    played: () => played(play),
   };
 }
 
@@ -52,6 +60,12 @@ function wheel(play, event) {
   play.player.zoom(event.deltaY < 0 ? 1.15 : 1 / 1.15);
 }
 
+// Who is in front, and how it drives; null where nothing was played yet.
+function played({ message, runs, looked }) {
+  const front = runs[looked];
+  return front && front.run ? { controller: front.name, motion: message.motion, time_step: message.time_step } : null;
+}
+
 // The page was opened: what was drawn since the last run is run at once.
 function begin(play) {
   play.robots.refresh();
@@ -59,20 +73,34 @@ function begin(play) {
   else if (play.player) play.player.draw();
 }
 
-async function run(play) {
+// Runs the world as it is; where a setting is wrong, one who pressed Run is led to it.
+async function run(play, pressed = false) {
   const { studio, parts } = play;
   if (!studio.offered) return;
+  const { version } = studio.model;
+  if (!play.robots.good(pressed)) {
+    showWrong(play, version);
+    return;
+  }
   play.asked += 1;
-  const asked = play.asked,
-    version = studio.model.version;
-  play.runs = [];
+  play.under = version;
+  const { asked } = play;
   play.both = false;
   parts.beside.hidden = true;
   parts.said.className = "said quiet";
   parts.said.textContent = "Running …";
-  play.message = { ...play.robots.message(), world: messageOf(studio.model.world) };
+  showStale(play, play.version !== version);
+  const slow = setTimeout(() => {
+    if (asked !== play.asked) return;
+    parts.stop.hidden = false;
+    if (!play.ran) parts.said.textContent = FIRST;
+  }, SLOW);
+  const asks = play.robots.message();
+  play.robots.running(asks);
+  const message = { ...asks, world: messageOf(studio.model.world) };
   try {
-    await studio.connection.ask("run", play.message, (part) => asked === play.asked && take(play, part));
+    play.running = studio.connection.ask("run", message, (part) => asked === play.asked && take(play, part, message));
+    await play.running;
     play.version = version;
     if (asked === play.asked) parts.said.textContent = "";
     showBeside(play);
@@ -81,20 +109,77 @@ async function run(play) {
     if (asked !== play.asked) return;
     parts.said.className = error instanceof Refused ? "said bad" : "said quiet";
     parts.said.textContent = error.message;
+  } finally {
+    clearTimeout(slow);
+    if (asked === play.asked) endRun(play);
   }
 }
 
-// One part of the answer: the world, or a robot's run.
-function take(play, part) {
+// Nothing is run; what is shown, or under way, of another world is told apart from this one's.
+function showWrong(play, version) {
+  const { parts } = play;
+  if (play.under !== version) {
+    play.asked += 1;
+    endRun(play);
+    showStale(play, play.version !== version);
+  }
+  parts.said.className = "said bad";
+  parts.said.textContent = "Not run: a setting is not as it must be. Run leads to it.";
+}
+
+function showStale({ parts }, stale) {
+  for (const part of [parts.stage, parts.list]) part.classList.toggle("stale", stale);
+}
+
+function endRun(play) {
+  play.under = null;
+  hideStop(play.parts.stop);
+}
+
+// Ends the runs that are still under way; those that are over stay.
+function stop(play) {
+  play.running.stop();
+  play.parts.said.textContent = "Stopping …";
+}
+
+function hideStop(button) {
+  if (document.activeElement === button) document.getElementById("run").focus();
+  button.hidden = true;
+}
+
+// One part of the answer: the world, with which what was shown before goes, or a robot's run.
+function take(play, part, message) {
   if (part.world !== undefined) {
-    play.world = part.world;
-    play.looked = 0;
+    Object.assign(play, { world: part.world, message, runs: [], looked: 0 });
+    if (!play.player) showBare(play);
     return;
   }
+  play.ran = true;
   play.runs.push(part);
+  showStale(play, false);
+  say(play.runs.map((one) => `${one.name}: ${one.error || one.words}`).join(". "));
   showTable(play);
   if (!part.error)
     look(play, play.runs[play.looked] && play.runs[play.looked].run ? play.looked : play.runs.length - 1);
+}
+
+// The world alone, before the first robot has driven.
+function showBare(play) {
+  const drawn = { world: play.world, run: null, why: "The robots are on their way." };
+  play.bare = buildPlayer(play.parts.canvas, play.parts.under, drawn, null);
+  play.parts.stage.classList.remove("stale");
+  play.parts.canvas.style.height = "";
+  play.bare.draw();
+}
+
+// In a blocked world the cut is shown, until one says otherwise; in the next one that is not, what was shown before.
+function showCut(play) {
+  const { player, world } = play;
+  if (Boolean(world.cut) === play.cut) return;
+  play.cut = Boolean(world.cut);
+  if (play.cut) play.way = player.show.witness;
+  player.show.witness = play.cut || play.way;
+  player.update();
 }
 
 // Shows the runs with one of them in front.
@@ -103,7 +188,7 @@ function look(play, number) {
     front = runs[number];
   if (!front || !front.run) return;
   play.looked = number;
-  const drawn = { ...sceneOf(play.world, runs, number), name: play.studio.model.world.name, saves: savesOf(play), beside: besideOf(play) };
+  const drawn = { ...sceneOf(play.world, runs, number), name: play.studio.model.world.name, saves: savesOf(play), stopSaving: () => play.saving && play.saving.stop(), beside: besideOf(play) };
   const former = play.player,
     seen = former && former.drawn.world === play.world && former.step < former.last ? former : null;
   const playing = seen && seen.playing;
@@ -113,6 +198,7 @@ function look(play, number) {
   for (const canvas of parts.stage.querySelectorAll("canvas")) canvas.style.height = ""; // the page lays it out
   if (seen) goOn(play.player, seen, playing);
   else play.player.fit();
+  showCut(play);
   parts.canvas.setAttribute("aria-label", `${front.name}: ${front.words}`);
   showTable(play);
 }
@@ -127,7 +213,7 @@ function goOn(player, seen, playing) {
 }
 
 function showTable(play) {
-  showRobots(play.parts.list, play.runs, play.looked, (number) => look(play, number));
+  showRobots(play.parts.list, play.runs, play.looked, (number) => look(play, number), play.world.cut ? PARTED : "");
 }
 
 // Whether the failure that was opened, and has not changed since, is there as it was found.
@@ -171,15 +257,20 @@ async function keepPicture(play, kind, message) {
   const { studio, asked, parts } = play;
   const name = (studio.model.world.name || "run").replace(/^.*\//, "").replace(/\.grid(\.gz)?$/, "");
   try {
-    const answer = await studio.connection.ask("picture", { ...message, kind, title: name });
+    if (asked === play.asked) parts.said.textContent = "";
+    play.saving = studio.connection.ask("picture", { ...message, kind, title: name });
+    const answer = await play.saving;
     keep(`${name}.${kind}`, new Blob([bytesOf(answer.data)]));
     return `Saved ${name}.${kind}`;
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    const words = error instanceof Ended ? "Not saved." : error.message;
     if (asked === play.asked) {
-      parts.said.className = "said bad";
-      parts.said.textContent = error.message;
+      parts.said.className = error instanceof Ended ? "said quiet" : "said bad";
+      parts.said.textContent = words;
     }
-    return error.message;
+    return words;
+  } finally {
+    play.saving = null;
   }
 }

@@ -1,10 +1,10 @@
-// Pointers, wheel and keys on the board: draw with one, pan and zoom with two fingers, the middle button or Space.
+// Pointers, wheel and keys on the board: draw with one finger, pan and zoom with two, with wheel and middle button.
 
 /* Listens to the board.
      draw      the page: its board, its tool in hand */
 export function listenToBoard(draw) {
   const { canvas, board } = draw;
-  const state = { pointers: new Map(), stroke: null, panning: null, pinch: 0, before: 0 };
+  const state = { pointers: new Map(), stroke: null, panning: null, pinch: null, before: null };
   canvas.addEventListener("pointerdown", (event) => down(draw, state, event));
   canvas.addEventListener("pointermove", (event) => move(draw, state, event));
   for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => up(draw, state, event));
@@ -21,9 +21,11 @@ export function listenToBoard(draw) {
   canvas.addEventListener("keydown", (event) => keyDown(draw, state, event));
   canvas.addEventListener("blur", () => {
     board.cursor = null;
-    board.draw();
+    draw.cancelKeys();
+    leave(draw, state);
   });
-  return state;
+  draw.cancel = () => takeBack(draw, state);
+  draw.cancelKeys = () => state.stroke?.byKeys && takeBack(draw, state);
 }
 
 const how = (event) => ({ erase: (event.buttons & 2) === 2, exact: event.altKey });
@@ -35,36 +37,53 @@ function down(draw, state, event) {
   canvas.setPointerCapture(event.pointerId);
   state.pointers.set(event.pointerId, event);
   if (state.pointers.size === 2) {
-    takeBack(draw, state, event);
-    state.pinch = spread(state);
+    takeBack(draw, state);
+    state.pinch = pinchOf(state);
     return;
   }
   if (draw.tool === "pan" || event.button === 1) {
     state.panning = event;
     return;
   }
-  state.before = draw.studio.model.past.length;
-  state.stroke = how(event);
-  draw.tools[draw.tool].begin(board.pointAt(event), state.stroke);
+  draw.cancelKeys();
+  if (!state.stroke) begin(draw, state, board.pointAt(event), how(event)); // else another button, while one draws
 }
 
-function stopStroke(draw, state, event) {
+function begin(draw, state, point, how) {
+  const { board, studio } = draw,
+    { past, future } = studio.model;
+  state.before = { steps: past.length, future, selection: board.selection, measure: board.measure };
+  state.stroke = { ...how, tool: draw.tools[draw.tool] };
+  state.stroke.tool.begin(point, state.stroke);
+}
+
+function stopStroke(state) {
   if (!state.stroke) return;
-  draw.tools[draw.tool].end(draw.board.pointAt(event), state.stroke);
+  state.stroke.tool.end(state.stroke);
   state.stroke = null;
 }
 
-// The first finger of two has not meant to draw.
-function takeBack(draw, state, event) {
-  const { model } = draw.studio;
-  if (!state.stroke) return;
-  stopStroke(draw, state, event);
-  if (model.past.length > state.before) model.undo();
+// What has been begun was not meant, by the first finger of two or before Escape; says whether there was something.
+function takeBack(draw, state) {
+  const { model } = draw.studio,
+    { steps, future, selection, measure } = state.before || {};
+  if (!state.stroke) return false;
+  stopStroke(state);
+  while (model.past.length > steps) model.undo();
+  model.future = future; // nobody wants it again, but what had been undone before
+  Object.assign(draw.board, { selection, measure, marks: [], ghost: null });
+  model.touch();
+  return true;
 }
 
-function spread({ pointers }) {
+// How far two fingers are apart, and the place between them.
+function pinchOf({ pointers }) {
   const [a, b] = [...pointers.values()];
-  return Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
+  return {
+    wide: Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY),
+    clientX: (a.clientX + b.clientX) / 2,
+    clientY: (a.clientY + b.clientY) / 2,
+  };
 }
 
 function move(draw, state, event) {
@@ -72,9 +91,10 @@ function move(draw, state, event) {
     before = state.pointers.get(event.pointerId);
   if (before) state.pointers.set(event.pointerId, event);
   if (state.pointers.size === 2 && before) {
-    const now = spread(state);
-    board.pan((event.clientX - before.clientX) / 2, (event.clientY - before.clientY) / 2);
-    board.zoom(now / Math.max(1, state.pinch), event);
+    const now = pinchOf(state),
+      last = state.pinch;
+    board.pan(now.clientX - last.clientX, now.clientY - last.clientY);
+    board.zoom(now.wide / Math.max(1, last.wide), now); // what is between the fingers stays there
     state.pinch = now;
     return;
   }
@@ -83,7 +103,7 @@ function move(draw, state, event) {
     state.panning = event;
     return;
   }
-  const tool = draw.tools[draw.tool];
+  const tool = state.stroke ? state.stroke.tool : draw.tools[draw.tool];
   for (const one of state.stroke && event.getCoalescedEvents ? event.getCoalescedEvents() : []) drag(draw, state, one);
   const point = board.pointAt(event);
   if (state.stroke) tool.drag(point, state.stroke);
@@ -95,13 +115,14 @@ function move(draw, state, event) {
 }
 
 function drag(draw, state, event) {
-  const point = draw.board.pointAt(event);
-  if (["brush", "erase"].includes(draw.tool)) draw.tools[draw.tool].drag(point, state.stroke);
+  const { brush, erase } = draw.tools,
+    { tool } = state.stroke;
+  if (tool === brush || tool === erase) tool.drag(draw.board.pointAt(event), state.stroke);
 }
 
 function up(draw, state, event) {
   const known = state.pointers.delete(event.pointerId);
-  if (known && state.stroke && state.pointers.size === 0) stopStroke(draw, state, event);
+  if (known && state.stroke && state.pointers.size === 0) stopStroke(state);
   state.panning = null;
 }
 
@@ -119,37 +140,42 @@ const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], Arr
 function keyDown(draw, state, event) {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const { board } = draw,
-    { world } = draw.studio.model;
-  const arrow = ARROWS[event.key];
+    arrow = ARROWS[event.key];
   if (!arrow && event.key !== " ") return;
   event.preventDefault();
   event.stopPropagation();
-  if (!board.cursor) board.cursor = [Math.floor(world.width / 2), Math.floor(world.height / 2)];
-  else if (arrow) {
-    const far = event.shiftKey ? 5 : 1;
-    const inside = (value, most) => Math.min(most - 1, Math.max(0, value));
-    board.cursor = [
-      inside(board.cursor[0] + far * arrow[0], world.width),
-      inside(board.cursor[1] + far * arrow[1], world.height),
-    ];
-  }
-  const point = [board.cursor[0] + 0.5, board.cursor[1] + 0.5],
-    tool = draw.tools[draw.tool];
-  if (arrow && state.stroke) tool.drag(point, state.stroke);
-  if (!arrow) useTool(draw, state, tool, point, event.shiftKey);
+  moveCursor(draw, arrow, event.shiftKey ? 5 : 1);
+  const point = [board.cursor[0] + 0.5, board.cursor[1] + 0.5];
+  if (!arrow) useTool(draw, state, point, event.shiftKey);
+  else if (state.stroke) state.stroke.tool.drag(point, state.stroke);
+  else draw.tools[draw.tool].hover?.(point); // what it would do here
   draw.where(point);
+  draw.studio.say(cellWords(draw.studio.model.world, board.cursor));
   board.draw();
 }
 
-function useTool(draw, state, tool, point, erase) {
-  if (state.stroke) {
-    tool.end(point, state.stroke);
-    state.stroke = null;
-    return;
+// The cursor begins in the middle of what is seen, and what is seen goes with it.
+function moveCursor({ board, studio }, arrow, far) {
+  const { world } = studio.model,
+    inside = (value, most) => Math.min(most - 1, Math.max(0, Math.floor(value)));
+  const { x, y } = board.now();
+  const [ix, iy] = board.cursor || [x, y],
+    [dx, dy] = (board.cursor && arrow) || [0, 0];
+  board.cursor = [inside(ix + far * dx, world.width), inside(iy + far * dy, world.height)];
+  board.reveal(board.cursor);
+}
+
+// For screen readers: what the cursor is on.
+function cellWords(world, [ix, iy]) {
+  const here = ([x, y]) => Math.floor(x / world.cell_size) === ix && Math.floor(y / world.cell_size) === iy;
+  const there = [world.cells[iy * world.width + ix] ? "wall" : "free", here(world.start) && "start", here(world.target) && "target"];
+  return `${ix}, ${iy}: ${there.filter(Boolean).join(", ")}`;
+}
+
+function useTool(draw, state, point, erase) {
+  if (!state.stroke) {
+    begin(draw, state, point, { erase, exact: false, byKeys: true });
+    if (["line", "rectangle", "select", "measure", "start"].includes(draw.tool)) return;
   }
-  state.stroke = { erase, exact: false };
-  tool.begin(point, state.stroke);
-  if (["line", "rectangle", "select", "measure", "start"].includes(draw.tool)) return;
-  tool.end(point, state.stroke);
-  state.stroke = null;
+  stopStroke(state);
 }

@@ -7,20 +7,33 @@ import { messageOf } from "./model.js";
 const SOON = 60; // ms after the last change
 const LATER = 500; // ms of quiet before the widest robot is asked for
 const LARGEST_WIDEST = 40_000; // cells: in larger worlds the widest robot is asked for by hand
+const LARGE = 500_000; // cells of a world whose proof takes seconds
+const DECIDING = {}; // stands for a proof that takes a while
+const DECIDING_LONG = {}; // likewise, in a large world
+
+/** Stands for the widest robot while it is looked for by hand. */
+export const LOOKING = Symbol("looking");
+
+/** Whether the widest robot is only looked for when it is asked for: it takes up to a minute. */
+export const isWidestByHand = ({ cells, events }) => cells.length > LARGEST_WIDEST && !events;
+
+const RING = "a ring of $1 wall cells, every gap too narrow for this robot, parts the start from the target";
 
 /** The proof in words, and whether it is good news. */
 export function proofWords(proof) {
   if (!proof) return { words: "…", kind: "waiting" };
+  if (proof === DECIDING) return { words: "deciding …", kind: "waiting" };
+  if (proof === DECIDING_LONG) return { words: "deciding …: a large world takes some seconds; draw on meanwhile", kind: "waiting" };
   if (proof.error) return { words: proof.error, kind: "bad" };
   if (proof.result === "reachable") {
-    const clearance = (proof.clearance * 100).toPrecision(3);
     return {
-      words: `✓ reachable: ${proof.length.toFixed(2)} m, ${proof.duration.toFixed(2)} s, radius up to ${clearance} cm`,
+      words: `✓ reachable: ${proof.length.toFixed(2)} m, ${proof.duration.toFixed(2)} s; clearance of the way that is shown ${proof.clearance.toPrecision(4)} m`,
       kind: "good",
     };
   }
   const mark = proof.result === "blocked" ? "✗ blocked" : "? undecided";
-  return { words: `${mark}: ${proof.reason}`, kind: proof.result === "blocked" ? "bad" : "waiting" };
+  const reason = proof.cut ? proof.reason.replace(/^a ring of (\d+) cells, .*$/, RING) : proof.reason;
+  return { words: `${mark}: ${reason}`, kind: proof.result === "blocked" ? "bad" : "waiting" };
 }
 
 /** What the thesis's robot reads in each cell, or the reason why it reads nothing. */
@@ -36,30 +49,37 @@ export async function askSignal(studio, noise) {
   }
 }
 
-/* Asks for the proof after each change.
+/* Asks for the proof after each change; its `widest` asks for the widest robot by hand.
      studio    its model and connection
-     proved    called with the proof, or null while it is not known
-     widest    called with the largest radius that passes, m; null while it is not known */
+     proved    called with the proof of what is drawn now, or with what stands for it while it takes long
+     widest    called with the largest radius that passes, m; null while it is not known, LOOKING while it is looked for */
 export function makeProver(studio, proved, widest) {
-  const state = { soon: 0, later: 0 };
-  return () => {
+  const state = { soon: 0, later: 0, version: -1 };
+  const prove = () => {
     clearTimeout(state.soon);
     clearTimeout(state.later);
-    widest(null);
+    if (state.version !== studio.model.version) widest(null); // saving changes nothing that was found
+    state.version = studio.model.version;
     state.soon = setTimeout(() => decide(studio, proved), SOON);
-    if (studio.model.world.cells.length <= LARGEST_WIDEST)
-      state.later = setTimeout(() => measure(studio, widest), LATER);
+    if (!isWidestByHand(studio.model.world)) state.later = setTimeout(() => measure(studio, widest), LATER);
   };
+  prove.widest = () => {
+    widest(LOOKING);
+    return measure(studio, widest);
+  };
+  return prove;
 }
 
 async function decide(studio, proved) {
   const version = studio.model.version,
-    waiting = setTimeout(() => proved(null), 150); // a proof that is nearly there does not flicker
+    current = (proof) => version === studio.model.version && proved(proof),
+    large = studio.model.world.cells.length > LARGE,
+    waiting = setTimeout(() => current(large ? DECIDING_LONG : DECIDING), 150); // a proof that is nearly there does not flicker
   try {
     const proof = await studio.connection.ask("decide", { world: { ...messageOf(studio.model.world), source: null } });
-    if (version === studio.model.version) proved(proof);
+    current(proof);
   } catch (error) {
-    if (error instanceof Refused) proved({ error: error.message });
+    if (error instanceof Refused) current({ error: error.message });
     else if (!(error instanceof Ended)) throw error;
   } finally {
     clearTimeout(waiting);
@@ -73,5 +93,6 @@ async function measure(studio, widest) {
     if (version === studio.model.version) widest(answer.widest);
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    if (version === studio.model.version) widest(null);
   }
 }

@@ -1,43 +1,169 @@
 // The panel that says which robots drive, and how.
 
-import { choice, el } from "/player/dom.js";
-import { labelled, number, parameterField, words } from "./fields.js";
+import { breakable, el, plural } from "/player/dom.js";
+import { Ended, Refused } from "./connection.js";
+import { isGood, labelled, motionField, number } from "./fields.js";
+import { messageOf } from "./model.js";
+import { makeSettings } from "./settings.js";
 
 const MOST = 6; // robots at once
+const WIDE = 15; // letters of a name that fill half a line
 
 export function makeRobots(studio, run) {
   const state = {
     motion: "stepped",
     chosen: ["thesis-2"],
+    own: [], // robots with options of their own, NAME+option=value
     seed: 0,
     time_step: 0.015,
     steps: 20_000,
     options: {},
     still: false,
-    built: false,
   };
   const parts = {};
   parts.run = runButton(run);
-  parts.list = el("div", { class: "robots", role: "group", "aria-label": "Controllers" });
-  parts.motion = el("div");
-  parts.options = el("div");
+  parts.due = el("span", { class: "quiet due", id: "run-due", role: "status" });
+  parts.others = el("p", { class: "quiet others", id: "other-controllers" });
+  parts.list = el("div", { class: "robots", role: "group", "aria-label": "Controllers" }, el("span", { class: "quiet" }, "Asking …"));
+  parts.another = anotherForm(
+    (label) => studio.connection.ask("check", { ...messageFor(robots), controller: label }),
+    (label) => addOwn(robots, label),
+  );
+  parts.motion = el("div", { class: "motion" });
   parts.numbers = el("div");
+  parts.changes = changesField(() => letChange(robots));
+  parts.settings = makeSettings(() => showDue(robots));
   const element = el(
     "div",
     { class: "setup" },
-    el("div", { class: "line" }, el("h2", {}, "Robots"), parts.run),
+    el("div", { class: "line" }, el("h2", {}, "Robots"), parts.due, parts.run),
     parts.motion,
     parts.list,
+    parts.others,
+    parts.another.element,
     parts.numbers,
-    el("details", {}, el("summary", {}, "Options of the motion model"), parts.options),
+    parts.changes.element,
+    parts.settings.element,
   );
-  const robots = { studio, state, parts };
+  const robots = { studio, state, parts, element, run, offered: null, ran: null, lent: null };
+  element.addEventListener("change", ({ target }) => {
+    if (target.type === "number") isGood(target);
+    showDue(robots);
+  });
   return {
     element,
+    running: (message) => {
+      robots.ran = JSON.stringify(message);
+      showDue(robots);
+    },
     refresh: () => refresh(robots),
+    good: (leads) => isAllGood(robots, leads),
+    settings: (heading) => parts.settings.open(heading),
     message: () => messageFor(robots),
     prefer: (failure) => prefer(robots, failure),
+    forget: () => forget(robots),
   };
+}
+
+// Whether all numbers are as they must be; if asked to, it leads to the first that is not.
+function isAllGood({ element, parts }, leads) {
+  const wrong = [...element.querySelectorAll("input[type=number]")].filter((input) => !isGood(input));
+  if (wrong.length === 0) return true;
+  if (!leads) return false;
+  const heading = parts.settings.headingOf(wrong[0]);
+  if (heading) parts.settings.open(heading);
+  wrong[0].focus();
+  return false;
+}
+
+// Whether the drawn world changes while robots drive; one that does not yet is made to.
+function changesField(change) {
+  const box = el("input", { type: "checkbox", id: "changes", onchange: change });
+  const words = el("span");
+  const fault = el("p", { class: "bad", role: "alert" });
+  const element = el("div", { class: "changes" }, el("label", { class: "check" }, box, words), fault);
+  return { element, box, words, fault };
+}
+
+function showChanges({ studio, state, parts: { changes } }) {
+  const { events } = studio.model.world;
+  changes.box.checked = events !== null && !state.still;
+  changes.words.textContent = events ? `The world changes (${plural(events.times.length, "change")})` : "Let walls change places";
+  changes.fault.textContent = "";
+}
+
+async function letChange(robots) {
+  const { studio, state, parts } = robots,
+    { model } = studio;
+  const on = parts.changes.box.checked;
+  state.still = model.world.events !== null && !on;
+  if (!on || model.world.events) return;
+  const version = model.version;
+  try {
+    const { world } = await studio.connection.ask("shift", { world: messageOf(model.world), seed: String(state.seed) });
+    if (version !== model.version || !parts.changes.box.checked) {
+      showChanges(robots);
+      return;
+    }
+    model.change("walls that change places", { events: world.events });
+    showChanges(robots);
+    robots.run();
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error;
+    showChanges(robots);
+    parts.changes.fault.textContent = error.message;
+  }
+}
+
+// A robot whose options are not those of all, in the command line's words.
+//   check    asks whether it may run, and fails with the reason
+function anotherForm(check, add) {
+  const input = el("input", { type: "text", id: "another", autocomplete: "off", spellcheck: false });
+  const tell = (fault) => {
+    input.setCustomValidity(fault);
+    isGood(input);
+  };
+  input.addEventListener("input", () => tell(""));
+  const send = async (event) => {
+    event.preventDefault();
+    const label = input.value.trim();
+    if (!label) return;
+    try {
+      await check(label);
+    } catch (error) {
+      if (!(error instanceof Refused || error instanceof Ended)) throw error;
+      if (input.value.trim() === label) tell(error.message);
+      return;
+    }
+    add(label);
+    if (input.value.trim() === label) input.value = "";
+    input.focus();
+  };
+  const element = el(
+    "form",
+    { class: "another", novalidate: true, onsubmit: send },
+    labelled("Another robot, with options", input, { help: "NAME+option=value, as at a terminal" }),
+    el("button", { type: "submit" }, "Add"),
+  );
+  const change = (label) => {
+    input.value = label;
+    tell("");
+    input.focus();
+  };
+  return { element, change, example: (label) => (input.placeholder = label) };
+}
+
+function addOwn(robots, label) {
+  const { state } = robots;
+  if (!state.own.includes(label) && !offeredTo(robots).some(({ name }) => name === label)) state.own.push(label);
+  if (!state.chosen.includes(label) && state.chosen.length < MOST) state.chosen.push(label);
+  showList(robots);
+}
+
+// Nothing is run before one asks for it: what is chosen, and what is shown, may differ.
+function showDue(robots) {
+  const due = robots.ran !== null && robots.ran !== JSON.stringify(messageFor(robots)) && robots.state.chosen.length > 0;
+  robots.parts.due.textContent = due ? "Not run yet: press Run." : "";
 }
 
 function runButton(run) {
@@ -58,15 +184,17 @@ function runButton(run) {
 function refresh(robots) {
   const { studio, state, parts } = robots;
   if (!studio.offered) return;
-  if (parts.still) parts.still.hidden = !studio.model.world.events;
-  if (state.built) return;
-  state.built = true;
-  const motions = studio.offered.motions.map(({ name, about }) => [name, `${name}: ${about}`]);
-  const list = choice(motions, state.motion, (event) => setMotion(robots, event.target.value));
-  parts.motionList = list;
-  parts.motion.replaceChildren(labelled("Motion model", list));
-  setMotion(robots, state.motion);
-  showNumbers(robots);
+  showChanges(robots);
+  if (robots.offered === studio.offered) return;
+  const again = robots.offered !== null; // the studio was started anew, with others
+  robots.offered = studio.offered;
+  const first = studio.offered.controllers.find(({ named, fault }) => named && !fault);
+  if (first && !again) Object.assign(state, { chosen: [first.name], motion: first.motion });
+  if (!motionOf(robots)) Object.assign(state, { motion: studio.offered.motions[0].name, options: {} });
+  parts.motionList = motionField(studio.offered.motions, state.motion, (name) => setMotion(robots, name));
+  parts.motion.replaceChildren(parts.motionList.element);
+  showMotion(robots);
+  if (!again) showNumbers(robots);
 }
 
 function motionOf({ studio, state }) {
@@ -79,23 +207,41 @@ function offeredTo(robots) {
 }
 
 function setMotion(robots, name) {
-  const { state, parts } = robots;
+  const { state } = robots;
   state.motion = name;
   state.options = {};
-  const names = offeredTo(robots).map((one) => one.name);
+  showMotion(robots);
+}
+
+// The robots and options of the motion model; who does not drive under it is no more chosen.
+function showMotion(robots) {
+  const { state, parts } = robots;
+  const names = [...offeredTo(robots).map((one) => one.name), ...state.own];
   state.chosen = state.chosen.filter((one) => names.includes(one));
   if (state.chosen.length === 0) state.chosen = [names[0]];
-  parts.motionList.value = name;
+  parts.motionList.show(state.motion);
+  parts.another.example(motionOf(robots).thesis ? "thesis-1+repaired" : "turn-right+slip=0.1");
   showList(robots);
   showOptions(robots);
 }
 
+// Under the thesis's own model a robot that has two names is there once, unless both are chosen.
+function listed(robots) {
+  const { state } = robots,
+    all = offeredTo(robots);
+  if (!motionOf(robots).thesis) return all;
+  const doubled = ({ name, also }) =>
+    also !== "" && !state.chosen.includes(name) && all.some((one) => one.name === also) && (state.chosen.includes(also) || also < name);
+  return all.filter((one) => !doubled(one));
+}
+
 function showList(robots) {
-  const { state, parts } = robots;
-  const one = (name) =>
+  const { state, parts } = robots,
+    { thesis } = motionOf(robots);
+  const one = ({ name, also }) =>
     el(
       "label",
-      { class: "check" },
+      { class: name.length + (thesis ? also.length : 0) > WIDE ? "check wide" : "check" },
       el("input", {
         type: "checkbox",
         value: name,
@@ -103,9 +249,40 @@ function showList(robots) {
         disabled: !state.chosen.includes(name) && state.chosen.length >= MOST,
         onchange: (event) => toggle(robots, name, event.target.checked),
       }),
-      name,
+      el("span", {}, breakable(thesis && also ? `${name} (${also})` : name)),
     );
-  parts.list.replaceChildren(...offeredTo(robots).map(({ name }) => one(name)));
+  const own = (name) =>
+    el(
+      "div",
+      { class: "own" },
+      one({ name, also: "" }),
+      el("button", { type: "button", class: "small", "aria-label": `Change ${name}`, title: "Change its words", onclick: () => changeOwn(robots, name) }, "Change"),
+    );
+  parts.list.replaceChildren(...listed(robots).map(one), ...state.own.map(own));
+  parts.run.disabled = state.chosen.length === 0;
+  parts.others.replaceChildren(...othersOf(robots).map((words) => el("span", {}, words)));
+  showDue(robots);
+}
+
+// The words of a robot of one's own go back to where they were typed.
+function changeOwn(robots, name) {
+  const { state, parts } = robots;
+  state.own = state.own.filter((one) => one !== name);
+  state.chosen = state.chosen.filter((one) => one !== name);
+  showList(robots);
+  parts.another.change(name);
+}
+
+// Which controllers the list does not have.
+function othersOf(robots) {
+  const { controllers } = robots.studio.offered;
+  const here = offeredTo(robots).map(({ name }) => name);
+  const away = controllers.filter(({ name, fault }) => !fault && !here.includes(name));
+  const own = away.filter(({ named }) => named).map(({ name }) => name);
+  const more = own.length > 0 ? `, ${own.join(", ")} among them` : "";
+  return [
+    ...(away.length > 0 ? [`${away.length} more under ${away[0].motion}${more}. `] : []),
+  ];
 }
 
 function toggle(robots, name, on) {
@@ -114,13 +291,13 @@ function toggle(robots, name, on) {
   if (on) state.chosen.push(name);
   showList(robots);
   robots.parts.list.querySelector(`input[value="${CSS.escape(name)}"]`)?.focus();
-  robots.parts.run.disabled = state.chosen.length === 0;
 }
 
 function showNumbers(robots) {
   const { state, parts } = robots;
-  parts.seed = number(state.seed, (value) => (state.seed = Math.round(value)), { low: 0, step: 1 });
+  parts.seed = number(state.seed, (value) => (state.seed = Math.round(value)), { low: 0, high: Number.MAX_SAFE_INTEGER, step: 1 });
   parts.step = number(state.time_step, (value) => (state.time_step = value), { low: 0.001, high: 10 });
+  for (const input of [parts.seed, parts.step]) Object.assign(input, { required: true, title: "Give a number." });
   parts.steps = el("input", {
     type: "number",
     value: state.steps,
@@ -130,36 +307,19 @@ function showNumbers(robots) {
     placeholder: "auto",
     onchange: (event) => (state.steps = event.target.value),
   });
-  const still = el("input", { type: "checkbox", onchange: (event) => (state.still = event.target.checked) });
-  parts.still = el(
-    "label",
-    { class: "check", hidden: !robots.studio.model.world.events },
-    still,
-    "The world stands still",
-  );
   parts.numbers.replaceChildren(
     el(
       "div",
       { class: "triple" },
       labelled("Time step", parts.step, { unit: "s" }),
-      labelled("Seed", parts.seed),
       labelled("Steps", parts.steps),
+      labelled("Seed", parts.seed),
     ),
-    parts.still,
   );
 }
 
 function showOptions(robots) {
-  const { state, parts } = robots;
-  const field = (option) => {
-    const value = state.options[option.name] ?? option.default;
-    const input = parameterField(option, value, (given) => {
-      if (given === option.default) delete state.options[option.name];
-      else state.options[option.name] = given;
-    });
-    return labelled(words(option.name), input, { unit: option.unit, help: option.help });
-  };
-  parts.options.replaceChildren(...motionOf(robots).options.map(field));
+  robots.parts.settings.offer(motionOf(robots).options, robots.state.options);
 }
 
 function messageFor({ state }) {
@@ -180,10 +340,23 @@ function prefer(robots, failure) {
   const { state, studio } = robots;
   refresh(robots);
   if (!studio.offered || !studio.offered.controllers.some(({ name }) => name === failure.controller)) return;
+  forget(robots);
   const { steps, time_step: timeStep, ...options } = failure.parameters;
+  const before = { seed: state.seed, steps: state.steps };
   state.chosen = [failure.controller];
   setMotion(robots, failure.motion);
-  Object.assign(state, { seed: failure.seed, time_step: timeStep ?? 0.015, steps: steps ?? "", options });
+  Object.assign(state, { still: false, seed: failure.seed, time_step: timeStep ?? 0.015, steps: steps ?? "", options });
+  robots.lent = { seed: state.seed, steps: state.steps, before };
   showNumbers(robots);
   showOptions(robots);
+  showChanges(robots);
+}
+
+// Another world was opened: the failure's seed and steps go with it, unless one has typed others.
+function forget(robots) {
+  const { state, lent } = robots;
+  robots.lent = null;
+  if (!lent || state.seed !== lent.seed || state.steps !== lent.steps) return;
+  Object.assign(state, lent.before);
+  showNumbers(robots);
 }

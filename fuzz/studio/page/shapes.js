@@ -36,46 +36,45 @@ export function rectangleOf([x0, y0], [x1, y1]) {
   return { x, y, width: Math.abs(x1 - x0) + 1, height: Math.abs(y1 - y0) + 1 };
 }
 
-export function rectangleCells({ x, y, width, height }, hollow = false) {
-  const cells = [];
-  for (let iy = y; iy < y + height; iy += 1)
-    for (let ix = x; ix < x + width; ix += 1) {
-      const edge = ix === x || iy === y || ix === x + width - 1 || iy === y + height - 1;
-      if (edge || !hollow) cells.push([ix, iy]);
-    }
-  return cells;
+/** The rectangle as boxes: itself, or its four sides. */
+export function rectangleBoxes({ x, y, width, height }, hollow = false) {
+  if (!hollow || width < 3 || height < 3) return [{ x, y, width, height }];
+  return [
+    { x, y, width, height: 1 },
+    { x, y: y + height - 1, width, height: 1 },
+    { x, y: y + 1, width: 1, height: height - 2 },
+    { x: x + width - 1, y: y + 1, width: 1, height: height - 2 },
+  ];
 }
 
 /** A square brush of so many cells around a cell. */
-export function brushCells([x, y], size) {
+export function brushBox([x, y], size) {
   const low = Math.floor((size - 1) / 2);
-  return rectangleCells({ x: x - low, y: y - low, width: size, height: size });
+  return { x: x - low, y: y - low, width: size, height: size };
 }
 
-/** All cells like the one at (x, y) that hang together with it by their sides. */
+/** All cells like the one at (x, y) that hang together with it by their sides, by their numbers. */
 export function floodCells({ cells, width, height }, [x, y]) {
   const wanted = cells[y * width + x],
     seen = new Uint8Array(width * height),
-    found = [];
-  const stack = [y * width + x];
-  seen[stack[0]] = 1;
-  while (stack.length > 0) {
-    const at = stack.pop(),
-      ix = at % width,
-      iy = (at - ix) / width;
-    found.push([ix, iy]);
-    const next = [];
-    if (ix > 0) next.push(at - 1);
-    if (ix < width - 1) next.push(at + 1);
-    if (iy > 0) next.push(at - width);
-    if (iy < height - 1) next.push(at + width);
-    for (const to of next)
-      if (!seen[to] && cells[to] === wanted) {
-        seen[to] = 1;
-        stack.push(to);
-      }
+    found = new Int32Array(width * height); // those before `done` have been looked at from all sides
+  let count = 0;
+  const meet = (to) => {
+    if (seen[to] || cells[to] !== wanted) return;
+    seen[to] = 1;
+    found[count] = to;
+    count += 1;
+  };
+  meet(y * width + x);
+  for (let done = 0; done < count; done += 1) {
+    const at = found[done],
+      ix = at % width;
+    if (ix > 0) meet(at - 1);
+    if (ix < width - 1) meet(at + 1);
+    if (at >= width) meet(at - width);
+    if (at < width * (height - 1)) meet(at + width);
   }
-  return found;
+  return found.subarray(0, count);
 }
 
 /** What stands in a rectangle of a map; outside the map nothing is changed. */

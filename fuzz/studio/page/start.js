@@ -3,31 +3,37 @@
 import { byId, el, keyButton, say } from "/player/dom.js";
 import { followSystem } from "/player/theme.js";
 import { makeCampaign } from "./campaign.js";
-import { Ended, Refused, makeConnection } from "./connection.js";
+import { Ended, Refused, makeConnection, shareToken, takeToken } from "./connection.js";
+import { findDraft, keepDraft, lendDraft, openedBefore, reclaimDraft, takeOver } from "./drafts.js";
 import { makeDraw } from "./draw.js";
 import { openFile, saveAs } from "./files.js";
 import { listen, showKeys } from "./keys.js";
-import { Model, draft, emptyWorld, openedBefore, worldOf } from "./model.js";
+import { Model, emptyWorld, worldOf } from "./model.js";
 import { makePlay } from "./play.js";
 import { listenToBoard } from "./pointer.js";
 import { makeProver } from "./proof.js";
 
 const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"], campaign: ["Campaign", "3"] };
 const SIDE = 40; // cells of the world that one begins with
+const SLOW = 2000; // ms after which one wants to know what takes so long
 
 const studio = {
   model: new Model(emptyWorld(SIDE, SIDE), () => changed()),
   connection: null,
+  folder: "", // that the server has open
   offered: null, // what the server has to choose from
   widest: null,
+  askWidest: () => prove.widest(),
   say: (words) => say(words),
   page: () => (Object.hasOwn(PAGES, location.hash.slice(1)) ? location.hash.slice(1) : "draw"),
   go: (page) => {
     location.hash = page;
+    route(); // at once: what comes next may need the page, and the browser tells of it later
   },
   show,
-  undo: () => step("Undone", studio.model.undo()),
-  redo: () => step("Redone", studio.model.redo()),
+  showName,
+  undo: () => studio.draw.cancel() || step("Undone", studio.model.undo()), // first what is being drawn
+  redo: () => studio.draw.cancel() || step("Redone", studio.model.redo()),
   save,
   run: () => (studio.page() === "play" ? studio.play.run() : studio.go("play")),
 };
@@ -47,7 +53,7 @@ function changed() {
   prove();
   studio.draw.senseSignal();
   clearTimeout(changed.keeping);
-  changed.keeping = setTimeout(() => studio.model.keepDraft(), 800);
+  changed.keeping = setTimeout(() => keepDraft(studio.model), 800);
 }
 
 function step(what, label) {
@@ -65,8 +71,15 @@ function setWidest(widest) {
   studio.draw.refresh();
 }
 
+// What the page in front is about: the drawn world, or the folder whose failures are shown.
 function showName() {
   const { unsaved, past, future, world } = studio.model;
+  if (studio.page() === "campaign") {
+    const [folder, doing] = studio.campaign.name();
+    byId("name").replaceChildren(folder, doing ? el("span", { class: "quiet" }, ` · ${doing}`) : "");
+    document.title = `${doing === "running" ? "▶ " : ""}${folder} - worldgen studio`;
+    return;
+  }
   byId("name").replaceChildren(
     world.name || "not saved yet",
     unsaved ? el("span", { class: "quiet" }, " · changed") : "",
@@ -78,11 +91,13 @@ function showName() {
 
 /** Another world takes the place of the one that is drawn; undo brings that back. */
 function show(answer, name, label) {
-  const world = worldOf(answer.world, name);
+  const world = worldOf(answer.world, name, answer.file || null);
+  studio.draw.cancel();
   studio.model.change(`open ${label}`, world);
   studio.draw.board.view = studio.draw.board.selection = null;
-  if (name) studio.model.markSaved(name, world.source);
+  if (name) studio.model.markSaved(name, world.source, world.file, studio.model.mark());
   if (answer.failure) studio.play.prefer(answer.failure);
+  else studio.play.forget();
   say(`Opened ${label}`);
 }
 
@@ -96,15 +111,24 @@ async function save() {
   }
   try {
     say(await saveAs(studio, null, name));
+    if (save.refused) notice(""); // what was said of the last time holds no more
+    save.refused = false;
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
     notice(error.message);
+    save.refused = true;
   }
 }
 
+let routed = ""; // the page that is shown
+
 function route() {
   const page = studio.page();
+  if (page === routed) return;
+  routed = page;
   for (const name of Object.keys(PAGES)) byId(name).hidden = name !== page;
+  for (const name of ["undo", "redo"]) byId(name).hidden = page !== "draw";
+  byId("save-drawn").hidden = page === "campaign"; // it saves what is drawn
   byId("tabs").replaceChildren(
     ...Object.entries(PAGES).map(([name, [words, key]]) =>
       el("a", { href: `#${name}`, "aria-current": name === page ? "page" : null, "aria-keyshortcuts": key }, words),
@@ -114,48 +138,104 @@ function route() {
   if (page === "play") studio.play.begin();
   else if (page === "campaign") studio.campaign.begin();
   else studio.draw.refresh();
+  showName();
 }
 
-function notice(words) {
-  if (byId("gone").textContent === words) return; // a screen reader says it once
-  byId("gone").textContent = words;
-  byId("gone").hidden = words === "";
+function notice(words, closable = true) {
+  const told = byId("gone");
+  if (told.dataset.words === words) return; // a screen reader says it once
+  told.dataset.words = words;
+  const close = el("button", { type: "button" }, "Close");
+  close.addEventListener("click", () => notice(""));
+  told.replaceChildren(el("span", {}, words), closable ? close : "");
+  told.hidden = words === "";
 }
 
 // The connection is there, at first or again: what was asked for in vain is asked again.
 async function begun(begins) {
-  notice("");
   const first = studio.offered === null;
+  const moved = !first && begins.folder !== studio.folder;
+  const told = moved ? [`The studio has another folder open now: ${begins.folder}. What you save goes there.`] : [];
+  if (await reclaimDraft(studio.model)) told.push("Another tab goes on with what is drawn here.");
+  notice(told.join(" "));
+  if (moved) studio.model.world.name = ""; // a file of the other folder
+  studio.folder = begins.folder;
   try {
-    studio.offered = await studio.connection.ask("hello");
+    studio.offered = await hello(told);
+    told.push(...unusable(studio.offered.controllers));
     const file = openedBefore() || begins.file;
-    if (first && file && studio.model.past.length === 0)
-      await openFile(studio, { name: file, world: /\.grid(\.gz)?$/.test(file) });
+    const untouched = () => studio.model.past.length === 0; // nothing was dropped on the page meanwhile
+    if (first && file && untouched())
+      await openFile(studio, { name: file, world: /\.grid(\.gz)?$/.test(file) }, untouched);
   } catch (error) {
     if (!(error instanceof Refused || error instanceof Ended)) throw error;
-    if (error instanceof Refused) notice(error.message);
+    if (error instanceof Refused) told.push(error.message);
   }
+  if (told.length > 0) notice(told.join(" "));
   studio.play.refresh();
   studio.campaign.refresh();
   changed();
-  if (first && studio.page() === "play") studio.play.begin();
+  if (studio.page() === "play") studio.play.begin();
 }
 
-function lost(forbidden) {
+// What there is to choose from; which controller it is that keeps the page waiting is said.
+async function hello(told) {
+  let slow = 0;
+  const loading = (words) => notice([...told, words].join(" "), false);
+  try {
+    const offered = await studio.connection.ask("hello", {}, (part) => {
+      clearTimeout(slow);
+      slow = setTimeout(() => loading(`Loading the controller ${part.loading} …`), SLOW);
+    });
+    notice(told.join(" "));
+    return JSON.stringify(offered) === JSON.stringify(studio.offered) ? studio.offered : offered;
+  } finally {
+    clearTimeout(slow);
+  }
+}
+
+// What is wrong with controllers that were named at the start: no list shows them.
+function unusable(controllers) {
+  const faults = controllers.map(({ fault }) => fault).filter((fault) => fault !== "");
+  return faults.map((fault) => `Named at the start, but cannot run: ${fault}.`);
+}
+
+function lost(forbidden, why) {
   studio.draw.board.proof = null;
+  lendDraft(studio.model);
+  if (why) {
+    notice(`${why} This one comes back by itself.`, false);
+    return;
+  }
   notice(
     forbidden
-      ? "The studio was started anew and does not know this page any more. Open the address that it has printed: what is drawn here comes along."
-      : "The studio does not answer. What you draw stays here, and this page comes back by itself when worldgen studio runs again.",
+      ? "The studio was started anew and does not know this page any more. Open the address that it has printed in this tab: what is drawn here comes along."
+      : "The studio does not answer. What you draw stays here. If it has ended, start it again and open the address that it prints: what is drawn comes along.",
+    false,
   );
 }
 
+// The first click into a number's field selects what stands there: one types another. What lies under the pointer when
+// its button is let go may be something else, for a panel can move meanwhile.
+function selectNumbers() {
+  let fresh = null;
+  document.addEventListener("pointerdown", ({ target }) => {
+    fresh = target.type === "number" && target !== document.activeElement ? target : null;
+  });
+  document.addEventListener("click", () => {
+    if (fresh && fresh === document.activeElement) fresh.select();
+    fresh = null;
+  });
+}
+
 function begin() {
-  history.replaceState(null, "", `${location.pathname}${location.hash}`); // the token has done its work
+  takeToken();
+  byId("skip").addEventListener("click", toContent);
+  selectNumbers();
   byId("tools").append(
     keyButton("↶", "Undo", "Control+Z", studio.undo, { id: "undo" }),
     keyButton("↷", "Redo", "Control+Y", studio.redo, { id: "redo" }),
-    keyButton("Save", "Save", "Control+S", save),
+    keyButton("Save", "Save", "Control+S", save, { id: "save-drawn" }),
     el("button", { type: "button", id: "theme", "aria-keyshortcuts": "d" }),
     keyButton(["Keys ", el("kbd", {}, "?")], "Keys", "?", showKeys),
   );
@@ -172,21 +252,34 @@ function begin() {
   listen(studio);
   takeDrops();
   addEventListener("hashchange", route);
-  addEventListener("beforeunload", () => studio.model.keepDraft());
-  const kept = draft();
-  if (kept) {
-    studio.model.change("what was drawn before", kept);
-  }
-  studio.connection = makeConnection(begun, lost);
+  addEventListener("beforeunload", (event) => {
+    if (!keepDraft(studio.model)) event.preventDefault(); // too large to be kept: the browser asks
+  });
+  studio.connection = makeConnection(begun, lost, goOn().finally(shareToken)); // in this order: who shares is no more alone
   route();
-  showName();
+}
+
+// What was drawn before and not saved comes back.
+async function goOn() {
+  const kept = await findDraft();
+  if (!kept) return;
+  studio.model.change("what was drawn before", kept);
+  takeOver(studio.model);
+}
+
+// Past the header, to what the page is about.
+function toContent() {
+  const first = { draw: "#board", play: "#play button, #play select", campaign: "#campaign select" };
+  document.querySelector(first[studio.page()]).focus();
 }
 
 function takeDrops() {
   addEventListener("dragover", (event) => event.preventDefault());
   addEventListener("drop", (event) => {
     event.preventDefault();
-    if (event.dataTransfer.files.length > 0) studio.draw.bring(event.dataTransfer.files[0]);
+    if (event.dataTransfer.files.length === 0) return;
+    studio.go("draw"); // where it is shown, or why it cannot be
+    studio.draw.bring([...event.dataTransfer.files]);
   });
 }
 

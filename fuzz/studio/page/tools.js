@@ -2,16 +2,13 @@
 
 import {
   STAMPS,
-  brushCells,
-  flipped,
+  brushBox,
   floodCells,
   lineCells,
-  mirrored,
   patternIn,
   patternOf,
-  rectangleCells,
+  rectangleBoxes,
   rectangleOf,
-  turned,
 } from "./shapes.js";
 import { round } from "./model.js";
 
@@ -59,7 +56,7 @@ export function makeTools(board, setting, said) {
     brush: painter(kit, 1),
     erase: painter(kit, 0),
     line: spanned(kit, "line", (from, to) => thick(lineCells(from, to), setting.size)),
-    rectangle: spanned(kit, "rectangle", (from, to) => rectangleCells(rectangleOf(from, to), setting.hollow)),
+    rectangle: spanned(kit, "rectangle", (from, to) => rectangleBoxes(rectangleOf(from, to), setting.hollow)),
     fill: filler(kit),
     select: selector(kit),
     stamp: stamper(kit),
@@ -70,9 +67,9 @@ export function makeTools(board, setting, said) {
   };
 }
 
-// Each cell of a line as wide as the brush.
+// Each cell of a line as wide as the brush, as boxes.
 function thick(cells, size) {
-  return size === 1 ? cells : cells.flatMap((cell) => brushCells(cell, size));
+  return cells.map((cell) => brushBox(cell, size));
 }
 
 function painter(kit, value) {
@@ -90,7 +87,7 @@ function painter(kit, value) {
       kit.model.lift(value ? "brush" : "eraser");
     },
     hover: (point) => {
-      kit.board.marks = brushCells(cellOf(point), kit.setting.size);
+      kit.board.marks = [brushBox(cellOf(point), kit.setting.size)];
     },
   };
 }
@@ -111,13 +108,13 @@ function spanned(kit, label, cellsOf) {
       to = cellOf(point);
       show();
     },
-    end(point, { erase }) {
+    end({ erase }) {
       kit.board.marks = [];
       kit.model.paint(cellsOf(from, to), erase ? 0 : 1);
       kit.model.lift(label);
     },
     hover: (point) => {
-      kit.board.marks = brushCells(cellOf(point), label === "line" ? kit.setting.size : 1);
+      kit.board.marks = [brushBox(cellOf(point), label === "line" ? kit.setting.size : 1)];
     },
   };
 }
@@ -130,13 +127,13 @@ function filler(kit) {
       if (x < 0 || y < 0 || x >= world.width || y >= world.height) return;
       const solid = world.cells[y * world.width + x];
       if (erase && !solid) return;
-      kit.model.paint(floodCells(world, [x, y]), erase ? 0 : 1);
+      kit.model.paintCells(floodCells(world, [x, y]), erase ? 0 : 1);
       kit.model.lift("fill");
     },
     drag() {},
     end() {},
     hover: (point) => {
-      kit.board.marks = [cellOf(point)];
+      kit.board.marks = [brushBox(cellOf(point), 1)];
     },
   };
 }
@@ -167,7 +164,7 @@ function selector(kit) {
       if (!moving || !board.ghost) return;
       const { at } = board.ghost;
       board.ghost = null;
-      model.paint(rectangleCells(moving.box), 0);
+      model.paint([moving.box], 0);
       model.put(moving.pattern, at);
       model.lift("move");
       board.selection = { ...moving.box, x: at[0], y: at[1] };
@@ -176,48 +173,17 @@ function selector(kit) {
   };
 }
 
-/** What can be done with the selection; each is one step of the history. */
-export const SELECTION = {
-  copy: ["Copy", "Ctrl+C"],
-  cut: ["Cut", "Ctrl+X"],
-  paste: ["Paste", "Ctrl+V"],
-  mirror: ["Mirror left and right", "x", "↔"],
-  flip: ["Mirror up and down", "y", "↕"],
-  turn: ["Turn left", ".", "↺"],
-  fill: ["Fill", "Enter"],
-  clear: ["Clear", "Delete"],
-};
-
-/** Does something with the selection; with the stamp in hand, turns and mirrors that. */
-export function withSelection(kit, what, stamping) {
-  const { board, model } = kit,
-    changes = { mirror: mirrored, flip: flipped, turn: turned };
-  if (what === "paste") return kit.clipboard !== null;
-  if (stamping && what in changes) {
-    kit.turns.push(changes[what]);
-    return true;
-  }
-  const box = board.selection;
-  if (!box) return false;
-  const pattern = patternIn(model.world, box);
-  if (what === "copy" || what === "cut") kit.clipboard = pattern;
-  if (what === "cut" || what === "clear") model.paint(rectangleCells(box), 0);
-  if (what === "fill") model.paint(rectangleCells(box), 1);
-  if (what in changes) {
-    const made = changes[what](pattern);
-    model.paint(rectangleCells(box), 0);
-    model.put(made, [box.x, box.y]);
-    board.selection = { x: box.x, y: box.y, width: made.width, height: made.height };
-  }
-  if (what !== "copy") model.lift(what);
-  kit.said(`${SELECTION[what][0]}: ${box.width} x ${box.height} cells`);
-  board.draw();
-  return true;
+/** The pattern that the stamp puts down; made anew only when it is another one. */
+function stampOf(kit) {
+  const { stamp, stampSize } = kit.setting,
+    made = kit.stamped;
+  const wanted = [stamp, stampSize, kit.clipboard, kit.turns, kit.turns.length];
+  if (!made || wanted.some((value, k) => value !== made.wanted[k]))
+    kit.stamped = { wanted, pattern: freshStamp(kit, stamp, stampSize) };
+  return kit.stamped.pattern;
 }
 
-/** The pattern that the stamp puts down. */
-function stampOf(kit) {
-  const { stamp, stampSize } = kit.setting;
+function freshStamp(kit, stamp, stampSize) {
   const made =
     stamp === "clipboard" && kit.clipboard ? kit.clipboard : STAMPS[stamp in STAMPS ? stamp : "U trap"](stampSize);
   return kit.turns.reduce((pattern, change) => change(pattern), made);
@@ -269,10 +235,20 @@ function starter(kit) {
   };
 }
 
+// One drag is one step of the history.
 function targeter(kit) {
-  const move = (point, { exact }) =>
-    kit.model.change("target", { target: [...placed(kit, point, exact), kit.model.world.target[2]] }, true);
-  return { begin: move, drag: move, end() {} };
+  const move = (together) => (point, { exact }) =>
+    kit.model.change("target", { target: [...placed(kit, point, exact), kit.model.world.target[2]] }, together);
+  const begin = move(false),
+    drag = move(true);
+  return {
+    begin(point, how) {
+      begin(point, how);
+      kit.model.past.at(-1).together = "target";
+    },
+    drag,
+    end() {},
+  };
 }
 
 function placed(kit, [x, y], exact) {

@@ -2,15 +2,17 @@
 
 import { el } from "/player/dom.js";
 import { Ended, Refused } from "./connection.js";
-import { labelled, number, words } from "./fields.js";
-import { emptyWorld, messageOf, resized, round } from "./model.js";
+import { isGood, labelled, number, words } from "./fields.js";
+import { messageOf, round } from "./model.js";
+import { LOOKING, isWidestByHand } from "./proof.js";
+import { sizePart } from "./size_form.js";
 
-const SMALLEST = 3; // cells a side
-const LARGEST = 2000;
+const LENGTH = { low: 0.0001, high: 10_000 }; // m, and m/s
+const TURN = { low: -360, high: 360 }; // degrees
 
 export function makeWorldPanel(studio, draw) {
   const { model } = studio,
-    parts = { sizes: { width: 40, height: 40 } },
+    parts = {},
     hard = hardPart(studio);
   const element = el(
     "div",
@@ -34,7 +36,8 @@ export function makeWorldPanel(studio, draw) {
   };
 }
 
-function radiusPart({ model }, parts) {
+function radiusPart(studio, parts) {
+  const { model } = studio;
   const change = (value) => model.change("radius", { robot_radius: round(value) }, true);
   parts.radius = el("input", {
     type: "range",
@@ -42,13 +45,15 @@ function radiusPart({ model }, parts) {
     min: 0,
     id: "radius",
     "aria-label": "Robot radius",
+    "aria-describedby": "widest",
     oninput: (event) => {
       const cell = model.world.cell_size;
       change(Math.max(cell / 100, Math.round((event.target.valueAsNumber / cell) * 100) * (cell / 100)));
     },
   });
-  parts.radiusNumber = number(0, change, { low: 0 });
+  parts.radiusNumber = bounded(change, LENGTH);
   parts.widest = el("p", { class: "quiet widest", id: "widest" });
+  parts.find = el("button", { type: "button", id: "find-widest", onclick: () => studio.askWidest() }, "Find where every way closes");
   parts.closes = el("i", { class: "closes", title: "Here the way closes" });
   return el(
     "div",
@@ -56,18 +61,39 @@ function radiusPart({ model }, parts) {
     labelled("Radius", parts.radiusNumber, { unit: "m" }),
     el("div", { class: "radius" }, parts.radius, parts.closes),
     parts.widest,
+    parts.find,
   );
 }
 
 function speedPart({ model }, parts) {
-  parts.speed = number(2, (value) => value > 0 && model.change("speed", { robot_speed: value }), { low: 0 });
-  parts.cell = number(0.1, (value) => value > 0 && model.change("cell size", scaled(model.world, value)), { low: 0 });
+  parts.speed = bounded((value) => model.change("speed", { robot_speed: value }), LENGTH);
+  parts.cell = bounded((value) => model.change("cell size", scaled(model.world, value)), LENGTH);
   return el(
     "div",
     { class: "pair-fields" },
     labelled("Top speed", parts.speed, { unit: "m/s" }),
     labelled("Cell size", parts.cell, { unit: "m" }),
   );
+}
+
+// A field whose number changes the world, if it lies within its bounds; else the field says what they are.
+function bounded(change, bounds) {
+  const input = number(0, (value) => isGood(input) && change(value), bounds);
+  input.addEventListener("blur", () => {
+    if (input.value !== "") return;
+    input.value = input.shown; // nothing, or no number
+    isGood(input);
+  });
+  return input;
+}
+
+// What the world has stands in a field, unless another number is being typed, or stands there as wrong for this drawing.
+function show(input, value, { sheet }) {
+  const wrong = input.hasAttribute("aria-invalid") && input.shown === value && input.sheet === sheet;
+  Object.assign(input, { shown: value, sheet });
+  if (document.activeElement === input || wrong) return;
+  input.value = value;
+  isGood(input);
 }
 
 // Other cells, the same drawing: places stay in their cells, and the robot is as large as it was, in cells.
@@ -88,7 +114,8 @@ function placePart({ model }, parts) {
     values[k] = name === "start" && k === 2 ? round((value * Math.PI) / 180) : value;
     model.change(name, { [name]: values });
   };
-  const fields = (name) => (parts[name] = [0, 1, 2].map((k) => number(0, set(name, k))));
+  const bounds = { start: [{}, {}, TURN], target: [{}, {}, LENGTH] };
+  const fields = (name) => (parts[name] = [0, 1, 2].map((k) => bounded(set(name, k), { low: 0, ...bounds[name][k] })));
   const row = (title, inputs, third) =>
     el(
       "fieldset",
@@ -106,49 +133,12 @@ function placePart({ model }, parts) {
   );
 }
 
-function sizePart({ model }, draw, parts) {
-  const whole = (name) => number(40, (value) => (parts.sizes[name] = value), { low: SMALLEST, high: LARGEST, step: 1 });
-  parts.width = whole("width");
-  parts.height = whole("height");
-  const sizes = () => {
-    const [width, height] = [parts.width, parts.height].map((input) =>
-      Math.min(LARGEST, Math.max(SMALLEST, Math.round(input.valueAsNumber || SMALLEST))),
-    );
-    draw.board.view = null;
-    return [width, height];
-  };
-  const button = (words, help, act) => el("button", { type: "button", title: help, onclick: act }, words);
-  return el(
-    "div",
-    {},
-    el(
-      "div",
-      { class: "pair-fields" },
-      labelled("Columns", parts.width, { unit: "cells" }),
-      labelled("Rows", parts.height, { unit: "cells" }),
-    ),
-    el(
-      "div",
-      { class: "actions" },
-      button("New", "An empty world of this size", () => {
-        model.change("new world", emptyWorld(...sizes(), model.world));
-      }),
-      button("Resize", "Keep what is drawn, cut or add cells at the right and the top", () =>
-        model.change("resize", resized(model.world, ...sizes())),
-      ),
-      button("Clear", "Take all walls away but the border", () => {
-        const { cells } = emptyWorld(model.world.width, model.world.height);
-        model.change("clear", { cells, events: null });
-      }),
-    ),
-  );
-}
-
 // How hard the world is, by its metrics; asked for by hand, for it may take a while.
 function hardPart(studio) {
   const found = el("div", { role: "status" });
   let measured = studio.model.version;
   const ask = async () => {
+    measured = studio.model.version;
     found.replaceChildren(el("p", { class: "quiet" }, "Measuring …"));
     try {
       const { metrics } = await studio.connection.ask("measure", { world: messageOf(studio.model.world) });
@@ -159,7 +149,7 @@ function hardPart(studio) {
           el("th", { scope: "row" }, words(name)),
           el("td", {}, `${Number(value.toPrecision(4))} ${unit}`),
         );
-      measured = studio.model.version;
+      if (measured !== studio.model.version) throw new Ended("The world has changed meanwhile; measure again.");
       found.replaceChildren(el("table", { class: "numbers" }, el("tbody", {}, metrics.map(row))));
     } catch (error) {
       if (!(error instanceof Refused || error instanceof Ended)) throw error;
@@ -184,29 +174,48 @@ function hardPart(studio) {
 }
 
 function refresh(world, parts) {
-  const show = (input, value) => {
-    if (document.activeElement !== input) input.value = value;
-  };
+  for (const [x, y] of [parts.start, parts.target]) {
+    x.max = round(world.width * world.cell_size);
+    y.max = round(world.height * world.cell_size);
+  }
   parts.radius.max = Math.max(2.5 * world.cell_size, 1.2 * world.robot_radius);
   parts.radius.value = world.robot_radius;
-  show(parts.radiusNumber, world.robot_radius);
-  show(parts.speed, world.robot_speed);
-  show(parts.cell, world.cell_size);
+  parts.radius.setAttribute("aria-valuetext", `${world.robot_radius} m`);
+  show(parts.radiusNumber, world.robot_radius, world);
+  show(parts.speed, world.robot_speed, world);
+  show(parts.cell, world.cell_size, world);
   parts.start.forEach((input, k) =>
-    show(input, k < 2 ? world.start[k] : Number(((world.start[2] * 180) / Math.PI).toFixed(4))),
+    show(input, k < 2 ? world.start[k] : Number(((world.start[2] * 180) / Math.PI).toFixed(4)), world),
   );
-  parts.target.forEach((input, k) => show(input, world.target[k]));
-  show(parts.width, world.width);
-  show(parts.height, world.height);
+  parts.target.forEach((input, k) => show(input, world.target[k], world));
+  showSize(world, parts);
 }
 
-function showWidest(studio, parts) {
-  const { widest, model } = studio,
-    most = Number(parts.radius.max);
-  parts.closes.hidden = widest === null || widest === undefined || widest > most;
+// The size, when it has changed: what was typed for the next one stays until then.
+function showSize({ width, height }, parts) {
+  if (parts.shown === `${width} x ${height}`) return;
+  parts.shown = `${width} x ${height}`;
+  [parts.width.value, parts.height.value] = [width, height];
+}
+
+function showWidest({ widest, model, say }, parts) {
+  const most = Number(parts.radius.max),
+    known = typeof widest === "number";
+  parts.closes.hidden = !known || widest > most;
   if (!parts.closes.hidden) parts.closes.style.left = `${(100 * widest) / most}%`;
-  if (model.world.events) parts.widest.textContent = "The world changes: how wide a robot passes is not known.";
-  else if (widest === null || widest === undefined) parts.widest.textContent = "…";
-  else if (widest === 0) parts.widest.textContent = "No robot can pass, however small.";
-  else parts.widest.textContent = `The way closes for a radius above ${widest.toPrecision(4)} m.`;
+  const found = known && parts.find.disabled; // by hand
+  if (found && parts.focused && [null, document.body, parts.find].includes(document.activeElement)) parts.radius.focus();
+  if (widest === LOOKING && !parts.find.disabled) parts.focused = document.activeElement === parts.find;
+  parts.find.hidden = known || !isWidestByHand(model.world);
+  parts.find.disabled = widest === LOOKING;
+  parts.widest.textContent = widestWords(widest, model.world);
+  if (found) say(parts.widest.textContent);
+}
+
+function widestWords(widest, world) {
+  if (world.events) return "The world changes: how wide a robot passes is not known.";
+  if (widest === LOOKING) return "Looking for the widest robot that passes …";
+  if (widest === null) return isWidestByHand(world) ? "In a large world this takes up to a minute." : "…";
+  if (widest === 0) return "No robot can pass, however small.";
+  return `Every way closes for a radius above ${widest.toPrecision(4)} m.`;
 }

@@ -1,0 +1,209 @@
+"""Maps of other programs come in and go out: what ``worldgen import`` and ``worldgen export`` do, asked by the page."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import dataclasses
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from fuzz.studio.folder import Folder
+from fuzz.studio.messages import field, opened_message, restored, seed_of
+from fuzz.studio.opened import Opened
+from fuzz.studio.running import check_registered
+from fuzz.studio.sentences import on_the_page
+from worldgen.errors import FormatError, InvalidParameter, WorldgenError
+from worldgen.grid_file import read_world
+from worldgen.interop import FORMATS, RobotOptions, export_world, import_world, write_export
+from worldgen.interop.movingai import scenario_contents
+from worldgen.world import Value
+from worldgen.world_files import is_world_file
+
+__all__ = ["ExchangeAnswers"]
+
+_MOST_DROPPED = 16 << 20  # bytes of files that are dropped on the page together
+_MOST_FILES = 20  # of them
+_BESIDE = (".worldgen.toml", ".scen", ".tsx", ".inc")  # endings of files that go with a map, and are none
+_PICTURES = (".pgm", ".png", ".bmp", ".ppm", ".jpg", ".jpeg")  # maps only where nothing names them
+Message = Mapping[str, Any]
+Part = Callable[[dict[str, Any]], None]
+
+
+@dataclass(frozen=True)
+class ExchangeAnswers(Opened):
+    """What the page asks for, as far as other programs' files are concerned."""
+
+    def bring(self, message: Message, part: Part) -> dict[str, Any]:
+        """A foreign map, of the folder or dropped on the page, with start and target placed where it has none."""
+        wanted = _wanted(message)
+        if "data" not in message and "files" not in message:
+            name = field(message, "name", str)
+            place = self.folder.place_of_map(name)
+            with _said_on_a_page():
+                beside = (place.with_name(one) for one in (f"{place.name}.scen", f"{place.stem}.scen"))
+                scenario = next((one for one in beside if one.is_file()), None)
+                return _imported(place, wanted, scenario, wanted.row) | {"main": place.name}
+        files = message.get("files", [{"name": message.get("name"), "data": message.get("data")}])
+        with tempfile.TemporaryDirectory() as there, _said_on_a_page(f"{there}/"):
+            places = _put_down(files, Folder(Path(there)))
+            main, scenario = _main_of(places), next((one for one in places if one.suffix.lower() == ".scen"), None)
+            if is_world_file(main.name) and wanted == _Wanted():
+                return opened_message(read_world(main)) | {"main": main.name}
+            return _imported(main, wanted, scenario, 1 if wanted.row is None else wanted.row) | {"main": main.name}
+
+    def export(self, message: Message, part: Part) -> dict[str, Any]:
+        """A world in another program's format: for the browser to keep, or into the folder."""
+        known = _format_name(message)
+        if known is None:
+            raise InvalidParameter("no format is named; choose one")
+        world, place = restored(field(message, "world", dict)), self.folder.place(field(message, "name", str))
+        options: dict[str, Value | None] = field({"options": {}, **message}, "options", dict)
+        export = export_world(
+            world,
+            known,
+            file=place.name,
+            options=options,
+            at=None if message.get("at") is None else field(message, "at", float),
+            origin=None if message.get("origin") is None else _point(field(message, "origin", list)),
+            sidecar=field({"sidecar": True, **message}, "sidecar", bool),
+        )
+        said = {name: [on_the_page(one) for one in getattr(export, name)] for name in ("lost", "notes")}
+        if field(message, "keep", bool):
+            for other in export.files:  # a link beside it would lead a companion out of the folder
+                self.folder.place((place.parent / other).relative_to(self.folder.root).as_posix())
+            written = write_export(export, place.parent, force=field(message, "overwrite", bool))
+            return said | {"written": [path.relative_to(self.folder.root).as_posix() for path in written]}
+        return said | {
+            "files": [{"name": name, "data": base64.b64encode(data).decode()} for name, data in export.files.items()]
+        }
+
+
+def _put_down(files: object, folder: Folder) -> list[Path]:
+    """Writes dropped files into a folder of their own, under their names without path.
+
+    Raises:
+        InvalidParameter: If they are too large or too many, have one name, or are no files.
+    """
+    if not isinstance(files, list) or not 1 <= len(files) <= _MOST_FILES:
+        raise InvalidParameter(f"drop 1 to {_MOST_FILES} files: a map, and those that it names")
+    places: list[Path] = []
+    total = 0
+    for file in files:
+        if not isinstance(file, dict):
+            raise InvalidParameter("the message's files are no tables; send name and data of each")
+        name = PurePosixPath(field(file, "name", str).replace("\\", "/")).name or "map"
+        data = _bytes_of(field(file, "data", str))
+        total += len(data)
+        if total > _MOST_DROPPED:
+            raise InvalidParameter(
+                f"{total} bytes are more than the {_MOST_DROPPED} of dropped files; put them into the folder"
+            )
+        place = folder.place(name.lstrip(".") or "map")
+        if place in places:
+            raise InvalidParameter(f"two of the files are called {place.name}; drop one of them")
+        place.write_bytes(data)
+        places.append(place)
+    return places
+
+
+def _main_of(places: Sequence[Path]) -> Path:
+    """The map among dropped files; the others are what it names, or belong beside it.
+
+    Raises:
+        InvalidParameter: If several of them could be it.
+    """
+    maps = [place for place in places if not place.name.lower().endswith(_BESIDE)] or list(places)
+    found = [place for place in maps if place.suffix.lower() not in _PICTURES] or maps
+    if len(found) > 1:
+        names = ", ".join(place.name for place in found)
+        raise InvalidParameter(f"{names} are {len(found)} maps; drop one, with the files that it names")
+    return found[0]
+
+
+def _point(values: Sequence[Any]) -> tuple[float, float]:
+    if len(values) != 2:
+        raise InvalidParameter(f"the origin has {len(values)} numbers; give x and y")
+    x, y = (field({"origin": value}, "origin", float) for value in values)
+    return x, y
+
+
+def _format_name(message: Message) -> str | None:
+    """The format that a message names: a registered one, for others are code of files."""
+    name = message.get("format")
+    if name is not None:
+        check_registered("format", str(name), FORMATS.names())
+    return name
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """How a map is to be read; what is left out, its file says, or is as usual.
+
+    Args:
+        format: What it is.
+        options: Of that format, by name.
+        radius: Of the robot, m.
+        row: Which problem of its scenario, from 1; 0: none.
+        seed: Where the search for far places begins.
+    """
+
+    format: str | None = None
+    options: Mapping[str, Value | None] = dataclasses.field(default_factory=dict)
+    radius: float | None = None
+    row: int | None = None
+    seed: int | None = None
+
+
+def _wanted(message: Message) -> _Wanted:
+    def of(name: str, kind: type) -> Any:
+        return None if message.get(name) is None else field(message, name, kind)
+
+    seed = None if message.get("seed") is None else seed_of(message)
+    return _Wanted(_format_name(message), of("options", dict) or {}, of("radius", float), of("row", int), seed)
+
+
+def _bytes_of(text: str) -> bytes:
+    try:
+        return base64.b64decode(text, validate=True)
+    except ValueError as error:
+        raise InvalidParameter("the message's data are no base64; send the file's bytes") from error
+
+
+def _imported(place: Path, wanted: _Wanted, scenario: Path | None, row: int | None) -> dict[str, Any]:
+    """A map as a world, with what can be asked of it: its format, and how many problems its scenario has."""
+    if wanted.row and scenario is None:
+        raise InvalidParameter("a row is one of a scenario; bring the .scen file together with its map")
+    used = scenario if row else None
+    robot = RobotOptions(radius=wanted.radius, scenario=used, row=row or 1, seed=wanted.seed)
+    imported = import_world(place, robot, name=wanted.format, options=wanted.options)
+    known = imported.world.provenance.params.get("format") if imported.world.provenance else None
+    rows = _rows_of(scenario) if scenario is not None and known == "movingai" else 0
+    told = (f"Row {row} of the {rows} of its scenario.",) if used is not None else ()
+    said = {"format": known, "rows": rows, "row": row if used is not None else None}
+    notes = [on_the_page(words) for words in (*told, *imported.notes, *imported.warnings)]
+    return opened_message(imported.world) | said | {"notes": notes}
+
+
+def _rows_of(scenario: Path) -> int:
+    """How many problems a scenario has; none where it is faulty, which is said when one is asked for."""
+    with contextlib.suppress(FormatError):
+        return scenario_contents(scenario)[1]
+    return 0
+
+
+@contextlib.contextmanager
+def _said_on_a_page(folder: str = "") -> Iterator[None]:
+    """What a map is refused for, without a folder that nobody has heard of, and with the page's way out."""
+    try:
+        yield
+    except FormatError as error:
+        source = Path(error.source).name if folder and error.source else error.source
+        raise FormatError(on_the_page(error.message).replace(folder, ""), line=error.line, source=source) from error
+    except WorldgenError as error:
+        if not folder:
+            raise
+        raise type(error)(str(error).replace(folder, "")) from error

@@ -1,0 +1,187 @@
+"""What the campaign page asks for, as words of ``worldgen fuzz``: the ones that are run, and the ones that are copied.
+
+Nothing that is code of a file, or lies outside of the opened folder, gets into them unless it was named at the start.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from fuzz.asked import ORACLES
+from fuzz.commands.fuzz import fuzz
+from fuzz.corpus import read_corpus
+from fuzz.lanes import OWN_LANES
+from fuzz.studio.folder import KNOWN, Folder
+from fuzz.studio.messages import field as part_of
+from fuzz.studio.pasted import from_anywhere
+from fuzz.studio.running import check_named, check_registered
+from sim.controllers import CONTROLLERS
+from sim.motion import MOTIONS
+from worldgen.errors import InvalidParameter
+from worldgen.family import FAMILIES
+from worldgen.files import read_text
+from worldgen.grid_file import read_world
+from worldgen.world_files import files_in
+
+__all__ = ["baseline", "begun", "check_lanes", "check_oracles", "command_line", "goal", "options", "workers"]
+
+_MOST_SECONDS, _MOST_UNITS, _MOST_EXAMPLES, _MOST_WORKERS = 7 * 86_400.0, 1_000_000, 100_000, 256
+_MOST_EPOCH = 100_000
+
+Message = Mapping[str, Any]
+
+
+def begun(message: Message, named: Sequence[str], folder: Folder) -> list[str]:
+    """What the campaign is; neither its fixed map, nor its folder, nor how far it goes.
+
+    Args:
+        message: The page's.
+        named: Controllers that were named at the start.
+        folder: The opened one.
+
+    Raises:
+        InvalidParameter: If it asks for what is not offered.
+    """
+    words = [f"--controller={_controller(message, named)}", f"--motion={_one_of(message, 'motion', MOTIONS.names())}"]
+    for lane in check_lanes(message.get("lanes")):
+        words.append(f"--{'lane' if lane in OWN_LANES else 'family'}={lane}")
+    words += [f"--oracle={text}" for text in check_oracles(message.get("oracles", []))]
+    words += [f"--vary={text}" for text in _texts(message, "vary")]
+    for name, option in (("time_step", "--time-step"), ("detour", "--detour")):
+        if message.get(name) is not None:
+            words.append(f"{option}={float(part_of(message, name, float))!r}".removesuffix(".0"))
+    for name, most in (("examples", _MOST_EXAMPLES), ("epoch", _MOST_EPOCH)):
+        if message.get(name) is not None:
+            words.append(f"--{name}={_whole(message, name, most)}")
+    if message.get("shrink") is not None:
+        words.append("--shrink" if part_of(message, "shrink", bool) else "--no-shrink")
+    if message.get("database") is not None:
+        words.append(f"--database={folder.place(part_of(message, 'database', str))}")
+    return [*words, f"--seed={_seed(message)}"] if message.get("seed") is not None else words
+
+
+def goal(message: Message, *, needed: bool) -> list[str]:
+    """How far it goes; nothing where that is not said and not needed."""
+    if message.get("units") is not None:
+        return [f"--units={_whole(message, 'units', _MOST_UNITS)}"]
+    if message.get("seconds") is None and not needed:
+        return []
+    seconds = part_of(message, "seconds", float)
+    if not 0.0 < seconds <= _MOST_SECONDS:
+        raise InvalidParameter(f"{seconds:g} s; give a time above 0 and up to {_MOST_SECONDS:g} s")
+    return [f"--budget={f'{seconds:f}'.rstrip('0').rstrip('.')}s"]
+
+
+def workers(message: Message) -> list[str]:
+    """By how many processes."""
+    return [] if message.get("workers") is None else [f"--workers={_whole(message, 'workers', _MOST_WORKERS)}"]
+
+
+def baseline(message: Message, folder: Folder) -> list[str]:
+    """What is known: the folder of known failures if it is wanted and there is one, and other folders."""
+    known = folder.place(KNOWN)
+    wanted = message.get("known") is True and known.is_dir() and bool(files_in(known))
+    places = [*([known] if wanted else []), *(folder.place(name) for name in _texts(message, "baseline"))]
+    for place in places:
+        _check_baseline(place, place.relative_to(folder.root).as_posix())
+    return [f"--baseline={place}" for place in places]
+
+
+def _check_baseline(place: Path, name: str) -> None:
+    """Refuses failures that lie elsewhere, and those whose oracles are code of files: they would be asked again."""
+    if not place.is_dir():
+        raise InvalidParameter(f"{name} is no folder of failures; give the name of one in the opened folder")
+    for file in files_in(place):
+        if file.is_symlink():
+            raise InvalidParameter(f"{name}/ holds a link, {file.name}; copy the file into it")
+    for entry in read_corpus([place]).entries:
+        record = read_world(entry.path).failure
+        if record is not None and "oracle" in record.evidence:
+            check_oracles([record.evidence["oracle"]])
+
+
+def command_line(words: Sequence[str], message: Message, out: Path, folder: Folder) -> str:
+    """The line that does the same at a terminal.
+
+    Args:
+        words: All but the fixed map and the folder.
+        message: The page's; of a drawn map that is fixed, ``world_name`` is its file.
+        out: The campaign's folder.
+        folder: The opened one.
+
+    Raises:
+        InvalidParameter: If a drawn map is in no file.
+    """
+    drawn = message.get("world")
+    if drawn is not None:
+        place = folder.place(str(message.get("world_name") or "-"))
+        if not place.is_file() or read_text(place) != part_of({"world": drawn}, "world", dict).get("source"):
+            raise InvalidParameter("the drawn map is in no file yet, and the line has to name one; save it first")
+        words = [*words, f"--world={place}"]
+    said: list[str] = []
+    for word in (*words, f"--out={out}"):
+        option, equals, value = word.partition("=")
+        said += [option, value] if equals and not value.startswith("-") else [word]
+    line, controller = shlex.join(["worldgen", "fuzz", *said]), part_of(message, "controller", str)
+    return from_anywhere(line, controller, CONTROLLERS.names())
+
+
+def options() -> dict[str, dict[str, Any]]:
+    """What the command says of its options: by name, ``help`` and ``default``."""
+    return {
+        param.opts[0]: {"help": getattr(param, "help", "") or "", "default": _plain(param.default)}
+        for param in fuzz.params
+    }
+
+
+def _plain(default: object) -> object:
+    return default if isinstance(default, int | float | str) else None
+
+
+def check_lanes(names: object) -> list[str]:
+    """Lanes and families that are registered: others are code of files."""
+    offered = (*OWN_LANES, *FAMILIES.names())
+    return [_one_of({"lanes": one}, "lanes", offered) for one in part_of({"lanes": names}, "lanes", list)]
+
+
+def check_oracles(texts: object) -> list[str]:
+    """Oracles that are registered: others are code of files."""
+    said = _texts({"oracles": texts}, "oracles")
+    for text in said:
+        if text.partition("=")[0].strip() not in ORACLES.names():
+            raise InvalidParameter(f"oracle {text[:40]!r} is not registered; ask for one of {', '.join(ORACLES)}")
+    return said
+
+
+def _controller(message: Message, named: Sequence[str]) -> str:
+    label: str = part_of(message, "controller", str)
+    check_named(label, named)
+    return label
+
+
+def _one_of(message: Message, name: str, offered: Iterable[str]) -> str:
+    said = part_of(message, name, str)
+    check_registered(name, said, offered)
+    return str(said)
+
+
+def _texts(message: Message, name: str) -> list[str]:
+    return [part_of({name: one}, name, str) for one in part_of(message, name, list)] if name in message else []
+
+
+def _seed(message: Message) -> str:
+    """A seed, as digits: a browser's numbers cannot hold all of them."""
+    seed: str = part_of(message, "seed", str)
+    if not (seed.isascii() and seed.isdigit() and int(seed[:40]) < 1 << 64):
+        raise InvalidParameter(f"seed={seed[:40]!r} is no whole number from 0 to 2**64 - 1; give one")
+    return seed
+
+
+def _whole(message: Message, name: str, most: int) -> int:
+    value: int = part_of(message, name, int)
+    if not 1 <= value <= most:
+        raise InvalidParameter(f"{name} is {value}; give a whole number from 1 to {most}")
+    return value

@@ -1,0 +1,54 @@
+// The behaviours that a campaign has met, as a map and as a table.
+
+import { archivePlot, rangeOf, rounded } from "/player/archive.js";
+import { el, grouped, plural } from "/player/dom.js";
+
+const SPACE = { width: 330, left: 40, right: 8, top: 12, bottom: 40 };
+
+export function makeArchive(campaign) {
+  const element = el("div", { id: "archive-panel" });
+  let shown = null;
+  return {
+    element,
+    show: (archive) => {
+      const text = JSON.stringify(archive);
+      if (!archive || text === shown) return;
+      shown = text;
+      const open = element.querySelector("details")?.open;
+      const cell = element.contains(document.activeElement) && document.activeElement.dataset.cell;
+      element.replaceChildren(...partsOf(archive, (i, j) => openCell(campaign, i, j)));
+      element.querySelector("details").open = Boolean(open);
+      if (cell) element.querySelector(`[data-cell="${cell}"]`)?.focus({ preventScroll: true });
+    },
+  };
+}
+
+// The simplest world of a kind is opened on the board, the campaign's robot chosen on the page Play.
+function openCell(campaign, i, j) {
+  const { studio, folder } = campaign;
+  return campaign.trying(async () => {
+    const answer = await studio.connection.ask("elite", { folder, i, j });
+    studio.show({ ...answer, failure: answer.runs }, "", `kind ${i}, ${j} of ${folder}`);
+    studio.go("draw");
+  });
+}
+
+function partsOf(archive, open) {
+  const [across, up] = archive.names,
+    [columns, rows] = archive.edges.map((edges) => edges.length + 1);
+  const words = `${plural(archive.cells.length, "kind")} of ${grouped(columns * rows)}, by ${across} and ${up}; stronger where a simpler world shows it. Letters begin the verdicts of runs that did not arrive. A click on a kind opens its simplest world in the editor.`;
+  const where = (i, j) => [i, j].map((index, axis) => rangeOf(archive.edges[axis], index));
+  const edit = (i, j) => {
+    const named = { "aria-label": `Open the simplest world of ${where(i, j).join(", ")}`, "data-cell": `${i} ${j}` };
+    return el("button", { type: "button", class: "link", ...named, onclick: () => open(i, j) }, where(i, j)[0]);
+  };
+  const row = ([i, j, quality, verdict]) => [edit(i, j), rangeOf(archive.edges[1], j), rounded(quality), verdict];
+  const head = el("tr", {}, [across, up, "quality", "verdict"].map((name) => el("th", { scope: "col" }, name)));
+  const body = archive.cells.map((cell) => el("tr", {}, row(cell).map((value) => el("td", {}, value))));
+  return [
+    el("h2", {}, "Behaviours met"),
+    el("p", { class: "quiet" }, words),
+    archivePlot(archive, SPACE, open),
+    el("details", {}, el("summary", {}, "Table"), el("table", { class: "counts" }, el("thead", {}, head), el("tbody", {}, body))),
+  ];
+}

@@ -1,0 +1,72 @@
+// The folded part of the form that begins a campaign: options of `worldgen fuzz`, in the words of its own help.
+
+import { choice, el } from "/player/dom.js";
+import { labelled } from "./fields.js";
+
+const SHRINK = { usual: "as usual", yes: "yes", no: "no" };
+
+/* The part, and what was filled in.
+     options    by name what the command line says of it: { help, default } */
+export function makeMore({ options }) {
+  const text = (name, placeholder) => el("input", { type: "text", name, autocomplete: "off", placeholder });
+  const whole = (name, high) => el("input", { type: "number", name, min: 1, max: high, step: 1, placeholder: options[`--${name}`].default });
+  const inputs = {
+    time_step: el("input", { type: "number", name: "time-step", min: 0.001, max: 10, step: "any", placeholder: "usual" }),
+    examples: whole("examples", 100_000),
+    epoch: whole("epoch", 100_000),
+    detour: el("input", { type: "number", name: "detour", min: 1, step: "any", placeholder: "none" }),
+    oracles: text("oracle", "turn wall=3"),
+    vary: text("vary", "robot_speed=1,2 robot_radius=0.1,0.2"),
+    database: text("database", "none"),
+    baseline: text("baseline", "none"),
+    shrink: choice(Object.entries(SHRINK), "usual", () => {}),
+  };
+  inputs.baseline.setAttribute("list", "campaign-folders");
+  const list = el("datalist", { id: "campaign-folders" });
+  const one = (name, option, words, more = {}) => labelled(words, inputs[name], { help: `${option}: ${registeredOnly(options[option].help)}`, ...more });
+  const element = el(
+    "details",
+    { class: "more" },
+    el("summary", {}, "More"),
+    el("div", { class: "pair-fields" }, labelled("Time step", inputs.time_step, { unit: "s" }), labelled("Draws a unit", inputs.examples)),
+    one("oracles", "--oracle", "Oracles", { unit: "with blanks between" }),
+    one("detour", "--detour", "Detour", { unit: "times the witness" }),
+    one("vary", "--vary", "Vary", { unit: "with blanks between" }),
+    one("shrink", "--shrink", "Shrink"),
+    one("epoch", "--epoch", "Epoch", { unit: "units" }),
+    one("baseline", "--baseline", "Also known", { unit: "folders, with blanks between" }),
+    one("database", "--database", "Database", { unit: "a folder below the opened one" }),
+    el("p", { class: "quiet small-print" }, "Left to the terminal: --scheduler, and files for CI. Copy command gives the line to add them to."),
+    list,
+  );
+  const entries = Object.entries(inputs);
+  return {
+    element,
+    filled: () => filled(inputs),
+    timeStep: (value) => (inputs.time_step.value = value ?? ""),
+    offer: (folders) => list.replaceChildren(...folders.map((name) => el("option", { value: name }))),
+    written: () => Object.fromEntries(entries.map(([name, { value }]) => [name, value])),
+    write: (values) => entries.forEach(([name, input]) => Object.hasOwn(values, name) && (input.value = values[name])),
+  };
+}
+
+// A page runs no code of files: of what the command line takes, that is left out.
+const registeredOnly = (help) => help.replace(/, or \.\/file\.py:name/, "");
+
+// What was filled in, as the protocol has it; null for what is left as usual.
+function filled(inputs) {
+  const listed = ({ value }) => value.split(/\s+/).filter(Boolean);
+  const given = ({ valueAsNumber: value }) => (Number.isFinite(value) ? value : null);
+  const { shrink } = inputs;
+  return {
+    time_step: given(inputs.time_step),
+    examples: given(inputs.examples),
+    epoch: given(inputs.epoch),
+    detour: given(inputs.detour),
+    oracles: listed(inputs.oracles),
+    vary: listed(inputs.vary),
+    baseline: listed(inputs.baseline),
+    database: inputs.database.value.trim() || null,
+    shrink: shrink.value === "usual" ? null : shrink.value === "yes",
+  };
+}

@@ -1,0 +1,21 @@
+// Texts for the clipboard.
+
+import { el, say } from "/player/dom.js";
+
+/** Copies a text, and says so on the button; where a browser does not allow that, shows it to be copied by hand. */
+export async function copied(button, text) {
+  const words = button.textContent;
+  try {
+    await navigator.clipboard.writeText(text);
+    button.textContent = "Copied";
+    say(`Copied: ${text.split("\n")[0]}`);
+    setTimeout(() => (button.textContent = words), 1500);
+  } catch {
+    const shown = el("textarea", { readonly: true, rows: 6, "aria-label": words, class: "by-hand" });
+    shown.value = text;
+    const actions = button.closest(".actions");
+    if (actions.nextElementSibling?.matches(".by-hand")) actions.nextElementSibling.remove();
+    actions.after(shown);
+    shown.select();
+  }
+}

@@ -1,0 +1,125 @@
+// Exports what is drawn: a format, what can be asked of it, and where the file goes.
+
+import { bytesOf } from "/player/decode.js";
+import { choice, el } from "/player/dom.js";
+import { keep } from "/player/saving.js";
+import { Refused } from "./connection.js";
+import { checkOptions, labelled, optionFields } from "./fields.js";
+import { messageOf } from "./model.js";
+
+/* The form.
+     trying    does something that the server may refuse, and shows what it says
+     wrote     called when files have been written into the folder */
+export function makeExport(studio, trying, wrote) {
+  const form = { studio, format: null, given: {} };
+  const parts = { formats: el("div"), options: el("div") };
+  const run = (inFolder) => trying(() => exportAs(form, parts, inFolder, wrote));
+  const element = el(
+    "div",
+    {},
+    parts.formats,
+    morePart(parts),
+    el(
+      "div",
+      { class: "actions" },
+      el("button", { type: "button", onclick: () => run(false) }, "Download"),
+      el("button", { type: "button", onclick: () => run(true) }, "Into the folder"),
+    ),
+  );
+  return { element, refresh: () => refresh(form, parts) };
+}
+
+function morePart(parts) {
+  const number = (id, low) => el("input", { type: "number", step: "any", min: low, id, placeholder: "as imported" });
+  parts.at = number("export-at", 0);
+  parts.x = number("export-x", null);
+  parts.y = number("export-y", null);
+  parts.sidecar = el("input", { type: "checkbox", id: "export-sidecar", checked: true });
+  parts.time = labelled("At the time", parts.at, { unit: "s", help: "The cells at this time, for ever." });
+  return el(
+    "details",
+    { id: "export-more" },
+    el("summary", {}, "Options of the format"),
+    parts.options,
+    parts.time,
+    el(
+      "fieldset",
+      { class: "triple two" },
+      el("legend", {}, "Origin in the file"),
+      labelled("x", parts.x, { unit: "m" }),
+      labelled("y", parts.y, { unit: "m" }),
+    ),
+    labelled("Sidecar", parts.sidecar, { help: "Keeps what the format has no room for in a file beside it." }),
+  );
+}
+
+function refresh(form, parts) {
+  if (!form.format && form.studio.offered) {
+    const written = form.studio.offered.formats.filter((format) => format.writes);
+    const list = choice(
+      written.map(({ name, about }) => [name, `${name}: ${about}`]),
+      written[0].name,
+      (event) => chooseFormat(form, parts, written.find(({ name }) => name === event.target.value)),
+    );
+    parts.formats.replaceChildren(labelled("Export as", list));
+    chooseFormat(form, parts, written[0]);
+  }
+  showTime(form, parts);
+}
+
+function chooseFormat(form, parts, format) {
+  form.format = format;
+  form.given = {};
+  parts.options.replaceChildren(...optionFields(format.options, form.given));
+  parts.at.value = format.changes ? "" : "0";
+  parts.at.placeholder = format.changes ? "as it changes" : "";
+  showTime(form, parts);
+}
+
+// Only a world that changes has times.
+function showTime(form, parts) {
+  parts.time.hidden = !form.studio.model.world.events;
+}
+
+// What is asked for, as the server wants it.
+function asked(form, parts) {
+  checkOptions(parts.options);
+  for (const input of [parts.at, parts.x, parts.y])
+    if (!input.validity.valid) {
+      input.focus();
+      throw new Refused("Give a number; a time is 0 or more.");
+    }
+  if ((parts.x.value === "") !== (parts.y.value === "")) throw new Refused("An origin has x and y; give both, or none.");
+  const changing = form.studio.model.world.events !== null;
+  return {
+    options: form.given,
+    at: changing && parts.at.value !== "" ? parts.at.valueAsNumber : null,
+    origin: parts.x.value === "" ? null : [parts.x.valueAsNumber, parts.y.valueAsNumber],
+    sidecar: parts.sidecar.checked,
+  };
+}
+
+async function exportAs(form, parts, inFolder, wrote) {
+  const { studio, format } = form,
+    more = asked(form, parts);
+  const name = (studio.model.world.name || "world.grid").replace(/\.grid(\.gz)?$/, "") + format.suffixes[0];
+  const message = { format: format.name, name, world: messageOf(studio.model.world), keep: inFolder, ...more };
+  const answer = await overwriting(name, (overwrite) => studio.connection.ask("export", { ...message, overwrite }));
+  if (!answer) return `${name} is as it was.`;
+  for (const file of answer.files || []) keep(file.name, new Blob([bytesOf(file.data)]));
+  if (inFolder) wrote();
+  const where = inFolder
+    ? `Wrote ${answer.written.join(", ")}.`
+    : `Downloaded ${answer.files.map((file) => file.name).join(", ")}.`;
+  return [where, ...answer.lost, ...answer.notes].join(" ");
+}
+
+// Writes over what is there only after it was said so; null: it was not.
+async function overwriting(name, write) {
+  try {
+    return await write(false);
+  } catch (error) {
+    if (!(error instanceof Refused) || !error.message.includes("there already")) throw error;
+    return confirm(`${name}, or a file beside it, is there already. Overwrite?`) ? write(true) : null;
+  }
+}

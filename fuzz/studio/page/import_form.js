@@ -1,0 +1,170 @@
+// Imports maps of other programs: files of this computer or of the folder, and how they are to be read.
+
+import { choice, el } from "/player/dom.js";
+import { Refused } from "./connection.js";
+import { checkOptions, isGood, labelled, number, optionFields } from "./fields.js";
+
+const LARGEST_DROP = 16 * 2 ** 20; // bytes
+const AS_FOUND = ""; // the format that the server recognises
+
+/* The form.
+     trying    does something that the server may refuse, and shows what it says */
+export function makeImport(studio, trying) {
+  const form = { studio, trying, brought: null, found: AS_FOUND, given: {} };
+  const parts = { formats: el("div"), options: el("div") };
+  parts.file = el("input", {
+    type: "file",
+    id: "import",
+    multiple: true,
+    onchange: () => bringFiles(form, parts, [...parts.file.files]).then(() => (parts.file.value = "")),
+  });
+  const element = el(
+    "div",
+    {},
+    labelled("Import a map", parts.file, {
+      help: "Any format of worldgen formats, with the files that it names; or drop them on the page.",
+    }),
+    morePart(form, parts),
+  );
+  return {
+    element,
+    refresh: () => refresh(form, parts),
+    bring: (files) => bringFiles(form, parts, files),
+    bringNamed: (name) => bring(form, parts, { name }),
+  };
+}
+
+function morePart(form, parts) {
+  parts.radius = number("", () => {}, { low: 0 });
+  parts.radius.placeholder = "as usual";
+  parts.seed = el("input", { type: "text", inputmode: "numeric", pattern: "[0-9]{1,20}", placeholder: "as usual", title: "The seed is a whole number." });
+  parts.row = number("", () => {}, { low: 1, step: 1 });
+  parts.rows = labelled("Row of the scenario", parts.row, { help: "Start and target of which problem; nothing: placed." });
+  parts.rows.hidden = true;
+  parts.again = el("button", { type: "button", disabled: true, onclick: () => again(form, parts) }, "Import again");
+  const more = el(
+    "details",
+    { id: "import-more" },
+    el("summary", {}, "Options of the import"),
+    parts.formats,
+    parts.options,
+    parts.rows,
+    el(
+      "div",
+      { class: "pair-fields" },
+      labelled("Robot radius", parts.radius, { unit: "m" }),
+      labelled("Seed of places", parts.seed),
+    ),
+    el("div", { class: "actions" }, parts.again),
+  );
+  more.addEventListener("keydown", (event) => {
+    const enters = event.key === "Enter" && event.target.matches("input") && !parts.again.disabled;
+    if (enters) setTimeout(() => again(form, parts)); // what was typed counts by then
+  });
+  parts.more = more;
+  return more;
+}
+
+function refresh(form, parts) {
+  if (parts.format || !form.studio.offered) return;
+  form.readable = form.studio.offered.formats.filter((format) => format.reads);
+  const named = form.readable.map(({ name, about }) => [name, `${name}: ${about}`]);
+  parts.format = choice([[AS_FOUND, "as recognised"], ...named], AS_FOUND, () => showOptions(form, parts));
+  parts.formats.replaceChildren(labelled("Format", parts.format));
+  showFound(form, parts);
+}
+
+// How the last map was read, once there is a list to say it in.
+function showFound(form, parts) {
+  if (parts.format) parts.format.options[0].textContent = form.found ? `as recognised: ${form.found}` : "as recognised";
+}
+
+// The format that is chosen; otherwise that which the last map was found to have.
+const formatOf = (form, parts) => (parts.format ? parts.format.value : AS_FOUND) || form.found;
+
+// Its options, as usual.
+function showOptions(form, parts) {
+  const format = (form.readable || []).find(({ name }) => name === formatOf(form, parts));
+  form.given = {};
+  parts.options.replaceChildren(...optionFields(format ? format.read_options : [], form.given));
+}
+
+/** Files of the browser's become the world: a map, and what it names. */
+async function bringFiles(form, parts, files) {
+  if (files.length === 0) return;
+  await form.trying(async () => {
+    const total = files.reduce((sum, { size }) => sum + size, 0);
+    if (total > LARGEST_DROP) throw new Refused("Dropped files have at most 16 MiB; put larger ones into the folder.");
+    const sent = await Promise.all(files.map(async (file) => ({ name: file.name, data: await textOf(file) })));
+    return bring(form, parts, { files: sent });
+  });
+}
+
+// A file's bytes in base64.
+async function textOf(file) {
+  let bytes;
+  try {
+    bytes = new Uint8Array(await file.arrayBuffer());
+  } catch {
+    throw new Refused(`${file.name} cannot be read; drop files, not folders.`);
+  }
+  let text = "";
+  for (let k = 0; k < bytes.length; k += 8192) text += String.fromCharCode(...bytes.subarray(k, k + 8192));
+  return btoa(text);
+}
+
+/* Another map: read as it is, unless a format is chosen.
+     brought    { files } or { name } of the folder's */
+function bring(form, parts, brought) {
+  form.brought = brought;
+  form.found = AS_FOUND;
+  if (!parts.format || parts.format.value === AS_FOUND) showOptions(form, parts); // those of another map say nothing of this one
+  parts.row.value = "";
+  parts.rows.hidden = true;
+  parts.again.disabled = false;
+  return ask(form, parts);
+}
+
+// The same map once more, as the options say.
+function again(form, parts) {
+  return form.trying(() => ask(form, parts));
+}
+
+async function ask(form, parts) {
+  const message = { ...form.brought, ...asked(form, parts) };
+  let answer;
+  try {
+    answer = await form.studio.connection.ask("bring", message);
+  } catch (error) {
+    if (error.message.includes("Options of the import")) parts.more.open = true;
+    throw error;
+  }
+  form.studio.show(answer, "", answer.main);
+  const fresh = form.found !== (answer.format || AS_FOUND);
+  form.found = answer.format || AS_FOUND;
+  if (fresh && (!parts.format || parts.format.value === AS_FOUND)) showOptions(form, parts);
+  showFound(form, parts);
+  parts.rows.hidden = !(answer.rows > 1);
+  [parts.row.max, parts.row.value] = [answer.rows || "", answer.row || ""];
+  const more = answer.rows > 1 && !answer.row ? [`Its scenario has ${answer.rows} rows: choose one in Options of the import.`] : [];
+  return [`Imported ${answer.main}.`, ...(answer.notes || []), ...more].join(" ");
+}
+
+// What is asked for, as the server wants it.
+function asked(form, parts) {
+  checkOptions(parts.options);
+  for (const input of [parts.radius, parts.seed, parts.row])
+    if (!isGood(input)) {
+      input.focus();
+      throw new Refused("An option of the import cannot be right; see there.");
+    }
+  const format = formatOf(form, parts);
+  const valueOf = (input) => (input.value === "" ? null : input.valueAsNumber);
+  return {
+    format: format || null,
+    options: form.given,
+    radius: valueOf(parts.radius),
+    row: parts.rows.hidden ? null : (valueOf(parts.row) ?? 0),
+    seed: parts.seed.value.trim() || null,
+  };
+}

@@ -1,0 +1,112 @@
+// The size of the world: a new one, the same one larger or smaller, or without its walls.
+
+import { el } from "/player/dom.js";
+import { labelled, number } from "./fields.js";
+import { bordered, emptyWorld, resized } from "./model.js";
+
+const LONGEST = 20_000; // cells a side of any world
+const MOST_CELLS = 4_194_304; // that the studio draws
+const ACROSS = [
+  ["left", 0],
+  ["middle", 0.5],
+  ["right", 1],
+];
+const UP = [
+  ["Upper", 1],
+  ["Middle", 0.5],
+  ["Lower", 0],
+];
+
+/* The form; its fields become parts.width and parts.height. */
+export function sizePart({ model }, draw, parts) {
+  const whole = () => number(40, () => {}, { low: 1, high: LONGEST, step: 1 });
+  const said = el("p", { role: "status", class: "quiet", id: "size-said" }),
+    anchor = { kept: [0, 0] };
+  parts.width = whole();
+  parts.height = whole();
+  const say = (words, kind = "quiet") => {
+    said.className = kind;
+    said.textContent = words;
+  };
+  const sized = (act) => () => {
+    const [width, height] = [parts.width, parts.height].map((input) => input.valueAsNumber);
+    const is = (side) => Number.isInteger(side) && side >= 1 && side <= LONGEST;
+    const fits = is(width) && is(height) && width * height <= MOST_CELLS;
+    say(fits ? "" : "Columns and rows are 1 to 20,000 each, and at most 4,194,304 cells in all.", fits ? "quiet" : "bad");
+    if (!fits) return;
+    draw.board.view = draw.board.selection = null;
+    act(width, height);
+  };
+  const button = (words, help, act) => el("button", { type: "button", title: help, onclick: act }, words);
+  return el(
+    "div",
+    {},
+    el(
+      "div",
+      { class: "pair-fields" },
+      labelled("Columns", parts.width, { unit: "cells" }),
+      labelled("Rows", parts.height, { unit: "cells" }),
+    ),
+    anchorPart(anchor),
+    el(
+      "div",
+      { class: "actions" },
+      button("New", "An empty world of this size", sized((width, height) => newWorld(model, width, height, say))),
+      button("Resize", "Keep what is drawn; cut or add cells where it does not stay", sized((width, height) =>
+        resize(model, width, height, anchor.kept, say),
+      )),
+      button("Clear", "Take all walls away but the border, and all changes", () => clear(model, say)),
+    ),
+    said,
+  );
+}
+
+// Which part of the drawing stays in its place when the size is another.
+function anchorPart(anchor) {
+  const radio = ([row, up], [column, across]) =>
+    el("input", {
+      type: "radio",
+      name: "anchor",
+      value: `${across} ${up}`,
+      "aria-label": `${row} ${column}`.replace("Middle middle", "Middle"),
+      title: `${row} ${column}`.replace("Middle middle", "Middle"),
+      checked: across === 0 && up === 0,
+      onchange: () => {
+        anchor.kept = [across, up];
+      },
+    });
+  return el(
+    "fieldset",
+    { class: "anchor" },
+    el("legend", {}, "Resizing, this part stays in its place"),
+    el("div", { class: "nine" }, UP.map((row) => ACROSS.map((column) => radio(row, column)))),
+  );
+}
+
+function newWorld(model, width, height, say) {
+  const changes = changesOf(model);
+  model.change("new world", emptyWorld(width, height, model.world));
+  say(lost(changes, 0));
+}
+
+function resize(model, width, height, kept, say) {
+  const changes = changesOf(model);
+  model.change("resize", resized(model.world, width, height, kept));
+  say(lost(changes, changesOf(model)));
+}
+
+function clear(model, say) {
+  const changes = changesOf(model),
+    { width, height } = model.world;
+  model.change("clear", { cells: bordered(width, height), events: null });
+  say(lost(changes, 0));
+}
+
+const changesOf = ({ world }) => (world.events ? world.events.times.length : 0);
+
+// That a schedule is gone is seen nowhere else at once.
+function lost(before, after) {
+  if (before === after) return "";
+  const words = after === 0 ? "The world does not change any more" : `${before - after} changes lay outside`;
+  return `${words}: undo brings its ${before} changes back.`;
+}

@@ -1,0 +1,107 @@
+"""What is wrong with the studio's arguments, as far as it shows before any code of a user's is run."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+from pathlib import Path
+
+from sim.controllers import CONTROLLERS
+from sim.controllers.process import is_process_name
+from sim.scenario import Scenario
+from worldgen.archives import is_archive
+from worldgen.errors import FormatError, InvalidParameter, WorldgenError
+from worldgen.grid_file import read_world
+from worldgen.interop import read_map
+from worldgen.world_files import is_world_file
+
+__all__ = ["check_controller", "check_world"]
+
+
+_MAKES_NAMES = {"*", "__getattr__", "__dict__", "globals", "vars", "locals", "modules", "setattr", "exec"}
+"""What a module's text mentions that may make names which the text does not."""
+
+
+def check_controller(label: str) -> None:
+    """Refuses what names no controller; its code is looked at, and not run: that is left to processes that may hang.
+
+    Args:
+        label: A controller's name, with variations.
+
+    Raises:
+        InvalidParameter: If nothing is called so.
+    """
+    try:
+        name = Scenario.parse(label).controller
+    except InvalidParameter as error:
+        try:
+            name = Scenario.parse(label, motion="stepped").controller  # with options of the other kind
+        except InvalidParameter:
+            raise error from None
+    place, colon, attribute = name.rpartition(":")
+    if name in CONTROLLERS.names() or is_process_name(name):
+        return
+    if not colon:
+        CONTROLLERS.get(name)  # which says what there is, and what is nearly called so
+    elif place.endswith(".py"):
+        _check_file(name, Path(place).expanduser(), attribute)
+    elif not place:
+        raise InvalidParameter(
+            f"controller {name!r} names no module; name it too, module{name[:40]} or ./file.py{name[:40]}"
+        )
+    elif not _is_there(place.partition(".")[0]):
+        raise InvalidParameter(f"controller {name!r}: there is no module {place}; a file is named ./{place}.py")
+
+
+def _is_there(module: str) -> bool:
+    try:
+        return importlib.util.find_spec(module) is not None
+    except (ValueError, ImportError):  # of __main__, which has no place of its own, and of an empty name
+        return False
+
+
+def _check_file(name: str, path: Path, attribute: str) -> None:
+    try:
+        tree = ast.parse(path.read_bytes())
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise InvalidParameter(f"controller {name!r}: {path} cannot be read: {why}; check the name") from error
+    except (SyntaxError, ValueError, RecursionError) as error:
+        raise InvalidParameter(f"controller {name!r}: {path} is no Python: {error}; mend it") from error
+    found = _names_in(tree)
+    if attribute not in found and not found & _MAKES_NAMES:
+        classes = [node.name for node in tree.body if isinstance(node, ast.ClassDef)]
+        raise InvalidParameter(
+            f"controller {name!r}: {path} has no {attribute!r}; its classes: {', '.join(classes) or 'none'}"
+        )
+
+
+def _names_in(tree: ast.Module) -> set[str]:
+    """Every name that a module's text mentions: what is not among them, it hardly has."""
+    found: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            found.add(node.name)
+        elif isinstance(node, ast.Name):
+            found.add(node.id)
+        elif isinstance(node, ast.Attribute):
+            found.add(node.attr)
+        elif isinstance(node, ast.alias):
+            found.add((node.asname or node.name).partition(".")[0])
+    return found
+
+
+def check_world(path: Path) -> None:
+    """Refuses a file that holds no world; what a map leaves open, the page asks for.
+
+    Raises:
+        WorldgenError: If it cannot be read.
+    """
+    if is_archive(path):
+        raise InvalidParameter(f"{path} is an archive of worlds; open its folder: worldgen studio {path.parent}")
+    try:
+        read_world(path) if is_world_file(path.name) else read_map(path)
+    except WorldgenError as error:
+        said = error.message if isinstance(error, FormatError) else str(error)  # without the path
+        if " --" not in said:  # options, which are fields on the page
+            raise

@@ -1,0 +1,205 @@
+"""The studio for those who use the keyboard alone, a screen reader, a finger, or see colours differently."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.browser import missing_browser
+from tests.helpers.studio import studio_of
+from worldgen.grid_file import read_world
+
+pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
+pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+
+from tests.helpers.accessibility import COARSE, FINE, complaints, tab_through  # noqa: E402
+from tests.helpers.studio_page import CAMPAIGN, opened, solid_cells  # noqa: E402
+
+CORPORA = Path(__file__).parents[2] / "corpora"
+BORDER = 156  # solid cells of an empty world of 40 x 40
+TABLET = {"viewport": {"width": 1024, "height": 768}, "has_touch": True}
+UPRIGHT = {"viewport": {"width": 768, "height": 1024}, "has_touch": True}
+
+
+@pytest.fixture(scope="module")
+def gate(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("accessible")
+    shutil.copy(CORPORA / "thesis/config-05.grid", folder)
+    (folder / "found").mkdir()
+    for name in ("thesis-1-loop-104", "thesis-2-corner-tunnel"):
+        shutil.copy(CORPORA / f"thesis-faults/{name}.grid", folder / "found")
+    with studio_of(folder) as gate:
+        yield gate
+
+
+def go(page, name):
+    """Another page, by its link: keys would go into a field that has the focus."""
+    page.locator("#tabs").get_by_role("link", name=name).click()
+
+
+def states(page):
+    """Goes through what the studio shows, and names it at each stop."""
+    yield "the board and its world"
+    page.locator("#tab-maker").click()
+    page.locator("#tools").get_by_role("button", name="Keys").click()
+    yield "the keys"
+    page.keyboard.press("Escape")
+    yield "the generator"
+    page.locator("#tab-files").click()
+    page.get_by_text("Import and export").click()
+    page.locator(".palette [data-tool=select]").click()
+    page.locator(".file", has_text="config-05.grid").click()
+    page.get_by_text("Opened config-05.grid").first.wait_for()
+    yield "files, and a selection"
+    go(page, "Play")
+    page.get_by_label("thesis-1").check()
+    page.locator("#run").click()
+    page.locator(".result").nth(1).wait_for()
+    page.locator(".save summary").click()
+    yield "two robots, and what can be saved"
+    go(page, "Campaign")
+    page.locator(".card").nth(1).wait_for()
+    page.get_by_label("Of these lanes and families").check()
+    page.get_by_text("More", exact=True).click()
+    yield "the form of a campaign"
+    page.locator(".card").first.click()
+    page.locator("#failure-panel .actions").wait_for()
+    yield "a failure"
+
+
+@pytest.mark.parametrize(
+    ("how", "least"),
+    [
+        ({"color_scheme": "light"}, FINE),
+        ({"color_scheme": "dark"}, FINE),
+        ({"color_scheme": "light", **TABLET}, COARSE),
+        ({"color_scheme": "dark", **UPRIGHT}, COARSE),
+    ],
+    ids=["light", "dark", "tablet", "tablet-upright"],
+)
+def test_names_contrast_and_sizes_are_right_on_every_page(browser, gate, how, least):
+    with opened(browser, gate, **how) as page:
+        found = {state: complaints(page, least=least) for state in states(page)}
+        assert {state: said for state, said in found.items() if said} == {}
+        assert page.locator("html").get_attribute("data-theme") == how["color_scheme"]
+        assert page.complaints == []
+
+
+def test_tab_reaches_every_control_and_the_focus_is_seen(page):
+    found = {state: tab_through(page) for state in states(page)}
+    assert {state: said for state, said in found.items() if said} == {}
+
+
+def test_arrow_keys_go_among_tools_and_among_tabs(page):
+    page.locator(".palette [data-tool=brush]").focus()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Enter")
+    assert page.locator(".palette [data-tool=erase]").get_attribute("aria-pressed") == "true"
+    page.locator("#tab-world").focus()
+    page.keyboard.press("ArrowLeft")
+    assert page.locator("#panel-files").is_visible()
+
+
+def test_the_first_tab_offers_to_skip_to_the_board(page):
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.activeElement.id") == "board"
+
+
+def test_a_wall_is_drawn_the_start_moved_and_a_run_scrubbed_by_keys_alone(page):
+    page.locator("#board").focus()
+    page.keyboard.press("l")
+    for key in ("Space", "Shift+ArrowRight", "Shift+ArrowRight", "Space"):
+        page.keyboard.press(key)
+    page.keyboard.press("a")
+    for key in ("Shift+ArrowUp", "Space", "Space"):
+        page.keyboard.press(key)
+    assert "start" in page.locator("#said").inner_text()
+    page.keyboard.press("2")
+    page.locator(".result").wait_for()
+    for key in ("Home", "Shift+ArrowRight", "ArrowLeft"):
+        page.keyboard.press(key)
+    page.locator("#readout", has_text="step 9 of").wait_for()
+    page.keyboard.press("1")
+    assert solid_cells(page) == BORDER + 11
+
+
+def test_a_campaign_is_begun_and_its_failure_opened_by_keys_alone(page):
+    page.keyboard.press("3")
+    page.locator("#campaign-amount").focus()
+    page.keyboard.press("Control+a")
+    page.keyboard.type("2")
+    page.keyboard.press("Enter")
+    page.locator("#campaign-state", has_text="Done").wait_for(timeout=CAMPAIGN)
+    page.locator("#campaign-folder").focus()
+    page.keyboard.type("found")
+    page.locator(".card[data-failure='found/thesis-1-loop-104.grid']").focus()
+    page.keyboard.press("Enter")
+    page.locator("#open-play").focus()
+    page.keyboard.press("Enter")
+    record = read_world(CORPORA / "thesis-faults/thesis-1-loop-104.grid").failure
+    page.locator(".digest", has_text=record.trace_digest).wait_for()
+
+
+def test_the_thesis_s_keys_that_a_browser_leaves_to_a_page_do_what_they_did(page):
+    page.keyboard.press("Control+i")  # the map into the simulator
+    page.locator(".result").wait_for()
+    page.keyboard.press("Home")
+    page.keyboard.press("Control+p")  # plays; again: pauses
+    page.locator("#play-pause[aria-label=Pause]").wait_for()
+    page.keyboard.press("Control+p")
+    page.locator("#play-pause[aria-label=Play]").wait_for()
+    page.keyboard.press("Control+m")  # the map editor
+    page.locator("#board").wait_for()
+    page.keyboard.press("Control+b")  # the behaviours' settings
+    page.get_by_label("Collide ticks").and_(page.locator(":focus")).wait_for()
+    page.keyboard.press("Control+l")  # a map from a file
+    page.locator("#tab-files:focus").wait_for()
+
+
+def test_what_is_seen_to_change_is_also_said(page):
+    assert page.locator("#proof").get_attribute("role") == "status"
+    described = page.locator("#board").get_attribute("aria-describedby").split()
+    words = [page.locator(f"#{name}").inner_text() for name in described]
+    assert "40 x 40 cells" in words[0] and "reachable" in words[1] and "Arrow keys" in words[2]
+    page.keyboard.press("2")
+    page.locator("#said", has_text="thesis-2: reached").wait_for(state="attached")
+    assert "thesis-2: reached" in page.locator("#stage").get_attribute("aria-label")
+
+
+def test_nothing_moves_by_itself(browser, gate):
+    with opened(browser, gate, reduced_motion="reduce") as page:
+        page.keyboard.press("2")
+        page.locator(".result").wait_for()
+        assert page.evaluate("document.getAnimations().length") == 0
+        assert page.locator("#play-pause").get_attribute("aria-label") == "Play"
+
+
+def test_robots_are_told_apart_by_their_numbers_too(page):
+    page.keyboard.press("2")
+    page.locator(".result").wait_for()
+    page.get_by_label("thesis-1").check()
+    page.keyboard.press("Control+Enter")
+    page.locator(".result").nth(1).wait_for()
+    assert page.locator(".result .chip").all_inner_texts() == ["1", "2"]
+
+
+def test_of_several_robots_the_numbers_stand_along_their_ways(page):
+    go(page, "Play")
+    page.get_by_label("thesis-1").check()
+    page.locator("#run").click()
+    page.locator(".result").nth(1).wait_for()
+    page.evaluate(
+        "() => { globalThis.written = []; const pens = CanvasRenderingContext2D.prototype, write = pens.fillText;"
+        " pens.fillText = function (text, ...where) { written.push(String(text)); write.call(this, text, ...where); } }"
+    )
+    page.keyboard.press("0")
+    written = page.evaluate("written")
+    assert written.count("1") > 1 and written.count("2") > 1  # one is beside the robot
+
+
+def test_undo_is_offered_only_where_one_draws(page):
+    assert page.locator("#undo").is_visible()
+    go(page, "Play")
+    page.locator("#undo").wait_for(state="hidden")
+    assert page.locator("#save-drawn").is_visible()

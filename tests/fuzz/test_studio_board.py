@@ -1,0 +1,217 @@
+"""The drawing board: what is taken back, what is seen of it, by mouse, keys and fingers."""
+
+import pytest
+
+from tests.helpers.browser import missing_browser
+from tests.helpers.studio import studio_of
+
+pytest.importorskip("playwright", reason="no playwright here: no tests in a browser")
+pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+
+from tests.helpers.studio_page import drag, opened, place, solid_cells  # noqa: E402
+
+BORDER = 156  # solid cells of an empty world of 40 x 40
+TABLET = {"viewport": {"width": 820, "height": 1180}, "has_touch": True}
+
+
+@pytest.fixture(scope="module")
+def gate(tmp_path_factory):
+    with studio_of(tmp_path_factory.mktemp("board")) as gate:
+        yield gate
+
+
+@pytest.fixture
+def tablet(browser, gate):
+    with opened(browser, gate, **TABLET) as page:
+        yield page
+
+
+def press(page, *keys):
+    for key in keys:
+        page.keyboard.press(key)
+
+
+def pinch(page, *cells):
+    """Two fingers come down at cells, one after the other, and go up again."""
+    fingers = [{"x": x, "y": y} for x, y in (place(page, *cell) for cell in cells)]
+    touch = page.context.new_cdp_session(page)
+    for points in (fingers[:1], fingers, []):
+        kind = "touchStart" if points else "touchEnd"
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+def test_escape_takes_back_what_was_begun_by_keys_and_what_a_mouse_is_drawing(page):
+    page.locator("#board").focus()
+    press(page, "l", "Space", "Shift+ArrowRight", "Escape", "ArrowUp", "Space", "ArrowRight", "Space")
+    assert solid_cells(page) == BORDER + 2
+    page.keyboard.press("b")
+    page.mouse.move(*place(page, 5.5, 30.5))
+    page.mouse.down()
+    page.mouse.move(*place(page, 9.5, 30.5), steps=3)
+    page.keyboard.press("Escape")
+    page.mouse.move(*place(page, 15.5, 30.5), steps=3)
+    page.mouse.up()
+    assert solid_cells(page) == BORDER + 2
+    press(page, "Control+z", "Control+y")
+    assert solid_cells(page) == BORDER + 2
+
+
+def test_a_tool_that_was_begun_by_keys_ends_with_the_board_s_focus_and_with_another_tool(page):
+    page.locator("#board").focus()
+    press(page, "l", "Space", "Shift+ArrowRight", "Tab")
+    drag(page, (5, 30), (9, 30))
+    assert solid_cells(page) == BORDER + 5
+    press(page, "Space", "ArrowRight", "r", "ArrowUp", "Escape")
+    assert solid_cells(page) == BORDER + 5
+
+
+def test_what_is_undone_while_something_is_drawn_is_that(page):
+    page.locator("#board").focus()
+    press(page, "l", "Space", "Shift+ArrowRight", "Space")
+    assert solid_cells(page) == BORDER + 6
+    press(page, "ArrowUp", "Space", "Shift+ArrowRight", "Control+z", "Escape")
+    assert solid_cells(page) == BORDER + 6
+    press(page, "Control+z", "Space", "Shift+ArrowLeft", "Control+y", "Control+y")
+    assert solid_cells(page) == BORDER + 6
+
+
+def test_a_brush_that_is_taken_while_a_line_is_drawn_by_keys_does_not_paint_by_itself(page):
+    page.locator("#board").focus()
+    press(page, "l", "Space", "ArrowRight", "b")
+    page.mouse.move(*place(page, 5.5, 30.5))
+    page.mouse.move(*place(page, 15.5, 30.5), steps=5)
+    assert solid_cells(page) == BORDER
+
+
+def test_two_fingers_leave_the_selection_and_what_had_been_undone(tablet):
+    for x in (5, 10):
+        tablet.touchscreen.tap(*place(tablet, x + 0.5, 20.5))
+    tablet.locator("#undo").tap()
+    assert solid_cells(tablet) == BORDER + 1
+    pinch(tablet, (20, 20), (24, 20))
+    tablet.locator("#redo").tap()
+    assert solid_cells(tablet) == BORDER + 2
+    tablet.locator("[data-tool=select]").tap()
+    drag(tablet, (4, 19), (11, 21))
+    pinch(tablet, (30, 30), (34, 30))
+    tablet.get_by_role("button", name="Clear", exact=True).first.tap()
+    assert solid_cells(tablet) == BORDER
+
+
+def test_the_view_goes_with_the_cursor_that_keys_move(page):
+    page.locator("#board").focus()
+    press(page, *["+"] * 6, *["Shift+ArrowRight"] * 3, "Shift+ArrowUp", "Shift+ArrowUp")
+    box = page.locator("#board").bounding_box()
+    page.evaluate("""() => {
+      const pens = CanvasRenderingContext2D.prototype, stroke = pens.strokeRect;
+      pens.strokeRect = function (x, y, ...rest) { globalThis.cursor = [x, y]; stroke.call(this, x, y, ...rest); };
+    }""")
+    press(page, "Shift+ArrowRight", "Shift+ArrowRight")
+    x, y = page.evaluate("globalThis.cursor")
+    assert 40 <= x < box["width"] - 10 and 20 <= y < box["height"] - 10
+
+
+def test_a_stamp_in_hand_is_seen_where_the_cursor_is(page):
+    page.locator("#board").focus()
+    page.keyboard.press("t")
+    page.evaluate("""() => {
+      const pens = CanvasRenderingContext2D.prototype, draw = pens.drawImage;
+      globalThis.pictures = 0;
+      pens.drawImage = function (...given) { if (given[0].width === 12) pictures += 1; draw.apply(this, given); };
+    }""")
+    press(page, "ArrowRight")
+    assert page.evaluate("pictures") > 0
+
+
+def test_what_was_copied_is_pasted_without_the_board_moving_away(page):
+    before = page.locator("#board").bounding_box()
+    drag(page, (5, 5), (9, 5))
+    page.keyboard.press("s")
+    drag(page, (5, 5), (9, 5))
+    press(page, "Control+c", "Control+v")
+    page.get_by_role("combobox", name="Stamp").wait_for()
+    assert page.locator("#board").bounding_box() == before
+
+
+def test_the_whole_world_lies_beside_the_rulers(tablet):
+    left = place(tablet, 0, 20)[0] - tablet.locator("#board").bounding_box()["x"]
+    assert left > 40
+    column = tablet.evaluate(
+        """(at) => {
+          const board = document.getElementById("board"), scale = board.width / board.clientWidth;
+          const pen = board.getContext("2d"), row = Math.round(board.height / 2 + 40);
+          return [at + 1, at + 8].map((x) => pen.getImageData(Math.round(x * scale), row, 1, 1).data[0]);
+        }""",
+        left,
+    )
+    assert column[0] == column[1] < 128  # of the wall, as dark beside the ruler as further in
+
+
+@pytest.mark.parametrize("ratio", [1.25, 1.5])
+def test_a_wall_has_no_seams_on_a_screen_whose_pixels_are_no_whole_part_of_the_page_s(browser, gate, ratio):
+    how = {"viewport": {"width": 853, "height": 480}, "device_scale_factor": ratio}
+    with opened(browser, gate, **how) as page:
+        box = page.locator("#board").bounding_box()
+        x, low, high = (place(page, 0.5, y)[k] - box[name] for y, k, name in ((20, 0, "x"), (1, 1, "y"), (39, 1, "y")))
+        shades = page.evaluate(
+            """([x, high, low, ratio]) => {
+              const pen = document.getElementById("board").getContext("2d");
+              const [left, top, deep] = [x * ratio, high * ratio, (low - high) * ratio].map(Math.round);
+              const { data } = pen.getImageData(left, top, 1, deep);
+              return [...new Set(data.filter((_, k) => k % 4 === 0))];
+            }""",
+            [x, high, low, ratio],
+        )
+        assert len(shades) == 1
+
+
+@pytest.mark.parametrize("size", [(820, 1180), (1180, 820)], ids=["upright", "wide"])
+def test_on_a_tablet_the_board_stays_where_it_is_whatever_the_tool(browser, gate, size):
+    with opened(browser, gate, viewport={"width": size[0], "height": size[1]}, has_touch=True) as page:
+        places = {}
+        for tool in page.locator("[data-tool]").evaluate_all("all => all.map((one) => one.dataset.tool)"):
+            if page.locator(f"button[data-tool={tool}]").count():
+                page.locator(f"button[data-tool={tool}]").tap()
+                places[tool] = page.locator("#board").bounding_box()["y"]
+                overflow = page.locator(".options").evaluate("one => one.scrollHeight - one.clientHeight")
+                assert overflow <= 1, tool
+        assert len(set(places.values())) == 1, places
+
+
+def test_in_a_large_world_the_widest_robot_is_found_on_demand(page):
+    page.get_by_label("Columns").first.fill("250")
+    page.get_by_label("Rows").first.fill("250")
+    page.get_by_role("button", name="New").click()
+    page.locator("#widest", has_text="In a large world this takes up to a minute.").wait_for()
+    page.get_by_role("button", name="Find where every way closes").press("Enter")
+    page.locator("#widest", has_text="Every way closes for a radius above").wait_for()
+    page.locator("#find-widest").wait_for(state="hidden")
+    assert page.evaluate("document.activeElement.id") == "radius"
+    drag(page, (20, 20), (60, 60))
+    page.locator("#find-widest").wait_for()
+
+
+def test_a_world_is_generated_by_enter_in_any_field_with_what_was_typed_there(page):
+    page.locator("#tab-maker").click()
+    page.locator("#maker-seed").fill("7")
+    page.locator("#maker-seed").press("Enter")
+    page.get_by_text("Made by maze, version 1, seed 7.").wait_for()
+    page.get_by_role("spinbutton", name="Size", exact=True).fill("12")
+    page.keyboard.press("Enter")
+    page.locator("#place", has_text="12 x 12 cells").wait_for()
+
+
+def test_the_cells_of_a_world_come_back_from_its_message(page):
+    """Also where a row, and the whole, ends within a byte: eight cells at a time are unpacked."""
+    same = page.evaluate(
+        """async () => {
+          const { emptyWorld, messageOf, worldOf } = await import("/studio/model.js");
+          return [[1, 1], [3, 5], [7, 9], [8, 8], [200, 131]].map(([width, height]) => {
+            const world = emptyWorld(width, height);
+            world.cells = world.cells.map((_, k) => Number((k * k + k) % 7 < 3));
+            const cells = worldOf(messageOf(world)).cells;
+            return cells.length === width * height && cells.every((cell, k) => cell === world.cells[k]);
+          });
+        }"""
+    )
+    assert same == [True] * 5

@@ -1,0 +1,190 @@
+"""What the studio's campaign page says before it knows all, and whether its numbers agree with each other."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.browser import missing_browser
+from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio_campaign import begin, watch
+from worldgen.grid_file import read_world
+
+pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
+pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+
+from tests.helpers.studio_held import hold, let_go  # noqa: E402
+from tests.helpers.studio_page import opened  # noqa: E402
+
+FAILURES = Path(__file__).parents[2] / "corpora/failures/turn-right/swept"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with a campaign that is done, in which one class slid into another by being shrunk and one is known."""
+    folder = tmp_path_factory.mktemp("words")
+    shutil.copytree(FAILURES, folder / "collected")
+    with studio_of(folder) as gate, page_of(gate) as page:
+        assert "answer" in begin(page, "done", units=2)
+        watch(page, "done")
+    summary = folder / "done/.campaign/summary.json"
+    said = json.loads(summary.read_text())
+    kinds = [read_world(path).failure.details["class"] for path in (folder / "done").glob("*.grid")]
+    slid = next(kind for kind in kinds if kind in said["met"])
+    said["met"] = {"loop-it-was-of-another-class": said["met"].pop(slid), "stalled-known": 4, **said["met"]}
+    said["known"] = {"stalled-known": 4}
+    summary.write_text(json.dumps(said))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def gate(folder):
+    with studio_of(folder) as gate:
+        yield gate
+
+
+@pytest.fixture
+def page(browser, gate):
+    with opened(browser, gate, until=None) as page:
+        yield page
+
+
+def reopened(page, *held):
+    """The page of campaigns, loaded anew; what it asks of these kinds is held back."""
+    hold(page, *held)
+    page.keyboard.press("3")
+    page.reload()
+
+
+def test_the_page_has_words_and_the_form_before_the_folder_has_been_read(page):
+    reopened(page, "campaigns")
+    page.locator(".wall .empty", has_text="Looking through the opened folder …").wait_for()
+    assert page.locator("#name").inner_text() == "looking …"
+    page.locator("#campaign-controller").wait_for()
+    page.get_by_role("button", name="Begin").wait_for()
+    let_go(page)
+    page.locator(".card").first.wait_for()
+
+
+def test_begin_is_in_sight_however_long_the_form_is(page):
+    reopened(page)
+    page.get_by_text("More", exact=True).click()
+    box = page.locator("#begin").bounding_box()
+    assert box["y"] > 0 and box["y"] + box["height"] <= page.viewport_size["height"]
+
+
+def test_the_line_the_table_and_the_wall_name_the_same_number_of_classes(page):
+    reopened(page)
+    page.locator("#wall-count", has_text="one of each class").wait_for()
+    pictures = int(page.locator("#wall-count").inner_text().split()[0])
+    line = page.locator("#progress-line").inner_text()
+    classes, known, lost = map(int, re.search(r"(\d+) classes: (\d+) known, (\d+) not kept", line).groups())
+    rows = page.locator(".tables tbody").first.locator("tr")
+    assert (classes, known, lost) == (rows.count(), 1, 1)
+    assert pictures == classes - known - lost == page.locator(".card").count()
+    met = rows.locator("td:nth-child(2)").all_inner_texts()
+    assert "by shrinking" in met and f"{sum(int(text) for text in met if text.isdigit())} failures met" in line
+
+
+def test_while_the_folder_is_being_read_no_class_is_said_to_wait_for_anything(page):
+    reopened(page, "failures")
+    page.locator("#campaign-state", has_text="Done").wait_for()
+    sizes = page.locator(".tables tbody").first.locator("td:nth-child(3)")
+    assert set(sizes.all_inner_texts()) == {"…", "known"}
+    assert "class" not in page.locator("#progress-line").inner_text()
+    let_go(page)
+    page.locator(".card").first.wait_for()
+    assert {"not kept", "known"} < set(sizes.all_inner_texts())
+
+
+def test_another_folder_s_failures_are_in_no_number_of_a_campaign(page):
+    reopened(page)
+    page.locator("#campaign-folder").select_option("collected")
+    page.locator("#name", has_text="collected").wait_for()
+    page.locator("#wall-count", has_text=re.compile(r"^\d+ failures$")).wait_for()
+    page.evaluate("window.heldKinds.push('failures')")
+    page.locator("#campaign-folder").select_option("done")
+    page.locator("#campaign-state", has_text="Done").wait_for()
+    page.locator(".wall .empty", has_text="Looking through done …").wait_for()
+    assert page.locator(".tables", has_text="by shrinking").count() == 0 and page.locator(".card").count() == 0
+
+
+def test_what_was_chosen_in_the_form_is_there_again_with_the_next_server(browser, folder):
+    with studio_of(folder) as gate, opened(browser, gate, until=None) as page:
+        page.keyboard.press("3")
+        page.locator("#campaign-controller").select_option("bug1")
+        page.get_by_label("Of these lanes and families").check()
+        page.locator("#campaign-lanes").get_by_label("maze", exact=True).check()
+        page.get_by_label("Units of work").check()
+        page.locator("#campaign-amount").fill("7")
+        page.get_by_role("textbox", name="Seed").fill("12")
+        page.get_by_text("More", exact=True).click()
+        page.get_by_label("Draws a unit").fill("9")
+        page.keyboard.press("Tab")
+        kept = page.evaluate("JSON.stringify(localStorage)")
+    with studio_of(folder) as gate, opened(browser, gate, until=None) as page:
+        page.evaluate("kept => Object.assign(localStorage, JSON.parse(kept))", kept)
+        page.keyboard.press("3")
+        page.goto(gate.address)
+        page.keyboard.press("3")
+        page.locator("#campaign-controller").wait_for()
+        assert page.locator("#campaign-controller").input_value() == "bug1"
+        assert page.locator("#campaign-lanes").get_by_label("maze", exact=True).is_checked()
+        assert (
+            page.get_by_label("Units", exact=True).input_value(),
+            page.get_by_role("textbox", name="Seed").input_value(),
+        ) == ("7", "12")
+        assert page.get_by_label("Draws a unit").input_value() == "9"
+
+
+def test_what_was_kept_and_is_none_leaves_the_usual_form(page, folder):
+    none = {"state": {"controller": "gone", "motion": "gone"}, "lanes": ["gone"], "more": {"gone": 1}}
+    kept = [f"worldgen-studio-kept-campaign-form-{folder}", json.dumps(none)]
+    page.evaluate("([key, text]) => localStorage.setItem(key, text)", kept)
+    reopened(page)
+    page.locator("#campaign-controller").wait_for()
+    assert page.locator("#campaign-controller").input_value() == "turn-right" and page.complaints == []
+
+
+def test_of_many_things_those_are_kept_that_were_wanted_lately(page):
+    kept = page.evaluate("""async () => {
+      const { Recent } = await import("/studio/recent.js");
+      const recent = new Recent(3);
+      for (const name of ["a", "b", "c"]) recent.set(name, name);
+      recent.get("a");
+      recent.set("d", "d");
+      return ["a", "b", "c", "d"].filter((name) => recent.get(name) !== undefined);
+    }""")
+    assert kept == ["a", "c", "d"]
+
+
+def test_a_test_that_was_copied_runs_as_pasted_and_is_formatted(browser, gate, folder, tmp_path):
+    with opened(browser, gate, until=None, permissions=["clipboard-read", "clipboard-write"]) as page:
+        page.keyboard.press("3")
+        page.locator("#campaign-folder").select_option("collected")
+        page.locator(".card", has_text="loop").first.click()
+        page.get_by_role("button", name="Copy test").click()
+        page.get_by_role("button", name="Copied").wait_for()
+        (tmp_path / "test_pasted.py").write_text(page.evaluate("navigator.clipboard.readText()"))
+    pytest.importorskip("ruff", reason="no formatter here")
+    python = [sys.executable, "-m"]
+    subprocess.run([*python, "ruff", "format", "--isolated", "--check", "."], cwd=tmp_path, check=True, timeout=60)
+    pytest_there = [*python, "pytest", "-q", "-p", "no:cacheprovider"]
+    tried = subprocess.run(pytest_there, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    assert "2 failed" in tried.stdout and "loop for ever" in tried.stdout
+
+
+def test_campaigns_failures_come_after_the_user_s_own_worlds(page, folder):
+    (folder / "zoo").mkdir()
+    shutil.copy(next(FAILURES.glob("*.grid")), folder / "zoo/mine.grid")
+    page.locator("#tab-files").click()
+    page.locator(".files").first.get_by_text("zoo/mine.grid").wait_for()
+    page.get_by_text("Found by campaigns").wait_for()
+    assert "done/" not in page.locator(".files").first.inner_text()
+    page.get_by_text("Found by campaigns").click()
+    page.get_by_role("list", name="Found by campaigns").get_by_role("button").first.click()
+    page.locator("#name", has_text="done/").wait_for()

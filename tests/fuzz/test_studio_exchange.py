@@ -1,0 +1,249 @@
+"""Maps that come into the studio and go out: the same as by the command line, to the byte."""
+
+import base64
+import re
+
+import pytest
+
+from fuzz.studio import Folder
+from tests.helpers.browser import missing_browser
+from tests.helpers.command_line import worldgen
+from tests.helpers.studio import studio_of
+from worldgen import generate
+from worldgen.errors import WorldgenError
+from worldgen.grid_file import read_world, write_world
+from worldgen.interop import FORMATS
+
+pytest.importorskip("starlette", reason="the studio's extra is not here")
+
+from fuzz.studio.answers import Answers
+from fuzz.studio.messages import message_of
+
+MAZES = {"micromouse"}  # formats that hold no other worlds
+WRITTEN = [name for name in FORMATS.names() if FORMATS.get(name).write is not None and name not in MAZES]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("exchange")
+    write_world(generate("corridor", 3), folder / "w.grid")
+    write_world(generate("fire", 3), folder / "fire.grid")
+    return folder
+
+
+@pytest.fixture
+def answers(folder):
+    return Answers(Folder(folder), ())
+
+
+def exported(answers, folder, world, name, **asked):
+    """What the page gets for an export, by name."""
+    usual = {"name": "out" + FORMATS.get(name).suffixes[0], "world": message_of(read_world(folder / world))}
+    said = answers.export({"format": name, "keep": False, **usual, **asked}, print)
+    return {file["name"]: base64.b64decode(file["data"]) for file in said["files"]}
+
+
+def by_command(out, world, name, *words):
+    """What the command line writes, by name."""
+    out.mkdir()
+    place = out / ("out" + FORMATS.get(name.partition("+")[0]).suffixes[0])
+    assert worldgen("export", world, "--to", name, "--out", place, *words).code == 0
+    return {path.name: path.read_bytes() for path in out.iterdir()}
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_every_format_s_export_is_the_command_line_s(answers, folder, tmp_path, name):
+    asked = {"at": 1.5, "origin": [0.5, -2], "sidecar": True}
+    wanted = by_command(tmp_path / "out", folder / "fire.grid", name, "--at", "1.5", "--origin", "0.5,-2")
+    assert exported(answers, folder, "fire.grid", name, **asked) == wanted
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_every_option_of_a_format_is_offered_and_does_what_it_does_on_the_command_line(answers, folder, tmp_path, name):
+    (offered,) = [known for known in answers.hello({}, print)["formats"] if known["name"] == name]
+    options = {one["name"]: other_than_usual(one) for one in offered["options"]}
+    words = "".join(f"+{option}={str(value).lower()}" for option, value in options.items())
+    wanted = by_command(tmp_path / "out", folder / "w.grid", name + words, "--no-sidecar")
+    assert exported(answers, folder, "w.grid", name, options=options, sidecar=False) == wanted
+    assert [one["name"] for one in offered["options"]] == [one.name for one in FORMATS.get(name).write_options]
+
+
+@pytest.mark.parametrize("name", sorted(MAZES))
+def test_a_world_that_a_format_does_not_hold_is_refused_as_on_the_command_line(answers, folder, tmp_path, name):
+    done = worldgen("export", folder / "w.grid", "--to", name, "--out", tmp_path / "out.maze")
+    with pytest.raises(WorldgenError) as refused:
+        exported(answers, folder, "w.grid", name)
+    assert done.code != 0 and str(refused.value).strip() in done.err
+
+
+def other_than_usual(option):
+    """A value that is allowed and not the usual one, where there is one."""
+    usual = option["default"]
+    if option["choices"]:
+        return option["choices"][-1]
+    return not usual if option["kind"] == "bool" else usual
+
+
+def dropped(*places):
+    return {"files": [{"name": one.name, "data": base64.b64encode(one.read_bytes()).decode()} for one in places]}
+
+
+@pytest.mark.parametrize("name", ["ros", "irsim", "stage", "tiled", "thesis", "movingai"])
+def test_what_was_exported_is_dropped_together_and_imported_as_by_the_command_line(answers, folder, tmp_path, name):
+    out = tmp_path / "out"
+    by_command(out, folder / "w.grid", name)
+    main = out / ("out" + FORMATS.get(name).suffixes[0])
+    scenario = ["--scen", f"{main}.scen"] if name == "movingai" else []
+    assert worldgen("import", main, *scenario, "--out", tmp_path / "again.grid").code == 0
+    brought = answers.bring(dropped(*sorted(out.iterdir(), reverse=True)), print)
+    assert brought["main"] == main.name
+    assert brought["world"] == message_of(read_world(tmp_path / "again.grid"))
+
+
+def test_a_scenario_that_is_dropped_with_its_map_gives_start_and_target(answers, tmp_path):
+    (tmp_path / "a.map").write_text("type octile\nheight 4\nwidth 8\nmap\n" + "........\n" * 4)
+    (tmp_path / "a.map.scen").write_text("version 1\n0\ta.map\t8\t4\t1\t1\t6\t2\t5.41421356\n")
+    world = answers.bring(dropped(tmp_path / "a.map", tmp_path / "a.map.scen"), print)["world"]
+    assert (world["start"][:2], world["target"][:2]) == ([0.15, 0.25], [0.65, 0.15])
+
+
+READ = [(known.name, option) for known in map(FORMATS.get, FORMATS.names()) for option in known.read_options]
+OTHERS = {"agent": "b", "layer": "solid", "cell_size": {"png": 0.099}, "threshold": {"irsim": 0.3, "png": 200}}
+
+
+def file_of(name, folder, tmp_path):
+    """A file of a format, with those that it names, in a folder of its own."""
+    place = tmp_path / "out" / ("out" + FORMATS.get(name).suffixes[0])
+    if name == "micromouse":
+        place.parent.mkdir()
+        place.write_text("o---o---o\n| S     |\no   o   o\n|   | G |\no---o---o\n")
+    elif name == "pogema":
+        place.parent.mkdir()
+        place.write_text("a....\n.###.\nb...B\n....A\n")
+    else:
+        by_command(place.parent, folder / "w.grid", name, "--no-sidecar")
+    if name == "movingai":
+        place.with_name(f"{place.name}.scen").unlink()  # it has one problem, which would be used
+    if name == "tiled":
+        place.write_text(place.read_text().replace('"walls"', '"solid"'))
+    return place
+
+
+@pytest.mark.parametrize(("name", "option"), READ, ids=[f"{name}-{option.name}" for name, option in READ])
+def test_every_option_of_a_format_that_is_read_is_offered_and_does_what_it_does_by_the_command_line(
+    answers, folder, tmp_path, name, option
+):
+    (known,) = [known for known in answers.hello({}, print)["formats"] if known["name"] == name]
+    (offered,) = [one for one in known["read_options"] if one["name"] == option.name]
+    value = OTHERS.get(option.name) or other_than_usual(offered)
+    value = value.get(name, 0.05) if isinstance(value, dict) else value
+    main = file_of(name, folder, tmp_path)
+    words = ["--from", f"{name}+{option.name}={value}", "--radius", "0.01", "--seed", "5"]
+    assert worldgen("import", main, *words, "--out", tmp_path / "again.grid").code == 0
+    asked = {"format": name, "options": {option.name: value}, "radius": 0.01, "seed": "5"}
+    brought = answers.bring(dropped(*main.parent.iterdir()) | asked, print)
+    assert brought["world"] == message_of(read_world(tmp_path / "again.grid"))
+    assert brought["format"] == name
+
+
+def scenario_in(folder):
+    """A MovingAI map of 8 x 4 cells with three problems beside it."""
+    (folder / "a.map").write_text("type octile\nheight 4\nwidth 8\nmap\n" + "........\n" * 4)
+    rows = [f"0\ta.map\t8\t4\t{column}\t1\t6\t2\t5\n" for column in (1, 2, 3)]
+    (folder / "a.map.scen").write_text("version 1\n" + "".join(rows))
+    return folder / "a.map", folder / "a.map.scen"
+
+
+def test_a_row_of_a_scenario_is_chosen_of_dropped_files_and_of_the_folder_s(answers, folder, tmp_path):
+    pair = dropped(*scenario_in(tmp_path))
+    said = [answers.bring(pair | more, print) for more in ({}, {"row": 3}, {"row": 0})]
+    assert [(one["row"], one["rows"]) for one in said] == [(1, 3), (3, 3), (None, 3)]
+    assert [one["world"]["start"][0] for one in said[:2]] == [0.15, 0.35]
+    scenario_in(folder)
+    said = [answers.bring({"name": "a.map"} | more, print) for more in ({}, {"row": 2})]
+    assert [(one["row"], one["rows"]) for one in said] == [(None, 3), (2, 3)]
+    assert said[1]["world"]["start"][0] == 0.25 != said[0]["world"]["start"][0]
+
+
+def test_a_row_that_is_not_there_and_a_format_that_is_not_known_are_refused_with_the_page_s_way_out(answers, tmp_path):
+    main, scenario = scenario_in(tmp_path)
+    (tmp_path / "b.bin").write_bytes(b"junk")
+    for files, more, words in (
+        ((main, scenario), {"row": 4}, "^a.map.scen: has no row 4; it has rows 1 to 3"),
+        ((main,), {"row": 1}, "a row is one of a scenario; bring the .scen file together with its map"),
+        ((scenario,), {}, "a scenario file has no map; give the .map file, and this one with it$"),
+        ((tmp_path / "b.bin",), {}, "say which in Options of the import$"),
+    ):
+        with pytest.raises(WorldgenError, match=words):
+            answers.bring(dropped(*files) | more, print)
+
+
+def test_a_map_without_what_it_names_and_two_maps_at_once_are_refused_in_a_sentence(answers, folder, tmp_path):
+    by_command(tmp_path / "out", folder / "w.grid", "ros")
+    with pytest.raises(WorldgenError, match=r"^out.yaml:1: image 'out.pgm' is not there; put it beside out.yaml"):
+        answers.bring(dropped(tmp_path / "out/out.yaml"), print)
+    with pytest.raises(WorldgenError, match=r"fire.grid, w.grid are 2 maps; drop one"):
+        answers.bring(dropped(folder / "fire.grid", folder / "w.grid"), print)
+
+
+def test_names_with_spaces_and_letters_of_all_kinds_are_kept_and_paths_are_not(answers, folder, tmp_path):
+    by_command(tmp_path / "out", folder / "w.grid", "ros")
+    said = dropped(tmp_path / "out/out.pgm", tmp_path / "out/out.yaml")
+    said["files"][1]["name"] = "../../Büro ☃ 1.yaml"
+    assert answers.bring(said, print)["main"] == "Büro ☃ 1.yaml"
+
+
+@pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+def test_a_pair_of_ros_is_imported_by_the_mouse_and_exported_with_options(browser, folder, tmp_path):
+    pytest.importorskip("playwright.sync_api", reason="no playwright here: no tests in a browser")
+    from tests.helpers.studio_page import opened
+
+    by_command(tmp_path / "out", folder / "w.grid", "ros")
+    pair = [tmp_path / "out/out.pgm", tmp_path / "out/out.yaml"]
+    with studio_of(folder) as gate, opened(browser, gate) as page:
+        page.locator("#tab-files").click()
+        page.get_by_text("Import and export").click()
+        page.locator("#import").set_input_files(pair)
+        page.get_by_text("Imported out.yaml.").wait_for()
+        page.get_by_label("Export as").select_option("ros")
+        page.locator("#export-more summary").click()
+        page.get_by_label("Mode", exact=True).select_option("scale")
+        page.locator("#export-x").fill("0.5")
+        page.locator("#export-y").fill("-2")
+        page.get_by_role("button", name="Into the folder").click()
+        page.get_by_text("Wrote world.yaml, world.pgm").wait_for()
+        assert page.complaints == []
+    assert "mode: scale" in (folder / "world.yaml").read_text()
+    assert "origin: [0.5, -2, 0.0]" in (folder / "world.yaml").read_text()
+
+
+@pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like_begins_anew(browser, folder, tmp_path):
+    pytest.importorskip("playwright.sync_api", reason="no playwright here: no tests in a browser")
+    from tests.helpers.studio_page import opened
+
+    (tmp_path / "x.bin").write_bytes(b"junk")
+    pair = scenario_in(tmp_path)
+    with studio_of(folder) as gate, opened(browser, gate) as page:
+        page.locator("#tab-files").click()
+        page.get_by_text("Import and export").click()
+        page.locator("#import").set_input_files(pair)
+        page.get_by_text("Row 1 of the 3 of its scenario.").wait_for()
+        page.get_by_text("Options of the import").click()
+        more = page.locator("#import-more")
+        more.get_by_label("Row of the scenario").fill("4")
+        more.get_by_role("button", name="Import again").click()
+        more.get_by_text("Give a whole number from 1 to 3.").wait_for()
+        more.get_by_label("Row of the scenario").fill("3")
+        more.get_by_label("Cell size").fill("0.5")
+        more.get_by_label("Cell size").press("Enter")
+        page.get_by_text("Row 3 of the 3 of its scenario.").wait_for()
+        page.locator("#place", has_text="8 x 4 cells, 0 solid · 4.00 x 2.00 m").wait_for()
+        page.locator("#import").set_input_files(pair[:1])
+        page.get_by_text(re.compile("^Imported a.map.$")).wait_for()
+        assert more.get_by_label("Cell size").input_value() == "0.1"
+        page.get_by_text("Options of the import").click()
+        page.locator("#import").set_input_files(tmp_path / "x.bin")
+        page.get_by_text("say which in Options of the import").wait_for()
+        more.get_by_label("Format").wait_for()  # it has opened
+        assert page.complaints == []

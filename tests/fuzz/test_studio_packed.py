@@ -1,0 +1,194 @@
+"""What the studio's campaign page shows that lies in no file of its own: failures in archives, worlds of behaviours."""
+
+import io
+import json
+import shlex
+import shutil
+import tarfile
+import zipfile
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from sim import simulate
+from tests.helpers.browser import missing_browser
+from tests.helpers.command_line import worldgen
+from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio_campaign import begin, watch
+from worldgen.grid_file import read_world
+from worldgen.world import World
+
+FAILURES = sorted((Path(__file__).parents[2] / "corpora/failures/turn-right/swept").glob("*.grid"))[:4]
+
+
+def pack_zip(place, files):
+    with zipfile.ZipFile(place, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            archive.writestr(name, data)
+
+
+def pack_tar(place, files):
+    with tarfile.open(place, "w:gz") as archive:
+        for name, data in files.items():
+            entry = tarfile.TarInfo(name)
+            entry.size = len(data)
+            archive.addfile(entry, io.BytesIO(data))
+
+
+def pack_dotted_tar(place, files):
+    """As ``tar czf set.tgz .`` names what it packs."""
+    pack_tar(place, {f"./{name}": data for name, data in files.items()})
+
+
+PACKERS = {"old.zip": pack_zip, "below/old.tar.gz": pack_tar, "below/whole.tgz": pack_dotted_tar}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with failures in two archives, and a campaign of the archive's lane that is done."""
+    folder = tmp_path_factory.mktemp("packed")
+    (folder / "below").mkdir()
+    (folder / "plain").mkdir()
+    for file in FAILURES:
+        shutil.copy(file, folder / "plain")
+    for name, pack in PACKERS.items():
+        pack(folder / name, {f"deep/{file.name}": file.read_bytes() for file in FAILURES} | {"notes.txt": b"mine"})
+    return folder
+
+
+@pytest.fixture(scope="module")
+def gate(folder):
+    with studio_of(folder) as gate:
+        with page_of(gate) as page:
+            assert "answer" in begin(page, "kinds", lanes=["archive"], units=2)
+            watch(page, "kinds")
+        yield gate
+
+
+@pytest.fixture(scope="module")
+def asked(gate):
+    with page_of(gate) as asked:
+        yield asked
+
+
+def failures(asked, folder):
+    return asked.ask("failures", folder=folder)["answer"]
+
+
+def test_archives_are_offered_beside_folders(asked):
+    said = asked.ask("campaigns")["answer"]
+    assert said["archives"] == list(PACKERS)
+    assert not {one["name"] for one in said["folders"]} & set(said["archives"])
+
+
+@pytest.mark.parametrize("name", PACKERS)
+def test_an_archive_holds_the_failures_that_its_folder_held(asked, name):
+    packed, plain = failures(asked, name), failures(asked, "plain")
+    assert packed["faults"] == [] and len(packed["failures"]) == len(FAILURES)
+    assert sorted(one["digest"] for one in packed["failures"]) == sorted(one["digest"] for one in plain["failures"])
+    assert {one["name"] for one in packed["failures"]} == {f"{name}/deep/{file.name}" for file in FAILURES}
+
+
+@pytest.mark.parametrize("name", PACKERS)
+def test_a_failure_in_an_archive_is_looked_at_opened_replayed_and_copied(asked, folder, name):
+    one = failures(asked, name)["failures"][0]["name"]
+    seen = asked.ask("look", name=one)["answer"]
+    assert seen["run"]["steps"] > 0
+    program, *words = shlex.split(seen["replay"])
+    assert program == "worldgen" and worldgen(*words).code == 0
+    answer = asked.ask("open", name=one)["answer"]
+    assert answer["failure"]["controller"] == "turn-right" and answer["file"] is None
+    assert "FAILURE" in asked.ask("snippet", name=one)["answer"]["text"]
+
+
+def test_a_failure_in_an_archive_is_marked_as_known_by_a_copy(asked, folder):
+    one = failures(asked, "old.zip")["failures"][0]
+    assert "answer" in asked.ask("know", name=one["name"], known=True)
+    again = failures(asked, "old.zip")["failures"]
+    assert [other["name"] for other in again if other["known"]] == [one["name"]]
+    shutil.rmtree(folder / "known")
+
+
+def test_what_cannot_be_read_in_an_archive_is_told_and_hides_nothing_else(asked, folder):
+    good = FAILURES[0].read_bytes()
+    pack_zip(
+        folder / "bad.zip",
+        {"ok.grid": good, "cut.grid": good[:90], "../out.grid": good}
+        | {f"{where}/w.grid": good for where in ("", folder)},
+    )
+    said = failures(asked, "bad.zip")
+    assert [one["name"] for one in said["failures"]] == ["bad.zip/ok.grid"]
+    assert len(said["faults"]) == 4 and any("cut.grid" in fault for fault in said["faults"])
+    pack_zip(folder / "bad.zip", {"ok.grid": good, ".campaign/seen/a.grid": good, "__MACOSX/._ok.grid": b"no world"})
+    said = failures(asked, "bad.zip")
+    assert [one["name"] for one in said["failures"]] == ["bad.zip/ok.grid"] and not said["faults"]
+    (folder / "bad.zip").write_bytes((folder / "old.zip").read_bytes()[:500])
+    (fault,) = failures(asked, "bad.zip")["faults"]
+    assert "no sound archive" in fault
+    (folder / "bad.zip").unlink()
+
+
+def test_each_kind_of_the_archive_opens_the_world_that_it_tells_of(asked, folder):
+    cells = json.loads((folder / "kinds/.campaign/summary.json").read_text())["archive"]["cells"]
+    assert len(cells) > 5
+    for i, j, quality, verdict in cells[:: len(cells) // 5]:
+        answer = asked.ask("elite", folder="kinds", i=i, j=j)["answer"]
+        saved = asked.ask("save", name="elite.grid", world=answer["world"], overwrite=True)["answer"]
+        world: World = read_world(folder / saved["name"])
+        assert world.solid_cells == -quality
+        runs = answer["runs"]
+        assert (runs["controller"], runs["motion"]) == ("turn-right", "swept")
+        assert simulate(world, "turn-right").verdict == verdict
+    (folder / "elite.grid").unlink()
+
+
+@pytest.mark.parametrize(
+    ("place", "i", "why"),
+    [("kinds", 10_000, "has nothing in cell"), ("plain", 0, "has nothing in cell"), ("../x", 0, "leads out of")],
+)
+def test_a_kind_that_nobody_has_met_is_told(asked, place, i, why):
+    assert why in asked.ask("elite", folder=place, i=i, j=0)["error"]
+
+
+MISSING = missing_browser() or ("" if find_spec("playwright") else "no playwright here")
+in_a_browser = pytest.mark.skipif(bool(MISSING), reason=MISSING or "-")
+
+
+@in_a_browser
+def test_an_archive_s_failures_are_on_the_wall_and_one_is_edited(browser, gate, folder):
+    from tests.helpers.studio_page import opened
+
+    with opened(browser, gate, until=None) as page:
+        page.keyboard.press("3")
+        page.locator("#campaign-folder").select_option("below/old.tar.gz")
+        page.locator("#wall-count", has_text=f"{len(FAILURES)} failures").wait_for()
+        page.locator(".card").first.click()
+        page.locator("#open-draw").click()
+        page.locator("#proof.good").wait_for()
+        page.locator("#name", has_text="not saved yet").wait_for()
+        shutil.copytree(folder / "plain", folder / "later")
+        page.keyboard.press("3")
+        page.locator("#campaign-folder option", has_text="later").wait_for(state="attached")  # listed anew
+        assert page.locator("#campaign-folder").input_value() == "below/old.tar.gz"
+        shutil.rmtree(folder / "later")
+        assert page.complaints == []
+
+
+@in_a_browser
+def test_a_click_on_a_kind_of_behaviour_opens_its_world_on_the_board(browser, gate):
+    from tests.helpers.studio_page import opened
+
+    with opened(browser, gate, until=None) as page:
+        page.keyboard.press("3")
+        page.locator("#campaign-folder").select_option("kinds")
+        page.locator("#tab-archive").click()
+        page.locator("#archive-panel rect.opens").first.click()
+        page.locator("#board").wait_for()
+        page.locator("#proof.good").wait_for()
+        page.keyboard.press("Control+z")
+        page.keyboard.press("3")
+        page.locator("#archive-panel summary").click()
+        page.locator("#archive-panel table button").first.press("Enter")
+        page.locator("#proof.good").wait_for()
+        assert page.complaints == []

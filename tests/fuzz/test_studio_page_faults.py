@@ -1,0 +1,266 @@
+"""The studio's page when something goes wrong: a lost connection, a full storage, answers that come too late."""
+
+import contextlib
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.browser import missing_browser
+from tests.helpers.studio import studio_of
+
+playwright_api = pytest.importorskip("playwright.sync_api", reason="no playwright here: no tests in a browser")
+pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+
+from tests.helpers.studio_page import drag, opened, solid_cells  # noqa: E402
+
+# What the page says is kept back while `held` is a list, and said when it is let go.
+HOLDING = """
+window.held = null;
+const send = WebSocket.prototype.send;
+WebSocket.prototype.send = function (text) {
+  window.socket = this;
+  if (window.held) window.held.push(text);
+  else send.call(this, text);
+};
+window.letGo = () => {
+  const all = window.held;
+  window.held = null;
+  for (const text of all) send.call(window.socket, text);
+};
+true;
+"""
+FULL = "Storage.prototype.setItem = () => { throw new DOMException('full', 'QuotaExceededError'); }; true"
+FAILURE = Path(__file__).parents[2] / "corpora/thesis-faults/thesis-1-loop-104.grid"
+NO_ROOM = """
+const { setItem } = Storage.prototype;
+Storage.prototype.setItem = function (...given) {
+  if (this === localStorage) throw new DOMException("full", "QuotaExceededError");
+  setItem.apply(this, given);
+};
+true;
+"""
+DRAFT = "worldgen-studio-draft-of-a-tab-that-is-gone"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("studio")
+
+
+@pytest.fixture(scope="module")
+def gate(folder):
+    with studio_of(folder) as gate:
+        yield gate
+
+
+@pytest.fixture
+def page(page):
+    page.set_default_timeout(60_000)
+    page.evaluate(HOLDING)
+    return page
+
+
+def draw_a_wall(page):
+    drag(page, (20, 5), (20, 9))
+    page.locator("#name", has_text="changed").wait_for()
+
+
+def reconnect(page):
+    """The connection breaks and comes back."""
+    while not page.evaluate("Boolean(window.socket)"):  # the proof of what was drawn is asked for soon
+        page.wait_for_timeout(20)
+    page.evaluate("window.held = null; window.socket.close()")
+    page.get_by_text("The studio does not answer.").wait_for()
+    page.locator("#gone").wait_for(state="hidden")
+
+
+def another_tab(page, address=None):
+    other = page.context.new_page()
+    other.set_default_timeout(90_000)  # the server that has just begun starts its processes
+    other.complaints = []
+    other.on("pageerror", lambda error: other.complaints.append(str(error)))
+    other.goto(address or page.url)
+    other.locator("#proof.good").wait_for()
+    return other
+
+
+def test_numbers_of_a_world_that_has_changed_meanwhile_are_not_shown(page):
+    page.evaluate("window.held = []")
+    page.locator("#measure").click()
+    page.get_by_text("Measuring").wait_for()
+    draw_a_wall(page)
+    page.evaluate("window.letGo()")
+    page.wait_for_timeout(1000)
+    assert page.locator(".numbers").count() == 0
+    page.locator("#measure").click()
+    page.locator(".numbers").wait_for()
+
+
+@pytest.mark.parametrize("draft", ["{", "{}", '{"world": {"cells": "", "width": 9, "height": 9}}'])
+def test_a_draft_that_is_none_keeps_no_page_from_beginning(page, draft):
+    page.evaluate(f"localStorage.setItem('{DRAFT}', '{draft}')")
+    assert another_tab(page).complaints == []
+
+
+def test_a_run_that_the_lost_connection_has_ended_is_asked_for_again(page):
+    page.evaluate("window.held = []")
+    page.keyboard.press("2")
+    page.get_by_text("Running …").wait_for()
+    reconnect(page)
+    page.locator(".result").wait_for()
+
+
+def test_results_can_be_looked_at_until_those_of_the_next_run_are_there(page):
+    page.keyboard.press("2")
+    page.locator(".result").wait_for()
+    page.get_by_label("thesis-1 (turn-right)").check()
+    page.locator("#run").click()
+    page.locator(".result[data-controller=thesis-1]").wait_for()
+    page.evaluate("window.held = []")
+    page.locator("#run").click()
+    page.locator("[aria-current] .result[data-controller=thesis-2]").wait_for()
+    page.locator(".result[data-controller=thesis-1]").click()
+    page.locator("[aria-current] .result[data-controller=thesis-1]").wait_for()
+
+
+def test_a_file_that_is_no_map_is_refused_where_it_is_seen_on_whatever_page_it_is_dropped(page):
+    page.keyboard.press("3")
+    page.locator("#campaign").wait_for()
+    page.evaluate("""() => {
+      const files = new DataTransfer();
+      files.items.add(new File(["nonsense"], "nonsense.xyz"));
+      dispatchEvent(new DragEvent("drop", { dataTransfer: files, bubbles: true, cancelable: true }));
+    }""")
+    page.locator("#panel-files .bad", has_text="nonsense.xyz").wait_for()
+
+
+def test_what_went_wrong_when_saving_is_no_longer_said_when_it_went_well(page, folder):
+    page.keyboard.press("Control+s")
+    page.keyboard.type("wrong")
+    page.keyboard.press("Enter")
+    page.get_by_text("Saved wrong.grid").wait_for()
+    (folder / "wrong.grid").unlink()
+    (folder / "wrong.grid").mkdir()
+    draw_a_wall(page)
+    page.on("dialog", lambda dialog: dialog.accept())
+    page.keyboard.press("Control+s")
+    page.locator("#gone").wait_for()
+    (folder / "wrong.grid").rmdir()
+    page.keyboard.press("Control+s")
+    page.locator("#gone").wait_for(state="hidden")
+
+
+def test_with_a_full_storage_a_folder_of_failures_can_be_chosen(browser, gate, folder):
+    for name in ("one", "two"):
+        (folder / name).mkdir()
+        shutil.copy(FAILURE, folder / name / "loop.grid")
+    with opened(browser, gate) as page:
+        page.evaluate(FULL)
+        page.keyboard.press("3")
+        for name in ("one", "two"):
+            page.locator("#campaign-folder").select_option(name)
+            page.locator("#name", has_text=name).wait_for()
+            page.get_by_text("1 failure", exact=True).wait_for()
+        assert page.complaints == []
+
+
+@pytest.mark.parametrize(("label", "wrong"), [("Cell size", "1e308"), ("Cell size", "1e-300"), ("Heading", "1e308")])
+def test_a_number_out_of_its_bounds_is_told_and_changes_nothing(page, label, wrong):
+    draw_a_wall(page)
+    field = page.get_by_label(label).first
+    before = field.input_value()
+    field.fill(wrong)
+    field.press("Tab")
+    page.locator(".fault", has_text="Give a number from").wait_for()
+    page.locator("#proof.good").wait_for()
+    assert field.input_value() == wrong
+    page.reload()  # the drawing is as it was: a world with such a number could not be kept
+    page.wait_for_selector("#proof.good")
+    page.keyboard.press("Control+z")
+    page.locator("#name", has_text="not saved yet").wait_for()
+    assert field.input_value() == before and page.complaints == []
+
+
+def test_after_a_new_start_a_new_tab_goes_on_with_what_an_open_one_has_drawn_and_nothing_is_lost(browser, folder):
+    with contextlib.ExitStack() as both:
+        server = both.enter_context(contextlib.ExitStack())
+        first = server.enter_context(studio_of(folder))
+        page = both.enter_context(opened(browser, first))
+        draw_a_wall(page)
+        other = another_tab(page)
+        drag(other, (10, 5), (10, 8))
+        other.locator("#name", has_text="changed").wait_for()
+        drawn = [solid_cells(one) for one in (page, other)]
+        server.close()
+        for one in (page, other):
+            one.get_by_text("The studio does not answer.").wait_for()
+        again = both.enter_context(studio_of(folder, port=first.port))
+        fresh = another_tab(page, again.address)
+        other.get_by_text("Another tab goes on with what is drawn here.").wait_for()
+        page.locator("#gone").wait_for(state="hidden")
+        assert [solid_cells(one) for one in (page, other, fresh)] == [*drawn, drawn[1]]
+        page.wait_for_timeout(1500)  # all have kept their drafts anew
+        fresh.evaluate(NO_ROOM)
+        drag(fresh, (30, 5), (30, 8))
+        fresh.wait_for_timeout(1500)  # it has looked for room
+        for one in (page, other):
+            with one.expect_event("close"):
+                one.close(run_before_unload=True)
+        assert solid_cells(another_tab(fresh)) == drawn[0] != drawn[1]
+        assert "changed" not in another_tab(fresh).locator("#name").inner_text()
+
+
+def test_a_tab_that_has_gone_on_by_itself_keeps_its_draft_from_new_ones(page):
+    draw_a_wall(page)
+    reconnect(page)
+    other = another_tab(page)
+    assert "changed" not in other.locator("#name").inner_text()
+    page.reload()
+    page.locator("#name", has_text="changed").wait_for()
+
+
+def test_after_a_new_start_with_other_controllers_an_open_page_offers_those(browser, folder):
+    old, new = (f"thesis-1+{option}+motion=stepped" for option in ("noise", "repaired"))
+    with contextlib.ExitStack() as both:
+        server = both.enter_context(contextlib.ExitStack())
+        first = server.enter_context(studio_of(folder, named=[old]))
+        page = both.enter_context(opened(browser, first))
+        page.keyboard.press("3")
+        page.locator("#campaign-controller option", has_text=old).wait_for(state="attached")
+        page.keyboard.press("2")
+        page.locator(f".result[data-controller='{old}']").wait_for()
+        server.close()
+        page.get_by_text("The studio does not answer.").wait_for()
+        again = both.enter_context(studio_of(folder, port=first.port, named=[new]))
+        another_tab(page, again.address)
+        page.get_by_label(new, exact=True).wait_for()
+        assert page.get_by_label(new, exact=True).is_checked() and page.get_by_label(old, exact=True).count() == 0
+        page.keyboard.press("3")
+        page.locator("#campaign-controller option", has_text=new).wait_for(state="attached")
+        assert page.locator("#campaign-controller option", has_text=old).count() == 0
+
+
+def test_a_page_too_many_says_so_and_comes_when_another_one_is_closed(browser, folder, monkeypatch):
+    monkeypatch.setattr("fuzz.studio.app.MOST_PAGES", 1)
+    with studio_of(folder) as gate, opened(browser, gate) as page:
+        other = page.context.new_page()
+        other.goto(page.url)
+        other.get_by_text("1 pages are open, and the studio takes no more; close another one.").wait_for()
+        page.close()
+        other.locator("#proof.good").wait_for()
+        assert other.locator("#gone").is_hidden()
+
+
+def test_what_is_too_large_for_a_message_is_refused_and_the_connection_stays(page):
+    said = page.evaluate("""async () => {
+      const { makeConnection } = await import("/studio/connection.js");
+      const told = [];
+      const connection = await new Promise((begun) => {
+        const made = makeConnection(() => begun(made), () => told.push("lost"), Promise.resolve());
+      });
+      await connection.ask("files", { more: "ü".repeat(17 << 20) }).catch((error) => told.push(error.message));
+      told.push(Object.keys(await connection.ask("files")).join());
+      return told;
+    }""")
+    assert "more than 32 MiB" in said[0] and said[1:] == ["folder,files"]

@@ -1,0 +1,274 @@
+"""The page on which robots drive: all of it in sight, the thesis's settings, the world that changes."""
+
+import base64
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from sim import simulate
+from tests.helpers.browser import missing_browser
+from tests.helpers.studio import page_of, studio_of
+from worldgen.families.shift import shifted
+from worldgen.grid_file import read_world
+
+pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
+pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+
+from fuzz.studio.messages import message_of, world_of  # noqa: E402
+from tests.helpers.studio_page import drag, opened  # noqa: E402
+
+CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
+
+
+@pytest.fixture(scope="module")
+def gate(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("play")
+    (folder / "config-05.grid").write_bytes(CONFIG_5.read_bytes())
+    with studio_of(folder, file="config-05.grid") as gate:
+        yield gate
+
+
+def play(page, steps=300):
+    """The page Play, with its first run done, of few steps from now on."""
+    page.keyboard.press("2")
+    page.locator(".result").first.wait_for()
+    page.get_by_label("Steps", exact=True).fill(str(steps))
+    page.keyboard.press("Tab")
+
+
+def run(page, steps=300):
+    page.locator("#run").click()
+    page.locator(".result", has_text=f"{steps} steps").first.wait_for()
+
+
+def digest(page):
+    return page.locator("[aria-current] .digest").inner_text()
+
+
+def expected(world, controller, **options):
+    return simulate(world, controller, motion="stepped", steps=300, **options).trace_digest
+
+
+def out_of_sight(page, *parts):
+    """Which of these parts of the page are not wholly in the window, or covered by the edge of what scrolls."""
+    script = """(all) => all.filter((part) => [...document.querySelectorAll(part)].some((one) => {
+      const { left, right, top, bottom } = one.getBoundingClientRect();
+      const corners = [[left + 3, top + 3], [right - 3, bottom - 3]];
+      return corners.some(([x, y]) => !one.contains(document.elementFromPoint(x, y)));
+    }))"""
+    return page.evaluate(script, list(parts))
+
+
+SEEN = ["#stage", "#run", "#scrub", "#play-pause", "#instruments b", "#play .layers", ".results > ol > li"]
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"viewport": {"width": 1280, "height": 720}},
+        {"viewport": {"width": 1920, "height": 1080}},
+        {"viewport": {"width": 820, "height": 1180}, "has_touch": True},
+    ],
+    ids=["small", "large", "tablet"],
+)
+def test_with_three_robots_world_controls_state_and_all_results_are_in_sight(browser, gate, how):
+    with opened(browser, gate, **how) as page:
+        play(page)
+        for name in ("thesis-1", "thesis-3"):
+            page.get_by_role("checkbox", name=name).check()
+        run(page)
+        page.locator(".result").nth(2).wait_for()
+        assert out_of_sight(page, *SEEN, "#play .setup .robots label", "#play .headings button") == []
+
+
+def test_with_six_robots_and_settings_open_the_results_keep_their_place(page):
+    play(page)
+    labels = ("thesis-1+slip=0.2", "thesis-1+noise", "thesis-2+repaired+sensor_range=60+drive_ticks=4", "thesis-1")
+    field = page.get_by_label("Another robot, with options")
+    for label in labels:
+        field.fill(label)
+        field.press("Enter")
+        page.wait_for_function("(field) => field.value === ''", arg=field.element_handle())  # it was added
+    page.get_by_role("checkbox", name="thesis-3").check()
+    page.get_by_role("button", name="Behaviours").click()
+    run(page)
+    page.locator(".results li").nth(5).wait_for()
+    assert out_of_sight(page, "#stage", "#run", "#scrub", "#instruments b", ".results li:first-child") == []
+    box = page.locator("#play .results").bounding_box()
+    assert box["y"] + box["height"] == 720 and 250 < box["height"] < 0.61 * 672
+    assert page.get_by_label("Collide ticks").bounding_box()["y"] < box["y"]
+
+
+def test_the_behaviours_settings_are_those_of_the_command_line(page):
+    play(page)
+    page.keyboard.press("Control+b")
+    for name, value in (("Collide ticks", "9"), ("Drive ticks", "6"), ("Turn angle", "45")):
+        page.get_by_label(name).fill(value)
+    page.get_by_role("button", name="Sensor").click()
+    page.get_by_label("Sensor range").fill("50")
+    page.locator("#play").get_by_label("Noise", exact=True).check()
+    page.locator("#run-due", has_text="press Run").wait_for()
+    run(page)
+    own = {"collide_ticks": 9, "drive_ticks": 6, "turn_angle": math.pi / 4, "sensor_range": 50, "noise": True}
+    assert digest(page) == expected(read_world(CONFIG_5), "thesis-2", **own)
+    for words in ("Behaviours 3 changed", "Sensor 2 changed"):
+        page.get_by_role("button", name=words).wait_for()
+    page.get_by_role("button", name="Behaviours").click()
+    page.get_by_label("Turn angle").fill("90")
+    page.keyboard.press("Tab")
+    page.get_by_role("button", name="Behaviours 2 changed").wait_for()
+
+
+def test_a_setting_out_of_its_bounds_is_marked_and_nothing_is_run_with_it(page):
+    play(page)
+    page.get_by_role("button", name="Sensor").click()
+    page.get_by_label("Sensor range").fill("20")
+    page.get_by_role("button", name="Faults").click()
+    page.keyboard.press("Control+Enter")
+    page.locator(".fault", has_text="Sensor range is a whole number, 36 to 1,000.").wait_for()
+    page.get_by_label("Sensor range").and_(page.locator(":focus")).wait_for()
+    assert page.locator(".result", has_text="300 steps").count() == 0
+    page.keyboard.press("Control+a")
+    page.keyboard.type("40")
+    page.keyboard.press("Control+Enter")
+    page.locator(".result", has_text="300 steps").wait_for()
+    assert digest(page) == expected(read_world(CONFIG_5), "thesis-2", sensor_range=40)
+
+
+def test_with_a_wrong_setting_the_former_world_s_run_is_not_shown_as_this_one_s(page):
+    play(page)
+    page.get_by_label("Steps", exact=True).fill("0")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("1")
+    page.locator("#board").wait_for()
+    page.keyboard.press("b")
+    drag(page, (16, 15), (22, 21))
+    page.locator("#name", has_text="changed").wait_for()
+    page.keyboard.press("2")
+    page.locator("#run-said.bad", has_text="a setting is not as it must be").wait_for()
+    assert page.locator(".stage.stale").count() == 1
+    assert page.evaluate("document.activeElement.tagName") != "INPUT"
+    page.locator("#run").click()
+    page.get_by_label("Steps", exact=True).and_(page.locator(":focus")).wait_for()
+
+
+def test_walls_change_places_and_stand_still_again(page):
+    play(page)
+    page.get_by_label("Let walls change places").check()
+    page.locator(".result", has_text="300 steps").wait_for()
+    still = read_world(CONFIG_5)
+    moving = shifted(still, 0)
+    assert digest(page) == expected(moving, "thesis-2") and len(moving.timeline) > 0
+    assert page.locator(".changes").inner_text() == f"The world changes ({len(moving.timeline)} changes)"
+    page.get_by_label("The world changes").uncheck()
+    page.locator("#run").click()
+    page.locator(".digest", has_text=expected(still, "thesis-2")).wait_for()
+    page.keyboard.press("1")
+    page.keyboard.press("Control+z")
+    page.keyboard.press("2")
+    page.get_by_label("Let walls change places").wait_for()
+
+
+@pytest.mark.parametrize("seed", ["-1", "x", "9" * 5000, "0" * 5000])
+def test_a_seed_that_is_none_is_refused(gate, seed):
+    with page_of(gate) as page:
+        assert "no whole number" in page.ask("shift", world=message_of(read_world(CONFIG_5)), seed=seed)["error"]
+
+
+def test_a_world_that_is_not_square_or_changes_already_is_not_shifted(gate):
+    still = read_world(CONFIG_5)
+    with page_of(gate) as page:
+        flat = message_of(replace(still, walls=still.walls[:, :-1], certificate=None, provenance=None))
+        assert "no mirror image" in page.ask("shift", world=flat, seed="0")["error"]
+        moving = page.ask("shift", world=message_of(still), seed="7")["answer"]["world"]
+        assert world_of(moving) == shifted(still, 7)
+        assert "changes already" in page.ask("shift", world=moving, seed="0")["error"]
+        empty = message_of(replace(still, walls=still.walls & still.walls.T[::-1, ::-1], certificate=None))
+        assert "free mirror image" in page.ask("shift", world=empty, seed="0")["error"]
+
+
+def test_a_robot_s_words_can_be_changed(page):
+    play(page)
+    field = page.get_by_label("Another robot, with options")
+    field.fill("thesis-1+slip=0.3")
+    page.keyboard.press("Enter")
+    page.get_by_role("button", name="Change thesis-1+slip=0.3").click()
+    assert field.input_value() == "thesis-1+slip=0.3" and page.locator(".robots .own").count() == 0
+    field.fill("thesis-1+slip=0.2")
+    page.keyboard.press("Enter")
+    assert page.get_by_role("checkbox", name="thesis-1+slip=0.2").is_checked()
+
+
+def test_beside_a_robot_that_drives_longer_a_loop_goes_round_and_is_told_within_its_period(page):
+    play(page, steps=20_000)
+    page.get_by_role("checkbox", name="thesis-3").check()
+    page.locator("#run").click()
+    page.locator(".result", has_text="20,000 steps").wait_for()
+    page.keyboard.press("End")
+    page.locator("#readout", has_text="step 20,000 of 20,000").wait_for()
+    into = (20_000 - 9_834) % 104
+    assert f", {into} into the period" in page.locator("#readout").inner_text()
+
+
+def test_a_film_is_as_long_as_the_run_at_its_speed_and_moves_all_the_time(browser, gate):
+    with opened(browser, gate) as page:
+        play(page)
+        run(page)
+        page.locator("#play .under select").select_option("2")
+        page.locator(".save summary").click()
+        with page.expect_download() as download:
+            page.locator(".save .menu").get_by_text("Film, WebM").click()
+        film = base64.b64encode(Path(download.value.path()).read_bytes()).decode()
+    with browser.new_context() as context:  # the studio's own page may not show films
+        length, changed = context.new_page().evaluate(_LOOK_AT, [film, [0.1, 0.7, 1.3, 1.9]])
+    assert 300 * 0.015 / 2 < length < 3 * (300 * 0.015 / 2)  # on a busy machine it may take longer
+    assert len(changed) == 3 and min(changed) > 20
+
+
+# How long a film is, and how many pixels change from each of these times to the next.
+_LOOK_AT = """async ([film, times]) => {
+  const video = document.createElement("video");
+  video.muted = true;
+  const bytes = Uint8Array.from(atob(film), (c) => c.charCodeAt(0));
+  const seek = (time) => new Promise((done) => { video.onseeked = done; video.currentTime = time; });
+  await new Promise((done, fail) => {
+    video.onloadeddata = done;
+    video.onerror = () => fail(video.error.message);
+    video.src = URL.createObjectURL(new Blob([bytes], {type: "video/webm"}));
+  });
+  await seek(1e6);
+  const length = video.currentTime;
+  const pen = new OffscreenCanvas(video.videoWidth, video.videoHeight).getContext("2d");
+  const looks = [];
+  for (const time of times) {
+    await seek(time);
+    pen.drawImage(video, 0, 0);
+    looks.push(pen.getImageData(0, 0, video.videoWidth, video.videoHeight).data);
+  }
+  const changed = looks.slice(1).map((look, k) => look.filter((v, p) => Math.abs(v - looks[k][p]) > 40).length);
+  return [length, changed];
+}"""
+
+
+def test_a_controller_that_never_answers_is_stopped_by_its_button_and_the_others_stay(browser, tmp_path):
+    (tmp_path / "config-05.grid").write_bytes(CONFIG_5.read_bytes())
+    mine = tmp_path / "mine.py"
+    mine.write_text("class Stuck:\n def reset(self): return ()\n def act(self, o, m):\n  while True: pass\n")
+    with (
+        studio_of(tmp_path, named=(f"{mine}:Stuck",), file="config-05.grid") as gate,
+        opened(browser, gate) as page,
+    ):
+        page.keyboard.press("2")
+        page.locator("#stop-run").click()
+        page.locator("#run-said", has_text="Stopped.").wait_for()
+        assert page.locator("#stop-run").is_hidden() and page.locator("#run").evaluate(
+            "e => e === document.activeElement"
+        )
+        page.get_by_label("mine.py:Stuck").uncheck()
+        page.get_by_label("thesis-1").check()
+        page.locator("#run").click()
+        page.locator(".result", has_text="thesis-1").wait_for()
+        page.locator("#run-said").wait_for(state="hidden")
+        assert page.complaints == []

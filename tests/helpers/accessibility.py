@@ -1,0 +1,47 @@
+"""What a page of the studio lacks for those who use no mouse, see little, or see colours differently."""
+
+from pathlib import Path
+
+SCRIPT = Path(__file__).with_suffix(".js").read_text("utf-8")
+FINE, COARSE = 24, 44  # px: the least size of what a mouse, or a finger, is to hit
+NAMED = {
+    "button", "link", "checkbox", "radio", "combobox", "textbox", "searchbox", "spinbutton", "slider", "tab",
+    "application", "image", "dialog", "progressbar", "DisclosureTriangle", "region", "tabpanel",
+}  # fmt: skip
+
+
+def complaints(page, *, least=FINE):
+    """All that can be seen in the page as it stands: sentences, none if nothing is wrong."""
+    page.evaluate(SCRIPT)
+    said = page.evaluate(
+        "least => ({twice: accessibility.twice(), text: accessibility.text(), edges: accessibility.edges(),"
+        " targets: accessibility.targets(least), overflow: accessibility.overflow()})",
+        least,
+    )
+    return [f"{kind}: {what}" for kind, found in said.items() for what in found] + nameless(page)
+
+
+def nameless(page):
+    """What Chromium's accessibility tree has of controls and pictures without a name."""
+    tree = page.context.new_cdp_session(page).send("Accessibility.getFullAXTree")["nodes"]
+    shown = [node for node in tree if not node["ignored"] and node["role"]["value"] in NAMED]
+    assert shown
+    return [f"no name: {node['role']['value']}" for node in shown if not node.get("name", {}).get("value", "").strip()]
+
+
+def tab_through(page):
+    """Presses Tab until all stops have been met; gives those that were not, or do not show the focus."""
+    page.evaluate(SCRIPT)
+    page.evaluate("document.activeElement.blur()")
+    page.evaluate("globalThis.left = new Set(accessibility.stops())")
+    unseen = []
+    for _ in range(2 * page.evaluate("left.size") + 10):
+        page.keyboard.press("Tab")
+        here = page.evaluate(
+            "() => { const one = document.activeElement; left.delete(one);"
+            " return [one === document.body || accessibility.focus(), accessibility.name(one), left.size] }"
+        )
+        unseen += [] if here[0] else [f"no focus seen: {here[1]}"]
+        if here[2] == 0:
+            break
+    return unseen + page.evaluate("[...left].map((one) => `not reached by Tab: ${accessibility.name(one)}`)")
