@@ -1,8 +1,10 @@
-"""Ctrl-C that is not lost: Python drops what is raised while garbage is collected."""
+"""Ctrl-C that is not lost: Python drops what is raised where nobody can catch it."""
 
 from __future__ import annotations
 
 import signal
+import sys
+import threading
 from types import FrameType
 
 __all__ = ["never_lose_ctrl_c"]
@@ -11,31 +13,39 @@ _AGAIN = 0.01  # s
 
 
 def never_lose_ctrl_c() -> None:
-    """Puts Ctrl-C off where ``KeyboardInterrupt`` would be printed and forgotten: in callbacks of ``gc``.
+    """Repeats Ctrl-C where ``KeyboardInterrupt`` would be printed and forgotten.
 
-    Hypothesis has such a callback; in a campaign every fourth Ctrl-C fell into it. Where Ctrl-C is ignored, or somebody
-    else handles it, this does nothing.
+    That is in callbacks of ``gc`` (Hypothesis has one: in a campaign every fourth Ctrl-C fell into it), in those of
+    weak references (Numba has some) and in ``__del__``. Where Ctrl-C is ignored, or somebody else handles it, this
+    does nothing.
     """
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _interrupt)
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        return
+    main = threading.get_ident()
+    heard = threading.Event()
+    others = sys.unraisablehook
 
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    if _is_collecting(frame):
-        import _thread
-        import threading
-
-        threading.Timer(_AGAIN, _thread.interrupt_main).start()
-    else:
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        heard.set()
         signal.default_int_handler(number, frame)
 
+    def hook(dropped: sys.UnraisableHookArgs) -> None:
+        if issubclass(dropped.exc_type, KeyboardInterrupt):
+            heard.clear()
+            threading.Thread(target=_press_until_heard, args=(main, heard), daemon=True).start()
+        else:
+            others(dropped)
 
-def _is_collecting(frame: FrameType | None) -> bool:
-    import gc
+    signal.signal(signal.SIGINT, interrupt)
+    sys.unraisablehook = hook
 
-    callbacks = [getattr(callback, "__code__", None) for callback in gc.callbacks]
-    while frame is not None:
-        if frame.f_code in callbacks:
-            return True
-        frame = frame.f_back
-    return False
+
+def _press_until_heard(main: int, heard: threading.Event) -> None:
+    """Once is not enough: what is pressed just before the main thread begins to wait does not wake it."""
+    while not heard.wait(_AGAIN) and signal.getsignal(signal.SIGINT) not in (signal.SIG_IGN, signal.SIG_DFL):
+        if sys.platform == "win32":
+            import _thread
+
+            _thread.interrupt_main()
+        else:
+            signal.pthread_kill(main, signal.SIGINT)
