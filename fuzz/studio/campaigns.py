@@ -43,6 +43,7 @@ from worldgen.grid_file import write_world
 __all__ = ["CampaignAnswers"]
 
 _BEGINS = 300.0  # s that a process gets until it has begun: kernels may have to be compiled on a machine that is busy
+_BEGINNING = "studio.begins"  # name, in a campaign's memory, of a file that is there until it has begun or is to end
 _ENDS = 2.0  # s that a campaign is waited for that was told to end; it may end later
 _LOOK = 0.05  # s between two looks
 
@@ -107,9 +108,10 @@ class CampaignAnswers(Opened):
         return {"state": campaign_state(out, name)}
 
     def stop(self, message: Message, part: object) -> dict[str, Any]:
-        """Has a campaign end as Ctrl-C would; all that was found is kept."""
+        """Has a campaign end as Ctrl-C would, also one that has yet to begin; all that was found is kept."""
         name = part_of(message, "folder", str)
         out = self._own(name)
+        (out / MEMORY / _BEGINNING).unlink(missing_ok=True)  # for `_start`, which waits in another process
         process = running_process(out)
         if process is not None:
             with contextlib.suppress(ProcessLookupError):  # it has just ended by itself
@@ -117,8 +119,7 @@ class CampaignAnswers(Opened):
         until = time.monotonic() + _ENDS
         while process is not None and running_process(out) is not None and time.monotonic() < until:
             time.sleep(_LOOK)
-        self._reap()
-        return {"state": campaign_state(out, name)}
+        return {"state": campaign_state(out, name) if is_campaign(out) else None}
 
     def elite(self, message: Message, part: object) -> dict[str, Any]:
         """The simplest world of a cell of a campaign's archive, and who ran in it."""
@@ -169,9 +170,11 @@ class CampaignAnswers(Opened):
         if running_process(out) is not None:
             raise OutputError(f"the campaign in {out.name} runs already; stop it first")
         memory = out / MEMORY
+        beginning = memory / _BEGINNING
         made = [folder for folder in (memory, out, *out.parents) if not folder.exists()]
         try:
             memory.mkdir(parents=True, exist_ok=True)
+            beginning.touch()
             with (memory / SAID).open("wb") as said:
                 process = _process([sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said)
         except OSError as error:
@@ -179,24 +182,45 @@ class CampaignAnswers(Opened):
                 f"{out.name} cannot be written: {error.strerror or error}; name another folder"
             ) from error
         self._begun.append(process)
-        until = time.monotonic() + _BEGINS
-        while process.poll() is None and not (running_process(out) == process.pid and is_campaign(out)):
-            if time.monotonic() > until:
-                process.kill()
-                raise OutputError(f"the campaign has not begun within {_BEGINS:g} s; try it at a terminal")
-            time.sleep(_LOOK)
-        if process.returncode is None or process.returncode in (0, 1, 130):
+        why_not = _wait_until_begun(process, out, beginning)
+        beginning.unlink(missing_ok=True)
+        if not why_not:
             return
-        why = _last_words(memory / SAID)
         (memory / SAID).unlink(missing_ok=True)
         for folder in made:
             with contextlib.suppress(OSError):  # it holds something
                 folder.rmdir()
-        raise OutputError(why)
+        raise OutputError(why_not)
 
     def _reap(self) -> None:
         """Takes note of processes that ended."""
         self._begun[:] = [process for process in self._begun if process.poll() is None]
+
+
+def _wait_until_begun(process: subprocess.Popen[bytes], out: Path, beginning: Path) -> str:
+    """Why a campaign's process did not begin; empty as soon as it has."""
+    until = time.monotonic() + _BEGINS
+    while process.poll() is None:
+        if running_process(out) == process.pid and is_campaign(out):
+            return ""
+        if time.monotonic() > until:
+            process.kill()
+            return f"the campaign has not begun within {_BEGINS:g} s; try it at a terminal"
+        if not beginning.exists():
+            _end(process)
+            return "the campaign was stopped before it had begun"
+        time.sleep(_LOOK)
+    return "" if process.returncode in (0, 1, 130) else _last_words(out / MEMORY / SAID)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """Ends a process as Ctrl-C would; by force, if that takes too long."""
+    process.send_signal(signal.SIGINT)
+    try:
+        process.wait(_ENDS)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 def _process(command: list[str], said: Any) -> subprocess.Popen[bytes]:

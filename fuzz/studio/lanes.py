@@ -41,15 +41,16 @@ LANES = {
     "begin": "campaigns",
     "command": "campaigns",
     "resume": "campaigns",
-    "stop": "campaigns",
     "watch": "watching",
     "failures": "walls",
     "know": "walls",
     "look": "looks",
     "elite": "looks",
+    "stop": "looks",
     "snippet": "looks",
 }
-"""Which process does what: what is saved is never ended, and a long search for a proof stops no run."""
+"""Which process does what: what is saved is never ended, a long search for a proof stops no run, and
+what takes long to begin can be stopped meanwhile."""
 
 
 class Ended(Exception):

@@ -43,7 +43,7 @@ from worldgen.world import Pose, Target, World
 CONTROLLER = """
 class Robot:
     def reset(self):
-        return []
+        return ()
 
     def act(self, observation, memory):
         return (0.0, 1.0), memory

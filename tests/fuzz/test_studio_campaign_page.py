@@ -12,6 +12,7 @@ from worldgen.grid_file import read_world
 pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
 pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
 
+from tests.helpers.studio_campaign import HANGS, acts  # noqa: E402
 from tests.helpers.studio_page import CAMPAIGN, opened  # noqa: E402
 
 FAILURE = next(Path(__file__).parents[2].glob("corpora/failures/**/*.grid"))
@@ -76,6 +77,24 @@ def test_begin_pressed_twice_begins_once(page, tmp_path):
     page.locator("#campaign-state").wait_for()
     assert page.locator("#form-said").inner_text() == "" and page.complaints == []
     assert [one.name for one in tmp_path.iterdir() if one.is_dir()] == ["turn-right-swept"]
+
+
+def test_what_never_begins_is_stopped_by_keyboard_and_another_can_begin(browser, tmp_path):
+    (tmp_path / "mine.py").write_text(HANGS)
+    with studio_of(tmp_path, named=[f"{tmp_path}/mine.py:Robot"]) as gate, opened(browser, gate, until=None) as page:
+        page.keyboard.press("3")
+        page.locator("#begin").press("Enter")
+        stop = page.locator("#stop-beginning")
+        stop.wait_for()
+        page.wait_for_function("() => document.activeElement.id === 'stop-beginning'")
+        acts(tmp_path)
+        page.keyboard.press("Enter")
+        page.locator("#form-said", has_text="stopped before it had begun").wait_for()
+        assert stop.is_hidden() and page.evaluate("document.activeElement.id") == "begin"
+        page.locator("#campaign-controller").select_option("turn-right")
+        begin(page, units=1)
+        page.locator("#campaign-state").wait_for(timeout=CAMPAIGN)
+        assert page.complaints == []
 
 
 def test_of_many_failures_only_those_in_sight_are_drawn_and_damaged_files_are_told(page, tmp_path):

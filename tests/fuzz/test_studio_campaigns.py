@@ -19,7 +19,7 @@ from fuzz.studio.campaign_state import SAID, _said
 from fuzz.studio.messages import message_of
 from tests.helpers.command_line import worldgen
 from tests.helpers.studio import page_of, studio_of
-from tests.helpers.studio_campaign import SHORT, begin, watch
+from tests.helpers.studio_campaign import HANGS, SHORT, acts, begin, watch
 from worldgen import generate
 from worldgen.grid_file import dumps, read_world, write_world
 from worldgen.locks import holder, lock, sign
@@ -149,6 +149,20 @@ def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(
         watched(page, "long", stopped["units"])
         page.ask("stop", folder="long")
         assert not watch(page, "long")["running"]
+
+
+def test_a_campaign_that_has_yet_to_begin_is_stopped_and_leaves_nothing(tmp_path):
+    (tmp_path / "mine.py").write_text(HANGS)
+    label = f"{tmp_path}/mine.py:Robot"
+    with studio_of(tmp_path, named=[label]) as gate, page_of(gate) as page:
+        asked = page.send("begin", folder="a/b", **SHORT | {"controller": label}, units=1)
+        acts(tmp_path)
+        stop = page.send("stop", folder="a/b")
+        said = {one["id"]: one for one in (page.hear(), page.hear())}
+        assert said[stop]["answer"] == {"state": None}
+        assert said[asked]["error"] == "the campaign was stopped before it had begun"
+        assert not (tmp_path / "a").exists()
+        assert begin(page, "a/b", units=1)["answer"]["state"]["folder"] == "a/b"
 
 
 def test_on_the_drawn_map_only_the_poses_vary(page, folder):

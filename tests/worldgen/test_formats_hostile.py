@@ -104,7 +104,7 @@ def test_a_damaged_file_is_read_or_refused_in_one_sentence(name, tmp_path, data)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", READABLE)
-@settings(max_examples=3000)
+@settings(max_examples=300)
 @given(st.data())
 def test_many_damaged_files_are_read_or_refused_in_one_sentence(name, tmp_path, data):
     files = dict(data.draw(st.sampled_from(samples(name))))

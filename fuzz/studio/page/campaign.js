@@ -17,7 +17,7 @@ const PANELS = { new: "New campaign", failure: "Failure", archive: "Archive" };
 /* The page.
      studio    { connection, offered, model, show, go, ... }: what all pages share */
 export function makeCampaign(section, studio) {
-  const campaign = { studio, folder: null, shown: null, states: new Map(), folders: [], isListed: false, stamp: "", read: null, watched: null, stopping: "" };
+  const campaign = { studio, folder: null, shown: null, states: new Map(), folders: [], isListed: false, stamp: "", read: null, watched: null, stopping: "", beginning: "" };
   campaign.listed = new Promise((done) => (campaign.foundOut = done));
   const parts = {
     said: el("p", { class: "said", role: "status", id: "campaign-said" }),
@@ -25,11 +25,8 @@ export function makeCampaign(section, studio) {
   };
   Object.assign(campaign, { parts, select: (one) => select(campaign, one), trying: (act) => trying(campaign, act) });
   campaign.begin = (message) => start(campaign, "begin", message);
-  campaign.goOn = (message) => {
-    campaign.parts.said.className = "said quiet";
-    campaign.parts.said.textContent = "Beginning …";
-    return trying(campaign, () => start(campaign, "resume", { folder: campaign.folder, ...message }));
-  };
+  campaign.goOn = (message) => goOn(campaign, message);
+  campaign.halt = (folder) => trying(campaign, () => halt(campaign, folder));
   campaign.stop = () => trying(campaign, () => stop(campaign));
   campaign.reload = () => reloadWall(campaign);
   campaign.form = makeForm(campaign);
@@ -235,6 +232,24 @@ async function start(campaign, kind, message) {
   await list(campaign);
   take(campaign, state);
   look(campaign);
+  return "";
+}
+
+// Goes on with the chosen campaign.
+async function goOn(campaign, message) {
+  const { parts, folder } = campaign;
+  parts.said.className = "said quiet";
+  parts.said.textContent = "Beginning …";
+  campaign.beginning = folder;
+  showState(campaign, campaign.states.get(folder));
+  await trying(campaign, () => start(campaign, "resume", { folder, ...message }));
+  campaign.beginning = "";
+  showState(campaign, campaign.states.get(campaign.folder) || null);
+}
+
+// Ends what has yet to begin; the question that began it is answered with that.
+async function halt(campaign, folder) {
+  await campaign.studio.connection.ask("stop", { folder });
   return "";
 }
 

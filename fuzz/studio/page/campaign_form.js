@@ -60,6 +60,7 @@ function build(form) {
   parts.said = el("p", { class: "fault", role: "alert", id: "form-said" });
   parts.waiting = el("p", { class: "quiet", role: "status" });
   parts.begin = el("button", { type: "submit", class: "main", id: "begin" }, "Begin");
+  parts.halt = el("button", { type: "button", id: "stop-beginning", hidden: true, onclick: () => campaign.halt(parts.halt.value) }, "Stop");
   const title = "The line that does the same at a terminal";
   parts.copy = el("button", { type: "button", id: "copy-command", title, onclick: () => submit(form, (message) => copyCommand(form, message)) }, "Copy command");
   form.more = makeMore(offered);
@@ -75,7 +76,7 @@ function build(form) {
     knownPart(form, kept.known ?? true),
     form.more.element,
     parts.said,
-    el("div", { class: "actions" }, parts.begin, parts.copy),
+    el("div", { class: "actions" }, parts.begin, parts.halt, parts.copy),
     parts.waiting,
     el("p", { class: "quiet small-print" }, "It runs in a process of its own, and goes on when this page or the studio is closed."),
   );
@@ -271,6 +272,9 @@ async function submit(form, act) {
 async function begin(form, message) {
   const { campaign, state, parts } = form;
   parts.begin.textContent = "Beginning …";
+  parts.halt.value = message.folder;
+  parts.halt.hidden = false;
+  if (document.activeElement === document.body) parts.halt.focus(); // the button that began it has lost that
   const slow = setTimeout(() => (parts.waiting.textContent = FIRST), SLOW);
   try {
     await campaign.begin(message);
@@ -278,8 +282,12 @@ async function begin(form, message) {
     suggestFolder(form);
   } finally {
     clearTimeout(slow);
+    const focused = document.activeElement === parts.halt;
     parts.waiting.textContent = "";
+    parts.halt.hidden = true;
     parts.begin.textContent = "Begin";
+    parts.begin.disabled = false; // or it could not have the focus
+    if (focused) parts.begin.focus();
   }
 }
 

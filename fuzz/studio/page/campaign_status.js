@@ -196,18 +196,21 @@ function showClasses({ parts, campaign }, classes) {
   );
 }
 
-// Stop while it runs; go on when it stands still, as far as is asked for.
+// Stop while it runs or begins; go on when it stands still, as far as is asked for.
 function showActions({ state, parts, campaign }) {
-  const kind = !state ? "none" : state.running ? (campaign.stopping === state.folder ? "stopping" : "stop") : `on-${state.folder}-${state.units}`;
+  const kind = !state ? "none" : state.running ? (campaign.stopping === state.folder ? "stopping" : "stop") : standing(state, campaign);
   if (parts.actions.dataset.kind === kind) return;
   parts.actions.dataset.kind = kind;
   if (!state) parts.actions.replaceChildren();
-  else if (state.running) {
-    const disabled = kind === "stopping";
-    parts.actions.replaceChildren(
-      el("button", { type: "button", id: "stop", disabled, onclick: campaign.stop, title: "All that was found is kept" }, "Stop"),
-    );
-  } else parts.actions.replaceChildren(...goOnPart(state, campaign));
+  else if (kind === "beginning") parts.actions.replaceChildren(stopButton(() => campaign.halt(state.folder)));
+  else if (state.running) parts.actions.replaceChildren(stopButton(campaign.stop, kind === "stopping"));
+  else parts.actions.replaceChildren(...goOnPart(state, campaign));
+}
+
+const standing = ({ folder, units }, { beginning }) => (beginning === folder ? "beginning" : `on-${folder}-${units}`);
+
+function stopButton(onclick, disabled = false) {
+  return el("button", { type: "button", id: "stop", disabled, onclick, title: "All that was found is kept" }, "Stop");
 }
 
 function goOnPart(state, campaign) {

@@ -13,7 +13,7 @@ export function makeFiles(studio) {
     found: el("details", { hidden: true }, el("summary", {}), el("ul", { class: "files", "aria-label": "Found by campaigns" })),
     said: Object.fromEntries(["save", "import", "export", "open"].map((name) => [name, el("p", { role: "status" })])),
   };
-  const files = { parts, files: [] };
+  const files = { parts, files: [], named: "" };
   parts.find = el("input", {
     type: "search",
     placeholder: "Find",
@@ -44,7 +44,7 @@ export function makeFiles(studio) {
     },
     refresh: () => {
       if (files.shown !== studio.model.world.name) showList(studio, files);
-      if (document.activeElement !== parts.name) parts.name.value = studio.model.world.name;
+      if (files.named !== studio.model.world.name) parts.name.value = files.named = studio.model.world.name; // what was typed stays
       parts.imported.refresh();
       parts.exported.refresh();
     },
