@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-__all__ = ["cache_root", "kernel", "lazy_kernel"]
+__all__ = ["cache_folder", "cache_root", "kernel", "lazy_kernel"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -37,7 +37,8 @@ def cache_root() -> Path:
 
 
 @functools.cache
-def _cache_folder(source_folder: Path, built_on: Path | None = None) -> str:
+def cache_folder(source_folder: Path, built_on: Path | None = None) -> str:
+    """Where the compiled kernels of a folder of sources are kept; another place whenever one of them changes."""
     digest = hashlib.sha256()
     others = () if built_on is None else built_on.glob("*.py")
     for source in sorted({*source_folder.glob("*.py"), *_shared(source_folder), *others}):
@@ -78,7 +79,7 @@ def kernel(
     config: Any = numba.config
     njit = numba.njit
     before = config.CACHE_DIR
-    config.CACHE_DIR = _cache_folder(Path(function.__code__.co_filename).parent, built_on)
+    config.CACHE_DIR = cache_folder(Path(function.__code__.co_filename).parent, built_on)
     try:
         options: dict[str, Any] = {"cache": True, "nogil": True, "forceinline": inline}
         options |= {} if allocates else {"_nrt": False}

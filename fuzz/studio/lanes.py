@@ -5,20 +5,20 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import multiprocessing
-import os
-import signal
-import threading
-from collections.abc import AsyncGenerator, Iterator
+from collections.abc import AsyncGenerator
 from concurrent.futures import ThreadPoolExecutor
-from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
+from fuzz.studio.beside import start_beside
 from fuzz.studio.folder import Folder
 from worldgen.errors import WorldgenError
 
 __all__ = ["LANES", "Ended", "Lane"]
+
+_NICE = 5  # the page comes first
 
 LANES = {
     "hello": "files",
@@ -69,7 +69,7 @@ class Lane:
         self._given = (str(folder.root), named)
         self._turn = asyncio.Lock()
         self._thread = ThreadPoolExecutor(1, "lane")  # of its own: all that wait at once would use up asyncio's
-        self._process: multiprocessing.process.BaseProcess | None = None
+        self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
 
     async def ask(self, kind: str, message: dict[str, Any]) -> AsyncGenerator[tuple[str, Any]]:
@@ -113,37 +113,14 @@ class Lane:
 
     def _start(self) -> Connection:
         ours, theirs = multiprocessing.Pipe()
-        context = multiprocessing.get_context("spawn")
-        process = context.Process(target=_work, args=(theirs, *self._given), daemon=True)
-        with _without_interrupts():
-            process.start()
+        process = start_beside(_work, theirs, *self._given, nice=_NICE)
         theirs.close()  # so that the end of the process is the end of the pipe
         self._process, self._pipe = process, ours
         return ours
 
 
-@contextlib.contextmanager
-def _without_interrupts() -> Iterator[None]:
-    """A process that is started inside hears no Ctrl-C before it says so; this one hears it afterwards."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    resource_tracker.ensure_running()  # which would start with the process otherwise, and lets interrupts through
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
 def _work(pipe: Connection, folder: str, named: tuple[str, ...]) -> None:
     """What the process does until the server is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # for the campaigns that are started here
-    threading.Thread(target=_end_with_the_server, daemon=True).start()
-    with contextlib.suppress(OSError):
-        os.nice(5)  # the page comes first
     from fuzz.studio.answers import Answers  # noqa: PLC0415 - heavy: in this process only
     from fuzz.studio.running import allow_only  # noqa: PLC0415
 
@@ -153,14 +130,6 @@ def _work(pipe: Connection, folder: str, named: tuple[str, ...]) -> None:
         while True:
             kind, message = pipe.recv()
             pipe.send(_answer(answers, kind, message, pipe))
-
-
-def _end_with_the_server() -> None:
-    """Ends this process with the server, killed maybe, even while a controller hangs; files are whole at any time."""
-    server = multiprocessing.parent_process()
-    if server is not None:
-        server.join()
-        os._exit(1)
 
 
 def _answer(answers: Any, kind: str, message: dict[str, Any], pipe: Connection) -> tuple[str, Any]:
