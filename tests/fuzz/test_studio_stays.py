@@ -1,0 +1,108 @@
+"""What stays on the studio's page as somebody left it, whatever arrives meanwhile."""
+
+import json
+
+import pytest
+
+from tests.helpers.browser import missing_browser
+from tests.helpers.studio import studio_of
+from worldgen import generate
+from worldgen.grid_file import write_world
+
+pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
+pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+
+from tests.helpers.studio_held import hold, let_go  # noqa: E402
+from tests.helpers.studio_page import drag, opened  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def gate(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("stays")
+    write_world(generate("trap", 1), folder / "trap.grid")
+    write_world(generate("corridor", 3), folder / "corridor.grid")
+    with studio_of(folder, file="trap.grid") as gate:
+        yield gate
+
+
+def held(page, *kinds):
+    """Loads the page anew, which then holds back what it asks of these kinds."""
+    hold(page, *kinds)
+    page.reload()
+
+
+def has_asked(page):
+    page.wait_for_function("() => window.held.length > 0")
+
+
+def test_a_name_that_was_typed_stays_while_one_draws_on(browser, tmp_path):
+    with studio_of(tmp_path) as gate, opened(browser, gate) as page:
+        page.keyboard.press("Control+s")
+        page.keyboard.type("mine")
+        drag(page, (3, 3), (9, 3))
+        page.locator("#name", has_text="changed").wait_for()
+        assert page.locator("#save-name").input_value() == "mine"
+
+
+def test_where_every_way_closes_is_known_after_saving_as_before(page):
+    known = page.locator("#widest", has_text="Every way closes")
+    known.wait_for()
+    words = known.inner_text()
+    page.keyboard.press("Control+s")
+    page.locator("#name:not(:has-text('changed'))").wait_for()
+    page.locator("[role=status]", has_text="Saved trap.grid.").first.wait_for(state="attached")
+    assert page.locator("#widest").inner_text() == words
+
+
+def test_a_wrong_number_goes_with_the_world_for_which_it_was_typed(page):
+    radius = page.get_by_role("spinbutton", name="Radius").first
+    was = radius.input_value()
+    radius.fill("-3")
+    radius.press("Tab")
+    assert radius.get_attribute("aria-invalid") == "true"
+    page.locator("#tab-files").click()
+    page.locator(".file", has_text="corridor.grid").click()
+    page.locator("#name", has_text="corridor.grid").wait_for()
+    page.locator("#tab-world").click()
+    page.wait_for_function("() => !document.querySelector('#panel-world [aria-invalid]')")
+    assert radius.input_value() == was
+
+
+def test_walls_that_were_to_change_places_and_no_more_are_to_stay_where_they_are(page):
+    answered = []
+
+    def hear(text):
+        answered.append(json.loads(text).get("id"))
+
+    page.on("websocket", lambda socket: socket.on("framereceived", hear))
+    held(page, "shift")
+    page.locator("#proof.good").wait_for()
+    page.keyboard.press("2")
+    page.locator(".result").first.wait_for()
+    page.locator("#changes").check()
+    has_asked(page)
+    page.locator("#changes").uncheck()
+    asked = page.evaluate("JSON.parse(window.held[0][1]).id")
+    let_go(page)
+    while asked not in answered:
+        page.wait_for_timeout(50)
+    page.wait_for_timeout(200)
+    assert not page.locator("#changes").is_checked()
+    assert "changed" not in page.locator("#name").inner_text()
+
+
+def test_what_is_imported_while_the_page_begins_is_not_replaced_by_the_file_to_open_first(page):
+    held(page, "hello")
+    has_asked(page)
+    page.locator("#tab-files").click()
+    page.get_by_text("Import and export").click()
+    page.locator("#import").set_input_files({"name": "open.map", "mimeType": "text/plain", "buffer": MAP})
+    page.locator("[role=status]", has_text="Imported").first.wait_for(state="attached")
+    let_go(page)
+    page.keyboard.press("2")
+    page.locator(".result").first.wait_for()  # what there is to choose from is known, and the file would be there
+    assert page.locator("#name").inner_text().startswith("not saved yet")
+    assert page.complaints == []
+
+
+MAP = b"type octile\nheight 6\nwidth 9\nmap\n" + b".........\n" * 6
