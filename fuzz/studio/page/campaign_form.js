@@ -273,7 +273,7 @@ async function begin(form, message) {
   const { campaign, state, parts } = form;
   parts.begin.textContent = "Beginning …";
   parts.halt.value = message.folder;
-  parts.halt.hidden = false;
+  [parts.halt.hidden, parts.copy.hidden] = [false, true]; // one in the other's place
   if (document.activeElement === document.body) parts.halt.focus(); // the button that began it has lost that
   const slow = setTimeout(() => (parts.waiting.textContent = FIRST), SLOW);
   try {
@@ -284,7 +284,7 @@ async function begin(form, message) {
     clearTimeout(slow);
     const focused = document.activeElement === parts.halt;
     parts.waiting.textContent = "";
-    parts.halt.hidden = true;
+    [parts.halt.hidden, parts.copy.hidden] = [true, false];
     parts.begin.textContent = "Begin";
     parts.begin.disabled = false; // or it could not have the focus
     if (focused) parts.begin.focus();
