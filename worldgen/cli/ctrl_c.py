@@ -2,50 +2,72 @@
 
 from __future__ import annotations
 
+import _thread
+import contextlib
 import signal
 import sys
 import threading
+import time
+from collections.abc import Iterator
 from types import FrameType
 
-__all__ = ["never_lose_ctrl_c"]
+__all__ = ["no_ctrl_c_lost"]
 
 _AGAIN = 0.01  # s
 
 
-def never_lose_ctrl_c() -> None:
-    """Repeats Ctrl-C where ``KeyboardInterrupt`` would be printed and forgotten.
+@contextlib.contextmanager
+def no_ctrl_c_lost() -> Iterator[None]:
+    """Repeats, inside, a Ctrl-C whose ``KeyboardInterrupt`` would be printed and forgotten.
 
-    That is in callbacks of ``gc`` (Hypothesis has one: in a campaign every fourth Ctrl-C fell into it), in those of
-    weak references (Numba has some) and in ``__del__``. Where Ctrl-C is ignored, or somebody else handles it, this
-    does nothing.
+    That is one in callbacks of ``gc`` (Hypothesis has one: in a campaign every fourth Ctrl-C fell into it), in those of
+    weak references (Numba has some) and in ``__del__``. Where Ctrl-C is ignored, or somebody else handles it, this does
+    nothing.
     """
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
         return
-    main = threading.get_ident()
-    heard = threading.Event()
-    others = sys.unraisablehook
+    main, others = threading.get_ident(), sys.unraisablehook
+    raised = deaf = over = False  # no Event: a second signal while one is being set would wait for the first, for ever
 
     def interrupt(number: int, frame: FrameType | None) -> None:
-        heard.set()
-        signal.default_int_handler(number, frame)
+        nonlocal raised
+        if not deaf:
+            raised = True
+            signal.default_int_handler(number, frame)
 
     def hook(dropped: sys.UnraisableHookArgs) -> None:
-        if issubclass(dropped.exc_type, KeyboardInterrupt):
-            heard.clear()
-            threading.Thread(target=_press_until_heard, args=(main, heard), daemon=True).start()
+        nonlocal raised, deaf
+        if raised and issubclass(dropped.exc_type, KeyboardInterrupt):
+            deaf, raised = True, False  # what is raised in here would be dropped, too; it is pressed again anyway
+            try:
+                _thread.start_new_thread(press, ())
+            finally:
+                deaf = False
         else:
             others(dropped)
 
+    def press() -> None:
+        """Until it is heard: what comes just before the main thread begins to wait does not wake it."""
+        while True:
+            time.sleep(_AGAIN)
+            ours = signal.getsignal(signal.SIGINT) is interrupt
+            if raised or over:
+                return
+            if sys.platform == "win32":
+                _thread.interrupt_main()
+            else:
+                signal.pthread_kill(main, signal.SIGINT)
+            if not ours:  # whoever handles it now has it
+                return
+
     signal.signal(signal.SIGINT, interrupt)
     sys.unraisablehook = hook
-
-
-def _press_until_heard(main: int, heard: threading.Event) -> None:
-    """Once is not enough: what is pressed just before the main thread begins to wait does not wake it."""
-    while not heard.wait(_AGAIN) and signal.getsignal(signal.SIGINT) not in (signal.SIG_IGN, signal.SIG_DFL):
-        if sys.platform == "win32":
-            import _thread
-
-            _thread.interrupt_main()
-        else:
-            signal.pthread_kill(main, signal.SIGINT)
+    try:
+        yield
+    finally:
+        over = True
+        if sys.unraisablehook is hook:
+            sys.unraisablehook = others
+        if signal.getsignal(signal.SIGINT) is interrupt:
+            signal.signal(signal.SIGINT, signal.default_int_handler)

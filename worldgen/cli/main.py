@@ -10,7 +10,7 @@ from typing import NoReturn
 
 import click
 
-from worldgen.cli.ctrl_c import never_lose_ctrl_c
+from worldgen.cli.ctrl_c import no_ctrl_c_lost
 from worldgen.cli.output import note
 from worldgen.errors import WorldgenError
 
@@ -108,10 +108,10 @@ def cli() -> None:
 
 def main() -> NoReturn:
     """Runs the command line and ends the process with the documented exit code."""
-    never_lose_ctrl_c()
     try:
-        code = cli.main(standalone_mode=False)
-        sys.stdout.flush()
+        with no_ctrl_c_lost():
+            code = cli.main(standalone_mode=False)
+            sys.stdout.flush()
     except click.exceptions.Exit as stop:
         code = stop.exit_code
     except click.ClickException as error:
