@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import time
 from pathlib import Path
 from typing import Any
@@ -15,7 +17,7 @@ from worldgen.files import read_text
 from worldgen.locks import holder
 from worldgen.world_files import is_world_file
 
-__all__ = ["SAID", "campaign_state", "is_campaign", "is_own", "running_process"]
+__all__ = ["SAID", "campaign_state", "interrupt", "is_campaign", "is_own", "running_process"]
 
 SAID = "studio.txt"
 """Name, in a campaign's memory, of what its process says on stderr when the studio has started it."""
@@ -41,6 +43,12 @@ def is_own(folder: Path) -> bool:
 def running_process(folder: Path) -> int | None:
     """The process that does a folder's campaign now; ``None`` if none does on this machine."""
     return holder(folder / MEMORY / "lock")
+
+
+def interrupt(process: int) -> None:
+    """Has a campaign's process end as Ctrl-C would, where the system can do that to another process."""
+    with contextlib.suppress(ProcessLookupError):  # it has just ended by itself
+        os.kill(process, signal.SIGTERM if os.name == "nt" else signal.SIGINT)
 
 
 def campaign_state(folder: Path, name: str) -> dict[str, Any]:

@@ -13,14 +13,15 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from fuzz.ledger import CampaignFolder
 from fuzz.report.summary import MEMORY
-from fuzz.studio.campaign_state import SAID, campaign_state, is_campaign, is_own, running_process
+from fuzz.studio.beginning import beginning
+from fuzz.studio.campaign_state import SAID, campaign_state, interrupt, is_campaign, is_own, running_process
 from fuzz.studio.elites import elite_of, runs_in
 from fuzz.studio.folder import KNOWN, MOST_FAILURES, Folder
 from fuzz.studio.fuzz_words import (
@@ -43,11 +44,12 @@ from worldgen.grid_file import write_world
 __all__ = ["CampaignAnswers"]
 
 _BEGINS = 300.0  # s that a process gets until it has begun: kernels may have to be compiled on a machine that is busy
-_BEGINNING = "studio.begins"  # name, in a campaign's memory, of a file that is there until it has begun or is to end
-_ENDS = 2.0  # s that a campaign is waited for that was told to end; it may end later
+_ENDS = 2.0  # s that a campaign is waited for that was told to end before it had begun
+_STOPPED = "the campaign was stopped before it had begun"
 _LOOK = 0.05  # s between two looks
 
 Message = Mapping[str, Any]
+Part = Callable[[dict[str, Any]], None]
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,8 @@ class CampaignAnswers(Opened):
             "archives": self.folder.archives(),
         }
 
-    def begin(self, message: Message, part: object) -> dict[str, Any]:
-        """Begins a campaign in a folder, or goes on with the same one."""
+    def begin(self, message: Message, part: Part) -> dict[str, Any]:
+        """Begins a campaign in a folder, or goes on with the same one; a part says when it can be stopped."""
         self._reap()
         name = part_of(message, "folder", str)
         out = self._own(name)
@@ -84,7 +86,7 @@ class CampaignAnswers(Opened):
                 fixed = Path(there) / "world.grid"
                 write_world(restored(part_of(message, "world", dict)), fixed)
                 words.append(f"--world={fixed}")
-            self._start(out, words)
+            self._start(out, words, lambda: part({"begins": name}))
         return {"state": campaign_state(out, name)}
 
     def command(self, message: Message, part: object) -> dict[str, Any]:
@@ -97,29 +99,15 @@ class CampaignAnswers(Opened):
         ours = (*goal(message, needed=True), *workers(message), *baseline(message, self.folder))
         return [*begun(message, self.named, self.folder), *ours]
 
-    def resume(self, message: Message, part: object) -> dict[str, Any]:
-        """Goes on with the campaign in a folder."""
+    def resume(self, message: Message, part: Part) -> dict[str, Any]:
+        """Goes on with the campaign in a folder; a part says when it can be stopped."""
         self._reap()
         name = part_of(message, "folder", str)
         out = self._own(name)
         self._check_stored(out, name)
         ours = (*goal(message, needed=False), *workers(message), *baseline(message, self.folder))
-        self._start(out, [f"--resume={out}", *ours])
+        self._start(out, [f"--resume={out}", *ours], lambda: part({"begins": name}))
         return {"state": campaign_state(out, name)}
-
-    def stop(self, message: Message, part: object) -> dict[str, Any]:
-        """Has a campaign end as Ctrl-C would, also one that has yet to begin; all that was found is kept."""
-        name = part_of(message, "folder", str)
-        out = self._own(name)
-        (out / MEMORY / _BEGINNING).unlink(missing_ok=True)  # for `_start`, which waits in another process
-        process = running_process(out)
-        if process is not None:
-            with contextlib.suppress(ProcessLookupError):  # it has just ended by itself
-                os.kill(process, signal.SIGINT)
-        until = time.monotonic() + _ENDS
-        while process is not None and running_process(out) is not None and time.monotonic() < until:
-            time.sleep(_LOOK)
-        return {"state": campaign_state(out, name) if is_campaign(out) else None}
 
     def elite(self, message: Message, part: object) -> dict[str, Any]:
         """The simplest world of a cell of a campaign's archive, and who ran in it."""
@@ -161,8 +149,13 @@ class CampaignAnswers(Opened):
         if not database.is_relative_to(self.folder.root):
             raise InvalidParameter(f"{name} uses a database outside of the opened folder; resume it at a terminal")
 
-    def _start(self, out: Path, words: list[str]) -> None:
+    def _start(self, out: Path, words: list[str], started: Callable[[], None]) -> None:
         """Starts a campaign's process and waits until it has begun.
+
+        Args:
+            out: The campaign's folder.
+            words: What the process is given beside that.
+            started: Called when it can be stopped.
 
         Raises:
             OutputError: If it does not begin; with what it says.
@@ -170,20 +163,22 @@ class CampaignAnswers(Opened):
         if running_process(out) is not None:
             raise OutputError(f"the campaign in {out.name} runs already; stop it first")
         memory = out / MEMORY
-        beginning = memory / _BEGINNING
         made = [folder for folder in (memory, out, *out.parents) if not folder.exists()]
-        try:
-            memory.mkdir(parents=True, exist_ok=True)
-            beginning.touch()
-            with (memory / SAID).open("wb") as said:
-                process = _process([sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said)
-        except OSError as error:
-            raise OutputError(
-                f"{out.name} cannot be written: {error.strerror or error}; name another folder"
-            ) from error
-        self._begun.append(process)
-        why_not = _wait_until_begun(process, out, beginning)
-        beginning.unlink(missing_ok=True)
+        with contextlib.ExitStack() as stack:
+            try:
+                memory.mkdir(parents=True, exist_ok=True)
+                mark = stack.enter_context(beginning(memory))
+                with (memory / SAID).open("wb") as said:
+                    process = _process([sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said)
+            except OSError as error:
+                raise OutputError(
+                    f"{out.name} cannot be written: {error.strerror or error}; name another folder"
+                ) from error
+            self._begun.append(process)
+            started()
+            why_not = _wait_until_begun(process, out, mark)
+            if not why_not and not mark.exists():
+                interrupt(process.pid)  # it began when it was told to end
         if not why_not:
             return
         (memory / SAID).unlink(missing_ok=True)
@@ -197,7 +192,7 @@ class CampaignAnswers(Opened):
         self._begun[:] = [process for process in self._begun if process.poll() is None]
 
 
-def _wait_until_begun(process: subprocess.Popen[bytes], out: Path, beginning: Path) -> str:
+def _wait_until_begun(process: subprocess.Popen[bytes], out: Path, mark: Path) -> str:
     """Why a campaign's process did not begin; empty as soon as it has."""
     until = time.monotonic() + _BEGINS
     while process.poll() is None:
@@ -206,16 +201,18 @@ def _wait_until_begun(process: subprocess.Popen[bytes], out: Path, beginning: Pa
         if time.monotonic() > until:
             process.kill()
             return f"the campaign has not begun within {_BEGINS:g} s; try it at a terminal"
-        if not beginning.exists():
+        if not mark.exists():
             _end(process)
-            return "the campaign was stopped before it had begun"
+            return _STOPPED
         time.sleep(_LOOK)
-    return "" if process.returncode in (0, 1, 130) else _last_words(out / MEMORY / SAID)
+    if process.returncode in (0, 1, 130):
+        return "" if is_campaign(out) else _STOPPED
+    return _last_words(out / MEMORY / SAID)
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
     """Ends a process as Ctrl-C would; by force, if that takes too long."""
-    process.send_signal(signal.SIGINT)
+    interrupt(process.pid)
     try:
         process.wait(_ENDS)
     except subprocess.TimeoutExpired:

@@ -37,16 +37,16 @@ LANES = {
     "check": "looks",
     "picture": "pictures",
     "before": "pictures",
-    "campaigns": "campaigns",
     "begin": "campaigns",
     "command": "campaigns",
     "resume": "campaigns",
     "watch": "watching",
+    "stop": "watching",
+    "campaigns": "walls",
     "failures": "walls",
     "know": "walls",
     "look": "looks",
     "elite": "looks",
-    "stop": "looks",
     "snippet": "looks",
 }
 """Which process does what: what is saved is never ended, a long search for a proof stops no run, and

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import sys
+from importlib.metadata import version
 from importlib.resources import files
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -12,20 +14,27 @@ from worldgen.jit import cache_folder
 
 __all__ = ["prepare_beside"]
 
-_DONE = "studio-prepared"  # name of a file beside the compiled kernels, whose folder is another one when they change
 _RUNS = (("turn-right", "swept"), ("thesis-2", "stepped"))  # of both simulators; in the world below they loop
+_NICE = 5  # the page comes first
 
 
-def prepare_beside() -> BaseProcess | None:
-    """Starts a process that compiles what the first runs need; none where that was done before."""
-    return None if _done().exists() else start_beside(_prepare, nice=19)
+def prepare_beside(done: Path | None = None) -> BaseProcess | None:
+    """Starts a process that compiles what the first runs need; none where that was done before.
+
+    Args:
+        done: A file that says so; beside the compiled kernels if left out.
+    """
+    mark = _mark() if done is None else done
+    return None if mark.exists() else start_beside(_prepare, mark, nice=_NICE)
 
 
-def _done() -> Path:
-    return Path(cache_folder(Path(str(files("sim"))) / "kernels")) / _DONE
+def _mark() -> Path:
+    """In a folder that is another one when the simulators' kernels change; compiled by whom, its name says."""
+    folder = Path(cache_folder(Path(str(files("sim"))) / "kernels"))
+    return folder / f"studio-prepared-{sys.implementation.cache_tag}-numba-{version('numba')}"
 
 
-def _prepare() -> None:
+def _prepare(mark: Path) -> None:
     from sim.episode import simulate  # noqa: PLC0415 - heavy: in that process only
     from sim.run_options import RunOptions  # noqa: PLC0415
     from worldgen.generation import generate  # noqa: PLC0415
@@ -34,4 +43,4 @@ def _prepare() -> None:
     for controller, motion in _RUNS:
         simulate(world, controller, RunOptions(motion=motion), record=True, lean=True)
     with contextlib.suppress(OSError):  # then it is looked for again at the next start
-        _done().touch()
+        mark.touch()

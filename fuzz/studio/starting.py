@@ -55,8 +55,8 @@ def check_controller(label: str) -> None:
 
 def _is_there(module: str) -> bool:
     try:
-        return importlib.util.find_spec(module) is not None
-    except (ValueError, ImportError):  # of __main__, which has no place of its own, and of an empty name
+        return module != "__main__" and importlib.util.find_spec(module) is not None
+    except (ValueError, ImportError):  # of an empty name
         return False
 
 

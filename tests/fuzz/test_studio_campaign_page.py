@@ -83,14 +83,16 @@ def test_what_never_begins_is_stopped_by_keyboard_and_another_can_begin(browser,
     (tmp_path / "mine.py").write_text(HANGS)
     with studio_of(tmp_path, named=[f"{tmp_path}/mine.py:Robot"]) as gate, opened(browser, gate, until=None) as page:
         page.keyboard.press("3")
+        page.locator(".wall .empty", has_text="Begin a campaign on the right").wait_for()
         page.locator("#begin").press("Enter")
-        stop = page.locator("#stop-beginning")
-        stop.wait_for()
-        page.wait_for_function("() => document.activeElement.id === 'stop-beginning'")
+        page.locator("#stop-beginning").wait_for()
         acts(tmp_path)
+        page.keyboard.press("Tab")
+        assert page.evaluate("document.activeElement.id") == "stop-beginning"
         page.keyboard.press("Enter")
         page.locator("#form-said", has_text="stopped before it had begun").wait_for()
-        assert stop.is_hidden() and page.evaluate("document.activeElement.id") == "begin"
+        assert page.locator("#stop-beginning").is_hidden()
+        page.wait_for_function("() => document.activeElement.id === 'begin'")
         page.locator("#campaign-controller").select_option("turn-right")
         begin(page, units=1)
         page.locator("#campaign-state").wait_for(timeout=CAMPAIGN)

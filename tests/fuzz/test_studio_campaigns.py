@@ -158,11 +158,35 @@ def test_a_campaign_that_has_yet_to_begin_is_stopped_and_leaves_nothing(tmp_path
         asked = page.send("begin", folder="a/b", **SHORT | {"controller": label}, units=1)
         acts(tmp_path)
         stop = page.send("stop", folder="a/b")
-        said = {one["id"]: one for one in (page.hear(), page.hear())}
+        said = [page.hear() for _ in range(3)]
+        assert said[0] == {"id": asked, "part": {"begins": "a/b"}}
+        said = {one["id"]: one for one in said[1:]}
         assert said[stop]["answer"] == {"state": None}
         assert said[asked]["error"] == "the campaign was stopped before it had begun"
         assert not (tmp_path / "a").exists()
         assert begin(page, "a/b", units=1)["answer"]["state"]["folder"] == "a/b"
+
+
+def test_what_goes_on_is_stopped_before_it_does_and_keeps_what_it_had(tmp_path):
+    mine, label = tmp_path / "mine.py", f"{tmp_path}/mine.py:Robot"
+    mine.write_text(HANGS)
+    memory = tmp_path / "c/.campaign"
+    with studio_of(tmp_path, named=[label]) as gate, page_of(gate) as page:
+        begin(page, "c", units=1)
+        state = watch(page, "c")
+        stored = json.loads((memory / "campaign.json").read_text())
+        stored["configuration"]["scenario"]["controller"] = label
+        (memory / "campaign.json").write_text(json.dumps(stored))
+        asked = page.send("resume", folder="c", units=2)
+        assert page.hear() == {"id": asked, "part": {"begins": "c"}}
+        stop = page.send("stop", folder="c")
+        said = {one["id"]: one for one in (page.hear(), page.hear())}
+        assert said[stop]["answer"]["state"]["units"] == state["units"] == 1
+        assert "error" in said[asked] and not list(memory.glob("studio.begins.*"))
+
+
+def test_what_is_no_campaign_is_not_stopped(page):
+    assert "holds no campaign" in page.ask("stop", folder="nothing")["error"]
 
 
 def test_on_the_drawn_map_only_the_poses_vary(page, folder):

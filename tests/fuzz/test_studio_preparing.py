@@ -6,15 +6,30 @@ import sys
 import time
 from pathlib import Path
 
-from fuzz.studio.preparing import _done, prepare_beside
+from fuzz.studio import Folder, Gate, Studio, serving
+from fuzz.studio.preparing import _RUNS, prepare_beside
+from sim.motion import MOTIONS
 
 
-def test_it_is_done_once_and_in_a_process_that_ends():
-    _done().unlink(missing_ok=True)
-    process = prepare_beside()
+def test_it_is_done_once_and_in_a_process_that_ends(tmp_path):
+    done = tmp_path / "done"
+    process = prepare_beside(done)
     process.join(300)
-    assert process.exitcode == 0 and _done().exists()
-    assert prepare_beside() is None
+    assert process.exitcode == 0 and done.exists()
+    assert prepare_beside(done) is None
+
+
+def test_both_simulators_are_prepared():
+    assert {MOTIONS.get(motion).kernel for _, motion in _RUNS} == {MOTIONS.get(name).kernel for name in MOTIONS.names()}
+
+
+def test_it_begins_when_the_studio_does(monkeypatch, tmp_path):
+    did = []
+    monkeypatch.setattr(serving, "prepare_beside", lambda: did.append("prepared"))
+    monkeypatch.setattr(serving.uvicorn.Server, "run", lambda server, sockets: did.append("served"))
+    studio = Studio(Folder(tmp_path), Gate("127.0.0.1", 1))
+    serving.serve(studio, None, browse=False, said=lambda words: None)
+    assert did == ["prepared", "served"]
 
 
 SERVER = """
@@ -41,4 +56,4 @@ def test_what_runs_beside_a_server_ends_with_it_also_when_that_is_killed(tmp_pat
     with subprocess.Popen(started, stdout=subprocess.PIPE, text=True, env=here) as one:
         assert one.stdout.readline() == "there\n"
         one.kill()
-        assert one.stdout.read() == ""  # ends when nobody holds the pipe any more
+        assert one.communicate(timeout=60)[0] == ""  # ends when nobody holds the pipe any more

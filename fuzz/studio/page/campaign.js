@@ -17,16 +17,16 @@ const PANELS = { new: "New campaign", failure: "Failure", archive: "Archive" };
 /* The page.
      studio    { connection, offered, model, show, go, ... }: what all pages share */
 export function makeCampaign(section, studio) {
-  const campaign = { studio, folder: null, shown: null, states: new Map(), folders: [], isListed: false, stamp: "", read: null, watched: null, stopping: "", beginning: "" };
+  const campaign = { studio, folder: null, shown: null, states: new Map(), folders: [], isListed: false, stamp: "", read: null, watched: null, stopping: "", beginning: new Set() };
   campaign.listed = new Promise((done) => (campaign.foundOut = done));
   const parts = {
     said: el("p", { class: "said", role: "status", id: "campaign-said" }),
     folders: el("select", { id: "campaign-folder", disabled: true, onchange: (event) => choose(campaign, event.target.value) }, el("option", {}, "…")),
   };
   Object.assign(campaign, { parts, select: (one) => select(campaign, one), trying: (act) => trying(campaign, act) });
-  campaign.begin = (message) => start(campaign, "begin", message);
+  campaign.begin = (message, begins) => start(campaign, "begin", message, begins);
   campaign.goOn = (message) => goOn(campaign, message);
-  campaign.halt = (folder) => trying(campaign, () => halt(campaign, folder));
+  campaign.halt = (folder) => halt(campaign, folder);
   campaign.stop = () => trying(campaign, () => stop(campaign));
   campaign.reload = () => reloadWall(campaign);
   campaign.form = makeForm(campaign);
@@ -224,9 +224,9 @@ async function reloadWall(campaign, stamp = campaign.stamp) {
   }
 }
 
-// Begins a campaign, or goes on with one, and shows it.
-async function start(campaign, kind, message) {
-  const { state } = await campaign.studio.connection.ask(kind, message);
+// Begins a campaign, or goes on with one, and shows it; `begins` is called when it can be stopped.
+async function start(campaign, kind, message, begins) {
+  const { state } = await campaign.studio.connection.ask(kind, message, begins);
   campaign.folder = state.folder;
   keep(campaign.studio.folder, CHOSEN, state.folder);
   await list(campaign);
@@ -237,20 +237,29 @@ async function start(campaign, kind, message) {
 
 // Goes on with the chosen campaign.
 async function goOn(campaign, message) {
-  const { parts, folder } = campaign;
+  const { parts, folder, beginning } = campaign;
+  const show = () => showState(campaign, campaign.states.get(campaign.folder) || null);
+  const begins = () => {
+    beginning.add(folder);
+    show();
+  };
   parts.said.className = "said quiet";
   parts.said.textContent = "Beginning …";
-  campaign.beginning = folder;
-  showState(campaign, campaign.states.get(folder));
-  await trying(campaign, () => start(campaign, "resume", { folder, ...message }));
-  campaign.beginning = "";
-  showState(campaign, campaign.states.get(campaign.folder) || null);
+  try {
+    await trying(campaign, () => start(campaign, "resume", { folder, ...message }, begins));
+  } finally {
+    beginning.delete(folder);
+    show();
+  }
 }
 
 // Ends what has yet to begin; the question that began it is answered with that.
 async function halt(campaign, folder) {
-  await campaign.studio.connection.ask("stop", { folder });
-  return "";
+  try {
+    await campaign.studio.connection.ask("stop", { folder });
+  } catch (error) {
+    if (!(error instanceof Refused || error instanceof Ended)) throw error; // that question is answered all the same
+  }
 }
 
 async function stop(campaign) {
@@ -259,7 +268,7 @@ async function stop(campaign) {
   showState(campaign, campaign.states.get(folder));
   try {
     const { state } = await campaign.studio.connection.ask("stop", { folder });
-    take(campaign, state);
+    if (state) take(campaign, state);
   } catch (error) {
     campaign.stopping = ""; // it goes on, and can be stopped once more
     showState(campaign, campaign.states.get(campaign.folder) || null);

@@ -60,7 +60,7 @@ function build(form) {
   parts.said = el("p", { class: "fault", role: "alert", id: "form-said" });
   parts.waiting = el("p", { class: "quiet", role: "status" });
   parts.begin = el("button", { type: "submit", class: "main", id: "begin" }, "Begin");
-  parts.halt = el("button", { type: "button", id: "stop-beginning", hidden: true, onclick: () => campaign.halt(parts.halt.value) }, "Stop");
+  parts.halt = el("button", { type: "button", id: "stop-beginning", hidden: true, onclick: () => halt(form) }, "Stop");
   const title = "The line that does the same at a terminal";
   parts.copy = el("button", { type: "button", id: "copy-command", title, onclick: () => submit(form, (message) => copyCommand(form, message)) }, "Copy command");
   form.more = makeMore(offered);
@@ -243,7 +243,7 @@ function isFilled({ parts, state }) {
   return false;
 }
 
-// Does something that a button begins; until it is done, the button begins nothing more.
+// Does something that a button begins; until it is done, the button begins nothing more, and cannot have the focus.
 async function once(button, act) {
   if (button.disabled) return;
   button.disabled = true;
@@ -251,6 +251,7 @@ async function once(button, act) {
     await act();
   } finally {
     button.disabled = false;
+    if (document.activeElement === document.body) button.focus();
   }
 }
 
@@ -272,23 +273,28 @@ async function submit(form, act) {
 async function begin(form, message) {
   const { campaign, state, parts } = form;
   parts.begin.textContent = "Beginning …";
-  parts.halt.value = message.folder;
-  [parts.halt.hidden, parts.copy.hidden] = [false, true]; // one in the other's place
-  if (document.activeElement === document.body) parts.halt.focus(); // the button that began it has lost that
   const slow = setTimeout(() => (parts.waiting.textContent = FIRST), SLOW);
   try {
-    await campaign.begin(message);
+    await campaign.begin(message, ({ begins }) => offerHalt(parts, begins));
     state.named = false; // the next one gets a name of its own
     suggestFolder(form);
   } finally {
     clearTimeout(slow);
-    const focused = document.activeElement === parts.halt;
     parts.waiting.textContent = "";
-    [parts.halt.hidden, parts.copy.hidden] = [true, false];
     parts.begin.textContent = "Begin";
-    parts.begin.disabled = false; // or it could not have the focus
-    if (focused) parts.begin.focus();
+    offerHalt(parts, null);
   }
+}
+
+// Stop, while a campaign begins, in the place of Copy command.
+function offerHalt({ halt, copy }, folder) {
+  Object.assign(halt, { value: folder, hidden: folder === null, disabled: false });
+  copy.hidden = folder !== null;
+}
+
+function halt({ campaign, parts }) {
+  parts.halt.disabled = true;
+  campaign.halt(parts.halt.value);
 }
 
 async function copyCommand({ campaign, parts }, message) {

@@ -202,12 +202,21 @@ function showActions({ state, parts, campaign }) {
   if (parts.actions.dataset.kind === kind) return;
   parts.actions.dataset.kind = kind;
   if (!state) parts.actions.replaceChildren();
-  else if (kind === "beginning") parts.actions.replaceChildren(stopButton(() => campaign.halt(state.folder)));
+  else if (kind.startsWith("beginning-")) parts.actions.replaceChildren(haltButton(campaign, state.folder));
   else if (state.running) parts.actions.replaceChildren(stopButton(campaign.stop, kind === "stopping"));
   else parts.actions.replaceChildren(...goOnPart(state, campaign));
 }
 
-const standing = ({ folder, units }, { beginning }) => (beginning === folder ? "beginning" : `on-${folder}-${units}`);
+const standing = ({ folder, units }, { beginning }) => (beginning.has(folder) ? `beginning-${folder}` : `on-${folder}-${units}`);
+
+function haltButton(campaign, folder) {
+  const halt = () => {
+    button.disabled = true;
+    campaign.halt(folder);
+  };
+  const button = stopButton(halt);
+  return button;
+}
 
 function stopButton(onclick, disabled = false) {
   return el("button", { type: "button", id: "stop", disabled, onclick, title: "All that was found is kept" }, "Stop");

@@ -13,7 +13,7 @@ export function makeFiles(studio) {
     found: el("details", { hidden: true }, el("summary", {}), el("ul", { class: "files", "aria-label": "Found by campaigns" })),
     said: Object.fromEntries(["save", "import", "export", "open"].map((name) => [name, el("p", { role: "status" })])),
   };
-  const files = { parts, files: [], named: "" };
+  const files = { parts, files: [], named: "", sheet: null };
   parts.find = el("input", {
     type: "search",
     placeholder: "Find",
@@ -44,11 +44,18 @@ export function makeFiles(studio) {
     },
     refresh: () => {
       if (files.shown !== studio.model.world.name) showList(studio, files);
-      if (files.named !== studio.model.world.name) parts.name.value = files.named = studio.model.world.name; // what was typed stays
+      followName(studio.model.world, files);
       parts.imported.refresh();
       parts.exported.refresh();
     },
   };
+}
+
+// The name under which a world would be saved: its own, until another is typed; that stays until another world is drawn on.
+function followName({ name, sheet }, files) {
+  if (files.named === name && files.sheet === sheet) return;
+  Object.assign(files, { named: name, sheet });
+  files.parts.name.value = name;
 }
 
 // Does something that the server may refuse; what it says is shown where it was asked for.
