@@ -36,6 +36,7 @@ from worldgen.errors import InvalidParameter, OutputError
 from worldgen.files import write_bytes
 from worldgen.grid_file import dumps
 from worldgen.plain_text import counted
+from worldgen.workers import ctrl_c_kept
 from worldgen.world import Pose, Target, World
 
 __all__ = ["CampaignSession", "configure"]
@@ -192,10 +193,12 @@ class CampaignSession:
         events = self._campaign.run()
         with (
             Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as bar,
+            ctrl_c_kept() as listen,
             contextlib.closing(events),
         ):
             task = bar.add_task(f"searching ({self._limit})", total=None)
             for event in events:
+                listen()
                 self._see(event)
                 state = self._campaign.state
                 bar.update(

@@ -12,7 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import parent_process
 from types import FrameType
 
-__all__ = ["LISTEN", "begin_deaf", "ctrl_c_held_back", "end_workers", "workers_begin_deaf"]
+__all__ = ["LISTEN", "begin_deaf", "ctrl_c_held_back", "ctrl_c_kept", "end_workers", "workers_begin_deaf"]
 
 LISTEN = 0.1  # s between two moments at which a waiting driver hears Ctrl-C
 _TO_TERMINATE = 1.0  # s that all processes have together
@@ -49,6 +49,37 @@ def ctrl_c_held_back() -> Iterator[Callable[[], None]]:
         yield listen
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@contextlib.contextmanager
+def ctrl_c_kept() -> Iterator[Callable[[], None]]:
+    """Ctrl-C as ever; where some code swallows it, what this yields raises ``KeyboardInterrupt`` when it is called.
+
+    In campaigns 2 of 60 were swallowed. Outside the main thread this does nothing.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: None
+        return
+    before = signal.getsignal(signal.SIGINT)
+    came = False
+
+    def note(number: int, frame: FrameType | None) -> None:
+        nonlocal came
+        came = True
+        if callable(before):
+            before(number, frame)
+
+    def listen() -> None:
+        if came:
+            raise KeyboardInterrupt
+
+    if before not in (signal.SIG_IGN, None):
+        signal.signal(signal.SIGINT, note)
+    try:
+        yield listen
+    finally:
+        if before is not None:
+            signal.signal(signal.SIGINT, before)
 
 
 @contextlib.contextmanager

@@ -1,12 +1,14 @@
 """Ctrl-C while a driver waits for its worker processes."""
 
+import contextlib
 import os
 import signal
 import threading
+import time
 
 import pytest
 
-from worldgen.workers import ctrl_c_held_back
+from worldgen.workers import ctrl_c_held_back, ctrl_c_kept
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends itself SIGINT")
 
@@ -36,11 +38,33 @@ def test_a_second_ctrl_c_is_not_held_back():
     assert signal.getsignal(signal.SIGINT) == before
 
 
-def test_outside_the_main_thread_nothing_is_changed():
+def test_ctrl_c_that_some_code_swallows_is_heard_where_the_driver_listens():
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt), ctrl_c_kept() as listen:
+        listen()
+        with contextlib.suppress(KeyboardInterrupt):
+            press()
+            time.sleep(60)
+        listen()
+    assert signal.getsignal(signal.SIGINT) == before
+
+
+def test_ctrl_c_that_is_ignored_stays_so_where_a_driver_listens():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with ctrl_c_kept() as listen:
+            press()
+            listen()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize("kept", [ctrl_c_held_back, ctrl_c_kept])
+def test_outside_the_main_thread_nothing_is_changed(kept):
     before, seen = signal.getsignal(signal.SIGINT), []
 
     def elsewhere():
-        with ctrl_c_held_back() as listen:
+        with kept() as listen:
             listen()
             seen.append(signal.getsignal(signal.SIGINT))
 
