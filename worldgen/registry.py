@@ -75,7 +75,7 @@ def user_code(doing: str) -> Iterator[None]:
     """
     try:
         yield
-    except (KeyboardInterrupt, GeneratorExit):  # the latter where the former came as this was entered or left
+    except KeyboardInterrupt:
         raise
     except SystemExit as error:
         raise InvalidParameter(
