@@ -141,6 +141,17 @@ def test_a_target_that_misses_the_only_clear_pose_by_a_hair_of_1e_31_cell_is_pro
     assert check_certificate(world, decision.certificate).valid
 
 
+@pytest.mark.parametrize("cell", [1.0, 1e3, 1e40, 4.142135623730951e78, 1e80, 1e81, 1e200, 1e290])
+def test_a_cut_round_a_target_in_a_corner_holds_at_any_scale_if_the_target_is_as_far_as_that(cell):
+    beyond, nearer = (  # the nearest clear pose is the root of 2 radii away
+        World(np.zeros((3, 3), bool), Pose(cell, cell), Target(0.0, 0.0, 0.1 * reach), cell_size=cell, robot_radius=0.1)
+        for reach in (1.414213562373, 1.414213562374)
+    )
+    cut = decide(beyond).certificate
+    assert isinstance(cut, Cut) and check_certificate(beyond, cut).valid
+    assert "every clear pose" in refusal(nearer, cut)
+
+
 def test_one_cell_is_a_cut_where_it_covers_the_start():
     world = dataclasses.replace(drawn(WALLED), start=Pose(0.15, 0.25))
     assert check_certificate(world, Cut(np.array([(1, 3)]), 0.05)).valid

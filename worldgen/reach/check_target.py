@@ -4,7 +4,8 @@ Each connected part of those poses has one that is nearest to the disc's centre.
 barred by one cell or by two: so it is the centre, the nearest point to it on the edge of one cell's neighbourhood, or a
 point on the edges of two (docs/reachability.md). Edges lie on lines and circles. All such points are worked out to 160
 digits, and one that is within 10**-80 cell of being clear, or of the disc, counts as clear, or as in the disc: so what
-is doubtful goes against the certificate. Only how near a thing has to be to be looked at is decided in floats.
+is doubtful goes against the certificate. Where robot or disc are smaller than a cell, there are as many more digits,
+and the doubt is as much smaller. Only how near a thing has to be to be looked at is decided in floats.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ import numpy.typing as npt
 __all__ = ["TooMuch", "poses_to_part"]
 
 _DIGITS = 160  # numbers of 17 digits give poses that are off by 1e-32 cell, and by less
-_DOUBT = Decimal(10) ** -80  # cells; as many digits as a root near zero keeps
+_CERTAIN = 80  # digits that a root near zero keeps of them
 _MOST = 4_000_000  # points looked at
 
 Place: TypeAlias = tuple[Decimal, Decimal]
@@ -49,17 +50,19 @@ def poses_to_part(
         TooMuch: If there are too many points to look at.
     """
     with decimal.localcontext() as context:
-        context.prec = _DIGITS
+        finer = max(0, *(-_decimal(length).adjusted() for length in (radius, reach)))  # zeros at the front
+        context.prec = _DIGITS + 3 * finer  # for places, what is left of them beside the radius, and the roots of that
+        doubt = Decimal(10) ** -(_CERTAIN + finer)  # cells
         size, middle, width = _decimal(radius), (_decimal(centre[0]), _decimal(centre[1])), _decimal(reach)
         cells = _cells_near(blocked, float(radius) + float(reach) + 0.01, centre)
         there = set(cells)
         kept: dict[Place, None] = {}
-        for looked, place in enumerate(_places(cells, middle, size)):
+        for looked, place in enumerate(_places(cells, middle, size, doubt)):
             if looked > _MOST:
                 raise TooMuch
-            near = (place[0] - middle[0]) ** 2 + (place[1] - middle[1]) ** 2 <= (width + _DOUBT) ** 2
+            near = (place[0] - middle[0]) ** 2 + (place[1] - middle[1]) ** 2 <= (width + doubt) ** 2
             inside = 0 <= place[0] <= blocked.shape[1] and 0 <= place[1] <= blocked.shape[0]
-            if near and inside and _is_clear(there, place, size):
+            if near and inside and _is_clear(there, place, size, doubt):
                 kept[place] = None
         return [(Fraction(x), Fraction(y)) for x, y in kept]
 
@@ -77,7 +80,7 @@ def _cells_near(blocked: npt.NDArray[np.bool_], far: float, centre: tuple[Fracti
     return [(int(column) + low_x - 1, int(row) + low_y - 1) for row, column in zip(rows, columns, strict=True)]
 
 
-def _places(cells: list[Cell], middle: Place, radius: Decimal) -> Iterator[Place]:
+def _places(cells: list[Cell], middle: Place, radius: Decimal, doubt: Decimal) -> Iterator[Place]:
     """The points that may count."""
     x, y = middle
     rows = sorted({Decimal(iy) - radius for _, iy in cells} | {Decimal(iy + 1) + radius for _, iy in cells})
@@ -92,21 +95,21 @@ def _places(cells: list[Cell], middle: Place, radius: Decimal) -> Iterator[Place
         if away > 0:
             yield cx + radius * (x - cx) / away, cy + radius * (y - cy) / away
         for row in rows:
-            half = _half_chord(radius, row - cy)
+            half = _half_chord(radius, row - cy, doubt)
             yield from () if half is None else ((cx + half, row), (cx - half, row))
         for column in columns:
-            half = _half_chord(radius, column - cx)
+            half = _half_chord(radius, column - cx, doubt)
             yield from () if half is None else ((column, cy + half), (column, cy - half))
-    yield from _where_circles_meet(corners, radius)
+    yield from _where_circles_meet(corners, radius, doubt)
 
 
-def _half_chord(radius: Decimal, height: Decimal) -> Decimal | None:
+def _half_chord(radius: Decimal, height: Decimal, doubt: Decimal) -> Decimal | None:
     """Half the chord of a circle at a height above its centre; None where it has none."""
     square = radius**2 - height**2
-    return None if square < -_DOUBT else max(square, Decimal(0)).sqrt()
+    return None if square < -doubt else max(square, Decimal(0)).sqrt()
 
 
-def _where_circles_meet(corners: list[Cell], radius: Decimal) -> Iterator[Place]:
+def _where_circles_meet(corners: list[Cell], radius: Decimal, doubt: Decimal) -> Iterator[Place]:
     by_column: dict[int, list[int]] = {}
     for cx, cy in corners:
         by_column.setdefault(cx, []).append(cy)
@@ -115,7 +118,7 @@ def _where_circles_meet(corners: list[Cell], radius: Decimal) -> Iterator[Place]
         for column in range(cx, cx + reach + 1):
             for other in by_column.get(column, ()):
                 dx, dy = column - cx, other - cy
-                half = _half_chord(radius, Decimal(dx * dx + dy * dy).sqrt() / 2)
+                half = _half_chord(radius, Decimal(dx * dx + dy * dy).sqrt() / 2, doubt)
                 if (dx, dy) <= (0, 0) or half is None:
                     continue
                 apart = Decimal(dx * dx + dy * dy).sqrt()
@@ -126,10 +129,10 @@ def _where_circles_meet(corners: list[Cell], radius: Decimal) -> Iterator[Place]
                     )
 
 
-def _is_clear(cells: set[Cell], place: Place, radius: Decimal) -> bool:
+def _is_clear(cells: set[Cell], place: Place, radius: Decimal, doubt: Decimal) -> bool:
     """Whether a place is, but for a doubt, at least the radius from all cells."""
     x, y = place
-    reach, least = math.ceil(radius) + 1, (radius - _DOUBT) ** 2 if radius > _DOUBT else Decimal(0)
+    reach, least = math.ceil(radius) + 1, (radius - doubt) ** 2
     base_x, base_y = math.floor(x), math.floor(y)
     for iy in range(base_y - reach, base_y + reach + 1):
         dy = max(iy - y, y - iy - 1, Decimal(0))
