@@ -11,8 +11,10 @@ try:
 except ModuleNotFoundError as error:
     if error.name != "gymnasium":
         raise
+    from worldgen.installation import pip_install
+
     raise ModuleNotFoundError(
-        "worldgen.gym needs Gymnasium, which is not installed; pip install 'worldgen[gym]'", name="gymnasium"
+        f"worldgen.gym needs Gymnasium, which is not installed; {pip_install('gym')}", name="gymnasium"
     ) from None
 
 __all__ = ["ENVIRONMENT", "TIME_LIMIT"]

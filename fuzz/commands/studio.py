@@ -39,10 +39,11 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
     import ipaddress
 
     from worldgen.errors import FormatError, InvalidParameter
+    from worldgen.installation import pip_install
 
     missing = [name for name in ("starlette", "uvicorn", "websockets") if importlib.util.find_spec(name) is None]
     if missing:
-        raise InvalidParameter(f"the studio needs {', '.join(missing)}; install it: pip install 'worldgen[studio]'")
+        raise InvalidParameter(f"the studio needs {', '.join(missing)}; {pip_install('studio')}")
     if not path.exists():
         raise FormatError("there is no such file or folder; check the name", source=str(path))
     if path.suffix == ".py" and path.is_file():

@@ -17,6 +17,7 @@ from worldgen.archives import ENDINGS, is_archive, writer_for
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.files import check_output, write_bytes
 from worldgen.grid_file import dumps, read_world
+from worldgen.installation import pip_install
 
 __all__ = ["TABLE", "export"]
 
@@ -110,5 +111,5 @@ def _pyarrow() -> tuple[Any, Any]:
         import pyarrow  # noqa: PLC0415 - an extra
         import pyarrow.parquet  # noqa: PLC0415
     except ImportError as error:
-        raise OutputError("a .parquet table needs pyarrow; pip install 'worldgen[parquet]', or write .csv") from error
+        raise OutputError(f"a .parquet table needs pyarrow; {pip_install('parquet')}, or write .csv") from error
     return pyarrow, pyarrow.parquet

@@ -11,6 +11,7 @@ from fuzz.config import CampaignConfig
 from fuzz.crews.crew import Crew, WorkersLost
 from fuzz.crews.local import Alone, Processes, crew_of
 from worldgen.errors import InvalidParameter
+from worldgen.installation import pip_install
 
 __all__ = ["Alone", "Crew", "Processes", "WorkersLost", "crew_at", "crew_of"]
 
@@ -26,5 +27,5 @@ def crew_at(address: str, config: CampaignConfig) -> Crew:
     except ModuleNotFoundError as error:
         if error.name not in ("dask", "distributed"):
             raise
-        raise InvalidParameter("--scheduler needs Dask; pip install 'worldgen[dask]', or leave it out") from error
+        raise InvalidParameter(f"--scheduler needs Dask; {pip_install('dask')}, or leave it out") from error
     return Cluster(address, config)

@@ -21,6 +21,7 @@ from tests.sim.test_batch import burning
 from tests.sim.test_episode import arena
 from worldgen import InvalidParameter, Pose, Target, World, generate, read_world, write_world
 from worldgen.difficulty import measure
+from worldgen.installation import pip_install
 from worldgen.timeline import CellState, Event, Timeline
 from worldgen_plugins.for_gymnasium import Interface, NavigateEnv, NavigateVectorEnv
 from worldgen_plugins.for_gymnasium.interface import SENSORS
@@ -66,7 +67,7 @@ def test_registering_imports_no_simulator():
 def test_without_gymnasium_the_import_says_how_to_get_it():
     code = "import sys; sys.modules['gymnasium'] = None; import worldgen.gym"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.stderr.endswith("which is not installed; pip install 'worldgen[gym]'\n")
+    assert done.stderr.endswith(f"which is not installed; {pip_install('gym')}\n")
 
 
 @pytest.mark.parametrize("block", [0, 2, 3], ids=["single", "vector", "policy"])

@@ -1,0 +1,85 @@
+"""The source archive and the wheel are whole: what one can do from a checkout, one can do from them."""
+
+import subprocess
+import sys
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("worldgen", "sim", "fuzz", "corpora", "worldgen_plugins")
+
+pytestmark = pytest.mark.gate
+
+
+@pytest.fixture(scope="module")
+def checkout(tmp_path_factory):
+    """A copy of the tracked files, so that nothing that happens to lie in this folder gets into an archive."""
+    folder = tmp_path_factory.mktemp("source") / "worldgen"
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=False)
+    if listed.returncode:
+        pytest.skip("NOT BUILT: this is no git checkout, so the files that belong to it are not known")
+    for name in filter(None, listed.stdout.decode().split("\0")):
+        source = ROOT / name
+        if source.is_file():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_bytes(source.read_bytes())
+    return folder
+
+
+@pytest.fixture(scope="module")
+def built(checkout, tmp_path_factory):
+    """The source archive, and the wheel that is built from it."""
+    pytest.importorskip("build", reason="NOT BUILT: pip install -e '.[dev]' brings the build program")
+    out = tmp_path_factory.mktemp("dist")
+    done = subprocess.run(
+        [sys.executable, "-m", "build", "--outdir", out, checkout], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    [archive], [wheel] = out.glob("*.tar.gz"), out.glob("*.whl")
+    return archive, wheel
+
+
+def shipped(checkout):
+    """Every tracked file below a package, by name."""
+    return {
+        str(path.relative_to(checkout)) for name in PACKAGES for path in (checkout / name).rglob("*") if path.is_file()
+    }
+
+
+def test_the_wheel_has_every_file_of_the_packages_and_no_other(checkout, built):
+    names = {name for name in zipfile.ZipFile(built[1]).namelist() if ".dist-info/" not in name}
+    assert names == shipped(checkout)
+
+
+def test_the_source_archive_has_what_the_wheel_is_built_from(checkout, built):
+    with tarfile.open(built[0]) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    assert shipped(checkout) | {"pyproject.toml", "README.md", "LICENSE"} <= names
+
+
+def test_the_wheel_passes_the_check_of_package_indexes(built):
+    pytest.importorskip("twine", reason="NOT CHECKED: pip install -e '.[dev]' brings twine")
+    command = [sys.executable, "-m", "twine", "check", "--strict", *built]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_installed_wheel_makes_proves_and_draws_a_world(built, tmp_path):
+    site = tmp_path / "site"
+    install = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", site, built[1]]
+    subprocess.run(install, check=True, capture_output=True)
+    # The folder comes first on the path, so that nothing of the checkout is imported.
+    code = f"import sys; sys.path.insert(0, {str(site)!r}); from worldgen.cli.main import main; main()"
+    for command in ("maze --size 12 --seed 7 --out w.grid", "verify w.grid", "show w.grid", "corpus list found"):
+        (tmp_path / "found").mkdir(exist_ok=True)
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", code, *command.split()],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr

@@ -1,0 +1,84 @@
+"""Where this copy of worldgen was installed from, so that messages and CI files can name it."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+from dataclasses import dataclass
+from importlib.metadata import distributions
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+__all__ = ["Origin", "origin", "pip_install", "requirement"]
+
+_GITHUB = re.compile(r"https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?")
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where an installed distribution came from.
+
+    Args:
+        url: Of a repository, an archive or a folder; empty for a package index.
+        commit: Of the repository; empty for anything else.
+        folder: The folder, if it was installed from one that still exists.
+        editable: Whether the folder itself is what runs (``pip install -e``).
+    """
+
+    url: str = ""
+    commit: str = ""
+    folder: Path | None = None
+    editable: bool = False
+
+    @property
+    def github(self) -> str:
+        """``owner/name`` of a repository on GitHub; empty for anything else."""
+        found = _GITHUB.fullmatch(self.url) if self.commit else None
+        return found[1] if found else ""
+
+
+def origin() -> Origin:
+    """Return where the installed worldgen came from.
+
+    Source: PEP 610, "Recording the Direct URL Origin of installed distributions".
+    """
+    try:
+        # A checkout on the path may hold metadata of its own, which says nothing about the installation.
+        texts = [found.read_text("direct_url.json") for found in distributions(name="worldgen")]
+        record = json.loads(next(filter(None, texts), "{}"))
+        url = str(record.get("url", ""))
+        if "vcs_info" in record:
+            return Origin(url, str(record["vcs_info"].get("commit_id", "")))
+        if "dir_info" in record:
+            folder = Path(unquote(urlsplit(url).path))
+            editable = record["dir_info"].get("editable") is True
+            return Origin(url, folder=folder if folder.is_dir() else None, editable=editable)
+    except (OSError, ValueError, AttributeError, TypeError):
+        return Origin()
+    return Origin(url)
+
+
+def requirement(extra: str = "") -> str:
+    """Return what pip must be given to install this worldgen again.
+
+    worldgen may come from a package index, a repository or a checkout. ``worldgen[studio]`` alone would look only in
+    the index, which may not have it.
+
+    Args:
+        extra: Name of an extra, such as ``studio``; none if omitted.
+    """
+    extras = f"[{extra}]" if extra else ""
+    found = origin()
+    if found.folder is not None:
+        return f"{found.folder}{extras}"
+    if found.commit:
+        return f"worldgen{extras} @ git+{found.url}@{found.commit}"
+    if found.url and not found.url.startswith("file:"):
+        return f"worldgen{extras} @ {found.url}"
+    return f"worldgen{extras}"
+
+
+def pip_install(extra: str) -> str:
+    """Return the command that adds an extra to this installation, to be pasted into a shell."""
+    return f"pip install {'-e ' if origin().editable else ''}{shlex.quote(requirement(extra))}"
