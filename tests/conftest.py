@@ -1,22 +1,31 @@
-"""Settings that every test shares."""
+"""Settings that every test shares: tiers, Hypothesis's profiles, how the work is shared among workers."""
 
 import os
 import signal
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.database import DirectoryBasedExampleDatabase
 
-# With CI set, Hypothesis would choose for us, silently. So the choice is ours, everywhere: the gate runs the
-# same examples each time, for nobody should fail to land by luck; WORLDGEN_EXAMPLES=300 searches afresh.
-fresh = os.environ.get("WORLDGEN_EXAMPLES")
+# With CI set, Hypothesis would choose a profile for us, silently. This one tries the same examples each time: nobody
+# should fail to land by luck. New examples are tried at night, and those that failed are kept: --hypothesis-profile.
 settings.register_profile(
     "worldgen",
-    max_examples=int(fresh) if fresh else 60,
-    derandomize=not fresh,
+    max_examples=25,
+    derandomize=True,
     deadline=None,
     database=None,
     print_blob=True,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+)
+EXAMPLES = os.environ.get("WORLDGEN_EXAMPLES") or Path(__file__).parents[1] / "build" / "hypothesis-examples"
+settings.register_profile(
+    "nightly",
+    settings.get_profile("worldgen"),
+    max_examples=300,
+    derandomize=False,
+    database=DirectoryBasedExampleDatabase(EXAMPLES),
 )
 settings.load_profile("worldgen")
 
@@ -29,7 +38,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config):
-    """With ``-n`` the tests of a file stay together and in order, for they may share what was costly to make.
+    """Keep the tests of a file together and in order with ``-n``: they may share what was costly to make.
 
     Files go out in the order of their names: the short ones are the last, and no worker waits long for another.
     """
@@ -39,5 +48,5 @@ def pytest_cmdline_main(config):
 
 @pytest.hookimpl(wrapper=True, optionalhook=True)
 def pytest_xdist_auto_num_workers():
-    """A worker for each processor, but no more than have work: each compiles kernels and needs memory."""
+    """Start a worker for each processor, but no more than have work: each needs memory."""
     return min((yield), MOST_WORKERS)

@@ -19,7 +19,7 @@ def test_training_gives_the_same_table_twice_and_another_for_another_seed():
     assert tables[0] == tables[1] != tables[2]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_shipped_table_is_what_training_gives():
     assert as_module(train()) == Path(_q_table.__file__).read_text(encoding="utf-8")
 

@@ -1,4 +1,4 @@
-"""Folders of other people's maps, where there are some: ``WORLDGEN_FOREIGN_MAPS=folder pytest -m slow`` reads them all.
+"""Folders of other people's maps: ``WORLDGEN_FOREIGN_MAPS=FOLDER python -m pytest -m nightly`` reads them all.
 
 docs/foreign-maps.md says which ones were read, and what came of it.
 """
@@ -17,7 +17,7 @@ from worldgen.interop import read_map
 
 FOLDER = os.environ.get("WORLDGEN_FOREIGN_MAPS")
 pytestmark = [
-    pytest.mark.slow,
+    pytest.mark.nightly,
     pytest.mark.skipif(not FOLDER, reason="WORLDGEN_FOREIGN_MAPS names no folder; docs/foreign-maps.md says which"),
 ]
 _RULES = ("negate", "occupied_thresh", "free_thresh")

@@ -102,7 +102,7 @@ def test_a_damaged_file_is_read_or_refused_in_one_sentence(name, tmp_path, data)
     read_or_sentence(write(tmp_path, files), name)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", READABLE)
 @settings(max_examples=300)
 @given(st.data())
@@ -122,7 +122,7 @@ def test_a_file_that_ends_too_early_is_read_or_refused_in_one_sentence(name, tmp
                 read_or_sentence(write(tmp_path, {**files, victim: whole[:length]}), name)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", READABLE)
 def test_a_file_cut_after_any_byte_is_read_or_refused_in_one_sentence(name, tmp_path):
     for files in samples(name)[:2]:
@@ -131,7 +131,7 @@ def test_a_file_cut_after_any_byte_is_read_or_refused_in_one_sentence(name, tmp_
                 read_or_sentence(write(tmp_path, {**files, victim: whole[:length]}), name)
 
 
-@pytest.mark.parametrize("kib", [128, pytest.param(4096, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kib", [128, pytest.param(4096, marks=pytest.mark.nightly)])
 def test_hostile_files_are_refused_within_bounds_of_time_and_memory(kib, tmp_path):
     """In a process that is ended after 120 s of processor time, and gets 3 GiB of addresses."""
     script = Path(__file__).parents[1] / "helpers" / "hostile_files.py"
