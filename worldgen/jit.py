@@ -7,43 +7,118 @@ built on.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import os
+import stat
 import tempfile
 import types
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from worldgen.progress import Work, say_once, working
+
 __all__ = ["cache_folder", "cache_root", "kernel", "lazy_kernel"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+_OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
+_compiling: list[Work] = []  # what is compiled now: one, or none
+_PARTS = {"worldgen": "the generator and its proofs", "sim": "the simulator", "fuzz": "the search"}
 
-def cache_root() -> Path:
-    """Folder of compiled kernels: ``WORLDGEN_CACHE_DIR``, else the user's cache, else a temporary one."""
-    named = os.environ.get("WORLDGEN_CACHE_DIR")
-    candidates = [Path(named)] if named else []
-    candidates.append(Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "worldgen")
-    for folder in candidates:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(folder, os.W_OK):
-            return folder
-    return Path(tempfile.gettempdir()) / f"worldgen-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
+
+def cache_root() -> Path | None:
+    """Return the folder of compiled kernels, or None if no folder is safe from other users.
+
+    That is ``WORLDGEN_CACHE_DIR``, else the user's cache, else a private folder under the temporary directory. Kernels
+    are pickles with machine code, so a folder counts only if this user owns it and nobody else can write in it.
+    """
+    return _checked_root(os.environ.get("WORLDGEN_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME"))
 
 
 @functools.cache
-def cache_folder(source_folder: Path, built_on: Path | None = None) -> str:
-    """Where the compiled kernels of a folder of sources are kept; another place whenever one of them changes."""
+def _checked_root(named: str | None, cache_home: str | None) -> Path | None:
+    refused = []
+    if named:
+        folder = Path(named)
+        fault = _fault_of(folder)
+        if not fault:
+            return folder
+        refused.append(f"WORLDGEN_CACHE_DIR={named} {fault}")
+    with contextlib.suppress(RuntimeError):  # no home at all
+        own = Path(cache_home) if cache_home else Path.home() / ".cache"
+        folder = own / "worldgen"
+        _tighten(folder)
+        fault = _fault_of(folder)
+        if not fault:
+            if refused:
+                say_once(f"{refused[0]}; compiled kernels are kept in {folder} instead")
+            return folder
+        refused.append(f"{folder} {fault}")
+    folder = Path(tempfile.gettempdir()) / f"worldgen-{os.geteuid() if hasattr(os, 'geteuid') else 'cache'}"
+    fault = _fault_of(folder, private=True)
+    if not fault:
+        return folder
+    refused.append(f"{folder} {fault}")
+    say_once(
+        f"no folder can keep compiled kernels ({'; '.join(refused)}), so they are compiled in every run; "
+        "set WORLDGEN_CACHE_DIR to a folder of your own that others cannot write"
+    )
+    return None
+
+
+def _tighten(folder: Path) -> None:
+    """Take the right to write from others, which a lax umask gave them on a folder that we made."""
+    with contextlib.suppress(OSError):
+        status = folder.lstat()
+        if stat.S_ISDIR(status.st_mode) and hasattr(os, "geteuid") and status.st_uid == os.geteuid():
+            folder.chmod(stat.S_IMODE(status.st_mode) & ~_OTHERS_WRITE)
+
+
+def _fault_of(folder: Path, *, private: bool = False) -> str:
+    """Say why kernels cannot be kept in a folder, which is made if missing; empty if they can.
+
+    Args:
+        folder: Any folder.
+        private: Whether it stands where everybody can make folders: then it is no symlink, and nobody else may read it.
+    """
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with contextlib.suppress(FileExistsError):
+            folder.mkdir(mode=0o700)
+        status = folder.lstat() if private else folder.stat()
+    except OSError as error:
+        return f"cannot be made: {error.strerror}"
+    if not stat.S_ISDIR(status.st_mode):
+        return "is not a folder"
+    if hasattr(os, "geteuid"):
+        if status.st_uid != os.geteuid():
+            return "belongs to another user"
+        if status.st_mode & (0o077 if private else _OTHERS_WRITE):
+            return "can be written by other users"
+    return "" if os.access(folder, os.W_OK | os.X_OK) else "cannot be written"
+
+
+@functools.cache
+def cache_folder(source_folder: Path, built_on: Path | None = None) -> Path | None:
+    """Return where the compiled kernels of a folder of sources are kept: another place whenever one of them changes.
+
+    None means that they are not kept: no folder is safe from other users.
+    """
+    root = cache_root()
+    if root is None:
+        return None
     digest = hashlib.sha256()
     others = () if built_on is None else built_on.glob("*.py")
     for source in sorted({*source_folder.glob("*.py"), *_shared(source_folder), *others}):
         digest.update(source.name.encode() + b"\0" + source.read_bytes())
-    return str(cache_root() / f"kernels-{digest.hexdigest()[:16]}")
+    folder = root / f"kernels-{digest.hexdigest()[:16]}"
+    fault = _fault_of(folder)
+    if fault:
+        say_once(f"{folder} {fault}, so kernels are compiled in every run; remove it")
+    return None if fault else folder
 
 
 def _shared(folder: Path) -> Iterator[Path]:
@@ -76,17 +151,70 @@ def kernel(
     """
     import numba
 
-    config: Any = numba.config
-    njit = numba.njit
-    before = config.CACHE_DIR
-    config.CACHE_DIR = cache_folder(Path(function.__code__.co_filename).parent, built_on)
-    try:
-        options: dict[str, Any] = {"cache": True, "nogil": True, "forceinline": inline}
-        options |= {} if allocates else {"_nrt": False}
-        decorate = njit(**options) if signature is None else njit(signature, **options)
-        return cast(F, _without_literals(decorate(function)))
-    finally:
-        config.CACHE_DIR = before
+    options: dict[str, Any] = {"nogil": True, "forceinline": inline}
+    options |= {} if allocates else {"_nrt": False}
+    dispatcher: Any = numba.njit(**options)(function)
+    if dispatcher is function:  # NUMBA_DISABLE_JIT
+        return function
+    _keep_compiled(dispatcher, function, cache_folder(Path(function.__code__.co_filename).parent, built_on))
+    if signature is not None:
+        dispatcher.compile(signature)
+        dispatcher.disable_compile()
+    return cast(F, _without_literals(dispatcher))
+
+
+def _keep_compiled(dispatcher: Any, function: Callable[..., Any], folder: Path | None) -> None:
+    """Give a kernel its cache, and let it say when it is compiled: that takes up to a minute.
+
+    Args:
+        dispatcher: The kernel.
+        function: What it is compiled from.
+        folder: Where it is kept; None keeps nothing.
+    """
+    import numba
+    from numba.core.caching import NullCache
+
+    package = function.__module__.partition(".")[0]
+    often = "in this run: no folder can keep it" if folder is None else "once per installation"
+    message = f"compiling {_PARTS.get(package, function.__module__)}, {often}"
+    mine: list[contextlib.ExitStack] = []
+
+    def missed() -> None:
+        # A kernel compiles those that it calls; they belong to the outermost one's piece of work.
+        if not _compiling and mine:
+            _compiling.append(mine[-1].enter_context(working(message)))
+            mine[-1].callback(_compiling.clear)
+        for work in _compiling:
+            work.say(function.__name__)
+
+    if folder is None:
+
+        class Nothing(NullCache):
+            def load_overload(self, sig: Any, target_context: Any) -> None:
+                missed()
+
+        dispatcher._cache = Nothing()
+    else:
+        from worldgen.kernel_cache import KernelCache
+
+        config: Any = numba.config
+        before = config.CACHE_DIR
+        config.CACHE_DIR = str(folder)
+        try:
+            dispatcher._cache = KernelCache(function, folder, missed)
+        finally:
+            config.CACHE_DIR = before
+    compile_now = dispatcher.compile
+
+    def compile_aloud(signature: Any) -> Any:
+        with contextlib.ExitStack() as stack:
+            mine.append(stack)
+            try:
+                return compile_now(signature)
+            finally:
+                mine.remove(stack)
+
+    dispatcher.compile = compile_aloud
 
 
 def _without_literals(dispatcher: Any) -> Any:

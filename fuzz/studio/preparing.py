@@ -25,12 +25,14 @@ def prepare_beside(done: Path | None = None) -> BaseProcess | None:
         done: A file that says so; beside the compiled kernels if left out.
     """
     mark = _mark() if done is None else done
-    return None if mark.exists() else start_beside(_prepare, mark, nice=_NICE)
+    return None if mark is None or mark.exists() else start_beside(_prepare, mark, nice=_NICE)
 
 
-def _mark() -> Path:
-    """In a folder that is another one when the simulators' kernels change; compiled by whom, its name says."""
-    folder = Path(cache_folder(Path(str(files("sim"))) / "kernels"))
+def _mark() -> Path | None:
+    """In a folder that is another one when the simulators' kernels change; None where compiled kernels are not kept."""
+    folder = cache_folder(Path(str(files("sim"))) / "kernels")
+    if folder is None:
+        return None
     return folder / f"studio-prepared-{sys.implementation.cache_tag}-numba-{version('numba')}"
 
 

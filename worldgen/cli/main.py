@@ -11,8 +11,10 @@ from typing import NoReturn
 import click
 
 from worldgen.cli.ctrl_c import no_ctrl_c_lost
+from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
 from worldgen.cli.output import note
 from worldgen.errors import WorldgenError
+from worldgen.progress import display_on_stderr
 
 __all__ = ["cli", "main"]
 
@@ -34,7 +36,11 @@ class LazyGroup(click.Group):
         return [*sorted(self._points("worldgen.families")), *sorted(self._points("worldgen.commands"))]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Imports the one command that is asked for."""
+        """Import the one command that is asked for, and give it what every command has."""
+        command = self._found(cmd_name)
+        return None if command is None else equip(command)
+
+    def _found(self, cmd_name: str) -> click.Command | None:
         point = self._points("worldgen.commands").get(cmd_name)
         if point is not None:
             command: object = point.load()
@@ -100,7 +106,12 @@ _SUMMARY = {
 }
 
 
-@click.group(cls=LazyGroup, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=LazyGroup,
+    epilog=EPILOG,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    params=[*QUIET_AND_VERBOSE],
+)
 @click.version_option(version("worldgen"), prog_name="worldgen")
 def cli() -> None:
     """Make worlds for mobile robots, run controllers in them, and find the worlds where they fail."""
@@ -109,7 +120,7 @@ def cli() -> None:
 def main() -> NoReturn:
     """Runs the command line and ends the process with the documented exit code."""
     try:
-        with no_ctrl_c_lost():
+        with no_ctrl_c_lost(), display_on_stderr():
             code = cli.main(standalone_mode=False)
             sys.stdout.flush()
     except click.exceptions.Exit as stop:
@@ -121,7 +132,7 @@ def main() -> NoReturn:
         click.echo("interrupted", err=True)
         code = 130
     except WorldgenError as error:
-        note(f"worldgen: {error}")
+        note(f"worldgen: {error}", always=True)
         code = 2
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -131,7 +142,7 @@ def main() -> NoReturn:
             code = _our_fault(error)
         else:
             where = f"{error.filename}: " if error.filename else ""
-            note(f"worldgen: {where}{error.strerror or error}")
+            note(f"worldgen: {where}{error.strerror or error}", always=True)
             code = 2
     except MemoryError:
         click.echo("worldgen: out of memory; use a smaller world", err=True)

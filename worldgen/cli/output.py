@@ -12,6 +12,7 @@ import click
 
 from worldgen.files import write_bytes
 from worldgen.plain_text import shown, shown_lines
+from worldgen.progress import is_quiet, spoke
 
 __all__ = [
     "CONTROLLER_HELP",
@@ -41,13 +42,21 @@ seed_option: Callable[[F], F] = click.option(
 )
 
 
-def note(message: str) -> None:
-    """A message for the person at the terminal: stderr, so that stdout stays data."""
-    click.echo(shown_lines(message), err=True)
+def note(message: str, *, always: bool = False) -> None:
+    """Print a message for the person at the terminal on stderr, so that stdout stays data.
+
+    Args:
+        message: One or more lines.
+        always: Whether ``--quiet`` prints it too, as errors and the seed are.
+    """
+    if always or not is_quiet():
+        spoke()
+        click.echo(shown_lines(message), err=True)
 
 
 def emit_json(result: Mapping[str, Any]) -> None:
-    """Prints one JSON object on stdout; infinities and nan become null."""
+    """Print one JSON object on stdout; infinities and nan become null."""
+    spoke()
     click.echo(json.dumps(_finite(result), allow_nan=False))
 
 
@@ -66,5 +75,5 @@ def draw_seed(seed: int | None) -> int:
     if seed is not None:
         return seed
     drawn = int.from_bytes(os.urandom(8), "big")
-    note(f"seed {drawn}")
+    note(f"seed {drawn}", always=True)
     return drawn

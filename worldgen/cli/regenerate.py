@@ -100,7 +100,7 @@ def _make(
             processes = workers_for(count, workers)
             done = work(manifest, place, families=families, workers=processes, force=force, progress=progress)
     except SetDiffers as error:
-        note(f"worldgen: {error}")
+        note(f"worldgen: {error}", always=True)
         if as_json:
             _emit(path, place, manifest, made=0, ok=False, differences=[{"kind": "changed", "file": error.file}])
         raise click.exceptions.Exit(1) from error

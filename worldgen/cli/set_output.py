@@ -58,7 +58,7 @@ def _seed(plan: SetPlan | WishedPlan, seed: int | None, out: Path, *, force: boo
 
     begun = begun_set(out) if seed is None and not force else None
     if begun is not None and begun == plan.with_seed(begun.seed).header:
-        note(f"seed {begun.seed}")
+        note(f"seed {begun.seed}", always=True)
         return begun.seed
     return draw_seed(seed)
 
@@ -93,7 +93,7 @@ def told(out: Path, count: int, *, force: bool) -> Iterator[Callable[[int], None
                     if isinstance(error, WorldgenError) and not isinstance(error, OutputError)
                     else _going_on(out, force=force)
                 )
-                note(f"{out}: {safe} of {count} worlds are written{on}")
+                note(f"{out}: {safe} of {count} worlds are written{on}", always=True)
             raise
 
 

@@ -90,7 +90,7 @@ def make_wished(
             for one in found(search, 1, tries or _TRIES, progress):
                 results.append(_write(one, out, name, params, metrics=metrics, force=force, as_json=as_json))
     except GenerationFailed as failure:
-        note(f"worldgen: {failure}")
+        note(f"worldgen: {failure}", always=True)
         if as_json:
             emit_json({"wish": wish.text, "tried": search.tried if search else 0, "nearest": _nearest(search)})
         raise click.exceptions.Exit(1) from failure
