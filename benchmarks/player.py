@@ -17,8 +17,9 @@ import numpy as np
 
 from fuzz.player import drawn_world
 from fuzz.player.streams import bits, numbers
+from tests.helpers.browser import chromium_browser
 from tests.helpers.studio import studio_of
-from tests.helpers.studio_page import chromium_browser, opened
+from tests.helpers.studio_page import opened
 from worldgen.timeline import Timeline
 from worldgen.world import Pose, Target, World
 

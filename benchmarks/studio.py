@@ -14,8 +14,9 @@ from typing import Any
 
 import click
 
+from tests.helpers.browser import chromium_browser
 from tests.helpers.studio import studio_of
-from tests.helpers.studio_page import chromium_browser, drag, opened
+from tests.helpers.studio_page import drag, opened
 from worldgen import generate
 from worldgen.grid_file import write_world
 

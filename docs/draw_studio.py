@@ -11,8 +11,9 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from tests.helpers.browser import chromium_browser
 from tests.helpers.studio import studio_of
-from tests.helpers.studio_page import chromium_browser, opened
+from tests.helpers.studio_page import opened
 from tests.helpers.studio_walk import Walker, sentences
 
 HERE = Path(__file__).parent

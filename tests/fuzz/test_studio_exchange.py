@@ -1,14 +1,11 @@
 """Maps that come into the studio and go out: the same as by the command line, to the byte."""
 
 import base64
-import re
 
 import pytest
 
 from fuzz.studio import Folder
-from tests.helpers.browser import missing_browser
 from tests.helpers.command_line import worldgen
-from tests.helpers.studio import studio_of
 from worldgen import generate
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import read_world, write_world
@@ -191,59 +188,3 @@ def test_names_with_spaces_and_letters_of_all_kinds_are_kept_and_paths_are_not(a
     said = dropped(tmp_path / "out/out.pgm", tmp_path / "out/out.yaml")
     said["files"][1]["name"] = "../../Büro ☃ 1.yaml"
     assert answers.bring(said, print)["main"] == "Büro ☃ 1.yaml"
-
-
-@pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-def test_a_pair_of_ros_is_imported_by_the_mouse_and_exported_with_options(browser, folder, tmp_path):
-    pytest.importorskip("playwright.sync_api", reason="no playwright here: no tests in a browser")
-    from tests.helpers.studio_page import opened
-
-    by_command(tmp_path / "out", folder / "w.grid", "ros")
-    pair = [tmp_path / "out/out.pgm", tmp_path / "out/out.yaml"]
-    with studio_of(folder) as gate, opened(browser, gate) as page:
-        page.locator("#tab-files").click()
-        page.get_by_text("Import and export").click()
-        page.locator("#import").set_input_files(pair)
-        page.get_by_text("Imported out.yaml.").wait_for()
-        page.get_by_label("Export as").select_option("ros")
-        page.locator("#export-more summary").click()
-        page.get_by_label("Mode", exact=True).select_option("scale")
-        page.locator("#export-x").fill("0.5")
-        page.locator("#export-y").fill("-2")
-        page.get_by_role("button", name="Into the folder").click()
-        page.get_by_text("Wrote world.yaml, world.pgm").wait_for()
-        assert page.complaints == []
-    assert "mode: scale" in (folder / "world.yaml").read_text()
-    assert "origin: [0.5, -2, 0.0]" in (folder / "world.yaml").read_text()
-
-
-@pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like_begins_anew(browser, folder, tmp_path):
-    pytest.importorskip("playwright.sync_api", reason="no playwright here: no tests in a browser")
-    from tests.helpers.studio_page import opened
-
-    (tmp_path / "x.bin").write_bytes(b"junk")
-    pair = scenario_in(tmp_path)
-    with studio_of(folder) as gate, opened(browser, gate) as page:
-        page.locator("#tab-files").click()
-        page.get_by_text("Import and export").click()
-        page.locator("#import").set_input_files(pair)
-        page.get_by_text("Row 1 of the 3 of its scenario.").wait_for()
-        page.get_by_text("Options of the import").click()
-        more = page.locator("#import-more")
-        more.get_by_label("Row of the scenario").fill("4")
-        more.get_by_role("button", name="Import again").click()
-        more.get_by_text("Give a whole number from 1 to 3.").wait_for()
-        more.get_by_label("Row of the scenario").fill("3")
-        more.get_by_label("Cell size").fill("0.5")
-        more.get_by_label("Cell size").press("Enter")
-        page.get_by_text("Row 3 of the 3 of its scenario.").wait_for()
-        page.locator("#place", has_text="8 x 4 cells, 0 solid · 4.00 x 2.00 m").wait_for()
-        page.locator("#import").set_input_files(pair[:1])
-        page.get_by_text(re.compile("^Imported a.map.$")).wait_for()
-        assert more.get_by_label("Cell size").input_value() == "0.1"
-        page.get_by_text("Options of the import").click()
-        page.locator("#import").set_input_files(tmp_path / "x.bin")
-        page.get_by_text("say which in Options of the import").wait_for()
-        more.get_by_label("Format").wait_for()  # it has opened
-        assert page.complaints == []

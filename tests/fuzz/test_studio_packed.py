@@ -6,13 +6,11 @@ import shlex
 import shutil
 import tarfile
 import zipfile
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 from sim import simulate
-from tests.helpers.browser import missing_browser
 from tests.helpers.command_line import worldgen
 from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import begin, watch
@@ -149,46 +147,3 @@ def test_each_kind_of_the_archive_opens_the_world_that_it_tells_of(asked, folder
 )
 def test_a_kind_that_nobody_has_met_is_told(asked, place, i, why):
     assert why in asked.ask("elite", folder=place, i=i, j=0)["error"]
-
-
-MISSING = missing_browser() or ("" if find_spec("playwright") else "no playwright here")
-in_a_browser = pytest.mark.skipif(bool(MISSING), reason=MISSING or "-")
-
-
-@in_a_browser
-def test_an_archive_s_failures_are_on_the_wall_and_one_is_edited(browser, gate, folder):
-    from tests.helpers.studio_page import opened
-
-    with opened(browser, gate, until=None) as page:
-        page.keyboard.press("3")
-        page.locator("#campaign-folder").select_option("below/old.tar.gz")
-        page.locator("#wall-count", has_text=f"{len(FAILURES)} failures").wait_for()
-        page.locator(".card").first.click()
-        page.locator("#open-draw").click()
-        page.locator("#proof.good").wait_for()
-        page.locator("#name", has_text="not saved yet").wait_for()
-        shutil.copytree(folder / "plain", folder / "later")
-        page.keyboard.press("3")
-        page.locator("#campaign-folder option", has_text="later").wait_for(state="attached")  # listed anew
-        assert page.locator("#campaign-folder").input_value() == "below/old.tar.gz"
-        shutil.rmtree(folder / "later")
-        assert page.complaints == []
-
-
-@in_a_browser
-def test_a_click_on_a_kind_of_behaviour_opens_its_world_on_the_board(browser, gate):
-    from tests.helpers.studio_page import opened
-
-    with opened(browser, gate, until=None) as page:
-        page.keyboard.press("3")
-        page.locator("#campaign-folder").select_option("kinds")
-        page.locator("#tab-archive").click()
-        page.locator("#archive-panel rect.opens").first.click()
-        page.locator("#board").wait_for()
-        page.locator("#proof.good").wait_for()
-        page.keyboard.press("Control+z")
-        page.keyboard.press("3")
-        page.locator("#archive-panel summary").click()
-        page.locator("#archive-panel table button").first.press("Enter")
-        page.locator("#proof.good").wait_for()
-        assert page.complaints == []

@@ -1,20 +1,14 @@
-"""Robots whose options are their own, beside others: the command line's words on the page."""
+"""Robots whose options are their own, next to others, as the server answers."""
 
 from pathlib import Path
 
 import pytest
 
+from fuzz.studio.messages import message_of
 from sim import simulate
 from sim.scenario import Scenario
-from tests.helpers.browser import missing_browser
 from tests.helpers.studio import page_of, studio_of
 from worldgen.grid_file import read_world
-
-pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
-in_a_browser = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-
-from fuzz.studio.messages import message_of  # noqa: E402
-from tests.helpers.studio_page import opened  # noqa: E402
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 
@@ -72,33 +66,6 @@ def test_options_bring_no_code_of_a_file_along(gate, folder, name):
     assert "error" in part and "run" not in part and not (folder / "ran").exists()
 
 
-@in_a_browser
-def test_a_robot_with_options_is_added_by_its_words(browser, gate):
-    with opened(browser, gate) as page:
-        page.keyboard.press("2")
-        page.get_by_label("Steps", exact=True).fill("300")
-        page.get_by_label("Another robot, with options").fill("thesis-2+repaired")
-        page.keyboard.press("Enter")
-        assert page.get_by_role("checkbox", name="thesis-2+repaired").is_checked()
-        page.keyboard.press("Control+Enter")
-        page.locator(".result").nth(1).wait_for()
-        assert [name.split()[1] for name in page.locator(".result").all_inner_texts()] == [
-            "thesis-2",
-            "thesis-2+repaired",
-        ]
-        assert page.complaints == []
-
-
-@in_a_browser
-def test_run_can_be_pressed_whenever_a_robot_is_chosen(browser, gate):
-    with opened(browser, gate) as page:
-        page.keyboard.press("2")
-        page.locator(".robots input:checked").click()
-        assert page.locator("#run").is_disabled()
-        page.get_by_label("Motion model").first.select_option("swept")  # one of this model's is chosen
-        assert page.locator(".robots input:checked").count() == 1 and page.locator("#run").is_enabled()
-
-
 @pytest.mark.parametrize("wrong", ["nope", "thesis-1+foo=3", "./evil.py:X", "thesis-1+motion=./evil.py:X"])
 def test_what_is_no_robot_is_refused_when_it_is_added(gate, wrong):
     ask = {"motion": "stepped", "time_step": 0.015, "seed": 0, "options": {}}
@@ -106,23 +73,3 @@ def test_what_is_no_robot_is_refused_when_it_is_added(gate, wrong):
         assert "error" in page.ask("check", controller=wrong, **ask)
         assert page.ask("check", controller="thesis-1+repaired", **ask)["answer"] == {}
         assert page.ask("check", controller="turn-right+slip=0.1", **ask | {"motion": "swept"})["answer"] == {}
-
-
-@in_a_browser
-def test_numbers_and_robots_that_cannot_be_are_refused_at_their_fields(browser, gate):
-    with opened(browser, gate) as page:
-        page.keyboard.press("2")
-        page.get_by_label("Another robot, with options").fill("nope")
-        page.keyboard.press("Enter")
-        page.locator("#another-fault", has_text="'nope'").wait_for()
-        assert page.get_by_role("checkbox", name="nope").count() == 0
-        page.locator(".result").first.wait_for()
-        before = page.locator(".result").all_inner_texts()
-        for name, values in (("Steps", ["0", "-5", "1.5"]), ("Seed", ["", "1e30"]), ("Time step s", ["", "0"])):
-            field = page.locator("#play").get_by_label(name, exact=True)
-            for value in values:
-                field.fill(value)
-                page.keyboard.press("Tab")
-                page.locator(f"#{field.get_attribute('id')}-fault").wait_for()
-            field.fill("1")
-        assert page.locator(".result").all_inner_texts() == before

@@ -6,7 +6,7 @@ SCRIPT = Path(__file__).with_suffix(".js").read_text("utf-8")
 FINE, COARSE = 24, 44  # px: the least size of what a mouse, or a finger, is to hit
 NAMED = {
     "button", "link", "checkbox", "radio", "combobox", "textbox", "searchbox", "spinbutton", "slider", "tab",
-    "application", "image", "dialog", "progressbar", "DisclosureTriangle", "region", "tabpanel",
+    "application", "image", "Canvas", "dialog", "progressbar", "DisclosureTriangle", "region", "tabpanel",
 }  # fmt: skip
 
 

@@ -1,53 +1,51 @@
-"""Chromium, driven through Debian's chromedriver, without network."""
+"""Debian's Chromium without a window, driven by Playwright."""
 
-import json
+import contextlib
 import shutil
-from pathlib import Path
+from importlib.util import find_spec
 
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
-
-_FLAGS = (
-    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--window-size=1280,900",
-)  # fmt: skip
-
-
-def missing_browser():
-    """What a test of the page lacks here; empty if nothing."""
-    if chromium() is None:
-        return "no Chromium here: the report is not tested in a browser (apt-get install chromium chromium-driver)"
-    if shutil.which("chromedriver") is None:
-        return "no chromedriver here: the report is not tested in a browser (apt-get install chromium-driver)"
-    return ""
-
-
-def start_browser(profile: Path, downloads: Path):
-    """A browser with a fresh profile that logs its console and every request."""
-    options = webdriver.ChromeOptions()
-    options.binary_location = str(chromium())
-    for flag in (*_FLAGS, f"--user-data-dir={profile}"):
-        options.add_argument(flag)
-    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    return webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
-
-
-def requested(browser):
-    """The addresses that the browser has asked for since the last call, those of data in the page left out."""
-    messages = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
-    sent = [message for message in messages if message["method"] == "Network.requestWillBeSent"]
-    addresses = [message["params"]["request"]["url"] for message in sent]
-    return [address for address in addresses if not address.startswith("data:")]
-
-
-def colour_scheme(browser, name):
-    """Makes the system seem ``dark`` or ``light``."""
-    features = [{"name": "prefers-color-scheme", "value": name}]
-    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+WAIT = 120_000  # ms until a wait is given up; far off, because the machine may be busy
+_WINDOW = {"viewport": {"width": 1280, "height": 900}}
 
 
 def chromium():
-    """The browser's program, or None."""
+    """Return the path of the browser, or None if there is none."""
     found = (shutil.which(name) for name in ("chromium", "chromium-browser", "google-chrome"))
     return next((path for path in found if path is not None), None)
+
+
+def missing_browser():
+    """Return what the browser tests need and this machine lacks; empty if it has everything."""
+    if chromium() is None:
+        return "no Chromium: pages are not tested in a browser (apt-get install chromium)"
+    if find_spec("playwright") is None:
+        return "no Playwright: pages are not tested in a browser (pip install 'worldgen[test]')"
+    return ""
+
+
+@contextlib.contextmanager
+def chromium_browser():
+    """Start a browser; many pages can share it, because each has a profile of its own."""
+    from playwright.sync_api import sync_playwright  # other tests run without it
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox", "--disable-gpu"])
+        yield browser
+        browser.close()
+
+
+@contextlib.contextmanager
+def page_in(browser, **how):
+    """Open an empty page in a fresh profile.
+
+    The page collects what it writes to the console as ``complaints`` and the addresses it asks for as ``requested``.
+    """
+    with browser.new_context(**(_WINDOW | how)) as context:
+        page = context.new_page()
+        page.set_default_timeout(WAIT)
+        page.complaints = []
+        page.requested = []
+        page.on("console", lambda message: page.complaints.append(message.text))
+        page.on("pageerror", lambda error: page.complaints.append(str(error)))
+        page.on("request", lambda request: page.requested.append(request.url))
+        yield page

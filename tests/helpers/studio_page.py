@@ -2,20 +2,10 @@
 
 import contextlib
 
-from playwright.sync_api import sync_playwright
-
-from tests.helpers.browser import chromium
+from tests.helpers.browser import page_in
 
 SECONDS = 180  # the first run on a machine compiles its kernels
 CAMPAIGN = 180_000  # ms that a campaign gets, for its process has to start and to compile
-
-
-@contextlib.contextmanager
-def chromium_browser():
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox", "--disable-gpu"])
-        yield browser
-        browser.close()
 
 
 @contextlib.contextmanager
@@ -28,12 +18,8 @@ def opened(browser, gate, **how):
 @contextlib.contextmanager
 def opened_at(browser, address, *, until="#proof.good, #proof.bad", **how):
     """Likewise, of the address that a studio printed."""
-    with browser.new_context(**({"viewport": {"width": 1280, "height": 720}} | how)) as context:
-        page = context.new_page()
+    with page_in(browser, **({"viewport": {"width": 1280, "height": 720}} | how)) as page:
         page.set_default_timeout(SECONDS * 1000)
-        page.complaints = []
-        page.on("console", lambda message: page.complaints.append(message.text))
-        page.on("pageerror", lambda error: page.complaints.append(str(error)))
         page.goto(address)
         if until:
             page.wait_for_selector(until)

@@ -6,13 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.browser import missing_browser
 from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import drag, opened, solid_cells
 
-playwright_api = pytest.importorskip("playwright.sync_api", reason="no playwright here: no tests in a browser")
-pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-
-from tests.helpers.studio_page import drag, opened, solid_cells  # noqa: E402
+pytestmark = pytest.mark.gate
 
 # What the page says is kept back while `held` is a list, and said when it is let go.
 HOLDING = """

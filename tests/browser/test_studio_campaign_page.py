@@ -5,15 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.browser import missing_browser
 from tests.helpers.studio import studio_of
+from tests.helpers.studio_campaign import HANGS, acts
+from tests.helpers.studio_page import CAMPAIGN, opened
 from worldgen.grid_file import read_world
 
-pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
-pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-
-from tests.helpers.studio_campaign import HANGS, acts  # noqa: E402
-from tests.helpers.studio_page import CAMPAIGN, opened  # noqa: E402
+pytestmark = pytest.mark.gate
 
 FAILURE = next(Path(__file__).parents[2].glob("corpora/failures/**/*.grid"))
 

@@ -5,15 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.browser import missing_browser
+from tests.helpers.accessibility import COARSE, FINE, complaints, tab_through
 from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import CAMPAIGN, opened, solid_cells
 from worldgen.grid_file import read_world
 
-pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
-pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-
-from tests.helpers.accessibility import COARSE, FINE, complaints, tab_through  # noqa: E402
-from tests.helpers.studio_page import CAMPAIGN, opened, solid_cells  # noqa: E402
+pytestmark = pytest.mark.gate
 
 CORPORA = Path(__file__).parents[2] / "corpora"
 BORDER = 156  # solid cells of an empty world of 40 x 40

@@ -9,16 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.browser import missing_browser
 from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import begin, watch
+from tests.helpers.studio_held import hold, let_go
+from tests.helpers.studio_page import opened
 from worldgen.grid_file import read_world
 
-pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
-pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-
-from tests.helpers.studio_held import hold, let_go  # noqa: E402
-from tests.helpers.studio_page import opened  # noqa: E402
+pytestmark = pytest.mark.gate
 
 FAILURES = Path(__file__).parents[2] / "corpora/failures/turn-right/swept"
 

@@ -12,12 +12,10 @@ from PIL import Image
 from fuzz.player import drawn_run, drawn_world, replay_page
 from sim import simulate
 from sim.controllers import CONTROLLERS
-from tests.helpers.browser import missing_browser
 from worldgen.grid_file import read_world
 from worldgen.world import Pose, Target, World
 
-pytest.importorskip("playwright", reason="no playwright here: pages are not tested in a browser")
-pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
+pytestmark = pytest.mark.gate
 
 
 FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"

@@ -11,16 +11,13 @@ import pytest
 
 from sim.episode import simulate
 from sim.run_options import RunOptions
-from tests.helpers.browser import missing_browser
 from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import drag, opened, place, solid_cells
 from worldgen import generate
 from worldgen.grid_file import read_world, write_world
 from worldgen.reach import decide
 
-playwright_api = pytest.importorskip("playwright.sync_api", reason="no playwright here: no tests in a browser")
-pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-
-from tests.helpers.studio_page import drag, opened, place, solid_cells  # noqa: E402
+pytestmark = pytest.mark.gate
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 FAILURE = CONFIG_5.parents[1] / "thesis-faults/thesis-1-loop-104.grid"
@@ -358,7 +355,7 @@ def test_each_drag_of_the_target_is_undone_alone_and_a_tool_taken_while_drawing_
     drag(page, (20, 20), (10, 10))
     page.keyboard.press("Control+z")
     target = page.get_by_role("group", name="Target").get_by_role("spinbutton").first
-    playwright_api.expect(target).to_have_value("2.05")
+    page.wait_for_function("(field) => field.value === '2.05'", arg=target.element_handle())
     page.keyboard.press("b")
     page.mouse.move(*place(page, 5.5, 30.5))
     page.mouse.down()

@@ -2,13 +2,10 @@
 
 import pytest
 
-from tests.helpers.browser import missing_browser
 from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import drag, opened, place, solid_cells
 
-pytest.importorskip("playwright", reason="no playwright here: no tests in a browser")
-pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-
-from tests.helpers.studio_page import drag, opened, place, solid_cells  # noqa: E402
+pytestmark = pytest.mark.gate
 
 BORDER = 156  # solid cells of an empty world of 40 x 40
 TABLET = {"viewport": {"width": 820, "height": 1180}, "has_touch": True}

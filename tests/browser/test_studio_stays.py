@@ -4,16 +4,13 @@ import json
 
 import pytest
 
-from tests.helpers.browser import missing_browser
 from tests.helpers.studio import studio_of
+from tests.helpers.studio_held import hold, let_go
+from tests.helpers.studio_page import drag, opened
 from worldgen import generate
 from worldgen.grid_file import write_world
 
-pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
-pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-
-from tests.helpers.studio_held import hold, let_go  # noqa: E402
-from tests.helpers.studio_page import drag, opened  # noqa: E402
+pytestmark = pytest.mark.gate
 
 
 @pytest.fixture(scope="module")

@@ -2,22 +2,17 @@
 
 import base64
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from sim import simulate
-from tests.helpers.browser import missing_browser
-from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import drag, opened
 from worldgen.families.shift import shifted
 from worldgen.grid_file import read_world
 
-pytest.importorskip("playwright", reason="no playwright here: the studio is not tested in a browser")
-pytestmark = pytest.mark.skipif(bool(missing_browser()), reason=missing_browser() or "-")
-
-from fuzz.studio.messages import message_of, world_of  # noqa: E402
-from tests.helpers.studio_page import drag, opened  # noqa: E402
+pytestmark = pytest.mark.gate
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 
@@ -171,24 +166,6 @@ def test_walls_change_places_and_stand_still_again(page):
     page.get_by_label("Let walls change places").wait_for()
 
 
-@pytest.mark.parametrize("seed", ["-1", "x", "9" * 5000, "0" * 5000])
-def test_a_seed_that_is_none_is_refused(gate, seed):
-    with page_of(gate) as page:
-        assert "no whole number" in page.ask("shift", world=message_of(read_world(CONFIG_5)), seed=seed)["error"]
-
-
-def test_a_world_that_is_not_square_or_changes_already_is_not_shifted(gate):
-    still = read_world(CONFIG_5)
-    with page_of(gate) as page:
-        flat = message_of(replace(still, walls=still.walls[:, :-1], certificate=None, provenance=None))
-        assert "no mirror image" in page.ask("shift", world=flat, seed="0")["error"]
-        moving = page.ask("shift", world=message_of(still), seed="7")["answer"]["world"]
-        assert world_of(moving) == shifted(still, 7)
-        assert "changes already" in page.ask("shift", world=moving, seed="0")["error"]
-        empty = message_of(replace(still, walls=still.walls & still.walls.T[::-1, ::-1], certificate=None))
-        assert "free mirror image" in page.ask("shift", world=empty, seed="0")["error"]
-
-
 def test_a_robot_s_words_can_be_changed(page):
     play(page)
     field = page.get_by_label("Another robot, with options")
@@ -272,3 +249,47 @@ def test_a_controller_that_never_answers_is_stopped_by_its_button_and_the_others
         page.locator(".result", has_text="thesis-1").wait_for()
         page.locator("#run-said").wait_for(state="hidden")
         assert page.complaints == []
+
+
+def test_a_robot_with_options_is_added_by_its_words(browser, gate):
+    with opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.get_by_label("Steps", exact=True).fill("300")
+        page.get_by_label("Another robot, with options").fill("thesis-2+repaired")
+        page.keyboard.press("Enter")
+        assert page.get_by_role("checkbox", name="thesis-2+repaired").is_checked()
+        page.keyboard.press("Control+Enter")
+        page.locator(".result").nth(1).wait_for()
+        assert [name.split()[1] for name in page.locator(".result").all_inner_texts()] == [
+            "thesis-2",
+            "thesis-2+repaired",
+        ]
+        assert page.complaints == []
+
+
+def test_run_can_be_pressed_whenever_a_robot_is_chosen(browser, gate):
+    with opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.locator(".robots input:checked").click()
+        assert page.locator("#run").is_disabled()
+        page.get_by_label("Motion model").first.select_option("swept")  # one of this model's is chosen
+        assert page.locator(".robots input:checked").count() == 1 and page.locator("#run").is_enabled()
+
+
+def test_numbers_and_robots_that_cannot_be_are_refused_at_their_fields(browser, gate):
+    with opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.get_by_label("Another robot, with options").fill("nope")
+        page.keyboard.press("Enter")
+        page.locator("#another-fault", has_text="'nope'").wait_for()
+        assert page.get_by_role("checkbox", name="nope").count() == 0
+        page.locator(".result").first.wait_for()
+        before = page.locator(".result").all_inner_texts()
+        for name, values in (("Steps", ["0", "-5", "1.5"]), ("Seed", ["", "1e30"]), ("Time step s", ["", "0"])):
+            field = page.locator("#play").get_by_label(name, exact=True)
+            for value in values:
+                field.fill(value)
+                page.keyboard.press("Tab")
+                page.locator(f"#{field.get_attribute('id')}-fault").wait_for()
+            field.fill("1")
+        assert page.locator(".result").all_inner_texts() == before

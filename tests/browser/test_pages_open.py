@@ -1,0 +1,32 @@
+"""What the default tier checks in a browser: a report and the studio open and do their main job."""
+
+from fuzz.report import write_report
+from tests.helpers.browser import page_in
+from tests.helpers.campaign_folder import campaign_folder
+from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import drag, opened
+
+
+def test_a_report_opens_from_disk_and_plays(browser, tmp_path):
+    write_report([campaign_folder(tmp_path / "failures")], tmp_path / "report.html")
+    with page_in(browser) as page:
+        page.goto((tmp_path / "report.html").as_uri())
+        page.locator(".card", has_text="loop-a").click()
+        page.keyboard.press("Home")
+        page.locator("#play-pause").click()
+        page.wait_for_function("/step [1-9]/.test(document.querySelector('#readout').textContent)")
+        asked = {address for address in page.requested if not address.startswith("data:")}
+        assert asked == {(tmp_path / "report.html").as_uri()}
+        assert page.complaints == []
+
+
+def test_the_studio_opens_draws_proves_and_drives(browser, tmp_path):
+    with studio_of(tmp_path) as gate, opened(browser, gate) as page:
+        page.keyboard.press("l")
+        drag(page, (0, 20), (39, 20))
+        page.locator("#proof.bad", has_text="blocked").wait_for()
+        page.keyboard.press("Control+z")
+        page.locator("#proof.good").wait_for()
+        page.keyboard.press("2")
+        page.locator(".result[data-controller=thesis-2]", has_text="reached").wait_for()
+        assert page.complaints == []

@@ -1,0 +1,281 @@
+"""A report opened in Chromium, from disk."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fuzz.report import write_report
+from tests.helpers.accessibility import nameless
+from tests.helpers.browser import page_in
+from tests.helpers.campaign_folder import CORPUS, LOOP, TUNNEL, campaign_folder, renamed
+from worldgen.grid_file import read_world, write_world
+from worldgen.timeline import CellState, Event, Timeline
+from worldgen.world import FailureRecord, Pose, Target, World
+
+pytestmark = pytest.mark.gate
+
+HOSTILE = "<img src=x onerror=document.title='broken'></script><script>document.title='broken'</script>'\"& \u202e☃"
+PLACES = ["", "loop", "#campaign"]
+
+
+def burning_failure():
+    """A robot with range beams in a world that changes: no search is needed to have one."""
+    walls = np.zeros((6, 8), bool)
+    walls[3, 4] = True
+    line = Timeline.of([Event(0.3, 6, 1, CellState.BURNING), Event(0.6, 6, 1, CellState.FREE)])
+    record = FailureRecord("vfh", "swept", 0, "timeout", "0" * 16, {"steps": 60, "time_step": 0.015})
+    return World(walls, Pose(0.25, 0.25, 0.0), Target(0.65, 0.45, 0.05), timeline=line, failure=record)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = campaign_folder(tmp_path_factory.mktemp("page") / "failures")
+    write_world(renamed(read_world(CORPUS / TUNNEL), HOSTILE), folder / "<b onclick=x>'\".grid")
+    gone = renamed(read_world(CORPUS / "thesis-3-slide.grid"), "of-a-controller-elsewhere")
+    write_world(replace(gone, failure=replace(gone.failure, controller="./gone.py:<i>")), folder / "gone.grid")
+    write_world(burning_failure(), folder / "burning.grid")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def address(folder):
+    out = folder.parent / "report.html"
+    write_report([folder], out)
+    return out.as_uri()
+
+
+@pytest.fixture
+def page(browser, address):
+    """The page, freshly opened in light colours."""
+    with page_in(browser, color_scheme="light") as page:
+        page.goto(address)
+        yield page
+
+
+def open_failure(page, text):
+    """Open the failure whose card has this text, by its link."""
+    page.locator(".card", has_text=text).first.click()
+    page.locator("#stage").wait_for()
+
+
+def open_place(page, address, place):
+    """Show the list, a failure, or the campaign."""
+    if place == "loop":
+        open_failure(page, "loop-a")
+    else:
+        page.goto(f"{address}{place}")
+
+
+def press(page, *keys):
+    """Press keys where the focus is."""
+    for key in keys:
+        page.keyboard.press(key)
+
+
+def readout(page):
+    return page.locator("#readout").inner_text()
+
+
+def step(page):
+    return int(re.search(r"step ([\d,]+)", readout(page))[1].replace(",", ""))
+
+
+def scrub_to(page, moment):
+    page.locator("#scrub").fill(str(moment))
+
+
+def picture(page):
+    """Return what the canvas shows, as the text of a data address."""
+    return page.evaluate("document.querySelector('#stage').toDataURL()")
+
+
+def test_nothing_is_asked_of_any_other_file_or_host(page, address):
+    open_failure(page, "loop-a")
+    page.goto(f"{address}#campaign")
+    page.reload()
+    asked = {name for name in page.requested if not name.startswith("data:")}
+    assert {name.partition("#")[0] for name in asked} == {address}
+    assert page.complaints == []
+
+
+def test_names_of_strangers_are_only_text(page):
+    title = page.title()
+    open_failure(page, "onerror")
+    assert page.locator("#detail h2").text_content().strip() == HOSTILE
+    assert page.locator("main img, main script, main [onclick], main [onerror]").count() == 0
+    assert page.title() == f"{HOSTILE} - {title}"
+
+
+def test_every_small_picture_is_drawn(page):
+    assert page.locator(".card").count() == 6
+    page.wait_for_function("[...document.querySelectorAll('.card canvas')].every((one) => one.width >= 100)")
+
+
+def test_a_loop_continues_at_its_entry(page):
+    open_failure(page, "loop-a")
+    assert step(page) == 133
+    press(page, "e")
+    assert (step(page), "the loop is entered" in readout(page)) == (29, True)
+    press(page, "l")
+    page.wait_for_function("Number(document.querySelector('#readout').textContent.match(/step (\\d+)/)[1]) > 29")
+    assert page.locator("#detail button[aria-pressed=true]").first.inner_text() == "One period"
+
+
+def test_scrubbing_to_the_entry_is_put_into_words(page):
+    open_failure(page, "loop-a")
+    scrub_to(page, 29)
+    assert "step 29 of 133" in page.locator("#scrub").get_attribute("aria-valuetext")
+    assert "the loop is entered" in readout(page)
+
+
+def test_entry_and_period_are_marked_on_the_bar(page):
+    open_failure(page, "loop-a")
+    period = page.locator(".scrub .period")
+    assert float(period.get_attribute("x")) == pytest.approx(1000 * 29 / 133)
+    assert float(period.get_attribute("width")) == pytest.approx(1000 * 104 / 133)
+
+
+def test_a_tunnel_is_marked_where_it_happens(page):
+    open_failure(page, "tunnel-a")
+    assert page.locator(".scrub .breach").count() > 0
+    press(page, "e", "e")  # the cause, then the breach
+    assert "goes through this wall" in readout(page)
+
+
+def test_each_layer_can_be_switched_off_and_on(page):
+    open_failure(page, "loop-a")
+    before = picture(page)
+    for key in "tuiw":
+        press(page, key)
+        assert picture(page) != before, key
+        press(page, key)
+        assert picture(page) == before, key
+
+
+def test_range_beams_are_drawn_for_a_robot_that_has_them(page):
+    open_failure(page, "vfh")
+    beams = "JSON.parse(document.getElementById('data').textContent).failures.map((f) => f.now.sensors?.beams)"
+    assert max(number or 0 for number in page.evaluate(beams)) > 0
+    before = picture(page)
+    press(page, "s")
+    assert picture(page) != before
+
+
+def test_fire_is_drawn_while_it_burns(page):
+    open_failure(page, "vfh")
+    pixels = []
+    press(page, "s", "t", "u", "i")
+    for moment in (19, 20, 39, 40):  # it burns from 0.3 s to 0.6 s
+        scrub_to(page, moment)
+        pixels.append(page.evaluate(_BURNING_CELL))
+    assert pixels[0] == pixels[3] != pixels[1] == pixels[2]
+
+
+_BURNING_CELL = """() => {
+  const c = document.getElementById("stage"), s = c.width / c.clientWidth, pen = c.getContext("2d");
+  const h = c.clientHeight, w = c.clientWidth, k = Math.min((w - 32) / 8, (h - 32) / 6);
+  return [...pen.getImageData((w / 2 + 2.5 * k) * s, (h / 2 + 1.5 * k) * s, 1, 1).data].join();
+}"""
+
+
+def test_the_keyboard_alone_opens_and_goes_back(page):
+    card = page.locator(".card").first
+    card.focus()
+    press(page, "ArrowRight")
+    chosen = page.evaluate("document.activeElement.id")
+    assert chosen != card.get_attribute("id")
+    press(page, "Enter")
+    page.locator("#detail h2").wait_for()
+    press(page, "Escape")
+    page.wait_for_function("(id) => document.activeElement.id === id", arg=chosen)
+
+
+def test_a_failure_has_an_address_and_back_works(page):
+    open_failure(page, "loop-a")
+    link = page.url
+    page.go_back()
+    page.locator("#overview").wait_for()
+    page.goto(link)
+    assert page.locator("#detail h2").inner_text().strip() == "loop-a"
+
+
+def test_the_keys_are_shown_and_closed(page):
+    press(page, "?")
+    assert "Play, pause" in page.locator("#keys").inner_text()
+    press(page, "Escape")
+    assert not page.locator("#keys").is_visible()
+
+
+def test_colours_follow_the_system_and_the_button(page):
+    colour = "getComputedStyle(document.body).backgroundColor"
+    light = page.evaluate(colour)
+    page.emulate_media(color_scheme="dark")
+    page.wait_for_function(f"(light) => {colour} !== light", arg=light)
+    page.locator("#theme").click()
+    assert page.evaluate(colour) == light
+
+
+def test_a_picture_changes_its_colours_too(page):
+    open_failure(page, "loop-a")
+    before = picture(page)
+    press(page, "d")
+    assert picture(page) != before
+
+
+def test_the_download_is_the_file_byte_for_byte(page, folder, tmp_path):
+    open_failure(page, "loop-a")
+    with page.expect_download() as download:
+        page.locator("a[download]").first.click()
+    download.value.save_as(tmp_path / "got.grid")
+    assert download.value.suggested_filename.endswith(".grid")
+    assert (tmp_path / "got.grid").read_bytes() == (folder / LOOP).read_bytes()
+
+
+def test_the_world_as_found_can_be_replayed(page):
+    open_failure(page, "loop-a")
+    before = page.locator(".pair canvas").first
+    assert page.locator(".pair canvas").count() == 2
+    assert before.get_attribute("aria-label").startswith("As found: World of 9 x 3 cells")
+    page.locator(".pair button").first.click()
+    assert page.locator("#stage").get_attribute("aria-label").startswith("As found.")
+
+
+def test_a_controller_that_is_not_here_leaves_the_world(page):
+    open_failure(page, "elsewhere")
+    assert "could not be run here" in page.locator("#detail").inner_text()
+    assert len(set(picture(page))) > 10
+
+
+def test_search_and_verdicts_choose_cards(page):
+    page.locator("button", has_text="tunnel").first.click()
+    assert page.locator(".card").count() == 3
+    page.locator("#find").fill("onerror")
+    assert page.locator(".card").count() == 1
+    page.locator("#find").press_sequentially("zzz")
+    assert "No failure fits" in page.locator("#overview").inner_text()
+
+
+def test_the_campaign_has_its_charts_and_their_tables(page, address):
+    page.goto(f"{address}#campaign")
+    page.locator("#campaign h3").first.wait_for()
+    titles = page.locator("#campaign h3").all_inner_texts()
+    assert titles[:3] == ["Found over time", "By lane", "Archive: detour and density"]
+    assert page.locator("#campaign .heat").count() == 2
+    assert page.locator("#campaign .first").count() == 2
+    assert page.locator("svg.plot").count() == page.locator("svg.plot[aria-label]").count() > 0
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_every_control_has_a_name(page, address, place):
+    open_place(page, address, place)
+    assert nameless(page) == []
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_narrow_window_needs_no_scrolling_sideways(browser, address, place):
+    with page_in(browser, viewport={"width": 400, "height": 800}, device_scale_factor=2, is_mobile=True) as page:
+        page.goto(address)
+        open_place(page, address, place)
+        assert page.evaluate("document.documentElement.scrollWidth") <= 400

@@ -1,0 +1,79 @@
+"""Maps that come into the studio and go out, by mouse and keyboard."""
+
+import re
+
+import pytest
+
+from tests.helpers.command_line import worldgen
+from tests.helpers.studio import studio_of
+from worldgen import generate
+from worldgen.grid_file import write_world
+
+pytestmark = pytest.mark.gate
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("exchange")
+    write_world(generate("corridor", 3), folder / "w.grid")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def gate(folder):
+    with studio_of(folder) as gate:
+        yield gate
+
+
+def scenario_in(folder):
+    """A MovingAI map of 8 x 4 cells with three problems beside it."""
+    (folder / "a.map").write_text("type octile\nheight 4\nwidth 8\nmap\n" + "........\n" * 4)
+    rows = [f"0\ta.map\t8\t4\t{column}\t1\t6\t2\t5\n" for column in (1, 2, 3)]
+    (folder / "a.map.scen").write_text("version 1\n" + "".join(rows))
+    return folder / "a.map", folder / "a.map.scen"
+
+
+def test_a_pair_of_ros_is_imported_by_the_mouse_and_exported_with_options(page, folder, tmp_path):
+    assert worldgen("export", folder / "w.grid", "--to", "ros", "--out", tmp_path / "out.yaml").code == 0
+    pair = [tmp_path / "out.pgm", tmp_path / "out.yaml"]
+    page.locator("#tab-files").click()
+    page.get_by_text("Import and export").click()
+    page.locator("#import").set_input_files(pair)
+    page.get_by_text("Imported out.yaml.").wait_for()
+    page.get_by_label("Export as").select_option("ros")
+    page.locator("#export-more summary").click()
+    page.get_by_label("Mode", exact=True).select_option("scale")
+    page.locator("#export-x").fill("0.5")
+    page.locator("#export-y").fill("-2")
+    page.get_by_role("button", name="Into the folder").click()
+    page.get_by_text("Wrote world.yaml, world.pgm").wait_for()
+    assert page.complaints == []
+    assert "mode: scale" in (folder / "world.yaml").read_text()
+    assert "origin: [0.5, -2, 0.0]" in (folder / "world.yaml").read_text()
+
+
+def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like_begins_anew(page, folder, tmp_path):
+    (tmp_path / "x.bin").write_bytes(b"junk")
+    pair = scenario_in(tmp_path)
+    page.locator("#tab-files").click()
+    page.get_by_text("Import and export").click()
+    page.locator("#import").set_input_files(pair)
+    page.get_by_text("Row 1 of the 3 of its scenario.").wait_for()
+    page.get_by_text("Options of the import").click()
+    more = page.locator("#import-more")
+    more.get_by_label("Row of the scenario").fill("4")
+    more.get_by_role("button", name="Import again").click()
+    more.get_by_text("Give a whole number from 1 to 3.").wait_for()
+    more.get_by_label("Row of the scenario").fill("3")
+    more.get_by_label("Cell size").fill("0.5")
+    more.get_by_label("Cell size").press("Enter")
+    page.get_by_text("Row 3 of the 3 of its scenario.").wait_for()
+    page.locator("#place", has_text="8 x 4 cells, 0 solid · 4.00 x 2.00 m").wait_for()
+    page.locator("#import").set_input_files(pair[:1])
+    page.get_by_text(re.compile("^Imported a.map.$")).wait_for()
+    assert more.get_by_label("Cell size").input_value() == "0.1"
+    page.get_by_text("Options of the import").click()
+    page.locator("#import").set_input_files(tmp_path / "x.bin")
+    page.get_by_text("say which in Options of the import").wait_for()
+    more.get_by_label("Format").wait_for()  # it has opened
+    assert page.complaints == []

@@ -1,0 +1,143 @@
+"""What is saved from the player, and two runs side by side, in a browser."""
+
+import io
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from tests.helpers.campaign_folder import LOOP, campaign_folder
+from tests.helpers.studio import studio_of
+from tests.helpers.studio_page import opened
+
+pytestmark = pytest.mark.gate
+
+CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
+
+
+@pytest.fixture(scope="module")
+def gate(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("saving")
+    shutil.copy(CONFIG_5, folder / "config-05.grid")
+    with studio_of(folder, file="config-05.grid") as gate:
+        yield gate
+
+
+def test_picture_film_and_page_are_saved_with_the_mouse_and_the_page_replays_by_itself(browser, gate, tmp_path):
+    with opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.get_by_label("Steps", exact=True).fill("300")
+        page.keyboard.press("Control+Enter")
+        page.locator(".result", has_text="300 steps").wait_for()
+        for words, kind, begins in (
+            ("Picture", "png", b"\x89PNG"),
+            ("Film", "webm", b"\x1aE"),
+            ("HTML", "html", b"<!"),
+        ):
+            if kind == "webm":  # so slow that it cannot end by itself before it is ended
+                page.locator(".controls label", has_text="Speed").locator("select").select_option("0.05")
+            page.locator(".save summary").click()
+            with page.expect_download() as download:
+                page.locator(".save button", has_text=words).click()
+                if kind == "webm":
+                    page.locator("#readout", has_text=re.compile(r"step [1-9]")).wait_for()
+                    page.get_by_role("button", name="Pause").click()
+            assert download.value.suggested_filename == f"config-05.{kind}"
+            download.value.save_as(tmp_path / f"run.{kind}")
+            assert (tmp_path / f"run.{kind}").read_bytes().startswith(begins)
+        assert page.complaints == []
+        page.goto((tmp_path / "run.html").as_uri())
+        page.keyboard.press("Home")
+        page.locator("#readout", has_text="step 0 of 300").wait_for()
+        assert page.complaints == []
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory):
+    return campaign_folder(tmp_path_factory.mktemp("campaign") / "failures")
+
+
+def test_a_failure_is_played_beside_what_it_was(browser, campaign):
+    with studio_of(campaign, file=LOOP) as gate, opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.locator("#beside").click()
+        page.keyboard.press("Home")
+        assert page.locator("section#play .stage canvas").count() == 2
+        assert page.locator(".stage .tag").all_inner_texts() == ["As found", "Shrunk"]
+        page.locator("#beside").click()
+        assert page.locator("section#play .stage canvas").count() == 1
+        assert page.complaints == []
+
+
+def _pixels(page):
+    """What each of the two canvases shows."""
+    read = "nodes => nodes.map(node => node.toDataURL())"
+    return page.locator("section#play .stage canvas").evaluate_all(read)
+
+
+def _saved(page, words):
+    """A file of the menu *Save*; a film is ended by hand, if it has not ended by itself."""
+    page.locator(".save summary").click()
+    with page.expect_download() as download:
+        page.locator(".save button", has_text=words).click()
+        if words == "Film":
+            page.locator(".save summary").click()
+    return Path(download.value.path()).read_bytes()
+
+
+def test_both_of_two_runs_are_zoomed_moved_and_saved(browser, campaign):
+    with studio_of(campaign, file=LOOP) as gate, opened(browser, gate) as page:
+        page.keyboard.press("2")
+        page.locator("#beside").click()
+        page.keyboard.press("Home")
+        whole = _pixels(page)
+        boxes = [page.locator(f"section#play .stage canvas >> nth={k}").bounding_box() for k in (0, 1)]
+        middles = [(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2) for box in boxes]
+        page.mouse.move(*middles[0])
+        page.mouse.wheel(0, -300)
+        zoomed = _pixels(page)
+        page.mouse.down()
+        page.mouse.move(middles[0][0] + 60, middles[0][1] + 30, steps=4)
+        page.mouse.up()
+        moved = _pixels(page)
+        for k in (0, 1):
+            assert len({whole[k], zoomed[k], moved[k]}) == 3
+        picture = Image.open(io.BytesIO(_saved(page, "Picture")))
+        widths = page.locator("section#play .stage canvas").evaluate_all("nodes => nodes.map(node => node.width)")
+        assert picture.width == sum(widths) + 2
+        assert _saved(page, "Film").startswith(b"\x1aE")
+        assert page.complaints == []
+
+
+# Holds the question for a picture back until it is to be ended, so that no machine is too fast for the button.
+_HOLD = """
+() => {
+  const send = WebSocket.prototype.send;
+  let held = null;
+  WebSocket.prototype.send = function (text) {
+    if (text.includes('"do":"picture"')) { held = text; return; }
+    if (text.includes('"do":"cancel"')) send.call(this, held);
+    send.call(this, text);
+  };
+}
+"""
+
+
+def test_the_button_ends_a_picture_that_is_being_saved(browser, gate):
+    with opened(browser, gate) as page:
+        saved = []
+        page.on("download", lambda file: saved.append(file.suggested_filename))
+        page.keyboard.press("2")
+        page.get_by_label("Steps", exact=True).fill("300")
+        page.keyboard.press("Control+Enter")
+        page.locator(".result", has_text="300 steps").wait_for()
+        page.evaluate(_HOLD)
+        save = page.locator(".save summary")
+        save.click()
+        page.locator(".save button", has_text="Animation").click()
+        page.locator(".save summary", has_text="Stop saving").click()
+        page.locator(".save summary", has_text=re.compile("^Save$")).wait_for()
+        assert page.locator("#run-said.quiet").inner_text() == "Not saved." and saved == []
+        assert page.complaints == []

@@ -1,0 +1,222 @@
+// What the player draws of a run, layer by layer: which cells, lines and words, as a canvas is told to.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { player } from "./pages.mjs";
+import { numbers, roomOf, runOf } from "./samples.mjs";
+
+const { penFor } = await player("pen");
+const { drawScene, pictureLabel } = await player("map");
+const { drawLine } = await player("long_line");
+const { drawMemory, memoryFacts } = await player("memory");
+const { drawNumbers } = await player("numbers");
+const { drawPierced } = await player("pierced");
+const { drawSenses } = await player("senses");
+const { drawTouched } = await player("touched");
+const { cellsAt } = await player("decode");
+
+const SHOW = { trail: true, touched: true, sensors: true, signal: true, memory: true, witness: true };
+
+/* A pen on which a cell is 10 pixels; the world's lower left corner is at (0, height). */
+function penOf(world, { scale = 10, wide = world.width * scale, high = world.height * scale } = {}) {
+  const canvas = document.createElement("canvas");
+  Object.assign(canvas, { clientWidth: wide, clientHeight: high });
+  return penFor(canvas, { x: world.width / 2, y: world.height / 2, scale }, world);
+}
+
+/* The cells whose squares were framed in a colour. */
+function framed(pen, colour, height, name = "rect") {
+  const { calls } = pen.context;
+  const shown = calls.filter((call, k) => call.name === name && (name === "strokeRect" ? call : calls.slice(k).find((one) => one.name === "stroke"))?.strokeStyle === colour);
+  return new Set(shown.map(({ given: [x, y] }) => `${Math.round(x / pen.scale - 0.2)},${height - 1 - Math.round(y / pen.scale - 0.2)}`));
+}
+
+const room = roomOf(14, 10, [[7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, 7]]);
+const through = runOf({
+  at: [0, 1, 2, 3], x: [2.5, 5.5, 8.5, 11], y: [4.5, 4.5, 4.5, 4.5], breached: true,
+  marks: [{ step: 2, kind: "breach", name: "Breach", text: "goes through this wall", cell: [7, 4] }],
+});
+
+test("a wall that the robot goes into is striped once it is in it, and framed before", () => {
+  const count = (step) => {
+    const pen = penOf(room);
+    drawPierced(pen, { world: room, run: through, step });
+    return [framed(pen, "pierced", 10), pen.context.of("clip").length, pen.context.of("rect").length];
+  };
+  assert.deepEqual(count(0)[1], 0);
+  assert.ok(count(0)[0].has("7,4")); // dashed: it is still to come
+  const [cells, stripes] = count(2);
+  assert.ok(cells.has("7,4") && stripes === cells.size);
+  assert.ok([...cells].every((cell) => cell.startsWith("7,")), [...cells].join(" "));
+});
+
+test("where the robot breaks into a wall there is a cross, from that step on", () => {
+  const crosses = (step) => {
+    const pen = penOf(room);
+    drawPierced(pen, { world: room, run: through, step });
+    return pen.context.of("stroke").filter(({ lineWidth }) => lineWidth === 6).length;
+  };
+  assert.deepEqual([0, 1.9, 2, 3].map(crosses), [0, 0, 1, 1]);
+});
+
+test("a robot that keeps out of walls marks none, however near it comes", () => {
+  const run = runOf({ at: [0, 1, 2], x: [2.5, 6.3, 6.3], y: [4.5, 4.5, 5.5], bump: [0, 1, 1] });
+  const pen = penOf(room);
+  drawPierced(pen, { world: room, run, step: 2 });
+  assert.equal(framed(pen, "pierced", 10).size, 0);
+});
+
+test("walls are touched at a bump, the nearest ones, and from then on", () => {
+  const run = runOf({ at: [0, 1, 2], x: [2.5, 6.3, 2.5], y: [4.5, 4.5, 4.5], bump: [0, 1, 0] });
+  const touched = (step, whole = false) => {
+    const pen = penOf(room);
+    drawTouched(pen, { world: room, run, step, whole });
+    return framed(pen, "touched", 10, "strokeRect");
+  };
+  assert.deepEqual([touched(0).size, touched(1), touched(2)], [0, new Set(["7,4"]), new Set(["7,4"])]);
+  assert.deepEqual(touched(0, true), new Set(["7,4"]));
+});
+
+test("a beam ends at the first wall, or at its range", () => {
+  const pen = penOf(room);
+  const sensors = { beams: 4, field: 0, range: 4 };
+  drawSenses(pen, { world: room, sensors }, cellsAt(room, 0), { x: 4.5, y: 4.5, heading: 0 });
+  const ends = pen.context.of("lineTo").slice(0, 4).map(({ given: [x, y] }) => [x / 10, 10 - y / 10].map((value) => Number(value.toFixed(6))));
+  assert.deepEqual(ends, [[7, 4.5], [4.5, 8.5], [1, 4.5], [4.5, 1]]);
+});
+
+test("fire is drawn while it burns", () => {
+  const events = { ms: numbers([300, 600]), ix: numbers([6, 6]), iy: numbers([1, 1]), state: numbers([2, 0]) };
+  const world = roomOf(14, 10, [], { events });
+  const run = runOf({ at: [0, 10], x: [2, 3] });
+  const burns = [2.9, 3, 5.9, 6].map((step) => {
+    const canvas = document.createElement("canvas");
+    drawScene(canvas, { world, run, step, show: SHOW });
+    return canvas.context.of("fillRect").some(({ fillStyle }) => fillStyle === "fire");
+  });
+  assert.deepEqual(burns, [false, true, true, false]);
+});
+
+test("each layer is drawn where it is shown and not where it is not", () => {
+  const memory = { fields: [], fault: "", map: mapOf([[1, 0, 0, 1024, 1024, 0, 9]]) };
+  const run = runOf({ at: [0, 1, 2], x: [2.5, 6.3, 2.5], y: [4.5, 4.5, 4.5], bump: [0, 1, 0], memory });
+  const signs = { trail: ["stroke", "loop"], touched: ["strokeRect", "touched"], sensors: ["stroke", "beam"], memory: ["fillRect", "memory"] };
+  for (const [name, [call, colour]] of Object.entries(signs))
+    for (const on of [true, false]) {
+      const canvas = document.createElement("canvas");
+      drawScene(canvas, { world: room, run, step: 2, show: { ...SHOW, [name]: on }, sensors: { beams: 3, field: 0, range: 4 } });
+      assert.equal(canvas.context.of(call).some((one) => [one.strokeStyle, one.fillStyle].includes(colour)), on, `${name} ${on}`);
+    }
+});
+
+function mapOf(rows, names = []) {
+  const columns = ["kind", "x0", "y0", "x1", "y1", "since", "until"];
+  return { ...Object.fromEntries(columns.map((name, k) => [name, numbers(rows.map((row) => row[k]))])), names };
+}
+
+test("a memory's shapes are there from their step until they are forgotten", () => {
+  const memory = { fields: [], fault: "", map: mapOf([[1, 1024, 1024, 2048, 2048, 2, 5], [3, 3072, 3072, 0, 0, 3, 9]], ["hit"]) };
+  const run = runOf({ at: [0, 9], x: [1, 2], memory });
+  const shown = [1, 2, 3, 4, 5, 8, 9].map((step) => {
+    const pen = penOf(room);
+    drawMemory(pen, run, step);
+    return [pen.context.of("fillRect").length, pen.context.of("fillText").map(({ given }) => given[0]).join()];
+  });
+  assert.deepEqual(shown, [[0, ""], [1, ""], [1, "hit"], [1, "hit"], [0, "hit"], [0, "hit"], [0, ""]]);
+});
+
+test("a memory's numbers are told in words where the controller has some", () => {
+  const fields = [
+    { name: "doing", words: ["drive", "follow"], least: 0, values: numbers([0, 1000]) },
+    { name: "best", words: [], least: 0, values: numbers([1500, 2 ** 50]) },
+  ];
+  const run = runOf({ at: [0, 1], x: [1, 2], memory: { fields, fault: "", map: null } });
+  assert.deepEqual(memoryFacts(run, 0), [["doing", "drive"], ["best", "1.5"]]);
+  assert.deepEqual(memoryFacts(run, 1), [["doing", "follow"], ["best", "none"]]);
+  assert.deepEqual(memoryFacts({ ...run, memory: { fault: "it cannot be shown" } }, 0), [["memory", "it cannot be shown"]]);
+});
+
+test("of several robots the numbers are beside them and along their paths, none on another", () => {
+  const path = Array.from({ length: 60 }, (_, k) => 1 + k);
+  const long = roomOf(64, 10);
+  const robot = (y) => runOf({ at: path.map((_, k) => k), x: path, y: path.map(() => y) });
+  const scene = { world: long, run: robot(3), others: [{ run: robot(3.2), number: 2, colour: "robot-1" }], number: 1, colour: "robot-0", step: 59, show: SHOW };
+  const pen = penOf(long, { scale: 20 });
+  drawNumbers(pen, scene);
+  const written = pen.context.of("fillText").map(({ given, fillStyle }) => ({ text: given[0], at: given.slice(1), fillStyle }));
+  for (const [number, colour] of [[1, "robot-0"], [2, "robot-1"]]) {
+    const own = written.filter(({ text }) => text === number);
+    assert.ok(own.length > 1 && own.every(({ fillStyle }) => fillStyle === colour));
+  }
+  for (const [k, one] of written.entries())
+    for (const other of written.slice(k + 1)) if (k > 1) assert.ok(Math.hypot(one.at[0] - other.at[0], one.at[1] - other.at[1]) > 15);
+});
+
+test("a robot alone has no number, and without the trail there is none on the path", () => {
+  const path = Array.from({ length: 60 }, (_, k) => 1 + k);
+  const run = runOf({ at: path.map((_, k) => k), x: path });
+  const count = (more) => {
+    const pen = penOf(roomOf(64, 10), { scale: 20 });
+    drawNumbers(pen, { world: roomOf(64, 10), run, step: 59, show: SHOW, ...more });
+    return pen.context.of("fillText").length;
+  };
+  assert.deepEqual([count({}), count({ number: 1, colour: "robot-0", show: { ...SHOW, trail: false } })], [0, 1]);
+});
+
+/* A path of many corners, up and down through a large world. */
+const LONG = 12_000;
+const columns = { x: Float64Array.from({ length: LONG }, (_, k) => 1 + (k % 97)), y: Float64Array.from({ length: LONG }, (_, k) => 1 + ((k * 31) % 89)) };
+const large = roomOf(100, 92);
+
+/* Draws the path up to a row; gives how many corners were drawn, on the page's canvas and on pictures of its own. */
+function corners(pen, to, more = {}) {
+  let made = 0;
+  const { lineTo } = Object.getPrototypeOf(pen.context);
+  Object.getPrototypeOf(pen.context).lineTo = () => (made += 1);
+  try {
+    drawLine(pen, more.columns || columns, "way", { from: 0, to, colour: "way", width: 2, alpha: 1, ...more });
+  } finally {
+    Object.getPrototypeOf(pen.context).lineTo = lineTo;
+  }
+  return made;
+}
+
+test("a long path is drawn once, and then only added to", () => {
+  const pen = penOf(large);
+  const own = { columns: { ...columns } };
+  const all = corners(pen, 9_000, own);
+  assert.ok(all > 8_000);
+  assert.equal(corners(pen, 9_000, own), 0);
+  assert.ok(corners(pen, 9_010, own) < 200);
+  assert.ok(pen.context.of("drawImage").length === 3);
+});
+
+test("a long path is drawn again when the view has changed, or it has become shorter", () => {
+  const own = { columns: { ...columns } };
+  corners(penOf(large), 9_000, own);
+  assert.ok(corners(penOf(large, { scale: 11, wide: 1000, high: 920 }), 9_000, own) > 5_000);
+  assert.ok(corners(penOf(large, { scale: 11, wide: 1000, high: 920 }), 4_000, own) > 2_000);
+});
+
+test("a view that follows the robot makes no picture for each frame", () => {
+  const own = { columns: { ...columns } };
+  let all = 0;
+  for (let k = 0; k < 20; k += 1) {
+    const canvas = document.createElement("canvas");
+    Object.assign(canvas, { clientWidth: 600, clientHeight: 500 });
+    all += corners(penFor(canvas, { x: 50 + 0.3 * k, y: 46, scale: 10 }, large), 9_000, own);
+  }
+  const anew = corners(penOf(large), 9_000, { columns: { ...columns } });
+  assert.ok(all < 20 * anew * 0.6, `${all} corners in 20 frames, ${anew} in one that is drawn from nothing`);
+});
+
+test("a short line needs no picture", () => {
+  const pen = penOf(large);
+  assert.ok(corners(pen, 200, { columns: { ...columns } }) > 150);
+  assert.equal(pen.context.of("drawImage").length, 0);
+});
+
+test("a picture is told in words", () => {
+  assert.equal(pictureLabel({ size: "9 x 3", solid: 21, events: 2, run: { steps: 1331 } }), "World of 9 x 3 cells, 21 solid, 2 changes of cells, the robot's way of 1,331 steps");
+  assert.equal(pictureLabel({ size: "9 x 3", solid: 1021, events: 0, run: null }), "World of 9 x 3 cells, 1,021 solid");
+});

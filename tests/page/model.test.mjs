@@ -1,0 +1,182 @@
+// The world that is drawn and its history.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { studio } from "./pages.mjs";
+
+const { Model, bordered, emptyWorld, markAt, messageOf, resized, worldOf } = await studio("model");
+
+function drawing(width = 40, height = 40) {
+  const changes = [];
+  const model = new Model(emptyWorld(width, height), () => changes.push(model.version));
+  return { model, changes };
+}
+
+const box = (x, y, width, height) => ({ x, y, width, height });
+
+function stroke(model, label, ...boxes) {
+  model.paint(boxes, 1);
+  model.lift(label);
+}
+
+test("an empty world has a border of walls where there is room for one", () => {
+  assert.equal(drawing().model.solid, 156);
+  assert.equal(bordered(2, 5).reduce((sum, cell) => sum + cell), 4); // the two rows at the ends
+  assert.equal(bordered(1, 1)[0], 0);
+});
+
+test("start and target of an empty world are in it, in opposite corners, however small it is", () => {
+  for (const [width, height] of [[1, 1], [2, 7], [5, 5], [40, 30]]) {
+    const { start, target, cell_size: cell } = emptyWorld(width, height);
+    for (const [x, y] of [start, target]) assert.ok(x > 0 && x < width * cell && y > 0 && y < height * cell);
+  }
+});
+
+test("every stroke is undone and done again, each by itself", () => {
+  const { model } = drawing();
+  stroke(model, "brush", box(5, 5, 5, 1));
+  stroke(model, "line", box(5, 10, 1, 10));
+  assert.equal(model.solid, 171);
+  assert.deepEqual([model.undo(), model.solid], ["line", 161]);
+  assert.deepEqual([model.undo(), model.solid], ["brush", 156]);
+  assert.equal(model.undo(), null);
+  assert.deepEqual([model.redo(), model.redo(), model.redo(), model.solid], ["brush", "line", null, 171]);
+});
+
+test("what is drawn after an undo takes the place of what was undone", () => {
+  const { model } = drawing();
+  stroke(model, "brush", box(5, 5, 5, 1));
+  model.undo();
+  stroke(model, "brush", box(5, 5, 1, 1));
+  assert.equal(model.redo(), null);
+  assert.equal(model.solid, 157);
+});
+
+test("a stroke that changes nothing is no step of the history", () => {
+  const { model } = drawing();
+  stroke(model, "brush", box(0, 0, 40, 1));
+  assert.equal(model.undo(), null);
+});
+
+test("a stroke that was not lifted is undone alone", () => {
+  const { model } = drawing();
+  stroke(model, "brush", box(5, 5, 5, 1));
+  model.paint([box(5, 8, 3, 1)], 1);
+  model.undo();
+  assert.equal(model.solid, 161);
+});
+
+test("cells outside of the world are passed over", () => {
+  const { model } = drawing(10, 10);
+  stroke(model, "brush", box(-3, -3, 5, 5), box(8, 8, 5, 5), box(20, 20, 2, 2));
+  assert.equal(model.solid, 36 + 2); // (1, 1) and (8, 8); the rest is border
+});
+
+test("changes of one kind that follow each other are one step, as of a slider", () => {
+  const { model } = drawing();
+  for (const radius of [0.08, 0.09, 0.1]) model.change("radius", { robot_radius: radius }, true);
+  model.change("speed", { robot_speed: 3 }, true);
+  model.undo();
+  assert.equal(model.world.robot_radius, 0.1);
+  model.undo();
+  assert.equal(model.world.robot_radius, 0.07);
+});
+
+test("a change after saving is a step of its own", () => {
+  const { model } = drawing();
+  model.change("radius", { robot_radius: 0.08 }, true);
+  model.markSaved("mine.grid", null, "digest", model.mark());
+  assert.ok(!model.unsaved);
+  model.change("radius", { robot_radius: 0.09 }, true);
+  assert.ok(model.unsaved);
+  model.undo();
+  assert.deepEqual([model.unsaved, model.world.robot_radius], [false, 0.08]);
+});
+
+test("what is drawn while a file is being saved counts as changed", () => {
+  const { model } = drawing();
+  stroke(model, "brush", box(5, 5, 5, 1));
+  const mark = model.mark();
+  stroke(model, "brush", box(5, 8, 5, 1));
+  model.markSaved("mine.grid", null, "digest", mark);
+  assert.ok(model.unsaved);
+  model.undo();
+  assert.ok(!model.unsaved);
+});
+
+test("undo after opening brings the drawing back and its name", () => {
+  const { model } = drawing();
+  stroke(model, "brush", box(5, 5, 5, 1));
+  model.change("open", worldOf(messageOf(emptyWorld(9, 9)), "other.grid", "digest"));
+  assert.deepEqual([model.world.name, model.world.width], ["other.grid", 9]);
+  model.undo();
+  assert.deepEqual([model.world.name, model.solid], ["", 161]);
+});
+
+test("saving names all that the drawing has been, and no other one", () => {
+  const { model } = drawing();
+  stroke(model, "brush", box(5, 5, 5, 1));
+  model.change("open", worldOf(messageOf(emptyWorld(9, 9)), "other.grid", "digest"));
+  model.change("radius", { robot_radius: 0.09 });
+  model.markSaved("new.grid", null, "other digest", model.mark());
+  model.undo();
+  assert.equal(model.world.name, "new.grid");
+  model.undo();
+  assert.equal(model.world.name, "");
+});
+
+test("the cells of a world come back from its message", () => {
+  // Also where a row, and the whole, ends within a byte: eight cells at a time are packed.
+  for (const [width, height] of [[1, 1], [3, 5], [7, 9], [8, 8], [200, 131]]) {
+    const world = emptyWorld(width, height);
+    world.cells = world.cells.map((_, k) => Number((k * k + k) % 7 < 3));
+    assert.deepEqual(worldOf(messageOf(world)).cells, world.cells);
+  }
+});
+
+test("a message holds nothing that is the page's alone", () => {
+  const sent = JSON.parse(JSON.stringify(messageOf(worldOf(messageOf(emptyWorld(9, 9)), "mine.grid", "digest"))));
+  assert.deepEqual(["name", "file", "sheet"].filter((name) => name in sent), []);
+});
+
+test("a world grows where it does not stay", () => {
+  const { model } = drawing();
+  stroke(model, "brush", box(5, 5, 5, 1));
+  const grown = resized(model.world, 44, 30, [1, 1]); // the upper right stays
+  assert.equal(grown.cells.reduce((sum, cell) => sum + cell), 161 - 40 - 2 * 9 - 5); // below, border and stroke are gone
+  assert.deepEqual(grown.start.slice(0, 2), [0.65, 0.05]); // it has moved with its cells, and is kept inside
+  assert.equal(grown.cells[29 * 44 + 43], 1);
+});
+
+test("a world that grows and shrinks around the same corner is as it was", () => {
+  const { model } = drawing(9, 7);
+  stroke(model, "brush", box(3, 3, 2, 1));
+  for (const kept of [[0, 0], [1, 1], [0, 1]]) {
+    const there = { ...model.world, ...resized(model.world, 20, 15, kept) };
+    assert.deepEqual(resized(there, 9, 7, kept).cells, model.world.cells);
+  }
+});
+
+test("changes of cells go with their cells, and are gone where those are", () => {
+  const world = { ...emptyWorld(9, 9), events: { times: [1, 2], ix: [2, 7], iy: [2, 7], state: [2, 0] } };
+  assert.deepEqual(resized(world, 5, 5).events, { times: [1], ix: [2], iy: [2], state: [2] });
+  assert.deepEqual(resized(world, 5, 5, [1, 1]).events, { times: [2], ix: [3], iy: [3], state: [0] });
+  assert.equal(resized({ ...world, events: { times: [1], ix: [8], iy: [8], state: [2] } }, 5, 5).events, null);
+});
+
+test("what has changed since a version is inside of a box, also after many strokes", () => {
+  const { model } = drawing();
+  stroke(model, "brush", box(5, 5, 5, 1));
+  const then = model.version;
+  stroke(model, "brush", box(10, 12, 2, 3));
+  const { x, y, width, height } = model.boxSince(then);
+  assert.ok(x <= 10 && y <= 12 && x + width >= 12 && y + height >= 15 && y > 5);
+  for (let k = 0; k < 100; k += 1) stroke(model, "brush", box(k % 40, 20, 1, 1));
+  assert.equal(model.boxSince(then), null); // not known any more: all is drawn again
+});
+
+test("start and target have their names where they are", () => {
+  const world = emptyWorld(40, 40);
+  const cells = ([x, y]) => [x / world.cell_size, y / world.cell_size];
+  assert.deepEqual([cells(world.start), cells(world.target), [20, 20], null].map((at) => markAt(world, at)), ["Start", "Target", "", ""]);
+});

@@ -1,0 +1,216 @@
+// The player's clock, its marks and words, and what its keys do.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { player } from "./pages.mjs";
+import { roomOf, runOf } from "./samples.mjs";
+import { element, frame, press } from "./stand_in.mjs";
+
+const { buildPlayer } = await player("controls");
+const { usualSpeed } = await player("player");
+const { cameraKeys, clockKeys, keepsKey, layerKeys } = await player("keys");
+const { sceneOf, showInstruments, showRobots } = await player("robots");
+const { breakable, grouped, plural } = await player("dom");
+const { rangeOf, rounded, short } = await player("archive");
+
+const world = roomOf(9, 5);
+const MARKS = [{ step: 29, kind: "entry", name: "Entry", text: "the loop is entered" }];
+const loop = () => runOf({ at: Array.from({ length: 134 }, (_, k) => k), x: Array.from({ length: 134 }, (_, k) => 2 + (k % 5)), loop: [29, 104], marks: MARKS });
+const still = (steps) => runOf({ at: [0, steps], x: [2, 6] });
+
+function played(drawn) {
+  const stage = document.createElement("canvas"),
+    under = document.createElement("div");
+  const made = buildPlayer(stage, under, { world, ...drawn });
+  return { stage, under, made, readout: () => under.querySelector("#readout")?.textContent, scrub: under.querySelector("#scrub") };
+}
+
+test("a run is shown at its end, and its step and time are told", () => {
+  const { readout, made } = played({ run: still(300) });
+  assert.equal(made.step, 300);
+  assert.equal(readout(), "step 300 of 300, 30.000 s");
+});
+
+test("the next mark is shown with its words, and after the last the first again", () => {
+  const { readout, made } = played({ run: loop() });
+  clockKeys(made, 1).e();
+  assert.match(readout(), /^step 29 of 133, 2\.900 s: the loop is entered$/);
+  made.go(133);
+  clockKeys(made, 1).e();
+  assert.match(readout(), /^step 29 /);
+});
+
+test("scrubbing is told to a screen reader, also within a period", () => {
+  const { scrub, made } = played({ run: loop() });
+  made.go(40);
+  assert.equal(scrub.getAttribute("aria-valuetext"), "step 40 of 133, 11 into the period");
+  made.go(133);
+  assert.match(scrub.getAttribute("aria-valuetext"), /the state of the entry again/);
+});
+
+test("entry and period are marked on the bar", () => {
+  const { under } = played({ run: loop() });
+  const period = under.querySelector(".period");
+  const [x, width] = ["x", "width"].map((name) => Number(period.getAttribute(name)));
+  assert.ok(Math.abs(x - (1000 * 29) / 133) < 1e-9 && Math.abs(width - (1000 * 104) / 133) < 1e-9);
+});
+
+test("a breach has its tick where it happens", () => {
+  const marks = [{ step: 30, kind: "breach", name: "Breach", text: "goes through this wall", cell: [4, 2] }];
+  const tick = played({ run: { ...still(60), marks } }).under.querySelector(".breach");
+  assert.equal(Number(tick.getAttribute("x")) + Number(tick.getAttribute("width")) / 2, 500);
+  assert.equal(tick.textContent, "step 30: goes through this wall");
+});
+
+test("a played loop continues at its entry, one period later", () => {
+  const { made } = played({ run: loop() });
+  made.go(0);
+  made.speed = 1;
+  made.play(true);
+  frame(performance.now());
+  const steps = [];
+  for (let ms = 200; ms < 40_000; ms += 200) {
+    frame(performance.now() + ms);
+    steps.push(made.step);
+  }
+  assert.ok(made.playing && Math.max(...steps) < 133);
+  const back = steps.findIndex((step, k) => k > 0 && step < steps[k - 1]);
+  assert.ok(back > 0 && steps[back] >= 29 && steps[back] < 60, `${steps[back]}`);
+});
+
+test("one period alone is played from its entry, and again", () => {
+  const { made, under } = played({ run: loop() });
+  clockKeys(made, 1).l();
+  assert.deepEqual([made.step, made.playing], [29, true]);
+  assert.equal(under.querySelector("[aria-pressed=true]").textContent, "One period");
+  made.play(false);
+});
+
+test("a run that ends stops there, and play begins it again", () => {
+  const { made } = played({ run: still(10) });
+  made.go(9);
+  made.play(true);
+  for (let ms = 200; ms < 2000; ms += 200) frame(performance.now() + ms);
+  assert.deepEqual([made.step, made.playing], [10, false]);
+  made.play(true);
+  assert.ok(made.step < 10 && made.playing);
+  made.play(false);
+});
+
+test("arrows step and shift steps ten, within the run", () => {
+  const { made } = played({ run: still(300) });
+  clockKeys(made, 1).Home();
+  clockKeys(made, 1).ArrowRight();
+  clockKeys(made, 10).ArrowRight();
+  assert.equal(made.step, 11);
+  clockKeys(made, 10).ArrowLeft();
+  clockKeys(made, 10).ArrowLeft();
+  assert.equal(made.step, 0);
+  clockKeys(made, 1).End();
+  assert.equal(made.step, 300);
+});
+
+test("from within a step an arrow goes to the next whole one", () => {
+  const { made } = played({ run: still(300) });
+  made.go(10.4);
+  clockKeys(made, 1).ArrowRight();
+  assert.equal(made.step, 11);
+  made.go(10.4);
+  clockKeys(made, 1).ArrowLeft();
+  assert.equal(made.step, 10);
+});
+
+test("of several robots the whole of the longest run is played, at a speed for that", () => {
+  const { made, readout } = played({ run: still(20), others: [{ run: still(4_000), colour: "robot-1", number: 2 }] });
+  assert.match(readout(), /^step 4,000 of 4,000/);
+  assert.equal(made.speed, usualSpeed(4_000, 0.1));
+});
+
+test("a loop next to a robot that drives longer is told within its period", () => {
+  const { made, readout } = played({ run: loop(), others: [{ run: still(20_000), colour: "robot-1", number: 2 }] });
+  made.go(20_000);
+  assert.match(readout(), new RegExp(`, ${(20_000 - 29) % 104} into the period$`));
+});
+
+test("a replay takes twelve seconds at most, at the slowest speed that does that", () => {
+  assert.deepEqual([usualSpeed(100, 0.1), usualSpeed(600, 0.1), usualSpeed(10, 0.01), usualSpeed(1e9, 1)], [1, 5, 0.05, 500]);
+});
+
+test("every layer that the run has can be switched by its key", () => {
+  const { made, under } = played({ run: loop(), sensors: { beams: 4, field: 0, range: 3, signal: true } });
+  const names = ["trail", "touched", "sensors", "signal"];
+  assert.equal(under.querySelectorAll(".layers input").length, names.length);
+  for (const [key, name] of [["t", "trail"], ["u", "touched"], ["s", "sensors"], ["i", "signal"]]) {
+    const before = made.show[name];
+    layerKeys(made)[key]();
+    assert.equal(made.show[name], !before);
+  }
+});
+
+test("what was chosen before stays for the next run", () => {
+  const { made } = played({ run: loop() });
+  made.show.trail = false;
+  const next = buildPlayer(document.createElement("canvas"), document.createElement("div"), { world, run: still(5) }, made);
+  assert.equal(next.show.trail, false);
+});
+
+test("a world without a run says why it has none", () => {
+  const { under } = played({ run: null });
+  assert.match(under.textContent, /could not be run here/);
+});
+
+test("zooming out ends with the whole world, and following ends with it", () => {
+  const { made } = played({ run: loop() });
+  clockKeys(made, 1).r();
+  assert.ok(made.follow && made.view.scale > 0);
+  for (let k = 0; k < 20; k += 1) cameraKeys(made)["-"]();
+  assert.deepEqual([made.view, made.follow], [null, false]);
+});
+
+test("who types, moves a slider or presses a button means that", () => {
+  const field = (tag, type) => {
+    const one = document.createElement(tag);
+    if (type) one.type = type;
+    return one;
+  };
+  assert.deepEqual(["d", " ", "ArrowLeft"].map((key) => keepsKey(field("input", "text"), key)), [true, true, true]);
+  assert.deepEqual(["d", " ", "ArrowLeft"].map((key) => keepsKey(field("input", "range"), key)), [false, false, true]);
+  assert.deepEqual(["d", " ", "ArrowLeft"].map((key) => keepsKey(field("input", "radio"), key)), [false, true, true]);
+  assert.deepEqual(["d", " ", "Enter"].map((key) => keepsKey(field("button"), key)), [false, true, true]);
+  assert.deepEqual(["d", " ", "Enter"].map((key) => keepsKey(field("canvas"), key)), [false, false, false]);
+});
+
+test("instruments tell place, heading and where in a loop the robot is", () => {
+  const line = document.createElement("p");
+  showInstruments(line, { drawn: { run: loop(), world }, step: 40 });
+  assert.match(line.textContent, /time 4\.000 s.*x, y 0\.200, 0\.100 m.*heading 0\.0°.*collision no.*loop period 104, step 11 of it/);
+});
+
+test("a robot that could not drive says why, and the others their results", () => {
+  const list = document.createElement("ol");
+  const good = { name: "thesis-1+slip=0.2", verdict: "loop", words: "loop for ever, every 104 steps", steps: 1331, time: 1.5, path: 2, collisions: 3, digest: "abc" };
+  let looked = null;
+  showRobots(list, [good, { name: "mine", error: "no such file" }], 0, (number) => (looked = number), "No robot of this size can reach the target.");
+  assert.match(list.textContent, /1 thesis-1\+slip=0\.2.*loop.*abc.*1,331 steps, 1\.500 s, 2\.00 m, 3 collisions.*every 104 steps.*No robot of this size/);
+  assert.match(list.querySelector(".failed").textContent, /mine did not drive.*no such file/);
+  list.querySelector("button").click();
+  assert.equal(looked, 0);
+});
+
+test("each robot has a colour and a number of its own, unless it is alone", () => {
+  const robots = [{ run: loop() }, { run: still(5) }, { error: "no" }];
+  const { number, colour, others } = sceneOf(world, robots, 1);
+  assert.deepEqual([number, colour, others.map((one) => [one.number, one.colour])], [2, "robot-1", [[1, "robot-0"]]]);
+  assert.deepEqual([sceneOf(world, [robots[0]], 0).number, sceneOf(world, [robots[0]], 0).colour], [null, null]);
+});
+
+test("numbers and counts have the words of one and of many", () => {
+  assert.deepEqual([plural(1, "failure"), plural(0, "failure"), plural(2345, "class", "classes")], ["1 failure", "0 failures", "2,345 classes"]);
+  assert.deepEqual([grouped(1234567.6), short(1234567), short(12345), short(0.12345), rounded(1 / 3)], ["1,234,568", "1.23 M", "12.3 k", "0.123", "0.3333"]);
+  assert.deepEqual([0, 1, 2].map((k) => rangeOf([1.5, 2], k)), ["below 1.5", "1.5 to 2", "2 and above"]);
+  assert.equal(rangeOf([], 0), "any");
+});
+
+test("a name with options may go on in another line at each of them", () => {
+  assert.deepEqual(breakable("thesis-1+slip=0.2+noise").filter((part) => typeof part === "string"), ["thesis-1", "+slip=0.2", "+noise"]);
+});

@@ -1,0 +1,53 @@
+// Small worlds and runs in the form in which the server packs them.
+
+export function base64(bytes) {
+  return btoa(String.fromCharCode(...bytes));
+}
+
+/* Whole numbers as fuzz/player/streams.py packs them: the differences of their differences, zigzag, seven bits a byte. */
+export function numbers(values) {
+  const bytes = [];
+  let before = 0,
+    rate = 0;
+  for (const value of values) {
+    const change = value - before - rate;
+    rate += change;
+    before = value;
+    let zigzag = change < 0 ? -2 * change - 1 : 2 * change;
+    while (zigzag > 127) {
+      bytes.push((zigzag % 128) + 128);
+      zigzag = Math.floor(zigzag / 128);
+    }
+    bytes.push(zigzag);
+  }
+  return base64(bytes);
+}
+
+export function bits(flags) {
+  const bytes = new Uint8Array(Math.ceil(flags.length / 8));
+  flags.forEach((flag, k) => (bytes[k >> 3] |= Number(Boolean(flag)) << (k & 7)));
+  return base64(bytes);
+}
+
+/* A world of cells, row by row from the lowest. */
+export function worldOf(cells, width, more = {}) {
+  const height = cells.length / width;
+  const usual = { cell: 0.1, radius: 0.7, start: [1.5, 1.5, 0], target: [width - 1.5, height - 1.5, 0.5], events: null, witness: null };
+  return { width, height, cells: bits(cells), ...usual, ...more };
+}
+
+/* An empty world with a border of walls, and more walls in it. */
+export function roomOf(width, height, walls = [], more = {}) {
+  const border = (ix, iy) => ix === 0 || iy === 0 || ix === width - 1 || iy === height - 1;
+  const cells = Array.from({ length: width * height }, (_, k) => border(k % width, Math.floor(k / width)));
+  for (const [ix, iy] of walls) cells[iy * width + ix] = true;
+  return worldOf(cells, width, more);
+}
+
+/* A run through places in cells, at times in steps. */
+export function runOf({ at, x, y = x.map(() => 1), heading = x.map(() => 0), bump = x.map(() => 0), ...more }) {
+  const scaled = (values, by) => numbers(values.map((value) => Math.round(value * by)));
+  const columns = { at: scaled(at, 256), x: scaled(x, 1024), y: scaled(y, 1024), heading: scaled(heading, 65536 / (2 * Math.PI)), bump: bits(bump) };
+  const usual = { steps: Math.floor(at.at(-1)), dt: 0.1, loop: null, marks: [], thinned: 1, breached: false, active: null, memory: null };
+  return { ...columns, ...usual, ...more };
+}

@@ -1,0 +1,117 @@
+// Cells by geometry, and what is done with a selection.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { studio } from "./pages.mjs";
+
+const { KEEP, STAMPS, brushBox, flipped, floodCells, lineCells, mirrored, patternIn, rectangleBoxes, rectangleOf, turned } = await studio("shapes");
+const { Model, emptyWorld } = await studio("model");
+const { withSelection } = await studio("selection");
+
+const L = { width: 2, height: 3, cells: Uint8Array.from([1, 1, 1, 0, 1, 0]) }; // as the letter, seen from above: rows go up
+
+function kitOf(selection) {
+  const said = [];
+  const model = new Model(emptyWorld(12, 12), () => {});
+  return { model, board: { selection, draw() {} }, clipboard: null, turns: [], said: (words) => said.push(words) };
+}
+
+function drawn(kit, { x, y, width, height }) {
+  return [...patternIn(kit.model.world, { x, y, width, height }).cells];
+}
+
+test("a line has both its ends and no gap, whichever way it is drawn", () => {
+  for (const [from, to] of [[[0, 0], [9, 3]], [[9, 3], [0, 0]], [[2, 8], [1, -3]], [[4, 4], [4, 4]]]) {
+    const cells = lineCells(from, to);
+    assert.deepEqual([cells[0], cells.at(-1)], [from, to]);
+    for (let k = 1; k < cells.length; k += 1) {
+      const steps = [0, 1].map((axis) => Math.abs(cells[k][axis] - cells[k - 1][axis]));
+      assert.equal(Math.max(...steps), 1);
+    }
+  }
+});
+
+test("a rectangle is the same from every corner", () => {
+  for (const [from, to] of [[[2, 3], [5, 4]], [[5, 4], [2, 3]], [[2, 4], [5, 3]]])
+    assert.deepEqual(rectangleOf(from, to), { x: 2, y: 3, width: 4, height: 2 });
+});
+
+test("an outline is the border of its rectangle, each cell once", () => {
+  const count = new Map();
+  for (const { x, y, width, height } of rectangleBoxes({ x: 0, y: 0, width: 6, height: 4 }, true))
+    for (let iy = y; iy < y + height; iy += 1) for (let ix = x; ix < x + width; ix += 1) count.set(`${ix},${iy}`, (count.get(`${ix},${iy}`) || 0) + 1);
+  assert.equal(count.size, 16);
+  assert.deepEqual(new Set(count.values()), new Set([1]));
+  assert.ok(!count.has("1,1"));
+});
+
+test("a brush is around its cell", () => {
+  assert.deepEqual([1, 2, 3].map((size) => brushBox([5, 5], size)), [{ x: 5, y: 5, width: 1, height: 1 }, { x: 5, y: 5, width: 2, height: 2 }, { x: 4, y: 4, width: 3, height: 3 }]);
+});
+
+test("a flood fills all that hangs together by sides, and nothing by corners", () => {
+  const { cells, width, height } = emptyWorld(8, 8);
+  for (let k = 1; k < 7; k += 1) cells[k * 8 + k] = 1; // a diagonal: the halves touch by corners only
+  assert.equal(floodCells({ cells, width, height }, [5, 1]).length, 15);
+  assert.equal(floodCells({ cells, width, height }, [0, 0]).length, 30); // the border, and of the diagonal its two ends alone
+});
+
+test("four turns, two mirrors and two flips leave a pattern as it was", () => {
+  for (const acts of [[turned, turned, turned, turned], [mirrored, mirrored], [flipped, flipped], [turned, turned, mirrored, flipped]])
+    assert.deepEqual(acts.reduce((pattern, act) => act(pattern), L), L);
+});
+
+test("a turn is a quarter turn to the left", () => {
+  const { width, height, cells } = turned(L);
+  assert.deepEqual([width, height, [...cells]], [3, 2, [1, 1, 1, 0, 0, 1]]);
+});
+
+test("outside of the map a pattern changes nothing", () => {
+  const map = { width: 2, height: 1, cells: Uint8Array.from([1, 0]) };
+  assert.deepEqual([...patternIn(map, { x: -1, y: 0, width: 4, height: 1 }).cells], [KEEP, 1, 0, KEEP]);
+});
+
+test("every stamp of every size has walls and room for a robot", () => {
+  for (const [name, make] of Object.entries(STAMPS))
+    for (const size of [5, 12, 13, 60]) {
+      const { width, height, cells } = make(size);
+      assert.equal(cells.length, width * height, name);
+      assert.ok(cells.includes(1) && cells.some((cell) => cell !== 1), name);
+    }
+});
+
+test("a selection is mirrored, flipped and turned in its place, each one step of the history", () => {
+  const box = { x: 3, y: 3, width: 2, height: 3 };
+  for (const [what, act] of [["mirror", mirrored], ["flip", flipped], ["turn", turned]]) {
+    const kit = kitOf(box);
+    kit.model.put(L, [3, 3]);
+    kit.model.lift("stamp");
+    withSelection(kit, what, false);
+    assert.deepEqual(drawn(kit, kit.board.selection), [...act(L).cells], what);
+    kit.model.undo();
+    assert.deepEqual(drawn(kit, box), [...L.cells], what);
+  }
+});
+
+test("what is copied stays, what is cut or cleared goes", () => {
+  for (const [what, solid, copied] of [["copy", 4, true], ["cut", 0, true], ["clear", 0, false], ["fill", 6, false]]) {
+    const kit = kitOf({ x: 3, y: 3, width: 2, height: 3 });
+    kit.model.put(L, [3, 3]);
+    kit.model.lift("stamp");
+    withSelection(kit, what, false);
+    assert.equal(kit.model.solid, 44 + solid, what);
+    assert.deepEqual(kit.clipboard, copied ? L : null, what);
+  }
+});
+
+test("with the stamp in hand that is turned, and not what is selected", () => {
+  const kit = kitOf({ x: 3, y: 3, width: 2, height: 3 });
+  assert.ok(withSelection(kit, "turn", true));
+  assert.deepEqual([kit.turns, kit.model.solid], [[turned], 44]);
+});
+
+test("without a selection nothing is done", () => {
+  const kit = kitOf(null);
+  assert.equal(withSelection(kit, "clear", false), false);
+  assert.equal(kit.model.past.length, 0);
+});
