@@ -31,7 +31,8 @@ def test_a_fault_in_a_script_fails_its_tests(tmp_path):
             import {{ player }} from "{(FOLDER / "pages.mjs").as_uri()}";
             import {{ element }} from "{(FOLDER / "stand_in.mjs").as_uri()}";
             const {{ keyButton }} = await player("dom");
-            test("a listener that throws", () => keyButton("x", "x", "x", () => {{ throw new Error("here"); }}).click());
+            const fault = () => {{ throw new Error("here"); }};
+            test("a listener that throws", () => keyButton("x", "x", "x", fault).click());
         """
     )
     done = run_tests(tmp_path / "wrong.test.mjs")
