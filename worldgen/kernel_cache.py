@@ -57,12 +57,10 @@ class KernelCache(FunctionCache):
     def __init__(self, function: Callable[..., Any], folder: Path, missed: Callable[[], object]) -> None:
         super().__init__(function)
         self._missed = missed
-        # Numba falls back to folders that nobody has checked; only its name for ours is taken.
-        locator = self._impl.locator
-        self._cache_path = str(folder / locator.get_suitable_cache_subpath(function.__code__.co_filename))
-        self._cache_file = _CheckedFiles(
-            self._cache_path, f"{self._impl.filename_base}.checked", locator.get_source_stamp()
-        )
+        # Numba falls back to folders that nobody has checked, and names them by where the source lies. The digest in
+        # the name of ours stands for all sources, so two installations of the same worldgen share what is compiled.
+        self._cache_path = str(folder / function.__module__)
+        self._cache_file = _CheckedFiles(self._cache_path, f"{self._impl.filename_base}.checked", "")
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
         """The compiled kernel, or None where there is none that can be trusted."""

@@ -80,7 +80,7 @@ def test_a_good_robot_passes(project):
 def test_a_pull_request_that_breaks_the_robot_shows_the_world_that_breaks_it(broken, monkeypatch):
     monkeypatch.chdir(broken.folder)
     rows, folds = read_markdown(broken.summary)
-    assert broken.failed and "The worlds, to replay at home" in broken.ran, broken.log
+    assert broken.failed and "Keep the worlds, to replay them at home" in broken.ran, broken.log
     assert rows[0][0] == "new" and "S start  G target" in folds[0]
     assert worldgen(*re.search("^replay: worldgen (.*)$", folds[0], re.MULTILINE)[1].split()).code == 0
 
@@ -94,8 +94,8 @@ def test_its_reports_lead_to_the_class_that_broke(broken):
     assert (failures / "report.html").stat().st_size > 10_000
 
 
-def test_a_mended_failure_that_comes_back_fails_as_a_test(broken):
-    assert re.search(r"FAILED worldgen-corpus/mended/.*\.grid::fixed", broken.log)
+def test_a_fixed_failure_that_comes_back_fails_as_a_test(broken):
+    assert re.search(r"FAILED worldgen-corpus/fixed/.*\.grid::fixed", broken.log)
 
 
 def test_classes_of_a_baseline_do_not_fail_the_job(broken, monkeypatch):

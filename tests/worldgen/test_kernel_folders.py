@@ -119,10 +119,11 @@ def test_a_folder_of_kernels_that_others_can_write_is_not_used(tmp_path, caplog)
     assert "remove it" in caplog.text
 
 
-def twice(tmp_path):
+def twice(folder):
     """A kernel of a file of its own, as a new process would make it, and how often it had to be compiled."""
-    source = tmp_path / "source.py"
+    source = folder / "source.py"
     if not source.exists():
+        folder.mkdir(exist_ok=True)
         source.write_text("def twice(x):\n    return 2 * x\n")
     spec = importlib.util.spec_from_file_location("source", source)
     module = importlib.util.module_from_spec(spec)
@@ -134,6 +135,10 @@ def twice(tmp_path):
 
 def test_a_kernel_is_compiled_once(tmp_path):
     assert [twice(tmp_path), twice(tmp_path)] == [1, 0]
+
+
+def test_two_installations_share_what_is_compiled(tmp_path):
+    assert [twice(tmp_path / "one"), twice(tmp_path / "other")] == [1, 0]
 
 
 def kernel_files(tmp_path, kind="nb?"):

@@ -1,0 +1,118 @@
+"""``worldgen init``: set up a project's CI, with a first corpus of known failures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from worldgen.cli.output import CONTROLLER_HELP, emit_json, force_option, json_option, note
+
+if TYPE_CHECKING:
+    from fuzz.project import Project
+
+__all__ = ["init"]
+
+EXAMPLES = (
+    "\b\n  worldgen init --controller ./robot.py:Robot\n"
+    "  worldgen init --controller 'cmd:./robot --fast' --ci gitlab\n"
+    "  worldgen init --controller my_robot.core:Robot --family maze --family rooms --units 20"
+)
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("folder", type=click.Path(path_type=Path), default=Path())
+@click.option("--controller", required=True, help=CONTROLLER_HELP)
+@click.option("--motion", default="swept", show_default=True, help="Motion model.")
+@click.option("--family", "families", multiple=True, help="Family that pull requests are tested with; may be repeated.")
+@click.option(
+    "--ci", type=click.Choice(("github", "gitlab", "none")), help="CI service [default: the one that FOLDER uses]."
+)
+@click.option(
+    "--units",
+    type=click.IntRange(1),
+    default=6,
+    show_default=True,
+    help="Amount of work of each search; the same every time, so that no pull request fails by luck.",
+)
+@json_option
+@force_option
+def init(
+    folder: Path,
+    controller: str,
+    motion: str,
+    families: tuple[str, ...],
+    ci: str | None,
+    units: int,
+    as_json: bool,
+    force: bool,
+) -> None:
+    """Set up FOLDER so that its CI looks for worlds in which your controller fails.
+
+    Runs the search that pull requests will run and stores what it finds as known failures; writes a CI job that fails
+    when a pull request brings another one; and adds your controller to pyproject.toml, so that `worldgen fuzz --out
+    failures/` needs no more options.
+    """
+    import contextlib
+    import os
+    import tempfile
+
+    from fuzz import ledger
+    from fuzz.crews import crew_of
+    from fuzz.project import SEED, Project
+    from fuzz.session import CampaignSession, configure
+    from worldgen.files import write_bytes
+
+    project = Project(folder, controller, motion, families, units, ci or _service_of(folder))
+    project.check(force=force)
+    # The controller is named as seen from the project, whose folder CI starts in.
+    with contextlib.chdir(folder), tempfile.TemporaryDirectory() as scratch:
+        config = configure(
+            controller=controller,
+            motion=motion,
+            families=families,
+            fixed_map=None,
+            time_step=None,
+            examples=400,
+            seed=SEED,
+        )
+        note(f"searching for the failures that {controller} has today")
+        sitting = ledger.begin(config, Path(scratch) / "found", ledger.Goal(units=units))
+        with contextlib.redirect_stdout(None):
+            code = CampaignSession(sitting, crew_of(os.cpu_count() or 1)).run()
+        if code not in (0, 1):
+            raise SystemExit(code)
+        failures = {found.name: found.read_bytes() for found in sorted((Path(scratch) / "found").glob("*.grid"))}
+    written = project.write(force=force)
+    for name, text in failures.items():
+        write_bytes(project.known / name, text, force=True)
+    if as_json:
+        known = [str(project.known / name) for name in failures]
+        emit_json({"seed": SEED, "known": known, "written": [str(path) for path in written]})
+        return
+    _report(project, len(failures), written)
+
+
+def _service_of(folder: Path) -> str:
+    """The CI service that a project seems to use; GitHub's unless there is a sign of another."""
+    if (folder / ".github").is_dir():
+        return "github"
+    return "gitlab" if (folder / ".gitlab-ci.yml").is_file() or (folder / ".gitlab").is_dir() else "github"
+
+
+def _report(project: Project, failures: int, written: list[Path]) -> None:
+    """Say what was written, and what is left for the user to do."""
+    from fuzz.project import FIXED, KNOWN
+    from worldgen.plain_text import counted
+
+    click.echo(f"{KNOWN}: {counted(failures, 'known failure')}")
+    for path in written:
+        click.echo(f"wrote {path}")
+    if missing := project.must_be_told_where_worldgen_is:
+        click.echo(f"fill in {missing}: where CI gets worldgen from")
+    if project.ci == "gitlab" and (project.folder / ".gitlab-ci.yml") not in written:
+        click.echo("add to .gitlab-ci.yml: include: [{local: .gitlab/worldgen.yml}]")
+    if not project.runs_fixed_failures:
+        click.echo(f'add to your pytest settings: worldgen_corpus = ["{FIXED}"]')
+    click.echo("next: commit these files; worldgen fuzz --out failures/ searches as CI does")

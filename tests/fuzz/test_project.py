@@ -1,0 +1,111 @@
+"""``worldgen init``: what it writes is what CI services and pytest read, and nothing of the user's is lost."""
+
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+from fuzz import project as module
+from fuzz.project import FIXED, KNOWN, Project
+from tests.helpers.command_line import worldgen
+from worldgen.errors import FormatError, InvalidParameter, OutputError
+from worldgen.installation import Origin
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "ci"
+ROBOT = "./robot.py:Robot"
+
+
+@pytest.fixture(autouse=True)
+def from_an_index(monkeypatch):
+    """Each test says itself where worldgen comes from."""
+    monkeypatch.setattr(module, "origin", Origin)
+
+
+def test_the_example_s_workflow_is_what_init_writes(tmp_path):
+    Project(tmp_path, ROBOT, families=("corridor", "trap", "rooms")).write(force=False)
+    written = (tmp_path / ".github" / "workflows" / "worldgen.yml").read_text()
+    assert written == (EXAMPLE / ".github" / "workflows" / "worldgen.yml").read_text()
+
+
+def test_a_workflow_names_the_repository_that_worldgen_came_from(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "origin", lambda: Origin("https://github.com/owner/worldgen", "abc123"))
+    project = Project(tmp_path, ROBOT)
+    project.write(force=False)
+    plan = yaml.safe_load((tmp_path / ".github" / "workflows" / "worldgen.yml").read_text())
+    sources = [step["with"] for step in plan["jobs"]["pull-request"]["steps"] if step.get("with", {}).get("repository")]
+    assert [(source["repository"], source["ref"]) for source in sources] == [("owner/worldgen", "abc123")]
+    assert project.must_be_told_where_worldgen_is == ""
+
+
+@pytest.mark.parametrize("controller", [ROBOT, 'cmd:./robot --name "O\'Neill" #1', "package.module:Robot+radius=0.2"])
+def test_a_controller_reaches_the_ci_file_as_it_is(controller, tmp_path):
+    for ci in ("github", "gitlab"):
+        Project(tmp_path / ci, controller, ci=ci).write(force=False)
+    workflow = yaml.safe_load((tmp_path / "github" / ".github" / "workflows" / "worldgen.yml").read_text())
+    uses = [step for step in workflow["jobs"]["pull-request"]["steps"] if step.get("uses") == "./.worldgen"]
+    assert [step["with"]["controller"] for step in uses] == [controller]
+    job = yaml.safe_load((tmp_path / "gitlab" / ".gitlab" / "worldgen.yml").read_text())["worldgen"]
+    words = shlex.split(job["script"][-1])
+    assert words[words.index("--controller") + 1] == controller
+
+
+def test_what_cannot_stand_in_a_workflow_is_refused(tmp_path):
+    with pytest.raises(InvalidParameter, match=r"begins an expression"):
+        Project(tmp_path, "cmd:./robot ${{ secrets.TOKEN }}").check(force=False)
+
+
+def test_the_tables_follow_what_the_file_holds(tmp_path):
+    before = '# mine\n[project]\nname = "robot"\n'
+    (tmp_path / "pyproject.toml").write_text(before)
+    Project(tmp_path, ROBOT, "endpoint").write(force=False)
+    text = (tmp_path / "pyproject.toml").read_text()
+    tool = tomllib.loads(text)["tool"]
+    assert text.startswith(before)
+    assert tool["worldgen"]["fuzz"] == {"controller": ROBOT, "motion": "endpoint", "baseline": [str(KNOWN)]}
+    assert tool["pytest"]["ini_options"] == {"worldgen_corpus": [str(FIXED)]}
+
+
+def test_pytest_settings_of_the_user_s_own_are_left_alone(tmp_path):
+    (tmp_path / "pyproject.toml").write_text('[tool.pytest.ini_options]\ntestpaths = ["tests"]\n')
+    project = Project(tmp_path, ROBOT)
+    project.write(force=False)
+    assert not project.runs_fixed_failures
+    assert tomllib.loads((tmp_path / "pyproject.toml").read_text())["tool"]["pytest"] == {
+        "ini_options": {"testpaths": ["tests"]}
+    }
+
+
+def test_a_project_that_is_set_up_is_left_alone(tmp_path):
+    Project(tmp_path, ROBOT, ci="none").write(force=False)
+    with pytest.raises(OutputError, match="exists already"):
+        Project(tmp_path, ROBOT, ci="none").check(force=False)
+    with pytest.raises(OutputError, match=r"\[tool.worldgen\] table already"):
+        Project(tmp_path, ROBOT, ci="none").check(force=True)
+
+
+def test_a_damaged_pyproject_is_refused_and_kept(tmp_path):
+    (tmp_path / "pyproject.toml").write_text("[tool")
+    with pytest.raises(FormatError, match="is not valid TOML"):
+        Project(tmp_path, ROBOT).check(force=True)
+    assert (tmp_path / "pyproject.toml").read_text() == "[tool"
+
+
+def test_gitlab_s_own_file_is_not_touched(tmp_path):
+    (tmp_path / ".gitlab-ci.yml").write_text("build: {script: [make]}\n")
+    Project(tmp_path, ROBOT, ci="gitlab").write(force=False)
+    assert (tmp_path / ".gitlab-ci.yml").read_text() == "build: {script: [make]}\n"
+
+
+@pytest.mark.gate
+def test_after_init_the_search_of_a_pull_request_meets_no_new_class(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    robot = (EXAMPLE / "robot.py").read_text()
+    (tmp_path / "robot.py").write_text(robot.replace("BACK = 0.5", "BACK = 0.1"))
+    options = ("--controller", ROBOT, "--family", "rooms", "--units", "1")
+    done = worldgen("init", *options)
+    known = sorted(Path(KNOWN).glob("*.grid"))
+    assert done.code == 0 and known and f"{KNOWN}: {len(known)} known failure" in done.out, done.err
+    again = worldgen("fuzz", *options, "--seed", "1", "--baseline", KNOWN, "--out", "found")
+    assert again.code == 0 and "no new failure" in again.out and "known: " in again.out
