@@ -92,6 +92,7 @@ _SUMMARY = {
     "export": "Write a world in another program's format.",
     "formats": "List the formats that import reads and export writes; of one, its options.",
     "fuzz": "Search for worlds in which a controller fails; prove, shrink and save what is found.",
+    "init": "Set up FOLDER so that its CI looks for worlds in which your controller fails.",
     "import": "Read a foreign map and place start and target.",
     "measure": "Say how hard worlds are: by their ways, their narrow places, what draws a robot astray.",
     "new-controller": "Write a working, commented controller to begin from.",
