@@ -8,6 +8,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.database import DirectoryBasedExampleDatabase
 
+from tests.helpers import kernels
+
 # With CI set, Hypothesis would choose a profile for us, silently. This one tries the same examples each time: nobody
 # should fail to land by luck. New examples are tried at night, and those that failed are kept: --hypothesis-profile.
 settings.register_profile(
@@ -47,6 +49,14 @@ def pytest_cmdline_main(config):
     """
     if getattr(config.option, "numprocesses", None) and config.option.dist == "no":
         config.option.dist, config.option.loadscopereorder = "loadfile", False
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionstart(session):
+    """Compile what most files need once, before there are workers that would each compile it."""
+    workers = getattr(session.config.option, "numprocesses", None)
+    if workers and not hasattr(session.config, "workerinput"):
+        kernels.prepare(workers)
 
 
 @pytest.hookimpl(wrapper=True, optionalhook=True)

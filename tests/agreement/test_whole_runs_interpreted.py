@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 
 RUNS = """
@@ -42,6 +44,7 @@ def digests(**environment):
     return tuple(map(json.loads, done.stdout.splitlines()))
 
 
+@pytest.mark.gate
 def test_runs_have_the_same_digests_compiled_and_interpreted():
     compiled, interpreted = digests(), digests(NUMBA_DISABLE_JIT="1")
     assert compiled == interpreted and len(set(compiled[0])) == len(compiled[0])

@@ -1,6 +1,7 @@
 """``python -m tests.clients.install [NAME ...]``: makes the environments of the clients, all or the named ones.
 
-With ``--programs`` it prints the names of the Debian packages that bring the others.
+With ``--gate`` it makes only those that the gate asks, with ``--programs`` it prints the names of the Debian packages
+that bring the others. An environment that is there already is used again, unless what it is to hold has changed.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ PACKAGES = {
 BARE_PACKAGES = {"pogema-toolbox": ["pogema-toolbox"]}
 # name: what builds packages of that client whose own lists of build tools lack some; they are built beside these
 BUILD_TOOLS = {"third-party": ["cython>=3.0", "numpy>=2.0", "setuptools>=77"]}
+GATE = ("irsim", "mujoco", "trimesh")  # installed in seconds; a robot's simulator, a physics engine, a reader of meshes
 # program: what brings it on Debian
 PROGRAMS = {
     "admesh": "admesh",
@@ -60,7 +62,8 @@ def install(name: str) -> bool:
     folder = FOLDER / name
     done = folder / "installed"
     packages = PACKAGES.get(name) or BARE_PACKAGES[name]
-    if done.is_file() and done.read_text() == "\n".join(packages):
+    holds = "\n".join([sys.version, *packages])
+    if done.is_file() and done.read_text(encoding="utf-8") == holds:
         return True
     shutil.rmtree(folder, ignore_errors=True)
     FOLDER.mkdir(parents=True, exist_ok=True)
@@ -70,7 +73,7 @@ def install(name: str) -> bool:
     made = _ran(sys.executable, "-m", "venv", folder)
     made = made and (name not in BUILD_TOOLS or _ran(*pip, *BUILD_TOOLS[name])) and _ran(*pip, *extra, *packages)
     if made:
-        done.write_text("\n".join(packages))
+        done.write_text(holds, encoding="utf-8")
     else:
         shutil.rmtree(folder, ignore_errors=True)
     return made
@@ -86,6 +89,8 @@ def main(names: list[str]) -> int:
         print(*sorted(set(" ".join(PROGRAMS.values()).split())))
         return 0
     known = [*PACKAGES, *BARE_PACKAGES]
+    if names == ["--gate"]:
+        names = list(GATE)
     strange = sorted(set(names) - set(known))
     if strange:
         print(f"no client is called {', '.join(strange)}; there are {', '.join(known)}", file=sys.stderr)

@@ -349,6 +349,7 @@ def test_a_campaign_refuses_an_oracle_that_is_not_there_before_it_begins(tmp_pat
     assert result.code == 2 and "did you mean 'detour'" in result.err and not (tmp_path / "f").exists()
 
 
+@pytest.mark.gate
 def test_a_campaign_finds_the_same_with_one_worker_and_with_two(tmp_path):
     fuzz = ("fuzz", "--controller", "bug1", "--detour", 3, "--units", 2, "--examples", 20, "--seed", 2, "--no-shrink")
     for workers in (1, 2):

@@ -65,6 +65,7 @@ def test_every_failure_says_that_it_is_one_minimal(found):
     assert all(world.failure.details["one_minimal"] for world in found[0].state.best.values())
 
 
+@pytest.mark.gate
 def test_two_processes_find_the_same_corpus_as_one(found):
     assert corpus(Campaign(CONFIG, units=3, workers=2)) == found[1]
 

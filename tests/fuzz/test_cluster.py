@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 
 import pytest
 
@@ -18,7 +19,10 @@ from worldgen.errors import InvalidParameter
 from worldgen.grid_file import dumps
 from worldgen.installation import pip_install
 
-distributed = pytest.importorskip("distributed", reason="the extra [dask]")
+pytestmark = [
+    pytest.mark.gate,
+    pytest.mark.skipif(find_spec("distributed") is None, reason="the extra [dask]"),
+]
 
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, families=("features",), examples=4, epoch=4)
 UNITS = 5
@@ -81,7 +85,9 @@ def corpus(campaign, each=lambda event: None):
 
 def test_a_cluster_one_of_whose_workers_is_killed_finds_the_same_as_one_process(dask):
     doomed = dask.worker()
-    with distributed.Client(dask.address) as client:
+    from distributed import Client  # three seconds, in each process that collects these tests
+
+    with Client(dask.address) as client:
         client.wait_for_workers(2)
 
     def kill_one(event):

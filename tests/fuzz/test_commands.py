@@ -235,6 +235,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_search(tmp_path):
     assert result.code == 2 and "cannot be written" in result.err
 
 
+@pytest.mark.gate
 def test_ctrl_c_keeps_what_was_found(tmp_path):
     folder = tmp_path / "failures"
     command = [sys.executable, "-c", "from worldgen.cli.main import main; main()", "fuzz", "--controller", "turn-left"]

@@ -252,6 +252,7 @@ def test_bad_options_are_one_line_and_code_2(args, message, tmp_path):
     assert not (tmp_path / "w.grid").exists()
 
 
+@pytest.mark.gate
 def test_a_worker_that_dies_is_one_line_and_code_2(tmp_path):
     (tmp_path / "mine.py").write_text(MINE.replace("PARENT", str(os.getpid())))
     wanted = f"{tmp_path}/mine.py:Dies=reached"
@@ -292,6 +293,7 @@ def ended(group):
     return False
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("workers", [1, 2])
 def test_ctrl_c_writes_the_nearest_until_then_and_leaves_no_process(workers, tmp_path):
     wanted, path = "thesis-1=reached@331, thesis-2=reached@9388", tmp_path / "w.grid"
@@ -303,6 +305,7 @@ def test_ctrl_c_writes_the_nearest_until_then_and_leaves_no_process(workers, tmp
     assert worldgen("verify", path).code == 0
 
 
+@pytest.mark.gate
 def test_ctrl_c_in_the_first_unit_keeps_what_that_unit_had(tmp_path):
     met = tmp_path / "met"
     (tmp_path / "mine.py").write_text(MINE.replace("MET", str(met)))

@@ -271,6 +271,7 @@ def test_the_command_says_what_it_wrote(tmp_path):
     assert result.err.endswith("r.html: 1 failure\n")
 
 
+@pytest.mark.gate
 def test_a_campaign_writes_its_own_page(tmp_path):
     run = ("--controller", "turn-right", "--motion", "stepped", "--units", 1, "--examples", 60, "--seed", 1)
     page = tmp_path / "r.html"

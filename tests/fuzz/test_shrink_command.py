@@ -70,6 +70,7 @@ def run_pytest(folder):
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False).stdout
 
 
+@pytest.mark.gate
 def test_the_printed_module_runs_and_fails_as_the_failure_does(big, tmp_path):
     code = worldgen("shrink", big, "--out", tmp_path / "small.grid", "--snippet").out
     (tmp_path / "test_small.py").write_text(code)
@@ -89,6 +90,7 @@ class Mine:
 """
 
 
+@pytest.mark.gate
 def test_the_module_passes_once_the_controller_is_repaired(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     corridor = certified(World(np.zeros((3, 9), bool), Pose(0.15, 0.15, 0.0), Target(0.75, 0.15, 0.05)))

@@ -361,6 +361,7 @@ def test_a_newer_question_replaces_an_older_one(gate):
     assert "answer" in said[second] and first in said
 
 
+@pytest.mark.gate
 def test_what_was_left_of_a_replaced_run_is_not_taken_for_the_next(gate):
     with page_of(gate) as page:
         page.send("run", **run_message(controllers=["turn-left"] * 6, steps=20_000))
@@ -371,6 +372,7 @@ def test_what_was_left_of_a_replaced_run_is_not_taken_for_the_next(gate):
     assert names == [None, "turn-right"]
 
 
+@pytest.mark.gate
 def test_a_run_that_nobody_wants_is_ended_and_the_next_one_runs(gate, folder):
     with page_of(gate) as page:
         hanging = page.send("run", **run_message(steps=1_000_000, controllers=[f"{folder}/mine.py:Robot"]))

@@ -48,6 +48,7 @@ def failures(page, folder):
     return page.ask("failures", folder=folder)["answer"]["failures"]
 
 
+@pytest.mark.gate
 def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
     given = {"controller": "turn-right", "motion": "swept", "families": ("trap",), "examples": 8, "seed": 1}
     config = configure(**given, fixed_map=None, time_step=None)
@@ -62,6 +63,7 @@ def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
 MORE = {"oracles": ["turn"], "vary": ["robot_speed=1,2"], "detour": 5, "epoch": 1, "shrink": False, "examples": 3}
 
 
+@pytest.mark.gate
 def test_the_copied_command_does_at_a_terminal_what_the_page_does(page, folder):
     drawn = generate("trap", 1)
     write_world(drawn, folder / "drawn.grid")
@@ -87,6 +89,7 @@ def test_no_command_names_a_map_that_is_in_no_file(page):
     assert "save it first" in page.ask("command", folder="x", **message, world_name=None)["error"]
 
 
+@pytest.mark.gate
 def test_a_campaign_that_is_done_says_so(done, page):
     assert (done["running"], done["units"], done["goal"]) == (False, 2, {"units": 2, "seconds": None})
     (listed,) = [state for state in page.ask("campaigns")["answer"]["campaigns"] if state["folder"] == "done"]
@@ -136,6 +139,7 @@ def watched(page, folder, units):
         pass
 
 
+@pytest.mark.gate
 def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(tmp_path):
     with studio_of(tmp_path) as gate, page_of(gate) as page:
         begin(page, "long", units=100_000)

@@ -109,15 +109,14 @@ def test_a_program_that_does_not_answer_hangs(step):
 
 
 def test_drips_of_an_answer_do_not_put_off_the_deadline():
-    do = "for _ in range(1200):\n    sys.stdout.write(' '); sys.stdout.flush(); time.sleep(0.05)"
-    began = time.monotonic()
-    assert run(program(do), deadline=0.3).verdict == "hang" and time.monotonic() - began < 30.0
+    do = "for _ in range(1200):\n    sys.stdout.write(' '); sys.stdout.flush(); time.sleep(0.05)\nsys.exit(5)"
+    assert run(program(do), deadline=0.3).verdict == "hang"  # a crash if the drips were waited for to their end
 
 
 def test_a_flood_of_stderr_does_not_put_off_the_deadline():
-    began = time.monotonic()
-    assert run(program("while True: os.write(2, 9000 * b'x')"), deadline=0.3).verdict == "hang"
-    assert time.monotonic() - began < 30.0
+    do = "while time.monotonic() < until: os.write(2, 9000 * b'x')\nsys.exit(5)"
+    flood = program(f"until = time.monotonic() + 60\n{do}")
+    assert run(flood, deadline=0.3).verdict == "hang"  # a crash if the flood was waited for to its end
 
 
 def test_an_answer_that_is_there_when_we_look_late_counts(monkeypatch):
@@ -209,11 +208,10 @@ def test_a_program_that_ignores_sigterm_is_killed(tmp_path):
 
 def test_a_grandchild_that_holds_the_pipes_keeps_nobody_and_is_ended(tmp_path):
     note = f"open({str(tmp_path / 'pid')!r}, 'w').write(str(child.pid))"
-    do = f"child = subprocess.Popen(['sleep', '60'])\n{note}\nos._exit(4)"
-    began = time.monotonic()
-    episode = run(program(do), deadline=120.0)
+    do = f"child = subprocess.Popen(['sleep', '3600'])\n{note}\nos._exit(4)"
+    episode = run(program(do), deadline=120.0)  # if it waited for the grandchild, it would be a hang
     assert (episode.evidence["error"], episode.evidence["step"]) == ("exit code 4", 3)
-    assert ends((tmp_path / "pid").read_text()) and time.monotonic() - began < 50.0
+    assert ends((tmp_path / "pid").read_text())
 
 
 def test_a_program_ends_with_this_process_even_if_that_is_killed(tmp_path):
