@@ -80,6 +80,7 @@ def put_in_the_bug(path):
     path.write_text(path.read_text().replace('"speed": self.top_speed', f'"speed": {bug}'))
 
 
+@pytest.mark.gate
 def test_the_bug_of_the_document_is_found(folder, monkeypatch):
     monkeypatch.chdir(folder)
     CliRunner().invoke(new_controller, ["buggy", "--kind", "process"], catch_exceptions=False)

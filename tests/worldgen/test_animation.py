@@ -58,6 +58,7 @@ def test_a_cell_burns_when_the_world_says_so():
     assert [near(at(shown[k], 1.55, 0.25), FIRE) for k in (10, 25, 35)] == [False, True, False]
 
 
+@pytest.mark.gate
 def test_the_same_runs_give_the_same_bytes_of_bounded_size():
     runs = [eastwards(5000), eastwards(700)]
     data = draw_gif(world(), runs, title="two robots, with a title that is far too long for one line of the picture")

@@ -93,6 +93,7 @@ def test_what_is_monotone_never_opens(seed, over):
     assert not world.walls[world.timeline.iy, world.timeline.ix].any()
 
 
+@pytest.mark.gate
 @given(SEEDS, GROUNDS, st.booleans(), st.sampled_from([0.0, 0.5, 3.0]), st.sampled_from(["mixed", "way", "rim"]))
 @settings(max_examples=40)
 def test_the_witness_may_begin_as_late_as_was_asked_for(seed, over, monotone, margin, place):

@@ -105,6 +105,7 @@ def test_the_mouth_faces_the_start_and_the_target_is_behind(seed, shape, turn, i
     assert y0 < start[1] < y1
 
 
+@pytest.mark.gate
 @given(seed=SEEDS, shape=st.sampled_from(get_args(Shape)))
 def test_behind_the_mouth_the_signal_has_a_local_maximum(seed, shape):
     assert measure(generate("trap", seed, shape=shape)).concavity > 0

@@ -1,0 +1,75 @@
+"""``python -m tests.planted_faults [NAME ...]``: plants faults one by one and says which tier of tests catches each.
+
+The sources are copied once; each fault is put into the copy, the tests run there until one fails, and the fault is
+taken out again. The files that the table expects to catch it run first; only if they all pass does the whole tier
+run, and then the next one. The table goes to standard output as Markdown.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from tests.planted_faults.table import FAULTS, Fault
+
+ROOT = Path(__file__).parents[2]
+TIERS = {"default": "not gate and not nightly", "gate": "gate", "nightly": "nightly"}
+_LEFT_OUT = shutil.ignore_patterns(".git", ".venv*", "*cache*", "__pycache__", "build", "dist", "*.egg-info")
+
+
+def main(names: list[str]) -> int:
+    """Try the named faults, or all of them; return 1 if one is caught by no tier."""
+    strange = sorted(set(names) - {fault.name for fault in FAULTS})
+    if strange:
+        print(f"no fault is called {', '.join(strange)}; see tests/planted_faults/table.py", file=sys.stderr)
+        return 2
+    missed = 0
+    print(
+        "| fault | promise that it breaks | tier that catches it | first test that fails |\n| --- | --- | --- | --- |"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "worldgen"
+        shutil.copytree(ROOT, copy, ignore=_LEFT_OUT)
+        for fault in FAULTS:
+            if not names or fault.name in names:
+                tier, test = _caught(fault, copy)
+                missed += tier == "none"
+                print(f"| {fault.name} | {fault.promise} | {tier} | `{test}` |", flush=True)
+    return 1 if missed else 0
+
+
+def _caught(fault: Fault, copy: Path) -> tuple[str, str]:
+    """Return the first tier that catches a fault, and the test that does."""
+    file = copy / fault.file
+    before, stamp = file.read_text(encoding="utf-8"), file.stat()
+    file.write_text(before.replace(fault.text, fault.planted), encoding="utf-8")
+    try:
+        for tier, marks in TIERS.items():
+            for paths in (fault.tests, ()):
+                test = _first_that_fails(copy, marks, paths)
+                if test:
+                    return tier, test
+        return "none", "-"
+    finally:
+        file.write_text(before, encoding="utf-8")
+        os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))  # kernels compiled from it are good again
+
+
+def _first_that_fails(copy: Path, marks: str, paths: tuple[str, ...]) -> str:
+    """Run tests in the copy until one fails; return its name, or nothing if all pass."""
+    parallel = [] if paths else ["-n", "auto"]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *parallel, "-m", marks, *paths]
+    here = os.environ | {"PYTHONPATH": str(copy)}
+    done = subprocess.run(command, cwd=copy, env=here, capture_output=True, text=True, check=False)
+    if done.returncode in (0, 5):  # all pass, or the tier has none of these
+        return ""
+    failed = [line.split()[1] for line in done.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))]
+    return failed[0] if failed else f"pytest ended with {done.returncode}"
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,230 @@
+"""The faults: for each promise, a small change of the sources that breaks it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["FAULTS", "Fault"]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One change of one file that breaks one promise.
+
+    Args:
+        name: What the runner calls it.
+        promise: What no longer holds.
+        file: The source file, from the repository's root.
+        text: What is there; found exactly once in the file.
+        planted: What takes its place.
+        tests: Files that are expected to catch it; they run first.
+    """
+
+    name: str
+    promise: str
+    file: str
+    text: str
+    planted: str
+    tests: tuple[str, ...]
+
+
+FAULTS = (
+    # Worlds and their files
+    Fault(
+        "upside-down", "a world that is written and read is the same world",
+        "worldgen/grid_file/writer.py", "rows = flip_rows(world.walls)", "rows = world.walls",
+        ("tests/worldgen/test_grid_file.py",),
+    ),
+    Fault(
+        "other-worlds", "a family's seed gives the same world as ever",
+        "worldgen/random_streams.py", "return low + self.below(high - low + 1)",
+        "return high - self.below(high - low + 1)",
+        ("tests/worldgen/test_random_streams.py", "tests/contracts/test_families.py"),
+    ),
+    # Proofs
+    Fault(
+        "disc-too-small", "the prover lets no disc through a gap that is too narrow",
+        "worldgen/reach/walls.py", "return (radius * UNIT) ** 2", "return (radius * UNIT - UNIT // 8) ** 2",
+        ("tests/worldgen/test_reach.py",),
+    ),
+    Fault(
+        "wide-gaps", "the checker refuses a cut with a gap that the disc fits through",
+        "worldgen/reach/check.py", "wide < (2 * in_cells) ** 2,", "wide <= (2 * in_cells + 1) ** 2,",
+        ("tests/worldgen/test_reach_check.py",),
+    ),
+    Fault(
+        "ends-early", "the checker refuses a witness that ends outside the target",
+        "worldgen/reach/check.py", "_require(missed <= TOLERANCE", "_require(missed <= 1.0",
+        ("tests/worldgen/test_reach_check.py",),
+    ),
+    Fault(
+        "fire-forgotten", "the checker refuses a witness through a cell while it is blocked",
+        "worldgen/reach/check.py", "(since[cell] <= end[piece]) & (until[cell] > begin[piece])",
+        "(since[cell] <= end[piece]) & (until[cell] > end[piece])",
+        ("tests/worldgen/test_reach_check.py", "tests/worldgen/test_reach_timed.py"),
+    ),
+    Fault(
+        "no-margin-of-time", "a timed witness is clear of every change, at every time",
+        "worldgen/reach/timed.py", "points[far], times[at] - MARGIN, times[far] + MARGIN)",
+        "points[far], times[at] - MARGIN, times[at] + MARGIN)",
+        ("tests/worldgen/test_reach_timed.py",),
+    ),
+    # The simulator
+    Fault(
+        "corners-pass", "under swept the disc stops exactly where it touches a wall",
+        "sim/kernels/lattice_motion.py", "for corner in range(4):", "for corner in range(3):",
+        ("tests/agreement/test_swept_against_shapely.py", "tests/agreement/test_lattice_twins.py"),
+    ),
+    Fault(
+        "tunnel-unseen", "a robot whose centre goes through a wall ends as tunnel",
+        "sim/kernels/lattice_step.py", "counts[layout.OUT_ENDING] == layout.LIMIT and segment_crosses_box(",
+        "counts[layout.OUT_ENDING] == layout.LOOP and segment_crosses_box(",
+        ("tests/sim/test_episode.py",),
+    ),
+    Fault(
+        "half-a-state", "a loop is reported only if the complete state came back",
+        "sim/kernels/lattice_state.py", "while k < one.size and one[k] == other[k]:",
+        "while k < one.size and (k > 1 or one[k] == other[k]):",
+        ("tests/sim/test_episode.py",),
+    ),
+    Fault(
+        "short-digest", "the digest depends on every word of every state",
+        "sim/kernels/lattice_episode.py",
+        "    for k in range(robot.state.size):\n        digest = _hash(digest, robot.state[k])",
+        "    for k in range(robot.state.size - 1):\n        digest = _hash(digest, robot.state[k])",
+        ("tests/sim/test_episode.py", "tests/quality/test_library_failures.py"),
+    ),
+    Fault(
+        "start-of-another", "many runs are the single runs, bit for bit",
+        "sim/batch.py", "starts, options = poses or (world.start,), options_of(world, settings)",
+        "starts, options = poses or (worlds[0].start,), options_of(world, settings)",
+        ("tests/sim/test_batch.py",),
+    ),
+    Fault(
+        "fleet-in-transit", "robots in lockstep do what each does alone",
+        "sim/fleet_run.py", "fleet.counts[looped], fleet.sums[looped] = counts, sums",
+        "fleet.counts[looped, 1:], fleet.sums[looped] = counts[:, 1:], sums",
+        ("tests/sim/test_vector_controllers.py",),
+    ),
+    Fault(
+        "command-of-a-class", "a controller as a Python class runs as its compiled twin",
+        "sim/python_loop.py", "_COMMAND.pack_into(command, 0, speed, turn_rate, bool(used_random))",
+        "_COMMAND.pack_into(command, 0, speed, turn_rate, True)",
+        ("tests/sim/test_episode.py", "tests/sim/test_vector_controllers.py"),
+    ),
+    Fault(
+        "secret-memory", "a controller with memory that it doesn't declare proves no loop",
+        "sim/python_loop.py", "self.complete = hidden is not None and hidden_state(self._controller) == hidden",
+        "self.complete = True",
+        ("tests/sim/test_episode.py",),
+    ),
+    Fault(
+        "fast-audit", "an audit finds every move that is faster than the robot",
+        "sim/audit.py", "rows = np.flatnonzero(steps > allowed + slack)",
+        "rows = np.flatnonzero(steps > 2.0 * allowed + slack)",
+        ("tests/sim/test_audit.py",),
+    ),
+    Fault(
+        "renamed-key", "the keys of run --json stay",
+        "sim/commands/run.py", '"trace_digest": episode.trace_digest,', '"digest": episode.trace_digest,',
+        ("tests/repo/test_command_line.py", "tests/sim/test_scenario.py"),
+    ),
+    # The fuzzer
+    Fault(
+        "loose-oracle", "the oracle of a loop compares two whole periods, state by state",
+        "fuzz/oracles/loop.py", "if not np.array_equal(one, two):", "if not np.array_equal(one[0], two[0]):",
+        ("tests/fuzz/test_oracles.py",),
+    ),
+    Fault(
+        "rows-not-tried", "the check of 1-minimality tries every cell, row and column",
+        "fuzz/shrink/minimal.py", "for row in range(world.height):", "for row in range(world.height - 1):",
+        ("tests/fuzz/test_shrink.py",),
+    ),
+    Fault(
+        "order-reversed", "smaller means fewer cells before anything else",
+        "fuzz/shrink/order.py", "for measure in ORDER)", "for measure in reversed(ORDER))",
+        ("tests/fuzz/test_shrink.py", "tests/repo/test_shrinking_document.py"),
+    ),
+    Fault(
+        "classes-merged", "failures that touch walls differently are in different classes",
+        "fuzz/signature.py", "[min(count, 3)]", "[min(count, 1)]",
+        ("tests/fuzz/test_signature.py", "tests/quality/test_library_failures.py"),
+    ),
+    Fault(
+        "unit-by-chance", "with --units a campaign's corpus depends on its seed alone",
+        "fuzz/lanes/task.py", "return RandomStream(self.config.seed)",
+        "return RandomStream(self.config.seed + id(self) // 16 % 997)",
+        ("tests/fuzz/test_campaign.py",),
+    ),
+    Fault(
+        "resumed-short", "a campaign that is stopped and resumed ends as one that was not",
+        "fuzz/ledger/entry.py", 'steps=int(entry["steps"]),', "steps=0,",
+        ("tests/fuzz/test_campaign_folder.py",),
+    ),
+    Fault(
+        "old-names", "a baseline's failures are run again, so that no old name hides a new class",
+        "fuzz/corpus/baseline.py", "now, reason = _failure_now(world)", 'now, reason = world, ""',
+        ("tests/fuzz/test_baseline.py",),
+    ),
+    Fault(
+        "any-digest", "replay compares the digest of every state",
+        "fuzz/failure.py", "if episode.trace_digest != record.trace_digest:",
+        "if len(episode.trace_digest) != len(record.trace_digest):",
+        ("tests/fuzz/test_commands.py",),
+    ),
+    Fault(
+        "always-zero", "replay ends with 1 if a failure is not confirmed",
+        "fuzz/commands/replay.py", "if confirmed < len(results):", "if confirmed > len(results):",
+        ("tests/fuzz/test_commands.py",),
+    ),
+    # Formats
+    Fault(
+        "map-upside-down", "an imported map has its walls where they were",
+        "worldgen/interop/ros.py", "flip_rows(walls), metadata.resolution,", "walls, metadata.resolution,",
+        ("tests/worldgen/test_ros_map.py",),
+    ),
+    Fault(
+        "export-upside-down", "what is exported and imported again is the same map",
+        "worldgen/interop/ros.py", "solid = flip_rows(world.walls)", "solid = world.walls",
+        ("tests/worldgen/test_ros_out.py", "tests/worldgen/test_formats.py"),
+    ),
+    Fault(
+        "wrong-sum", "a set's manifest has the digest of each file",
+        "worldgen/sets/making.py", "hashlib.sha256(data).hexdigest(), metrics)",
+        "hashlib.sha256(data[:-1]).hexdigest(), metrics)",
+        ("tests/worldgen/test_sets.py",),
+    ),
+    Fault(
+        "harder", "the difficulty of a world is the published number",
+        "worldgen/difficulty/model.py", "(1.0 + total / (1.0 + abs(total))) / 2.0",
+        "(1.0 + total / (2.0 + abs(total))) / 2.0",
+        ("tests/worldgen/test_difficulty.py", "tests/worldgen/test_difficulty_metrics.py"),
+    ),
+    # Plug-ins and pages
+    Fault(
+        "one-episode", "an environment's series of episodes follows its seed, as the simulator's runs do",
+        "worldgen_plugins/for_gymnasium/single.py", "crew.episode[0] += 1", "crew.episode[0] += 0",
+        ("tests/plugins/test_gymnasium.py", "tests/agreement/test_environments.py"),
+    ),
+    Fault(
+        "nothing-fails", "pytest fails for a stored failure that is not fixed",
+        "worldgen_plugins/for_pytest.py", "raise NotAsExpected(outcome.reason)", "return",
+        ("tests/plugins/test_pytest.py",),
+    ),
+    Fault(
+        "not-registered", "Hypothesis draws worlds from the type alone",
+        "worldgen_plugins/for_hypothesis.py", "sys.meta_path.insert(0, _Awaited())",
+        "sys.meta_path.append(_Awaited())",
+        ("tests/plugins/test_hypothesis.py",),
+    ),
+    Fault(
+        "any-token", "the studio answers only who brings its token",
+        "fuzz/studio/gate.py", "offered[0] == SUBPROTOCOL and self.is_token(offered[1])", "offered[0] == SUBPROTOCOL",
+        ("tests/fuzz/test_studio_safety.py", "tests/fuzz/test_studio.py"),
+    ),
+    Fault(
+        "script-in-the-page", "nothing in a failure runs code in the report's page",
+        "fuzz/player/one_file.py", '.replace("<", "\\\\u003c")', "",
+        ("tests/fuzz/test_report.py",),
+    ),
+)  # fmt: skip
