@@ -8,6 +8,7 @@ from typing import Any
 
 from fuzz.asked import Asked, Trial
 from fuzz.config import CampaignConfig
+from fuzz.crash_bucket import crash_bucket
 from fuzz.failure import certified, failure_by, failure_of, walled_off
 from fuzz.result import UnitResult
 from sim.controllers import CONTROLLERS, ProcessController
@@ -54,7 +55,9 @@ class Door:
         """
         verdict = first_look(outcome)
         self.count(verdict, outcome.steps)
-        kind = "" if verdict == "reached" else self.enter(world, scenario, verdict, outcome.cause)
+        # Crashes are counted by bucket, or one that occurs in every run would keep all others from being proved.
+        cause = crash_bucket(outcome.fault) if verdict == "crash" else outcome.cause
+        kind = "" if verdict == "reached" else self.enter(world, scenario, verdict, cause)
         return self.ask(world, scenario) or kind
 
     def enter(self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any) -> str:

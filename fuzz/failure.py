@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from scipy.special import betaincinv
 
 from fuzz.asked import Asked, Trial, asked_by
+from fuzz.crash_bucket import FACTS
 from fuzz.oracles import object_to_breach, objection
 from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
@@ -328,10 +329,11 @@ def _difference(record: FailureRecord, episode: Episode) -> str:
 def _repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
     """The evidence without what may differ in a replay.
 
-    A program's stderr and how far it came with an answer hang on the clock, and the line in which a class raised moves
-    when its file is edited.
+    A program's stderr and how far it came with an answer depend on the clock, the line in which a class raised moves
+    when its file is edited, and files from before buckets of crashes have no facts for them.
     """
-    return {name: value for name, value in evidence.items() if name not in ("stderr", "unfinished", "at")}
+    unstable = ("stderr", "unfinished", "at", *FACTS)
+    return {name: value for name, value in evidence.items() if name not in unstable}
 
 
 def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[str, Value]:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzz.contacts import KINDS, Contact, contacts, enclosure, part_of, times_round
+from fuzz.crash_bucket import crash_bucket
 from fuzz.oracles._plain import cell_of, integer
 from sim.episode import Episode
 from sim.trace import Trace
@@ -31,7 +32,7 @@ def failure_class(world: World, episode: Episode) -> str:
     if verdict == "invalid-command":
         return _joined(verdict, re.sub("[^a-z]+", "-", str(evidence.get("error", "")).partition("'")[0]).strip("-"))
     if verdict == "crash":
-        return _joined(verdict, _crash(evidence))
+        return _joined(verdict, crash_bucket(evidence))
     if trace is None:
         return verdict
     if verdict == "loop":
@@ -80,18 +81,6 @@ def _of_fire(world: World, trace: Trace, evidence: Mapping[str, Value]) -> tuple
     changes = [event for event in world.timeline if (event.ix, event.iy) == cell and event.time <= begun]
     state = str(evidence.get("state", "burning"))
     return state, "entered" if changes and changes[-1].state.word == state else "caught"
-
-
-def _crash(evidence: Mapping[str, Value]) -> str:
-    """The exception's name, or how a program ended, in words fit for a file name."""
-    error = str(evidence.get("error", ""))
-    kind = error.partition(":")[0]
-    if kind.isidentifier():
-        return kind
-    said = evidence.get("stderr")
-    last = re.match(r"(\w*(?:Error|Exception))\b", str(said[-1])) if isinstance(said, list) and said else None
-    ended = re.match(r"(?:exit code|killed by) (\w+)", error)
-    return _joined(f"exit-{ended[1]}" if ended and ended[1].isdigit() else ended and ended[1], last and last[1])
 
 
 def _joined(*words: object) -> str:

@@ -14,9 +14,9 @@ from sim.episode import Episode, simulate
 from sim.picture import trail_of
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
-from sim.words import evidence_in_words
+from sim.words import evidence_in_words, frames_in_words
 from worldgen.cli.output import shown
-from worldgen.plain_text import counted
+from worldgen.plain_text import counted, shown_lines
 from worldgen.render import draw_terminal, wants_color
 from worldgen.world import Cut, World
 
@@ -60,6 +60,7 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     color = wants_color(sys.stdout)
     return (
         f"{shown(who)} under {record.motion}: {record.verdict}{shown(words)}\n"
+        f"{shown_lines(frames_in_words(episode.evidence))}"
         f"  class {shown(kind)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{f'  {begins}{chr(10)}' if begins else ''}"

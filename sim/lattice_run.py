@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from sim.controllers.base import CompiledController, Controller, compiled_act, numba_config, robot_for, senses_of
 from sim.controllers.program import Misbehaviour
+from sim.crash_frames import crash_facts
 from sim.kernel_types import episode_types, typed_kernel
 from sim.kernels import layout
 from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
@@ -310,7 +311,8 @@ class LatticeRun:
         try:
             _typed(lattice_episode)(self.arena(), self.settings, self.scales, act, memory, room, robot, rows, path)
         except Exception as error:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
-            fault = Misbehaviour("crash", f"{type(error).__name__}: {error}")
+            facts = crash_facts(error, controller) or {"message": str(error)}
+            fault = Misbehaviour("crash", f"{type(error).__name__}: {error}", facts)
         return robot, fault
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:

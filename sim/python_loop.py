@@ -10,11 +10,9 @@ import random
 import re
 import struct
 import sys
-import traceback
 import types
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,11 +22,12 @@ from sim.controllers.base import Command, Memory, Observation, PythonController,
 from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour
 from sim.controllers.vector import ask
+from sim.crash_frames import crash_facts
 from sim.kernels import layout
 from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_motion import MOST_POINTS
 from sim.kernels.lattice_state import Arena, Room, new_robot, new_room
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["PythonLoop", "flat_memory", "hidden_state"]
 
@@ -103,7 +102,7 @@ class PythonLoop:
         except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
             text = text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
-            self.fault = Misbehaviour("crash", text, _line_of(error, self._controller))
+            self.fault = Misbehaviour("crash", text, crash_facts(error, self._controller))
 
     def _reset(self) -> Memory:
         """Memory at the start; who plans gets the world as anybody would find it, without its proof."""
@@ -129,15 +128,6 @@ class PythonLoop:
             _act_as_one_of_many(self._controller, stops, room)
         else:
             _act(self._controller, stops, room, memory)
-
-
-def _line_of(error: BaseException, controller: object) -> dict[str, Value]:
-    """``at``, the line of the controller's own file in which it raised; nothing where that is not known."""
-    act = getattr(controller, "act", None) or getattr(controller, "act_many", None)
-    file = getattr(getattr(act, "__code__", None), "co_filename", "")
-    called = traceback.walk_tb(error.__traceback__)  # which reads no file, however deep the recursion was
-    lines = [line for frame, line in called if frame.f_code.co_filename == file]
-    return {"at": f"{Path(file).name}:{lines[-1]}"} if lines else {}
 
 
 def _act(controller: PythonController, stops: Iterable[int], room: Room, memory: Memory) -> None:

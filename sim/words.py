@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from sim.episode import Episode
 from sim.outcome import BY_THE_CONTROLLER
+from worldgen.world import Value
 
-__all__ = ["evidence_in_words"]
+__all__ = ["evidence_in_words", "frames_in_words"]
 
 
 def evidence_in_words(episode: Episode) -> str:
@@ -28,6 +31,24 @@ def evidence_in_words(episode: Episode) -> str:
     if verdict in BY_THE_CONTROLLER:
         return f" ({_fault(episode)})"
     return ""
+
+
+def frames_in_words(evidence: Mapping[str, Value]) -> str:
+    """Return where a controller crashed, a line such as ``  mine.py:12 in act: gap = 1 / free`` for each frame.
+
+    The innermost frame comes last, as in Python's tracebacks; each line ends with a newline.
+    """
+    frames = evidence.get("frames")
+    known = [frame for frame in frames if isinstance(frame, dict)] if isinstance(frames, list) else []
+    return "".join(f"  {_frame(frame)}\n" for frame in known)
+
+
+def _frame(frame: Mapping[str, Value]) -> str:
+    line = f":{frame['line']}" if "line" in frame else ""
+    place = f"{frame.get('file', '')}{line}"
+    inside = f"in {frame['function']}" if "function" in frame else ""
+    code = f": {frame['code']}" if "code" in frame else ""
+    return f"{place}{' ' if place and inside else ''}{inside}{code}"
 
 
 def _multiple(episode: Episode) -> str:

@@ -12,6 +12,7 @@ from fuzz.failure import scenario_of
 from fuzz.telling import replay_line, run_to_draw
 from sim.picture import trail_of
 from sim.scenario import Scenario
+from sim.words import frames_in_words
 from worldgen.errors import WorldgenError
 from worldgen.grid_file.writer import world_digest
 from worldgen.plain_text import counted, shown, shown_lines
@@ -36,6 +37,7 @@ class Finding:
         verdict: One of the vocabulary's.
         kind: The class.
         what: What happened, in a sentence without its end.
+        frames: Where the controller crashed, a line a frame; empty if it did not.
         size: Of the world, in words.
         picture: The world as lines of text, with the robot's way if it could be run here.
         world_id: SHA-256, in hex, of the world without its record.
@@ -50,6 +52,7 @@ class Finding:
     verdict: str
     kind: str
     what: str
+    frames: str
     size: str
     picture: str
     world_id: str
@@ -78,9 +81,9 @@ class Finding:
         who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
         try:
             episode, words = run_to_draw(replace(world, failure=record))
-            trail = trail_of(episode, world)
+            trail, frames = trail_of(episode, world), frames_in_words(episode.evidence)
         except WorldgenError as error:
-            words, trail = f", but it cannot be run here: {error}", None
+            words, trail, frames = f", but it cannot be run here: {error}", None, ""
         said = reason if state == "not confirmed" else f"{record.verdict}{words}"
         picture = draw_terminal(replace(world, failure=None), trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
@@ -93,6 +96,7 @@ class Finding:
             verdict=shown(record.verdict),
             kind=shown(record.details.get("class", record.verdict)),
             what=shown(said),
+            frames=shown_lines(frames),
             size=f"{world.width} x {world.height} cells, {world.solid_cells} solid",
             picture=shown_lines(picture),
             world_id=world_digest(world),
@@ -119,7 +123,7 @@ class Finding:
     def text(self) -> str:
         """All of it, as lines."""
         about = f"{self.headline}\nclass {self.kind}; {self.size}"
-        return f"{about}\n{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
+        return f"{about}\n{self.frames}{self.picture}\nworld:  {self.place}\nreplay: {self.replay}"
 
 
 @dataclass(frozen=True)

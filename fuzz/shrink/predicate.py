@@ -6,6 +6,7 @@ import functools
 from dataclasses import dataclass
 
 from fuzz.asked import Asked, Trial, asked_by
+from fuzz.crash_bucket import crash_bucket, has_facts
 from fuzz.failure import certified, judge, regardless_of_walls, scenario_of, walled_off
 from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, Controller
@@ -14,12 +15,16 @@ from sim.outcome import BY_THE_CONTROLLER, Outcome
 from sim.run_options import FEWEST_STEPS, RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.world import Cut, FailureRecord, World
+from worldgen.world import Cut, FailureRecord, Value, World
 
 __all__ = ["StillFails"]
 
 _SHOWN_BY_ITS_END = ("tunnel", "overlap", "burned", *BY_THE_CONTROLLER)
 _PROVED_BY_THE_RUN = ("loop", *_SHOWN_BY_ITS_END)
+
+
+def _evidence(outcome: Outcome) -> dict[str, Value]:
+    return {**outcome.fault, "step": outcome.steps}
 
 
 def _kept_class(record: FailureRecord) -> bool:
@@ -34,8 +39,8 @@ class StillFails:
         scenario: What runs.
         verdict: The verdict to keep.
         budget: Steps for verdicts that the run itself proves; others get the budget of their own witness.
-        manner: What to keep beside the verdict: the cause of a tunnel or overlap, the kind of a stalled run;
-            empty for whatever it is.
+        manner: What to keep in addition to the verdict: the cause of a tunnel or overlap, the kind of a stalled run,
+            the bucket of a crash; empty for any.
         breach: Whether the target is to stay walled off, and to be reached regardless of walls.
         asked: The oracle that is to object still, for a failure by one; then the manner is its class.
         kind: The failure's class, where that is to stay as well; empty for any.
@@ -61,6 +66,8 @@ class StillFails:
         """
         record, options = scenario_of(failure)
         manner = record.evidence.get("kind" if record.verdict == "stalled" else "cause", "")
+        if record.verdict == "crash" and has_facts(record.evidence):
+            manner = crash_bucket(record.evidence)
         asked, said = asked_by(record.evidence), record.evidence.get("objection")
         if asked is not None:
             manner = asked.kind(said if isinstance(said, dict) else {})
@@ -162,6 +169,8 @@ class StillFails:
         """Whether a run ends as the verdict says, as far as its end shows it."""
         if self.verdict == "tunnel":
             return outcome.ending == "tunnel" and self._likewise(outcome.cause)
+        if self.verdict == "crash":
+            return outcome.ending == "crash" and (not self.manner or crash_bucket(_evidence(outcome)) == self.manner)
         if self.verdict in ("burned", *BY_THE_CONTROLLER):
             return outcome.ending == self.verdict
         if outcome.ending in ("tunnel", "burned", *BY_THE_CONTROLLER):

@@ -54,8 +54,10 @@ def run(
     from sim.episode import simulate
     from sim.run_options import RunOptions
     from sim.scenario import Scenario
+    from sim.words import frames_in_words
     from worldgen.files import check_output
     from worldgen.grid_file import read_world
+    from worldgen.plain_text import shown_lines
 
     world = read_world(path)
     duration = RunOptions.time_step if time_step is None else time_step
@@ -72,6 +74,7 @@ def run(
         emit_json(_summary(episode))
     else:
         click.echo(_sentence(episode))
+        click.echo(shown_lines(frames_in_words(episode.evidence)), nl=False)
     if trace is not None and episode.trace is not None:
         write_bytes(trace, episode.trace.to_csv().encode(), force=force)
         note(f"wrote {trace}")

@@ -139,20 +139,29 @@ class ProcessController:
         Raises:
             Misbehaviour: If it crashes, hangs, or answers with no command.
         """
+        try:
+            return self._command_after(observation), memory
+        except Misbehaviour as found:
+            if found.verdict == "crash" and observation.bump:
+                found.evidence["bump"] = True
+            raise
+
+    def _command_after(self, observation: Observation) -> Command:
+        """Send an observation, at the start of an episode with the reset line, and return the answer."""
         line = observation_line(observation)
         if not self._first:
-            return self._ask(line, self.limits.deadline), memory
+            return self._ask(line, self.limits.deadline)
         self.start()
         lines, self._first = _reset_line(observation) + line, False
         served, self._served = self._served, True
         try:
-            return self._ask(lines, self.limits.start_deadline), memory
+            return self._ask(lines, self.limits.start_deadline)
         except Misbehaviour as found:
             if not served or found.verdict != "crash":
                 raise
         self._start()  # one that serves a single episode and ends; afresh it shows whether it does crash
         self._served = True
-        return self._ask(lines, self.limits.start_deadline), memory
+        return self._ask(lines, self.limits.start_deadline)
 
     def _start(self) -> Program:
         if self._owner == os.getpid():  # a forked process leaves its parent's program alone

@@ -12,7 +12,9 @@ import subprocess
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
+from sim.controllers.crash_report import report_of
 from worldgen.errors import InvalidParameter
 from worldgen.registry import ONLY_CODE
 from worldgen.world import Value
@@ -21,7 +23,7 @@ __all__ = ["LONGEST_LINE", "Limits", "Misbehaviour", "Program", "find_program", 
 
 LONGEST_LINE = 64 << 10  # bytes of an answer, its newline not counted
 _CHUNK = 64 << 10  # bytes read at once; with LONGEST_LINE the most that is kept of an answer
-_KEPT = 4 << 10  # bytes of stderr that are kept, the last ones
+_KEPT = 64 << 10  # bytes of stderr that are kept, the last ones: a sanitizer's report takes up to 10 KB
 _LAST_LINES, _LINE_WIDTH = 5, 200  # lines and characters of stderr that stand in the evidence
 _LOOK_AGAIN = 0.05  # s: how often a silent program is looked at, for a grandchild may hold its pipes open
 _TO_EXIT = 1.0  # s that a program may take to exit after it has closed its output
@@ -91,7 +93,9 @@ class Program:
     """
 
     def __init__(self, command: tuple[str, ...], memory: int | None) -> None:
-        self._process = _started(command, find_program(command))
+        file = find_program(command)
+        self._sources = (Path.cwd(), Path(file).resolve().parent)
+        self._process = _started(command, file)
         self.stopped, self._group_ended, self._ended = False, False, False  # the last: stdout is at its end
         self._keeper: subprocess.Popen[bytes] | None = None
         self._stdin, self._stdout, self._stderr = (
@@ -160,10 +164,13 @@ class Program:
             raise
 
     def ended_by(self, found: Misbehaviour) -> Misbehaviour:
-        """Ends it; returns the finding with what it last said on stderr."""
-        told = self._last_words()
+        """End it; return the finding with what it last said on stderr, and what a crash's report there says."""
+        said = self._last_words()
         self.stop()
-        return Misbehaviour(found.verdict, found.error, found.evidence | told)
+        lines: list[Value] = [line[-_LINE_WIDTH:] for line in said.splitlines() if line.strip()]
+        told: dict[str, Value] = {"stderr": lines[-_LAST_LINES:]} if lines else {}
+        report = report_of(said, self._sources) if found.verdict == "crash" else {}
+        return Misbehaviour(found.verdict, found.error, found.evidence | told | report)
 
     def _send(self, line: bytes, end: float, seconds: float) -> None:
         try:
@@ -272,16 +279,15 @@ class Program:
             pause = min(2 * pause, 0.02)
         return True
 
-    def _last_words(self) -> dict[str, Value]:
-        """The last lines of stderr."""
+    def _last_words(self) -> str:
+        """Return the end of stderr as plain text."""
         for _ in range(_KEPT):  # a grandchild may never fall silent
             data = self._read(self._stderr)
             if not data:
                 break
             self._said += data
             del self._said[:-_KEPT]
-        lines: list[Value] = [line[-_LINE_WIDTH:] for line in _plain(self._said).splitlines() if line.strip()]
-        return {"stderr": lines[-_LAST_LINES:]} if lines else {}
+        return _plain(self._said)
 
     def stop(self) -> None:
         """Ends it: SIGTERM to its whole group, half a second to tidy up, then SIGKILL to the group."""

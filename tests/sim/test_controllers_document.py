@@ -87,7 +87,7 @@ def test_the_bug_of_the_document_is_found(folder, monkeypatch):
     put_in_the_bug(Path("buggy.py"))
     options = ("--units", 1, "--examples", 24, "--seed", 1, "--workers", 1, "--no-shrink")
     found = worldgen("fuzz", "--controller", "cmd:./buggy.py", *options, "--out", "bug").out
-    kind = re.search(r"class (crash-\S+),", TEXT)[1]
+    kind = re.search(r"class (crash-\S+),", TEXT)[1].replace("other.", "buggy.")
     assert "crash (exit code 1 in step" in found and f"class {kind}" in found
 
 

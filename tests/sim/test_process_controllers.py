@@ -1,6 +1,7 @@
 """Programs as controllers: the protocol, every way to misbehave, and that nothing of them is left behind."""
 
 import json
+import re
 import shutil
 import signal
 import subprocess
@@ -413,8 +414,9 @@ def test_a_campaign_finds_shrinks_and_replays_the_crash_of_a_program(tmp_path):
     options = ("--units", 1, "--examples", 80, "--seed", 1, "--workers", 1, "--out", tmp_path / "out", "--json")
     result = worldgen("fuzz", "--controller", faulty(tmp_path, "1 / 0"), "--family", "features", *options)
     found = {failure["class"]: failure for failure in json.loads(result.out)["failures"]}
-    assert result.code == 1 and "crash-exit-1-ZeroDivisionError" in found
-    failure = read_world(Path(found["crash-exit-1-ZeroDivisionError"]["file"])).failure
+    kind = next(iter(found))
+    assert result.code == 1 and re.fullmatch("crash-exit-1-ZeroDivisionError-faulty.module-[0-9a-f]{4}", kind)
+    failure = read_world(Path(found[kind]["file"])).failure
     assert failure.details["one_minimal"] and failure.evidence["stderr"][-1] == "ZeroDivisionError: division by zero"
     assert worldgen("replay", tmp_path / "out").code == 0
 

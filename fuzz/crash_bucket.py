@@ -1,0 +1,138 @@
+"""Buckets of crashes: which two crashes are one and the same.
+
+Two crashes are one if the same statement of the user's code raised the same type of exception, called from the same
+function. Line numbers do not count, because they move with every edit above them; the text of the statement does, so
+that two faults in one function stay apart. Of a program, which shows us no frames, the report on its stderr says the
+same; of one that says nothing, only how it ended and where the run stood.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Mapping
+from pathlib import PurePath
+
+from worldgen.world import Value
+
+__all__ = ["FACTS", "crash_bucket", "has_facts"]
+
+FACTS = ("reason", "message", "frames", "bump")
+"""Evidence that only buckets and people read: a replay does not compare it, and files from before have none."""
+
+_FRAMES = 2  # the innermost ones: who raised, and who called it
+_LONGEST_WORD = 40
+_DIGITS = 4  # hex, of what was being done
+_CHOSE_TO_END = re.compile(r"exit-|SIGABRT$|SIGTRAP$")
+
+
+def has_facts(evidence: Mapping[str, Value]) -> bool:
+    """Return whether a crash's evidence is detailed enough to be compared with another's."""
+    return any(name in evidence for name in FACTS)
+
+
+def crash_bucket(evidence: Mapping[str, Value]) -> str:
+    """Return a readable name for what crashed, fit for a file name; equal for equal crashes.
+
+    Args:
+        evidence: Of a run with verdict ``crash``: ``error``, and as far as they are known ``frames``, ``reason``,
+            ``message``, ``bump``, ``stderr``, ``step``.
+    """
+    ended = _how_it_ended(str(evidence.get("error", "")))
+    frames = _frames(evidence)
+    reason, message = str(evidence.get("reason", "")), str(evidence.get("message", ""))
+    of_a_program = not ended.isidentifier() or ended.startswith("SIG")
+    if ended == "RecursionError":  # where the stack was full depends on who called first
+        return _joined(ended, *_names(sorted(frames, key=_name)))
+    words = [ended, _word(_plain(reason).partition(": ")[0]), *_names(frames)]
+    if of_a_program and not frames and not reason:
+        words += _of_last_line(evidence, ended)
+    words.append(_digest(reason, message, frames))
+    if of_a_program and not frames:
+        words += _where_it_stood(evidence)
+    return _joined(*words)
+
+
+def _how_it_ended(error: str) -> str:
+    """Return the exception's name, or how a program ended."""
+    kind = error.partition(":")[0]
+    if kind.isidentifier():
+        return kind
+    ended = re.match(r"(?:exit code|killed by) (?:signal )?(\w+)", error)
+    if ended is None:
+        return ""
+    return f"exit-{ended[1]}" if ended[1].isdigit() and "exit" in error else ended[1]
+
+
+def _of_last_line(evidence: Mapping[str, Value], ended: str) -> list[str]:
+    """Return the words that a program ended with, if it chose to end: a signal that it did not raise comes amid them.
+
+    An exception's name in front is all that is taken of such a line.
+    """
+    said = evidence.get("stderr")
+    if not isinstance(said, list) or not said or not _CHOSE_TO_END.match(ended):
+        return []
+    last = str(said[-1])
+    kind = re.match(r"(\w*(?:Error|Exception))\b", last)
+    return [kind[1] if kind else _word(_plain(last))]
+
+
+def _where_it_stood(evidence: Mapping[str, Value]) -> list[str]:
+    """Return whether a run ended in its first step, and whether the robot touched a wall then."""
+    first = ["first"] if evidence.get("step") == 1 else []
+    return first + (["bump"] if evidence.get("bump") is True else [])
+
+
+def _frames(evidence: Mapping[str, Value]) -> list[dict[str, Value]]:
+    """Return the innermost frames; a function that calls itself counts once."""
+    frames = evidence.get("frames")
+    kept: list[dict[str, Value]] = []
+    for frame in frames if isinstance(frames, list) else ():
+        if not isinstance(frame, dict):
+            continue
+        if kept and _name(kept[-1]) == _name(frame):
+            kept.pop()
+        kept.append(frame)
+    return kept[-_FRAMES:]
+
+
+def _name(frame: Mapping[str, Value]) -> str:
+    """Return ``mine.act``; where neither function nor statement is known the line has to do, which moves with edits."""
+    file = PurePath(str(frame.get("file", ""))).stem
+    inside = frame.get("function", "" if "code" in frame else frame.get("line", ""))
+    return ".".join(_word(str(part)) for part in (file, inside) if part)
+
+
+def _names(frames: list[dict[str, Value]]) -> list[str]:
+    """Return the frames' names, a file that is the same only once."""
+    names: list[str] = []
+    before = ""
+    for frame in frames:
+        file, _, inside = _name(frame).partition(".")
+        names.append(inside if inside and file == before else _name(frame))
+        before = file
+    return names
+
+
+def _digest(reason: str, message: str, frames: list[dict[str, Value]]) -> str:
+    """Return a few digits that tell statements in one function apart; empty where nothing is known of them."""
+    statement = " ".join(str(frames[-1][key]) for key in ("code", "repeat") if key in frames[-1]) if frames else ""
+    parts = [statement, _plain(message), _plain(reason) if ": " in reason and not statement else ""]
+    text = "\n".join(part for part in parts if part)
+    return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()[:_DIGITS] if text else ""
+
+
+def _plain(text: str) -> str:
+    """Return a text without what differs from run to run: addresses, numbers, folders."""
+    text = re.sub(r"0x[0-9a-fA-F]+", "", text)
+    text = re.sub(r"(?:/[^\s/:]+)+/", "", text)
+    return re.sub(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?", "", text)
+
+
+def _word(text: str) -> str:
+    """Return what of a text can be part of a file name."""
+    return re.sub(r"[^A-Za-z0-9_]+", "-", text)[:_LONGEST_WORD].strip("-_")
+
+
+def _joined(*words: str) -> str:
+    return "-".join(word for word in words if word)

@@ -1,0 +1,124 @@
+"""Buckets of crashes: unrelated crashes are kept apart, and one crash stays one when other lines are edited."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fuzz.crash_bucket import crash_bucket
+from fuzz.failure import failure_of
+from fuzz.shrink import shrink
+from sim.controllers.crash_report import report_of
+from sim.episode import simulate
+from sim.scenario import Scenario
+from worldgen.reach import decide
+from worldgen.world import Pose, Target, World
+
+
+def arena(width=12):
+    return World(np.zeros((8, width), bool), Pose(0.35, 0.35, 0.0), Target(1.0, 0.35, 0.05))
+
+
+def controller(folder, body, name="mine"):
+    lines = "\n".join(f"        {line}" for line in body.splitlines())
+    code = f"""
+class Mine:
+    def reset(self):
+        return (0.0,)
+
+    def act(self, o, m):
+{lines}
+        return (1.0, 0.0), (m[0] + 1.0,)
+"""
+    path = folder / f"{name}.py"
+    path.write_text(code)
+    return f"{path}:Mine"
+
+
+def bucket(name):
+    from sim.controllers import CONTROLLERS
+
+    CONTROLLERS.forget(name.rpartition(":")[0])
+    return crash_bucket(simulate(arena(), name).evidence)
+
+
+def test_a_bucket_names_the_exception_the_file_and_the_function(tmp_path):
+    assert bucket(controller(tmp_path, "1 / 0")).startswith("ZeroDivisionError-mine.act-")
+
+
+def test_lines_that_move_leave_the_bucket_as_it_is(tmp_path):
+    before = bucket(controller(tmp_path, "1 / 0"))
+    assert bucket(controller(tmp_path, "x = 1\n1 / 0")) == before
+
+
+def test_another_folder_leaves_the_bucket_as_it_is(tmp_path):
+    (tmp_path / "other").mkdir()
+    assert bucket(controller(tmp_path / "other", "1 / 0")) == bucket(controller(tmp_path, "1 / 0"))
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        pytest.param("raise ValueError('a')", "raise ValueError('b')", id="statements"),
+        pytest.param("raise ValueError(\n 'a')", "raise ValueError(\n 'b')", id="statements-of-two-lines"),
+        pytest.param("raise ValueError", "if m[0] > 9:\n raise ValueError\nraise ValueError", id="equal-statements"),
+        pytest.param("raise ValueError", "raise KeyError", id="types"),
+        pytest.param("(lambda: 1 / 0)()", "1 / 0", id="functions"),
+    ],
+)
+def test_two_faults_in_one_function_have_two_buckets(one, other, tmp_path):
+    assert bucket(controller(tmp_path, one)) != bucket(controller(tmp_path, other))
+
+
+def test_a_recursion_without_end_has_one_bucket_wherever_the_stack_was_full(tmp_path):
+    name = controller(tmp_path, "return self.act(o, m)")
+    assert bucket(name) == "RecursionError-mine.act"
+
+
+def aborted(said, step=5, **facts):
+    stderr = said.splitlines()[-5:]
+    return {"error": "killed by SIGABRT", "step": step, "stderr": stderr, **report_of(said), **facts}
+
+
+def test_two_assertions_of_a_program_have_two_buckets():
+    first, second = (
+        aborted(f"robot: robot.c:12: act: Assertion `{text}' failed.\n") for text in ("gap > 0", "speed < 2")
+    )
+    assert crash_bucket(first).startswith("SIGABRT-assertion-robot.act-") and crash_bucket(first) != crash_bucket(
+        second
+    )
+
+
+def test_an_assertion_of_a_program_is_the_same_on_another_line():
+    first, second = (aborted(f"robot: robot.c:{line}: act: Assertion `gap > 0' failed.\n") for line in (12, 40))
+    assert crash_bucket(first) == crash_bucket(second)
+
+
+def test_the_last_words_of_a_program_that_aborts_are_in_its_bucket_without_their_numbers():
+    first, second = (aborted(f"fatal: no plan at step {step}, 0x7f{step}\n") for step in (3, 17))
+    assert crash_bucket(first) == crash_bucket(second) == "SIGABRT-fatal-no-plan-at-step"
+
+
+def test_what_a_program_said_before_a_signal_that_it_did_not_raise_is_not_in_its_bucket():
+    assert crash_bucket({"error": "killed by SIGSEGV", "step": 5, "stderr": ["turning left"]}) == "SIGSEGV"
+
+
+def test_silent_aborts_are_told_apart_by_where_the_run_stood():
+    stands = [aborted("", step=1), aborted("", step=9), aborted("", step=9, bump=True)]
+    assert [crash_bucket(evidence) for evidence in stands] == ["SIGABRT-first", "SIGABRT", "SIGABRT-bump"]
+
+
+def test_evidence_from_before_buckets_keeps_its_name():
+    assert crash_bucket({"error": "KeyError: 'x'", "at": "mine.py:12", "step": 1}) == "KeyError"
+
+
+def test_shrinking_keeps_the_bucket_of_a_crash(tmp_path):
+    body = "if o.target_distance < 0.4:\n    raise ValueError('near')\nif m[0] > 2:\n    raise KeyError('late')"
+    name = controller(tmp_path, body)
+    world = arena()
+    failure = failure_of(replace(world, certificate=decide(world).certificate), Scenario.parse(name))
+    small = shrink(failure).world
+    assert small.failure.details["class"] == failure.failure.details["class"]
+    assert small.width < world.width and "KeyError" in small.failure.details["class"]
