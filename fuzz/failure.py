@@ -332,7 +332,7 @@ def _repeatable(evidence: Mapping[str, Value]) -> dict[str, Value]:
     A program's stderr and how far it came with an answer depend on the clock, the line in which a class raised moves
     when its file is edited, and files from before buckets of crashes have no facts for them.
     """
-    unstable = ("stderr", "unfinished", "at", *FACTS)
+    unstable = ("stderr", "unfinished", "at", "remedy", *FACTS)
     return {name: value for name, value in evidence.items() if name not in unstable}
 
 

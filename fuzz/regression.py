@@ -9,6 +9,7 @@ from pathlib import Path
 
 from fuzz.asked import asked_by, objection_in_words
 from fuzz.failure import certificate_fault, certified, failure_of, judge, judge_asked, replay, scenario_of
+from sim.controllers.contract import check_contract
 from sim.episode import Episode, simulate
 from sim.picture import trail_of
 from sim.run_options import RunOptions, step_budget
@@ -115,6 +116,7 @@ def fixed(world: World, controller: str | None = None) -> Checked:
     if fault:
         return Checked(f"the file proves nothing: {fault}; make the failure again", Seen(world))
     episode, wrong = judge(world, scenario.controller, options)
+    check_contract(scenario.controller, episode.evidence, episode.steps)
     seen = Seen(world, scenario, options, episode)
     ended = f"{_who(scenario)}: {episode.verdict}{evidence_in_words(episode)}"
     if isinstance(world.certificate, Cut):
@@ -153,6 +155,7 @@ def run(world: World, controller: str, seed: int = 0) -> tuple[Seen, Episode]:
     scenario = Scenario.parse(controller, seed=seed % 2**64)
     options = scenario.options(world)
     episode = simulate(world, scenario.controller, options, record=True)
+    check_contract(scenario.controller, episode.evidence, episode.steps)
     return Seen(world, scenario, options, episode), episode
 
 

@@ -8,7 +8,6 @@ import time
 from pathlib import Path
 
 import click
-import numpy as np
 from rich.console import Console
 from rich.progress import Progress as Bar
 from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -27,17 +26,17 @@ from fuzz.ledger import Sitting
 from fuzz.summary import lanes_in_words, summary_of
 from fuzz.telling import describe, replay_line
 from fuzz.variation import Variation
-from sim.episode import prepare
 from sim.motion import MOTIONS
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
+from sim.try_out import EMPTY_ARENA, try_out
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.files import write_bytes
 from worldgen.grid_file import dumps
 from worldgen.plain_text import counted
 from worldgen.workers import ctrl_c_kept
-from worldgen.world import Pose, Target, World
+from worldgen.world import World
 
 __all__ = ["CampaignSession", "configure"]
 
@@ -96,17 +95,15 @@ def configure(
 
 def _try_out(scenario: Scenario, asked: list[Asked]) -> None:
     """One short run in an empty arena, judged by each oracle, so that a name or a compile error shows at once."""
-    arena = World(np.zeros((8, 8), bool), Pose(0.35, 0.35, 0.0), Target(0.6, 0.6, 0.05))
-    run = prepare(arena, scenario.controller, scenario.options(arena, 2))
-    outcome = run.run(2, find_loop=False, record=False, digest=False)
+    outcome = try_out(scenario)
     if outcome.verdict == "hang" and outcome.steps == 1:  # so would every run, each for the whole start-up deadline
         raise InvalidParameter(
             f"{scenario.controller} does not answer its first observation within {outcome.fault['deadline']} s; does "
             "it flush its output after each line? docs/controllers.md has the protocol"
         )
-    proved = certified(arena)
+    proved = certified(EMPTY_ARENA) or EMPTY_ARENA
     for oracle in asked:
-        oracle.objection(Trial(arena if proved is None else proved, scenario.controller, scenario.options(arena, 2)))
+        oracle.objection(Trial(proved, scenario.controller, scenario.options(EMPTY_ARENA, 2)))
 
 
 class CampaignSession:

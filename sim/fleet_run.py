@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import VectorController
+from sim.controllers.contract import flat_memory
 from sim.controllers.vector import ask
 from sim.kernels import layout
 from sim.kernels.lattice_fleet import CLOCK_SIZE, Fleet, fleet_act, fleet_move, fleet_same, fleet_set_out
 from sim.kernels.lattice_state import new_robot
 from sim.lattice_run import LatticeRun
-from sim.python_loop import flat_memory, hidden_state
+from sim.python_loop import hidden_state
 from worldgen.lattice import UNIT
 
 __all__ = ["FleetRun"]

@@ -22,6 +22,7 @@ from sim.controllers import (
     VectorController,
 )
 from sim.controllers.base import wants_world
+from sim.controllers.contract import ContractBroken, no_memory
 from sim.controllers.vector import OneOfMany
 from worldgen.errors import InvalidParameter, WorldgenError
 
@@ -43,7 +44,11 @@ def serve(controller: PythonController, lines: BinaryIO, answers: BinaryIO) -> N
             if "reset" in message:
                 memory = controller.reset()
                 continue
-            command, memory = controller.act(_observation(message), memory)
+            answer = controller.act(_observation(message), memory)
+            try:
+                command, memory = answer
+            except (TypeError, ValueError):
+                raise no_memory(answer) from None
             answers.write(_answer(Command(*command)))
             answers.flush()
 
@@ -83,7 +88,10 @@ def main() -> None:
             controller = _load(sys.argv[1:])
     except WorldgenError as error:
         sys.exit(f"sim.host: {error}")
-    serve(controller, sys.stdin.buffer, answers)
+    try:
+        serve(controller, sys.stdin.buffer, answers)
+    except ContractBroken as broken:
+        sys.exit(f"sim.host: {broken.error}, it was {broken.evidence['answer']}; {broken.evidence['remedy']}")
 
 
 if __name__ == "__main__":

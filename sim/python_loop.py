@@ -19,17 +19,19 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import Command, Memory, Observation, PythonController, VectorController, wants_world
+from sim.controllers.contract import flat_memory, no_command, no_memory
 from sim.controllers.process import ProcessController
-from sim.controllers.program import Misbehaviour
+from sim.controllers.program import Misbehaviour, WantsMemory
 from sim.controllers.vector import ask
 from sim.crash_frames import crash_facts
 from sim.kernels import layout
 from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_motion import MOST_POINTS
 from sim.kernels.lattice_state import Arena, Room, new_robot, new_room
+from worldgen.neighbours import neighbours_of
 from worldgen.world import World
 
-__all__ = ["PythonLoop", "flat_memory", "hidden_state"]
+__all__ = ["PythonLoop", "hidden_state"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -97,7 +99,7 @@ class PythonLoop:
             self._episode(flat_memory(self._reset()), steps, record)
         except Misbehaviour as fault:
             self.fault = fault
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, WantsMemory):
             raise
         except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
@@ -136,7 +138,11 @@ def _act(controller: PythonController, stops: Iterable[int], room: Room, memory:
     observation, floats = room.observation, struct.Struct(f"{size}d")
     kept, command = room.memory.data, room.command.data
     for _ in stops:
-        asked, after = act(Observation.of(observation), memory)
+        answer = act(Observation.of(observation), memory)
+        try:
+            asked, after = answer
+        except (TypeError, ValueError):
+            raise no_memory(answer) from None
         if type(after) is not tuple or len(after) != size:
             after = flat_memory(after, size)
         try:
@@ -158,7 +164,10 @@ def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room
 
 def _write_command(asked: Command, command: memoryview) -> None:
     """Writes a command for the kernel; what is no number becomes nan, which the kernel refuses."""
-    speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
+    try:
+        speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
+    except TypeError:
+        raise no_command(asked) from None
     try:
         _COMMAND.pack_into(command, 0, speed, turn_rate, bool(used_random))
     except (struct.error, OverflowError):
@@ -176,7 +185,7 @@ def hidden_state(controller: Any) -> bytes | None:
         _data(getattr(controller, "__dict__", {})),
         {name: getattr(controller, name) for name in slots},
         *(_data_of_class(base) for base in kind.__mro__ if base is not object),
-        *(_data_of_module(sys.modules[base.__module__]) for base in kind.__mro__ if _is_of_a_user(base)),
+        *(_data_of_module(module) for base in kind.__mro__ if _is_of_a_user(base) for module in _modules_of(base)),
         random.getstate(),
         np.random.get_state(),
     ]
@@ -191,6 +200,12 @@ def _is_of_a_user(kind: type) -> bool:
     return package not in {"builtins", "typing", "sim", "fuzz", "worldgen"} and kind.__module__ in sys.modules
 
 
+def _modules_of(kind: type) -> list[types.ModuleType]:
+    """Return a class's module, and the files next to it that have been imported."""
+    module = sys.modules[kind.__module__]
+    return [module, *neighbours_of(module)]
+
+
 def _data_of_module(module: types.ModuleType) -> list[Any]:
     """Its variables, and those of the classes and functions that it defines.
 
@@ -199,7 +214,8 @@ def _data_of_module(module: types.ModuleType) -> list[Any]:
     own = [thing for thing in vars(module).values() if getattr(thing, "__module__", None) == module.__name__]
     classes = [_data_of_class(thing) for thing in own if isinstance(thing, type)]
     data = [*_data(vars(module)).items(), *classes, *_data_of_functions(own)]
-    return data if module.__name__.startswith("_worldgen_user") else [_pickled_if_it_can_be(item) for item in data]
+    own_file = module.__name__.startswith("_worldgen_user_") and "." not in module.__name__
+    return data if own_file else [_pickled_if_it_can_be(item) for item in data]
 
 
 def _pickled_if_it_can_be(data: Any) -> bytes:
@@ -248,16 +264,3 @@ def _data(names: Mapping[str, Any]) -> dict[str, Any]:
         if not name.startswith("__")
         and not isinstance(value, (*code, types.GetSetDescriptorType, types.MemberDescriptorType))
     }
-
-
-def flat_memory(memory: Any, size: int | None = None) -> Memory:
-    """The controller's memory as floats.
-
-    Raises:
-        TypeError: If it is not a tuple of numbers of a fixed length; the run then counts as a crash.
-    """
-    if not isinstance(memory, tuple) or not all(isinstance(value, int | float | np.number) for value in memory):
-        raise TypeError(f"memory must be a tuple of numbers, not {memory!r}")
-    if size is not None and len(memory) != size:
-        raise TypeError(f"memory had {size} numbers and now has {len(memory)}; keep its length fixed")
-    return tuple(float(value) for value in memory)

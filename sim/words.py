@@ -69,7 +69,8 @@ def _fault(episode: Episode) -> str:
     flush = "; does it flush its output?" if episode.verdict == "hang" and evidence["step"] == 1 else ""
     error = evidence.get("error", "speed or turn rate is no finite number")  # that is all that the kernel judges
     at = f", {evidence['at']}" if "at" in evidence else ""
-    return f"{error}{at}{within}{where}{answer}{partly}{said}{flush}"
+    remedy = f"; {evidence['remedy']}" if "remedy" in evidence else ""
+    return f"{error}{at}{within}{where}{answer}{partly}{said}{flush}{remedy}"
 
 
 def _manner(episode: Episode) -> str:

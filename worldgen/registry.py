@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter
+from worldgen.neighbours import forget_folder, import_in, package_of
 
 __all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_code", "user_code"]
 
@@ -199,10 +200,12 @@ class Registry(Generic[T]):
         return self._loaded[key]
 
     def forget(self, place: str) -> None:
-        """Loads what is in this file afresh when it is next asked for."""
+        """Load what is in this file, and the files next to it, again when it is next asked for."""
         file = _identity(f"{place}:").rpartition(":")[0]
         for key in [key for key in self._loaded if key.rpartition(":")[0] == file]:
             del self._loaded[key]
+        if file.endswith(".py"):
+            forget_folder(Path(file).parent)
 
     def source(self, name: str) -> Path | None:
         """The file that defines what is called so; ``None`` where none does, or a whole package."""
@@ -252,6 +255,7 @@ def _load_file(path: Path) -> Any:
     if spec is None or spec.loader is None:
         raise ImportError(f"{path} is no Python file")
     module = importlib.util.module_from_spec(spec)
+    import_in(module, package_of(path.parent))
     sys.modules[module_name] = module
     try:
         spec.loader.exec_module(module)

@@ -37,12 +37,12 @@ class Finding:
         verdict: One of the vocabulary's.
         kind: The class.
         what: What happened, in a sentence without its end.
-        frames: Where the controller crashed, a line a frame; empty if it did not.
         size: Of the world, in words.
         picture: The world as lines of text, with the robot's way if it could be run here.
         world_id: SHA-256, in hex, of the world without its record.
         seed: Of the run.
         replay: The command that shows it again.
+        frames: Where the controller crashed, a line for each frame; empty if it did not.
     """
 
     state: State
@@ -52,12 +52,12 @@ class Finding:
     verdict: str
     kind: str
     what: str
-    frames: str
     size: str
     picture: str
     world_id: str
     seed: int
     replay: str
+    frames: str = ""
 
     @classmethod
     def of(cls, world: World, file: Path, state: State, reason: str = "", controller: str | None = None) -> Finding:

@@ -70,12 +70,15 @@ def _subject(path: Path, controller: str | None, motion: str, time_step: float |
     from fuzz.failure import scenario_of
     from sim.run_options import RunOptions
     from sim.scenario import Scenario
+    from sim.try_out import try_out
     from worldgen.grid_file import read_world
 
     world = read_world(path)
     if controller is not None:
         step = RunOptions.time_step if time_step is None else time_step
-        return Subject(world, Scenario.parse(controller, motion=motion, time_step=step, seed=seed))
+        scenario = Scenario.parse(controller, motion=motion, time_step=step, seed=seed)
+        try_out(scenario)
+        return Subject(world, scenario)
     if world.failure is None:
         raise click.UsageError(f"{path} holds no failure that names a controller; give --controller NAME")
     record, options = scenario_of(world)

@@ -174,6 +174,7 @@ def _try_out(config: FindConfig) -> None:
     import numpy as np
 
     from fuzz.find import draw
+    from sim.controllers.contract import check_contract
     from sim.episode import prepare
     from worldgen.world import Pose, Target, World
 
@@ -183,7 +184,9 @@ def _try_out(config: FindConfig) -> None:
         arena = drawn
     for wish in config.wishes:
         options = wish.scenario.options(arena, 2)
-        prepare(arena, wish.scenario.controller, options).run(2, find_loop=False, record=False, digest=False)
+        run = prepare(arena, wish.scenario.controller, options)
+        outcome = run.run(2, find_loop=False, record=False, digest=False)
+        check_contract(wish.scenario.controller, outcome.fault, outcome.steps)
 
 
 def _report(search: Find, wishes: tuple[Wish, ...], out: Path, as_json: bool) -> None:

@@ -128,8 +128,10 @@ def _motion(motion: str | None, figures: Sequence[Figure]) -> str:
 
 def _scenarios(controllers: str, motion: str, time_step: float | None, seed: int) -> dict[str, Scenario]:
     """Columns by label."""
+    from sim.controllers import CONTROLLERS, CompiledController, ProcessController
     from sim.run_options import RunOptions
     from sim.scenario import Scenario
+    from sim.try_out import try_out
     from worldgen.errors import InvalidParameter
 
     duration = RunOptions.time_step if time_step is None else time_step
@@ -137,6 +139,8 @@ def _scenarios(controllers: str, motion: str, time_step: float | None, seed: int
     for text in controllers.split(","):
         scenario = Scenario.parse(text, motion=motion, time_step=duration, seed=seed)
         RunOptions(time_step=scenario.time_step)  # out of range it can give no budget
+        if not isinstance(CONTROLLERS.get(scenario.controller), CompiledController | ProcessController):
+            try_out(scenario)
         label = scenario.label(motion, duration)
         if label in found:
             raise InvalidParameter(f"controller {label!r} is named twice; name each once, or vary it with +option")

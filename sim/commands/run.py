@@ -33,6 +33,12 @@ _PICTURES = (".png", ".svg", ".html", ".gif")
 @click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, help="Seed of random controllers.")
 @click.option("--trail", type=OUT, metavar="OUT", help="Draw world and trail: .png, .svg, .html, or .gif, which moves.")
 @click.option("--trace", type=OUT, metavar="OUT", help="Write t,x,y,heading per step, as CSV.")
+@click.option(
+    "--transcript",
+    type=OUT,
+    metavar="OUT",
+    help="Write what a program (cmd:) is sent, to feed it to it in a debugger.",
+)
 @json_option
 @force_option
 def run(
@@ -44,6 +50,7 @@ def run(
     seed: int,
     trail: Path | None,
     trace: Path | None,
+    transcript: Path | None,
     as_json: bool,
     force: bool,
 ) -> None:
@@ -51,9 +58,11 @@ def run(
 
     Exit code 0 if the robot arrives, 1 if it does not.
     """
+    from sim.controllers.contract import check_contract
     from sim.episode import simulate
     from sim.run_options import RunOptions
     from sim.scenario import Scenario
+    from sim.transcript import transcribed
     from sim.words import frames_in_words
     from worldgen.files import check_output
     from worldgen.grid_file import read_world
@@ -69,12 +78,16 @@ def run(
             check_output(out, force)
     if trail is not None and trail.suffix not in _PICTURES:
         raise click.UsageError(f"--trail {trail}: name a {', '.join(_PICTURES)} file")
-    episode = simulate(world, scenario.controller, options, record=trail is not None or trace is not None)
+    with transcribed(scenario.controller, transcript, force=force):
+        episode = simulate(world, scenario.controller, options, record=trail is not None or trace is not None)
+    check_contract(scenario.controller, episode.evidence, episode.steps)
     if as_json:
         emit_json(_summary(episode))
     else:
         click.echo(_sentence(episode))
         click.echo(shown_lines(frames_in_words(episode.evidence)), nl=False)
+    if transcript is not None:
+        note(f"wrote {transcript}")
     if trace is not None and episode.trace is not None:
         write_bytes(trace, episode.trace.to_csv().encode(), force=force)
         note(f"wrote {trace}")

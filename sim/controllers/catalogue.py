@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import ast
+import os
+import shutil
+from pathlib import Path
 from typing import Any
 
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller, check_declared
@@ -24,8 +28,44 @@ class _Controllers(Registry[Controller]):
             return self._loaded[name]
         return super().get(name)
 
+    def _load_path(self, name: str) -> Any:
+        hint = _program_hint(name)
+        if hint:
+            raise InvalidParameter(hint)
+        return super()._load_path(name)
+
     def _unknown(self, name: str) -> str:
-        return f"{super()._unknown(name)}, or 'cmd:./program --flag'"
+        return _program_hint(name) or f"{super()._unknown(name)}, or 'cmd:./program --flag'"
+
+
+def _program_hint(name: str) -> str:
+    """Return what to say of a name that is a command line without ``cmd:``, or a file without its class."""
+    first, *arguments = name.split(" ")
+    if first.endswith(".py") and not arguments and os.path.isfile(first):  # noqa: PTH113 - Path may refuse a text
+        classes = _classes_in(Path(first))
+        has = f"it has {', '.join(classes)}" if classes else "it has no class with act"
+        return (
+            f"controller {name!r} is a Python file, and {has}; name a class, such as "
+            f"{first}:{classes[0] if classes else 'Robot'}, or run the file as a program, 'cmd:python {first}'"
+        )
+    is_here = os.path.isfile(first)  # noqa: PTH113 - as above
+    place = name.rpartition(":")[0]
+    if is_here or (arguments and shutil.which(first) is not None):
+        command = name if "/" in first or not is_here else f"./{name}"
+        return f"controller {name!r} is a program; write 'cmd:{command}'"
+    if "/" in place and not place.endswith(".py"):
+        return f"controller {name!r}: {place} is not a Python file; write ./file.py:name, or 'cmd:./program --flag'"
+    return ""
+
+
+def _classes_in(file: Path) -> list[str]:
+    """Return the classes of a file that can drive a robot, without running it."""
+    try:
+        tree = ast.parse(file.read_text("utf-8"))
+    except (OSError, ValueError, SyntaxError):
+        return []
+    classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
+    return [one.name for one in classes if {"act", "act_many"} & {getattr(part, "name", "") for part in one.body}]
 
 
 def _accept(name: str, thing: Any) -> Controller:

@@ -231,7 +231,10 @@ def _script(said: str) -> dict[str, Value]:
 
 
 def _report(reason: str, frames: list[Value]) -> dict[str, Value]:
-    return {"reason": _short(reason)} | ({"frames": frames[-_MOST_FRAMES:]} if frames else {})
+    report: dict[str, Value] = {"reason": _short(reason)}
+    if frames:
+        report["frames"] = frames[-_MOST_FRAMES:]
+    return report
 
 
 def _frame(file: str, line: str | None, function: str | None = None, code: str | None = None) -> Value:

@@ -5,14 +5,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import os
 import re
 import shlex
 import weakref
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, BinaryIO
 
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.program import Limits, Misbehaviour, Program, find_program, shown
@@ -81,6 +82,7 @@ class ProcessController:
         self._stop: Callable[[], object] = _nothing
         self._first = True  # the next observation is the first of its episode
         self._served = False  # whether the program has answered before
+        self._transcript: BinaryIO | None = None
 
     @classmethod
     def of(cls, name: str) -> ProcessController:
@@ -128,6 +130,22 @@ class ProcessController:
         if self._program is None or self._owner != os.getpid() or not self._program.is_ready:
             self._start()
 
+    @contextlib.contextmanager
+    def transcript(self, out: BinaryIO) -> Iterator[None]:
+        """Write each line that the program is sent to a file, until the end; only the last episode's lines stay.
+
+        Fed to the program's stdin, they repeat the episode: ``gdb ./mine``, then ``run < transcript.jsonl``.
+
+        Args:
+            out: A file that can be truncated.
+        """
+        self._transcript = out
+        try:
+            yield
+        finally:
+            self._transcript = None
+            out.flush()
+
     def reset(self) -> Memory:
         """Begins an episode; the program hears of it with the first observation."""
         self._first = True
@@ -150,9 +168,14 @@ class ProcessController:
         """Send an observation, at the start of an episode with the reset line, and return the answer."""
         line = observation_line(observation)
         if not self._first:
+            self._write_down(line)
             return self._ask(line, self.limits.deadline)
         self.start()
         lines, self._first = _reset_line(observation) + line, False
+        if self._transcript is not None:
+            self._transcript.seek(0)
+            self._transcript.truncate()
+        self._write_down(lines)
         served, self._served = self._served, True
         try:
             return self._ask(lines, self.limits.start_deadline)
@@ -162,6 +185,10 @@ class ProcessController:
         self._start()  # one that serves a single episode and ends; afresh it shows whether it does crash
         self._served = True
         return self._ask(lines, self.limits.start_deadline)
+
+    def _write_down(self, lines: bytes) -> None:
+        if self._transcript is not None:
+            self._transcript.write(lines)
 
     def _start(self) -> Program:
         if self._owner == os.getpid():  # a forked process leaves its parent's program alone

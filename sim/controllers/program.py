@@ -6,6 +6,7 @@ import contextlib
 import os
 import re
 import select
+import shlex
 import shutil
 import signal
 import subprocess
@@ -19,7 +20,7 @@ from worldgen.errors import InvalidParameter
 from worldgen.registry import ONLY_CODE
 from worldgen.world import Value
 
-__all__ = ["LONGEST_LINE", "Limits", "Misbehaviour", "Program", "find_program", "shown"]
+__all__ = ["LONGEST_LINE", "Limits", "Misbehaviour", "Program", "WantsMemory", "find_program", "shown"]
 
 LONGEST_LINE = 64 << 10  # bytes of an answer, its newline not counted
 _CHUNK = 64 << 10  # bytes read at once; with LONGEST_LINE the most that is kept of an answer
@@ -63,6 +64,23 @@ class Misbehaviour(Exception):
         self.verdict, self.error, self.evidence = verdict, error, dict(evidence or {})
 
 
+class WantsMemory(InvalidParameter):
+    """A program cannot even start within its limit of address space, so that no run says anything about it."""
+
+
+_SANITIZER_RESERVES = re.compile(
+    r"ReserveShadowMemoryRange failed|[Ss]hadow memory range interleaves|Sanitizer failed to (?:allocate|reserve|mmap)"
+    r"|Sanitizer: unexpected memory mapping|ERROR: Failed to mmap"
+)
+"""What sanitizers say, which reserve terabytes; how far they come depends on when the limit was set."""
+
+_RUNTIME_RESERVES = re.compile(
+    r"Failed to reserve (?:virtual )?memory|Could not reserve enough space|failed to reserve page summary memory"
+    r"|Error occurred during initialization of VM|Fatal process OOM in|cannot allocate memory in static TLS"
+)
+"""What Node, Java and Go say that reserve more than they use, when they start."""
+
+
 def find_program(command: tuple[str, ...]) -> str:
     """The program's file.
 
@@ -74,6 +92,8 @@ def find_program(command: tuple[str, ...]) -> str:
     found = shutil.which(command[0])
     if found is not None:
         return found
+    if "/" not in command[0] and os.access(command[0], os.X_OK):
+        raise InvalidParameter(f"controller program {command[0]!r} is not on PATH, but here: write ./{command[0]}")
     if os.path.isfile(command[0]):  # noqa: PTH113 - a text from outside, which Path may refuse
         raise InvalidParameter(f"controller program {command[0]!r} is not executable; chmod +x {command[0]}")
     raise InvalidParameter(
@@ -94,6 +114,7 @@ class Program:
 
     def __init__(self, command: tuple[str, ...], memory: int | None) -> None:
         file = find_program(command)
+        self._command, self._memory, self._answers = command, memory, 0
         self._sources = (Path.cwd(), Path(file).resolve().parent)
         self._process = _started(command, file)
         self.stopped, self._group_ended, self._ended = False, False, False  # the last: stdout is at its end
@@ -156,7 +177,9 @@ class Program:
             if self._answer:
                 raise Misbehaviour("invalid-command", "more than one line", {"answer": shown(self._answer)})
             self._send(line, end, seconds)
-            return self._receive(end, seconds)
+            answer = self._receive(end, seconds)
+            self._answers += 1
+            return answer
         except Misbehaviour as found:
             raise self.ended_by(found) from None
         except BaseException:
@@ -169,6 +192,14 @@ class Program:
         self.stop()
         lines: list[Value] = [line[-_LINE_WIDTH:] for line in said.splitlines() if line.strip()]
         told: dict[str, Value] = {"stderr": lines[-_LAST_LINES:]} if lines else {}
+        said_instead = str(found.evidence.get("answer", ""))  # Java complains on stdout
+        if self._memory is not None and _wants_memory(said + said_instead, starting=self._answers == 0):
+            size = f"{self._memory / (1 << 30):.3g} GiB"
+            raise WantsMemory(
+                f"controller program {self._command[0]!r} reserves more than the {size} of address space that it may "
+                f"have, and ended with: {str(_telling_line([said_instead, *lines]))!r}; lift the limit: "
+                f"--controller 'cmd+memory=none:{shlex.join(self._command)}'"
+            )
         report = report_of(said, self._sources) if found.verdict == "crash" else {}
         return Misbehaviour(found.verdict, found.error, found.evidence | told | report)
 
@@ -351,6 +382,15 @@ def _keeper_of(group: int) -> subprocess.Popen[bytes]:
         raise InvalidParameter(
             f"{_SHELL} cannot be started, which ends a controller's program if this process is killed: {error.strerror}"
         ) from error
+
+
+def _wants_memory(said: str, *, starting: bool) -> bool:
+    return bool(_SANITIZER_RESERVES.search(said) or (starting and _RUNTIME_RESERVES.search(said)))
+
+
+def _telling_line(lines: list[Value]) -> Value:
+    """Return the line that says that memory was wanted, or the last one."""
+    return ([line for line in lines if _wants_memory(str(line), starting=True)] or lines)[-1]
 
 
 def _plain(data: bytes | bytearray) -> str:

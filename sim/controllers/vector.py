@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import Command, Commands, Memory, Observation, Observations, VectorController
+from sim.controllers.contract import ContractBroken, no_command, no_memory
 from sim.kernels import layout
 
 __all__ = ["OneOfMany", "ask"]
@@ -26,17 +27,24 @@ def ask(controller: VectorController, seen: Floats, memory: Floats, command: Flo
         after: (n, m), filled: their memories then.
 
     Raises:
-        ValueError, TypeError: If what it returns does not fit; and whatever else it raises.
+        ContractBroken: If what it returns does not fit; and whatever it raises itself.
     """
-    asked, kept = controller.act_many(Observations.of(_locked(seen)), _locked(memory))
-    asked = asked if type(asked) is Commands else Commands(*asked)
+    answer = controller.act_many(Observations.of(_locked(seen)), _locked(memory))
+    try:
+        asked, kept = answer
+    except (TypeError, ValueError):
+        raise no_memory(answer, "act_many") from None
+    try:
+        asked = asked if type(asked) is Commands else Commands(*asked)
+    except TypeError:
+        raise no_command(asked, "act_many") from None
     for name, value in zip(Commands._fields, asked, strict=True):
         if np.shape(value) not in ((), (len(seen),)):
-            raise TypeError(
-                f"{name} is of shape {np.shape(value)} for {len(seen)} robots; give one number, or one each"
-            )
+            error = f"{name} is of shape {np.shape(value)} for {len(seen)} robots"
+            raise ContractBroken(error, value, "give one number, or one for each robot")
     if np.shape(kept) != after.shape:
-        raise TypeError(f"the memory came back in shape {np.shape(kept)}; it must keep its shape, {after.shape}")
+        error = f"the memory came back in shape {np.shape(kept)}, and was given in {after.shape}"
+        raise ContractBroken(error, kept, "return it in the shape in which it came: a row for each robot")
     command[:, layout.CMD_SPEED], command[:, layout.CMD_TURN_RATE] = asked.speed, asked.turn_rate
     command[:, layout.CMD_DRAW] = np.asarray(asked.used_random) != 0
     after[...] = kept

@@ -12,6 +12,7 @@ import click
 
 from worldgen.cli.ctrl_c import no_ctrl_c_lost
 from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
+from worldgen.cli.hidden_packages import check_hidden
 from worldgen.cli.output import note
 from worldgen.errors import WorldgenError
 from worldgen.progress import display_on_stderr
@@ -43,6 +44,8 @@ class LazyGroup(click.Group):
     def _found(self, cmd_name: str) -> click.Command | None:
         point = self._points("worldgen.commands").get(cmd_name)
         if point is not None:
+            if not point.value.startswith("worldgen."):
+                check_hidden()
             command: object = point.load()
             if not isinstance(command, click.Command):
                 raise click.ClickException(f"command {cmd_name!r} ({point.value}) is no click command")
@@ -154,6 +157,11 @@ def main() -> NoReturn:
 
 
 def _our_fault(error: BaseException) -> int:
+    try:
+        check_hidden()
+    except WorldgenError as hidden:  # then what went wrong is no fault of ours
+        note(f"worldgen: {hidden}")
+        return 2
     if os.environ.get("WORLDGEN_DEBUG"):
         import traceback
 

@@ -1,0 +1,96 @@
+"""The contract of a Python controller, and what to say where one does not keep it.
+
+A controller that returns the wrong thing has not crashed: it is incomplete. If it does so from the start, no run can
+show anything, and that is an error of usage. If only some branch forgets the memory, the search has found that branch:
+the verdict is ``invalid-command``, and the world in which the branch is taken is the failure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from sim.controllers.program import Misbehaviour
+from worldgen.errors import InvalidParameter
+from worldgen.plain_text import shown
+from worldgen.world import Value
+
+__all__ = ["ContractBroken", "check_contract", "flat_memory", "no_command", "no_memory"]
+
+_LONGEST_ANSWER = 200  # characters
+_RETURN = "end {} with: return Command(speed, turn_rate), memory"
+_MEMORY = "return a tuple of numbers whose length never changes, such as () or (0.0, 1.0)"
+
+
+class ContractBroken(Misbehaviour, TypeError):
+    """A controller returned what the contract does not allow.
+
+    Args:
+        error: What is wrong, the same in every replay.
+        answer: What came.
+        remedy: The way out.
+    """
+
+    def __init__(self, error: str, answer: object, remedy: str) -> None:
+        super().__init__("invalid-command", error, {"answer": _in_short(answer), "remedy": remedy})
+
+
+def no_memory(answer: object, method: str = "act") -> ContractBroken:
+    """Return what to raise for an answer that is not a command and a memory."""
+    remedy = _RETURN.format(method)
+    if answer is None:
+        return ContractBroken(f"{method} returned nothing", answer, remedy)
+    fields = getattr(answer, "_fields", ())
+    if "turn_rate" in fields or isinstance(answer, int | float | np.number):
+        return ContractBroken(f"{method} returned a command without a memory", answer, remedy)
+    return ContractBroken(f"{method} did not return a command and a memory", answer, remedy)
+
+
+def no_command(answer: object, method: str = "act") -> ContractBroken:
+    """Return what to raise for the first part of an answer if it is not a command."""
+    return ContractBroken(f"{method} did not return a command", answer, _RETURN.format(method))
+
+
+def flat_memory(memory: Any, size: int | None = None) -> tuple[float, ...]:
+    """Return a controller's memory as floats.
+
+    Args:
+        memory: What ``reset`` or ``act`` returned.
+        size: The length that it must have; any if omitted.
+
+    Raises:
+        ContractBroken: If it is not a tuple of numbers, or of another length.
+    """
+    if not isinstance(memory, tuple) or not all(isinstance(value, int | float | np.number) for value in memory):
+        raise ContractBroken("the memory is not a tuple of numbers", memory, _MEMORY)
+    if size is not None and len(memory) != size:
+        error = f"the memory had {size} numbers and now has {len(memory)}"
+        raise ContractBroken(error, memory, "keep its length fixed, as reset() returned it")
+    return tuple(float(value) for value in memory)
+
+
+def check_contract(name: str, evidence: Mapping[str, Value], steps: int) -> None:
+    """Refuse a controller that breaks the contract before its first step is over.
+
+    Args:
+        name: The controller's, for the message.
+        evidence: Of the run.
+        steps: Steps of the run.
+
+    Raises:
+        InvalidParameter: If it does.
+    """
+    if "remedy" in evidence and steps <= 1:
+        raise InvalidParameter(
+            f"controller {name!r}: {evidence.get('error')}, it was {evidence.get('answer')}; {evidence['remedy']}"
+        )
+
+
+def _in_short(answer: object) -> str:
+    try:
+        text = shown(repr(answer))
+    except Exception:  # noqa: BLE001 - the user's own repr may raise anything
+        text = f"a {type(answer).__name__}"
+    return text if len(text) <= _LONGEST_ANSWER else f"{text[:_LONGEST_ANSWER]}..."

@@ -1,0 +1,172 @@
+"""The files next to a user's file: ``import geometry`` in ``./mine.py`` finds ``./geometry.py``.
+
+As with ``python mine.py``, files in the folder come before installed packages. Unlike there, the folder is not put on
+``sys.path``, where it would be searched for everybody's imports: each folder is a package of its own with a private
+name, and only imports written in files of that folder look there. So two folders may each have a ``geometry.py``, and
+a folder named ``sim`` hides nothing of ours.
+"""
+
+from __future__ import annotations
+
+import builtins
+import hashlib
+import importlib
+import importlib.abc
+import importlib.machinery
+import importlib.util
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from worldgen.errors import InvalidParameter
+
+__all__ = ["forget_folder", "import_in", "neighbours_of", "package_of"]
+
+_OURS = ("worldgen", "sim", "fuzz", "worldgen_plugins")
+_FOLDERS: dict[str, Path] = {}  # by the private name of the package
+
+
+def package_of(folder: Path) -> str:
+    """Return the private name of the package that a folder is, and make it."""
+    folder = folder.resolve()
+    name = f"_worldgen_user_folder_{hashlib.sha256(str(folder).encode()).hexdigest()[:16]}"
+    if name not in sys.modules:
+        package = ModuleType(name, f"The files in {folder}.")
+        package.__path__ = [str(folder)]
+        sys.modules[name] = package
+        _FOLDERS[name] = folder
+        _forget_bare_names(folder)
+    if not any(isinstance(finder, _OfFolders) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _OfFolders())
+        sys.meta_path.append(_ByBareName())
+    return name
+
+
+def import_in(module: ModuleType, package: str) -> None:
+    """Have the imports that are written in a module look in its folder first.
+
+    Args:
+        module: A module that has not been executed yet.
+        package: Of its folder, from :func:`package_of`.
+    """
+    module.__dict__["__builtins__"] = {**vars(builtins), "__import__": _Importer(package)}
+
+
+def neighbours_of(module: ModuleType) -> list[ModuleType]:
+    """Return the files of a module's folder that have been imported so far; none if it was not loaded from a file."""
+    its_builtins = module.__dict__.get("__builtins__")
+    importer = its_builtins.get("__import__") if isinstance(its_builtins, dict) else None
+    if not isinstance(importer, _Importer):
+        return []
+    return [found for name, found in list(sys.modules.items()) if name.startswith(f"{importer.package}.")]
+
+
+def forget_folder(folder: Path) -> None:
+    """Load the files of a folder again when they are next imported."""
+    package = package_of(folder)
+    importlib.invalidate_caches()
+    for name in [name for name in sys.modules if name.startswith(f"{package}.")]:
+        alias = name.removeprefix(f"{package}.")
+        if sys.modules.get(alias) is sys.modules[name]:
+            del sys.modules[alias]
+        del sys.modules[name]
+
+
+def _forget_bare_names(folder: Path) -> None:
+    """Drop the bare names that a new folder makes ambiguous, so that whoever asks for one by name is told."""
+    for alias, module in list(sys.modules.items()):
+        named = str(getattr(module, "__name__", ""))
+        if named.partition(".")[0] in _FOLDERS and named != alias and (folder / f"{alias}.py").is_file():
+            del sys.modules[alias]
+
+
+class _Importer:
+    """What ``import`` calls in the files of one folder."""
+
+    def __init__(self, package: str) -> None:
+        self.package = package
+
+    def __call__(
+        self,
+        name: str,
+        globals_: Mapping[str, Any] | None = None,
+        locals_: Mapping[str, Any] | None = None,
+        fromlist: Sequence[str] | None = (),
+        level: int = 0,
+    ) -> ModuleType:
+        root = name.partition(".")[0]
+        if level != 0 or not _is_in(_FOLDERS[self.package], root):
+            return builtins.__import__(name, globals_, locals_, fromlist or (), level)
+        own = f"{self.package}.{name}"
+        if fromlist:
+            return builtins.__import__(own, globals_, locals_, fromlist, 0)
+        importlib.import_module(own)
+        return sys.modules[f"{self.package}.{root}"]
+
+
+def _is_in(folder: Path, name: str) -> bool:
+    """Return whether ``import name`` means a file of the folder."""
+    if name in _OURS or name in sys.builtin_module_names:
+        return False
+    spec = importlib.machinery.PathFinder.find_spec(name, [str(folder)])
+    if spec is None:
+        return False
+    # A plain folder without __init__.py is a package only if nothing else of that name is installed.
+    return spec.loader is not None or importlib.machinery.PathFinder.find_spec(name) is None
+
+
+class _OfFolders(importlib.abc.MetaPathFinder):
+    """Finds the modules of folders, which then import as the file next to them does."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> importlib.machinery.ModuleSpec | None:
+        package = fullname.partition(".")[0]
+        if package not in _FOLDERS or path is None:
+            return None
+        spec = importlib.machinery.PathFinder.find_spec(fullname, path, target)
+        if spec is not None and isinstance(spec.loader, importlib.machinery.SourceFileLoader):
+            spec.loader = _Loader(spec.loader.name, spec.loader.path)
+        return spec
+
+
+class _Loader(importlib.machinery.SourceFileLoader):
+    def exec_module(self, module: ModuleType) -> None:
+        import_in(module, module.__name__.partition(".")[0])
+        super().exec_module(module)
+
+
+class _ByBareName(importlib.abc.MetaPathFinder):
+    """Finds a folder's module by its bare name where nothing else has that name, as pickles and ``import_module`` ask.
+
+    It is the same module, and it is refused if two folders have one.
+    """
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> importlib.machinery.ModuleSpec | None:
+        if path is not None or "." in fullname or fullname in _OURS:
+            return None
+        found = [package for package, folder in _FOLDERS.items() if (folder / f"{fullname}.py").is_file()]
+        if len(found) > 1:
+            folders = " and ".join(str(_FOLDERS[package]) for package in found)
+            raise InvalidParameter(
+                f"module {fullname!r} is asked for by name, and it is in {folders}; write `import {fullname}` in the "
+                "file that needs it, or rename one"
+            )
+        return importlib.machinery.ModuleSpec(fullname, _Alias(f"{found[0]}.{fullname}")) if found else None
+
+
+class _Alias(importlib.abc.Loader):
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def create_module(self, spec: importlib.machinery.ModuleSpec) -> ModuleType:
+        module = importlib.import_module(self._name)
+        self._spec = module.__spec__
+        return module
+
+    def exec_module(self, module: ModuleType) -> None:
+        module.__spec__ = self._spec  # which the import system has just replaced
