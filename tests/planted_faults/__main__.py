@@ -2,16 +2,20 @@
 
 The sources are copied once; each fault is put into the copy, the tests run there until one fails, and the fault is
 taken out again. The files that the table expects to catch it run first; only if they all pass does the whole tier
-run, and then the next one. The table goes to standard output as Markdown.
+run, and then the next one. The table goes to standard output as Markdown. ``--copy FOLDER`` uses a copy that is there
+already, so that its compiled kernels are used again; ``--expected`` runs only the files that the table names.
 """
 
 from __future__ import annotations
 
+import argparse
+import contextlib
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from tests.planted_faults.table import FAULTS, Fault
@@ -21,35 +25,47 @@ TIERS = {"default": "not gate and not nightly", "gate": "gate", "nightly": "nigh
 _LEFT_OUT = shutil.ignore_patterns(".git", ".venv*", "*cache*", "__pycache__", "build", "dist", "*.egg-info")
 
 
-def main(names: list[str]) -> int:
+def main(words: list[str]) -> int:
     """Try the named faults, or all of them; return 1 if one is caught by no tier."""
-    strange = sorted(set(names) - {fault.name for fault in FAULTS})
+    parser = argparse.ArgumentParser("python -m tests.planted_faults", description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME", help="of a fault; without one all are tried")
+    parser.add_argument("--copy", type=Path, help="a copy of the sources that is there already")
+    parser.add_argument("--expected", action="store_true", help="run only the files that the table names")
+    asked = parser.parse_args(words)
+    strange = sorted(set(asked.names) - {fault.name for fault in FAULTS})
     if strange:
-        print(f"no fault is called {', '.join(strange)}; see tests/planted_faults/table.py", file=sys.stderr)
-        return 2
+        parser.error(f"no fault is called {', '.join(strange)}; see tests/planted_faults/table.py")
     missed = 0
-    print(
-        "| fault | promise that it breaks | tier that catches it | first test that fails |\n| --- | --- | --- | --- |"
-    )
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "worldgen"
-        shutil.copytree(ROOT, copy, ignore=_LEFT_OUT)
+    print("| fault | promise that it breaks | tier that catches it | first test that fails |")
+    print("| --- | --- | --- | --- |", flush=True)
+    with _copy_of_the_sources(asked.copy) as copy:
         for fault in FAULTS:
-            if not names or fault.name in names:
-                tier, test = _caught(fault, copy)
+            if not asked.names or fault.name in asked.names:
+                tier, test = _caught(fault, copy, expected_only=asked.expected)
                 missed += tier == "none"
                 print(f"| {fault.name} | {fault.promise} | {tier} | `{test}` |", flush=True)
     return 1 if missed else 0
 
 
-def _caught(fault: Fault, copy: Path) -> tuple[str, str]:
+@contextlib.contextmanager
+def _copy_of_the_sources(there: Path | None) -> Iterator[Path]:
+    if there is not None:
+        yield there.resolve()
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "worldgen"
+        shutil.copytree(ROOT, copy, ignore=_LEFT_OUT)
+        yield copy
+
+
+def _caught(fault: Fault, copy: Path, *, expected_only: bool) -> tuple[str, str]:
     """Return the first tier that catches a fault, and the test that does."""
     file = copy / fault.file
     before, stamp = file.read_text(encoding="utf-8"), file.stat()
     file.write_text(before.replace(fault.text, fault.planted), encoding="utf-8")
     try:
         for tier, marks in TIERS.items():
-            for paths in (fault.tests, ()):
+            for paths in (fault.tests,) if expected_only else (fault.tests, ()):
                 test = _first_that_fails(copy, marks, paths)
                 if test:
                     return tier, test
