@@ -2,12 +2,14 @@
 
 import json
 import re
+import select
 import shutil
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -121,11 +123,19 @@ def test_a_flood_of_stderr_does_not_put_off_the_deadline():
 
 
 def test_an_answer_that_is_there_when_we_look_late_counts(monkeypatch):
-    with ProcessController(program(), deadline=0.1) as controller:
+    now = [0.0]
+    monkeypatch.setattr("sim.controllers.program.time", SimpleNamespace(monotonic=lambda: now[0]))
+
+    def send_and_look_late(*order):
+        send(*order)
+        select.select([late._stdout], [], [], 120.0)
+        now[0] += 1000.0
+
+    with ProcessController(program(), deadline=100.0) as controller:
         simulate(arena(), controller, RunOptions(steps=3))
         late = controller._program
         send = late._send
-        monkeypatch.setattr(late, "_send", lambda *order: (send(*order), time.sleep(0.2)))
+        monkeypatch.setattr(late, "_send", send_and_look_late)
         assert simulate(arena(), controller, RunOptions(steps=3)).verdict == "stalled"
 
 
