@@ -29,6 +29,7 @@ from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_motion import MOST_POINTS
 from sim.kernels.lattice_state import Arena, Room, new_robot, new_room
 from worldgen.neighbours import neighbours_of
+from worldgen.progress import working
 from worldgen.world import World
 
 __all__ = ["PythonLoop", "hidden_state"]
@@ -126,10 +127,12 @@ class PythonLoop:
         self._settings[layout.SET_STEPS] = steps
         start = np.array(memory, np.float64)
         stops = lattice_steps(self._arena, self._settings, self._scales, start, room, robot, self._rows, self._path)
-        if isinstance(self._controller, VectorController):
-            _act_as_one_of_many(self._controller, stops, room)
-        else:
-            _act(self._controller, stops, room, memory)
+        with working("running the controller", often=True) as work:
+            work.say(lambda: f"step {robot.counts[layout.OUT_STEPS]:,} of at most {steps:,}")
+            if isinstance(self._controller, VectorController):
+                _act_as_one_of_many(self._controller, stops, room)
+            else:
+                _act(self._controller, stops, room, memory)
 
 
 def _act(controller: PythonController, stops: Iterable[int], room: Room, memory: Memory) -> None:

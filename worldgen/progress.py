@@ -29,6 +29,8 @@ _EVERY = 5.0  # s between two lines in a log ...
 _LATER = 15.0  # s ... once the work has taken longer than
 _LONG = 60.0  # s
 _REDRAW = 0.25  # s between two looks at the clock, and two drawings of the live line
+_LOOK = 0.001  # s between two looks whether the thread has drawn its line ...
+_PATIENT_LOOKS = 100  # ... and how many of them, should standard error block
 _CLEAR = "\r\x1b[K"
 _WIDTH = 80  # columns of a terminal that does not report its width
 
@@ -39,10 +41,12 @@ class Work:
     Args:
         message: What is being done, such as ``"compiling the simulator"``.
         clock: Gives seconds.
+        often: See :func:`working`.
     """
 
-    def __init__(self, message: str, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, message: str, clock: Callable[[], float] = time.monotonic, *, often: bool = False) -> None:
         self.message = message
+        self.often = often
         self.begun = clock()
         self._clock = clock
         self._detail: str | Callable[[], str] = ""
@@ -101,15 +105,16 @@ class Display:
         self._clock = clock
         self._works: list[Work] = []
         self._drawn = False
+        self._ticking = False
         self._spoken = clock()
         self._patience = _FIRST
         self._over: threading.Event | None = None
         self._thread: threading.Thread | None = None
 
-    def begin(self, message: str) -> Work:
-        """Start a piece of work inside those that are under way."""
-        work = Work(message, self._clock)
-        if self.verbosity > 0 and not self.silent:
+    def begin(self, message: str, *, often: bool = False) -> Work:
+        """Start a piece of work inside those that are under way; see :func:`working`."""
+        work = Work(message, self._clock, often=often)
+        if self.verbosity > 0 and not self.silent and not often:
             self._write(f"{work.text()} ...\n")
         self._works.append(work)
         if self._over is None and self.verbosity >= 0 and not self.silent:
@@ -122,10 +127,10 @@ class Display:
         """End a piece of work; the live line disappears with the outermost."""
         with contextlib.suppress(ValueError):
             self._works.remove(work)
-        if self.verbosity > 0 and not self.silent:
-            self._write(f"{shown(work.message)}: done in {_duration(self._clock() - work.begun)}\n")
         if not self._works:
-            self.close()
+            self.clear()
+        if self.verbosity > 0 and not self.silent and not work.often:
+            self._write(f"{shown(work.message)}: done in {_duration(self._clock() - work.begun)}\n")
 
     def close(self) -> None:
         """Stop the thread and take the live line away."""
@@ -138,14 +143,19 @@ class Display:
 
     def clear(self) -> None:
         """Take the live line away, because something else is about to be printed."""
+        # The thread may be drawing at this moment; that takes microseconds.
+        for _ in range(_PATIENT_LOOKS):
+            if not self._ticking:
+                break
+            time.sleep(_LOOK)
         if self._drawn:
             self._drawn = False
             self._put(_CLEAR)
 
     def spoke(self) -> None:
         """Take the live line away and count the silence from now on: somebody is printing a message."""
-        self.clear()
         self._spoken = self._clock()
+        self.clear()
 
     def warn(self, message: str) -> None:
         """Print a warning, unless the command line is to be quiet."""
@@ -162,7 +172,9 @@ class Display:
         due = now - self._spoken >= self._patience
         if not due and not (terminal and self._drawn):
             return
-        line = f"{'; '.join(dict.fromkeys(work.text() for work in works))} ({_duration(now - works[0].begun)})"
+        # Details of the innermost only: on one line there is no room for more.
+        parts = dict.fromkeys([*(shown(work.message) for work in works[:-1]), works[-1].text()])
+        line = f"{'; '.join(parts)} ({_duration(now - works[0].begun)})"
         if terminal:
             self._drawn = True
             self._put(_CLEAR + _cut(line, _columns() - 1))
@@ -173,8 +185,10 @@ class Display:
     def _watch(self, over: threading.Event) -> None:
         while not over.wait(_REDRAW):
             # What draws must never end what works.
+            self._ticking = True
             with contextlib.suppress(Exception):
                 self.tick()
+            self._ticking = False
 
     def _write(self, text: str) -> None:
         self.spoke()
@@ -199,18 +213,19 @@ _display: Display | None = None
 
 
 @contextmanager
-def working(message: str) -> Iterator[Work]:
+def working(message: str, *, often: bool = False) -> Iterator[Work]:
     """Say, if it takes long, that this is being done; the body may add details to what it gets.
 
     Args:
         message: What is being done, such as ``"compiling the simulator"``.
+        often: Whether this is done thousands of times, so that ``--verbose`` and the log leave it out.
     """
     display = _display
     if display is None:
-        _LOGGER.info("%s", message)
+        _LOGGER.log(logging.DEBUG if often else logging.INFO, "%s", message)
         yield Work(message)
         return
-    work = display.begin(message)
+    work = display.begin(message, often=often)
     try:
         yield work
     finally:

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from worldgen.cli.output import CONTROLLER_HELP, emit_json, json_option, shown
+from worldgen.progress import working
 
 __all__ = ["chance"]
 
@@ -47,8 +48,11 @@ def chance(
         scenario = Scenario.of(record.controller, options)
     else:
         raise click.UsageError("give --controller; only a failure's file names its own")
-    found = chance_of(world, scenario.controller, scenario.options(world), most=most or MOST_STATES)
-    counted = {} if found.states else share_that_fails(world, scenario, seeds)
+    with working(f"looking at every draw of {scenario.label()}") as work:
+        found = chance_of(world, scenario.controller, scenario.options(world), most=most or MOST_STATES)
+        if not found.states:
+            work.say(f"too many states; running {seeds} seeds")
+        counted = {} if found.states else share_that_fails(world, scenario, seeds)
     if as_json:
         emit_json(found.as_dict() | counted)
     else:

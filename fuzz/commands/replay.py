@@ -8,6 +8,7 @@ import click
 
 from fuzz.commands._options import output_options
 from worldgen.cli.output import emit_json, force_option, json_option, note, shown
+from worldgen.progress import working
 
 __all__ = ["replay"]
 
@@ -38,14 +39,17 @@ def replay(
 
     reports = Outputs(**outputs, force=force)
     reports.check()
-    results, findings = [], []
+    results: list[dict[str, object]] = []
+    findings: list[Finding] = []
     without = 0
     for path, world in read_worlds(paths):
         if world.failure is None:
             note(f"{shown(path)}: this world holds no failure; worldgen run simulates it")
             without += 1
             continue
-        outcome = replay_failure(world, controller)
+        with working("replaying") as work:
+            work.say(f"{path}, failure {len(results) + 1}")
+            outcome = replay_failure(world, controller)
         results.append({"file": str(path), "verdict": outcome.verdict, "confirmed": outcome.confirmed})
         if not as_json:
             click.echo(

@@ -24,16 +24,12 @@ def report(paths: tuple[Path, ...], out: Path, title: str, force: bool) -> None:
     The page needs no network and no other file. Each failure is run again for it, so the controllers that the files
     name are run. docs/report.md has the whole of it.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     from fuzz.report import write_report
     from worldgen.plain_text import counted
+    from worldgen.progress import working
 
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("failures", total=None)
+    with working(f"writing {out}") as work:
         count = write_report(
-            paths, out, title=title, force=force, progress=lambda done, of: bar.update(task, completed=done, total=of)
+            paths, out, title=title, force=force, progress=lambda done, of: work.count(done, of, "failures")
         )
     note(f"wrote {out}: {counted(count, 'failure')}")

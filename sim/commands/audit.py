@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.progress import working
 
 __all__ = ["audit"]
 
@@ -60,9 +61,10 @@ def audit(
     if picture is not None:
         check_output(picture, force)
     world, trajectory = read_world(world_path), read_trajectory(trajectory_path)
-    result = audit_trajectory(
-        world, trajectory, tolerance=tolerance, slack=slack, straight=straight, from_start=from_start
-    )
+    with working(f"auditing {trajectory_path}"):
+        result = audit_trajectory(
+            world, trajectory, tolerance=tolerance, slack=slack, straight=straight, from_start=from_start
+        )
     if as_json:
         emit_json(as_object(result, tolerance))
     else:

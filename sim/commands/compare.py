@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -11,9 +10,10 @@ from typing import TYPE_CHECKING
 import click
 
 from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from worldgen.progress import working
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from sim.comparison import NamedWorld
     from sim.published import Figure
@@ -85,7 +85,8 @@ def compare(
         raise click.UsageError(f"--picture tells {MAX_CONTROLLERS} controllers apart, not {len(scenarios)}; name fewer")
     worlds = [_with_time(world, figures) for world in _worlds(paths)]
     _note_strangers(figures, worlds, scenarios)
-    comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=_progress())
+    with working("comparing") as work:
+        comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=work.say)
     beside = agreement(comparison, figures) if figures else None
     if as_json:
         emit_json(plain(comparison, beside))
@@ -95,7 +96,9 @@ def compare(
         write_bytes(table, as_csv(comparison).encode(), force=force)
         note(f"wrote {table}")
     if picture is not None:
-        write_bytes(picture, draw_comparison(comparison), force=force)
+        with working(f"drawing {picture}"):
+            drawn = draw_comparison(comparison)
+        write_bytes(picture, drawn, force=force)
         note(f"wrote {picture}")
 
 
@@ -202,10 +205,3 @@ def _note_strangers(figures: Sequence[Figure], worlds: Sequence[NamedWorld], sce
         other = sorted(used - {"", scenario.motion})
         if other:
             note(f"{label} runs under {scenario.motion}, and its published figures are of {', '.join(other)}")
-
-
-def _progress() -> Callable[[str], None] | None:
-    """Progress for a person who watches; nothing for a file."""
-    if not sys.stderr.isatty():
-        return None
-    return lambda done: click.echo(f"\r\x1b[K{done}", nl=False, err=True)

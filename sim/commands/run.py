@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from worldgen.cli.output import CONTROLLER_HELP, emit_json, force_option, json_option, note, write_bytes
+from worldgen.progress import working
 
 if TYPE_CHECKING:
     from sim.episode import Episode
@@ -78,7 +79,7 @@ def run(
             check_output(out, force)
     if trail is not None and trail.suffix not in _PICTURES:
         raise click.UsageError(f"--trail {trail}: name a {', '.join(_PICTURES)} file")
-    with transcribed(scenario.controller, transcript, force=force):
+    with transcribed(scenario.controller, transcript, force=force), working(f"running {scenario.label()} in {path}"):
         episode = simulate(world, scenario.controller, options, record=trail is not None or trace is not None)
     check_contract(scenario.controller, episode.evidence, episode.steps)
     if as_json:
@@ -93,7 +94,9 @@ def run(
         note(f"wrote {trace}")
     if trail is not None:
         title = f"{scenario.label()}, {scenario.motion}: {_sentence(episode)}"
-        write_bytes(trail, _picture(world, episode, title, trail.suffix), force=force)
+        with working(f"drawing {trail}"):
+            picture = _picture(world, episode, title, trail.suffix)
+        write_bytes(trail, picture, force=force)
         note(f"wrote {trail}")
     if episode.verdict != "reached":
         raise SystemExit(1)

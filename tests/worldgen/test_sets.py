@@ -1,6 +1,7 @@
 """Sets of worlds: what is interrupted goes on, what is there is not lost, a manifest gives the set back."""
 
 import hashlib
+import itertools
 import json
 import os
 import shutil
@@ -192,10 +193,10 @@ def test_a_drawn_seed_is_taken_up_again(tmp_path):
 @pytest.mark.parametrize(
     ("other", "lines", "message"),
     [
-        ((), 7, "holds this set already, finished; give --force"),
-        (("--shape", "V"), 4, "holds 3 of 6 worlds of another set: trap from seed 5"),
-        (("--count", 7), 7, "holds 6 of 6 worlds of another set"),
-        (("--seed", 6), 7, "name another place, or give --force to replace it"),
+        ({}, 7, "holds this set already, finished; give --force"),
+        ({"--shape": "V"}, 4, "holds 3 of 6 worlds of another set: trap from seed 5"),
+        ({"--count": 7}, 7, "holds 6 of 6 worlds of another set"),
+        ({"--seed": 6}, 7, "name another place, or give --force to replace it"),
     ],
     ids=["finished", "unfinished", "longer", "elsewhere"],
 )
@@ -203,7 +204,8 @@ def test_what_is_there_is_not_replaced_unasked(traps, other, lines, message):
     manifest = traps / "manifest.jsonl"
     manifest.write_bytes(b"".join(manifest.read_bytes().splitlines(keepends=True)[:lines]))
     before = contents(traps)
-    result = run(*TRAPS, *other, "--out", traps)
+    options = dict(zip(TRAPS[1::2], TRAPS[2::2], strict=True)) | other
+    result = run("trap", *itertools.chain(*options.items()), "--out", traps)
     assert result.code == 2 and message in result.err and contents(traps) == before
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import itertools
-import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +11,7 @@ import click
 
 from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option, shown, write_bytes
 from worldgen.errors import InvalidParameter, OutputError
+from worldgen.progress import working
 
 if TYPE_CHECKING:
     from worldgen.census import Census, CensusOptions
@@ -76,10 +75,14 @@ def census(
     if out is not None:
         _check_folder(out, force=force)
     what = library.CensusOptions(asked, pairs, draw_seed(seed), clear_ends)
-    maps = _maps(sources, what, count, options, cell_size, unknown)
-    with _progress(sum(map(len, maps))) as advance:
+    with working("taking a census") as work:
+        maps = _maps(sources, what, count, options, cell_size, unknown)
+        total, done = sum(map(len, maps)), itertools.count(1)
+        work.count(0, total, "maps")
         keep = None if out is None else _keeper(out, force=force)
-        found = library.take_census(itertools.chain(*maps), what, keep=keep, progress=advance)
+        found = library.take_census(
+            itertools.chain(*maps), what, keep=keep, progress=lambda: work.count(next(done), total, "maps")
+        )
     _check_any(found)
     if as_json:
         emit_json(library.as_json(found))
@@ -172,17 +175,3 @@ def _leave(found: Census) -> None:
         raise click.exceptions.Exit(2)
     if not all(question.proved for question in found.questions):
         raise click.exceptions.Exit(1)
-
-
-@contextmanager
-def _progress(count: int) -> Iterator[Callable[[], None]]:
-    """Gives what to call after each map; a bar on stderr where that is a terminal."""
-    if not sys.stderr.isatty():
-        yield lambda: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("maps", total=count)
-        yield lambda: progress.advance(task)

@@ -28,6 +28,7 @@ def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: b
     from worldgen import testing
     from worldgen.errors import InvalidParameter
     from worldgen.family import FAMILIES
+    from worldgen.progress import working
 
     known = [check.name for check in (*testing.FAMILY_CHECKS, *testing.CHECKS)]
     for word in left_out:
@@ -35,10 +36,14 @@ def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: b
             raise InvalidParameter(f"--except {word}: no check is called so; known: {', '.join(known)}")
     family = FAMILIES.get(name)
     pinned = {}
-    if digests:
-        for case in testing.family_cases(family):
-            pinned[str(next(iter(case.values()), ""))] = testing.layout_digest(family, case)
-    results = list(testing.run_checks(family, without=left_out))
+    results = []
+    with working(f"checking {name}") as work:
+        if digests:
+            for case in testing.family_cases(family):
+                pinned[str(next(iter(case.values()), ""))] = testing.layout_digest(family, case)
+        for found in testing.run_checks(family, without=left_out):
+            results.append(found)
+            work.count(len(results), noun="checks done")
     broken = [found for found in results if found.fault]
     if as_json:
         checks = [{"check": found.check, "case": found.case, "fault": found.fault or None} for found in results]

@@ -37,13 +37,16 @@ def check_scenarios(
     from worldgen.files import check_output
     from worldgen.interop import scenario_check as library
     from worldgen.plain_text import shown_lines
+    from worldgen.progress import working
 
     if table is not None:
         check_output(table, force)
-    found = library.find_scenarios(paths)
-    reports = list(found.refused)
-    for scenario, maps in found.pairs:
-        reports += library.check_scenario(scenario, maps, rows=rows, seed=seed)
+    with working("checking scenarios") as work:
+        found = library.find_scenarios(paths)
+        reports = list(found.refused)
+        for done, (scenario, maps) in enumerate(found.pairs):
+            work.count(done, len(found.pairs), "scenario files")
+            reports += library.check_scenario(scenario, maps, rows=rows, seed=seed)
     if as_json:
         emit_json({**library.total(reports), "reports": [vars(report) for report in reports]})
     else:

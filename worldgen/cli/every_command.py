@@ -1,11 +1,18 @@
-"""What every command has, whoever wrote it: ``--quiet``, ``--verbose``, and no option given twice unnoticed."""
+"""What every command has, whoever wrote it.
+
+That is ``--quiet`` and ``--verbose``, defaults from the project's ``pyproject.toml``, and a refusal of options that are
+given twice.
+"""
 
 from __future__ import annotations
 
+import weakref
 from typing import Any
 
 import click
 
+from worldgen.cli.configuration import FILE, configured
+from worldgen.cli.output import note
 from worldgen.progress import set_verbosity
 
 __all__ = ["QUIET_AND_VERBOSE", "equip"]
@@ -38,6 +45,8 @@ QUIET_AND_VERBOSE: tuple[click.Option, ...] = (
     ),
 )
 
+_EQUIPPED: weakref.WeakSet[click.Command] = weakref.WeakSet()
+
 
 def equip(command: click.Command) -> click.Command:
     """Give a command, and the commands below it, what every command has; a second time changes nothing."""
@@ -45,15 +54,29 @@ def equip(command: click.Command) -> click.Command:
         for below in command.commands.values():
             equip(below)
         return command
-    taken = {flag for parameter in command.params for flag in (*parameter.opts, *parameter.secondary_opts)}
-    if not any(option in command.params for option in QUIET_AND_VERBOSE):
-        command.params += [option for option in QUIET_AND_VERBOSE if taken.isdisjoint(option.opts)]
-        _refuse_repetition(command)
+    if command not in _EQUIPPED:
+        _EQUIPPED.add(command)
+        _add_options(command)
+        _watch_parser(command)
     return command
 
 
-def _refuse_repetition(command: click.Command) -> None:
-    """Make the command refuse an option that takes one value and is given twice: click would take the last."""
+def _add_options(command: click.Command) -> None:
+    """Let the command take our options too; its own ``params`` stay what its author wrote."""
+    get_params = command.get_params
+    taken = {flag for parameter in command.params for flag in (*parameter.opts, *parameter.secondary_opts)}
+    ours = [option for option in QUIET_AND_VERBOSE if taken.isdisjoint(option.opts)]
+
+    def with_ours(context: click.Context) -> list[click.Parameter]:
+        found = get_params(context)
+        own = len(command.params)  # click adds --help behind them
+        return [*found[:own], *ours, *found[own:]]
+
+    command.get_params = with_ours  # type: ignore[method-assign, assignment]
+
+
+def _watch_parser(command: click.Command) -> None:
+    """Look at what was typed before click does: it would take the last of two values."""
     make_parser = command.make_parser
 
     def strict_parser(context: click.Context) -> Any:
@@ -62,18 +85,44 @@ def _refuse_repetition(command: click.Command) -> None:
 
         def parse(args: list[str]) -> Any:
             opts, rest, order = parse_args(args)
-            seen: set[str | None] = set()
-            for parameter in order:
-                if parameter.name in seen and _has_one_value(parameter):
-                    flag = max(parameter.opts, key=len)
-                    raise click.UsageError(f"{flag} is given twice; give it once", context)
-                seen.add(parameter.name)
+            _refuse_repetition(order, context)
+            if not context.resilient_parsing:
+                given = {parameter.name for parameter in order if parameter.name is not None}
+                context.default_map = _defaults(command, context, given, aloud="verbose" in opts)
             return opts, rest, order
 
         parser.parse_args = parse  # type: ignore[method-assign]
         return parser
 
     command.make_parser = strict_parser  # type: ignore[method-assign, assignment]
+
+
+def _refuse_repetition(order: list[click.Parameter], context: click.Context) -> None:
+    seen: set[str | None] = set()
+    for parameter in order:
+        if parameter.name in seen and _has_one_value(parameter):
+            flag = next((name for name in parameter.opts if name.startswith("--")), parameter.opts[0])
+            several = "; worldgen compare runs several" if flag == "--controller" else ""
+            raise click.UsageError(f"{flag} is given twice; give it once{several}", context)
+        seen.add(parameter.name)
+
+
+def _defaults(command: click.Command, context: click.Context, given: set[str], *, aloud: bool) -> dict[str, Any]:
+    """What the project's file says of the command's options; with ``--verbose`` that is printed."""
+    group = context.find_root().command
+    names: list[str] = []
+    at: click.Context | None = context
+    while at is not None and at.parent is not None:
+        names.insert(0, at.info_name or "")
+        at = at.parent
+    path = tuple(names)
+    if not isinstance(group, click.Group) or not path:
+        return {}
+    found = configured(command.get_params(context), path, given, group.list_commands(context))
+    for name, value in found.items() if aloud else ():
+        if name not in given:
+            note(f"{FILE}: {name.replace('_', '-')} = {value}")
+    return found
 
 
 def _has_one_value(parameter: click.Parameter) -> bool:

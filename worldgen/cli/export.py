@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.progress import working
 
 if TYPE_CHECKING:
     from worldgen import interop
@@ -62,15 +63,16 @@ def export(
     from worldgen import interop
     from worldgen.grid_file import read_world
 
-    export = interop.export_world(
-        read_world(world),
-        name or interop.guess_format(out.name),
-        file=out.name,
-        options={} if noise is None else {"noise": "on" if noise else "off"},
-        at=at,
-        origin=None if origin is None else _origin(origin),
-        sidecar=sidecar,
-    )
+    with working(f"exporting {world}"):
+        export = interop.export_world(
+            read_world(world),
+            name or interop.guess_format(out.name),
+            file=out.name,
+            options={} if noise is None else {"noise": "on" if noise else "off"},
+            at=at,
+            origin=None if origin is None else _origin(origin),
+            sidecar=sidecar,
+        )
     paths = interop.write_export(export, out.parent, force=force)
     kept = [f"the exact values are in {export.sidecar}"] if export.sidecar else []
     for sentence in (*export.lost, *kept, *export.notes):

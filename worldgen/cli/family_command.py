@@ -10,9 +10,11 @@ import click
 
 from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option
 from worldgen.cli.wished_worlds import WISH_OPTIONS, given_parameters, make_wished
+from worldgen.progress import working
 
 if TYPE_CHECKING:
     from worldgen.family import Family, Parameter
+    from worldgen.progress import Work
     from worldgen.world import Value, Witness, World
 
 __all__ = ["command_of", "family_command"]
@@ -137,12 +139,14 @@ def _make_one(
 ) -> None:
     from worldgen.grid_file import dumps, write_world
 
-    world = _made(made_by, seed, params, metrics=metrics)
-    if out is not None:
-        write_world(world, out, force=force)
-    elif not as_json:
-        click.echo(dumps(world).decode(), nl=False)
-    result = _result(world, out)
+    with working(f"making a world of {made_by.name}") as work:
+        world = _made(made_by, seed, params, work, metrics=metrics)
+        if out is not None:
+            work.say(f"writing {out}")
+            write_world(world, out, force=force)
+        text = "" if as_json or out is not None else dumps(world).decode()
+        result = _result(world, out)
+    click.echo(text, nl=False)
     note(
         (f"{out}: " if out is not None else "") + f"{made_by.name} {world.width} x {world.height} cells, "
         f"witness {result['witness_length']:.4g} m in {result['witness_time']:.4g} s, seed {seed}"
@@ -155,9 +159,10 @@ def _identity(made_by: Family, seed: int, params: dict[str, Value]) -> dict[str,
     return {"family": made_by.name, "version": made_by.version, "seed": seed, "params": made_by.complete(params)}
 
 
-def _made(made_by: Family, seed: int, params: dict[str, Value], *, metrics: bool | None) -> World:
+def _made(made_by: Family, seed: int, params: dict[str, Value], work: Work, *, metrics: bool | None) -> World:
     from worldgen.generation import generate
 
+    work.say("drawing it and proving that its target can be reached")
     world = generate(made_by, seed, **params)
     if metrics is None and world.walls.size > _MEASURED:
         note(f"{world.width} x {world.height} cells are not measured unasked; --metrics does")
@@ -166,6 +171,7 @@ def _made(made_by: Family, seed: int, params: dict[str, Value], *, metrics: bool
         return world
     from worldgen.difficulty import with_metrics
 
+    work.say("measuring it; --no-metrics leaves that out")
     return with_metrics(world)
 
 

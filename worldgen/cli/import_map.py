@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from worldgen.cli.output import emit_json, force_option, json_option, note
+from worldgen.progress import working
 
 __all__ = ["import_map"]
 
@@ -70,7 +71,8 @@ def import_map(
         radius, speed, scen, row, seed,
     )  # fmt: skip
     asked = {option: value for option, value in (("cell_size", cell_size), ("unknown", unknown)) if value is not None}
-    imported = interop.import_world(path, robot, name=name, options=asked)
+    with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
+        imported = interop.import_world(path, robot, name=name, options=asked)
     write_world(imported.world, out, force=force)
     for sentence in imported.notes:
         note(sentence)

@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from worldgen.cli.output import emit_json, json_option, shown
+from worldgen.progress import working
 
 __all__ = ["measure"]
 
@@ -33,8 +34,10 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
         raise click.UsageError("--csv and --json are two forms of the same; give one of them")
     results: list[tuple[Path, dict[str, float]]] = []
     try:
-        for path, world in read_worlds(paths):
-            results.append((path, measured(world).as_dict()))
+        with working("measuring") as work:
+            for path, world in read_worlds(paths):
+                work.say(f"{path}, world {len(results) + 1}")
+                results.append((path, measured(world).as_dict()))
     finally:  # what was measured is told, whatever ends the work
         if results:
             _tell(results, as_csv=as_csv, as_json=as_json)

@@ -21,6 +21,7 @@ __all__ = [
     "force_option",
     "json_option",
     "note",
+    "say",
     "seed_option",
     "shown",
     "write_bytes",
@@ -52,6 +53,12 @@ def note(message: str, *, always: bool = False) -> None:
     if always or not is_quiet():
         spoke()
         click.echo(shown_lines(message), err=True)
+
+
+def say(text: str, *, nl: bool = True, color: bool | None = None) -> None:
+    """Print a result on stdout while slow work is under way: what shows progress makes room for it."""
+    spoke()
+    click.echo(text, nl=nl, color=color)
 
 
 def emit_json(result: Mapping[str, Any]) -> None:

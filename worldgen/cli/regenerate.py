@@ -9,6 +9,7 @@ import click
 
 from worldgen.cli.output import emit_json, force_option, json_option, note
 from worldgen.errors import OutputError
+from worldgen.progress import working
 
 if TYPE_CHECKING:
     from worldgen.sets import Manifest
@@ -61,7 +62,8 @@ def regenerate(
 def _check(path: Path, place: Path, manifest: Manifest, *, as_json: bool) -> None:
     from worldgen.sets import check_set
 
-    differences = check_set(place, manifest)
+    with working(f"checking {place} against its manifest"):
+        differences = check_set(place, manifest)
     if as_json:
         found = [{"kind": difference.kind, "file": difference.file} for difference in differences]
         _emit(path, place, manifest, made=0, ok=not found, differences=found)

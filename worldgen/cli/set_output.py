@@ -1,16 +1,16 @@
-"""What the commands that make sets of worlds share: a bar, what an interruption leaves, one object of JSON."""
+"""What the commands that make sets share: how far they are, what an interruption leaves, one object of JSON."""
 
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from worldgen.cli.output import draw_seed, emit_json, note
 from worldgen.errors import OutputError, WorldgenError
+from worldgen.progress import working
 
 if TYPE_CHECKING:
     from worldgen.sets import SetPlan, WishedPlan
@@ -70,19 +70,19 @@ def workers_for(count: int, workers: int | None) -> int:
 
 @contextmanager
 def told(out: Path, count: int, *, force: bool) -> Iterator[Callable[[int], None]]:
-    """Gives what to call with the number of worlds that are safe; tells it when the work ends early.
+    """Give what to call with the number of worlds that are safe; say that number if the work ends early.
 
-    A bar with the rate is on stderr where that is a terminal. With ``force`` the same command would begin anew.
+    With ``force`` the same command would begin again from nothing.
     """
     safe = -1
-    with _bar(count) as show:
+    with working(f"writing {out}") as work:
 
         def progress(done: int) -> None:
             nonlocal safe
             if safe < 0 < done:
                 note(f"{out}: {done} of {count} worlds are there already; going on")
             safe = done
-            show(done)
+            work.count(done, count, "worlds")
 
         try:
             yield progress
@@ -102,29 +102,3 @@ def _going_on(out: Path, *, force: bool) -> str:
         return "; the same command goes on from there"
     moved = f", once {out} is moved away," if out.is_file() else ""
     return f"; the same command without --force{moved} goes on from there"
-
-
-@contextmanager
-def _bar(count: int) -> Iterator[Callable[[int], None]]:
-    if not sys.stderr.isatty():
-        yield lambda done: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
-    from rich.text import Text
-
-    class Rate(ProgressColumn):
-        def render(self, task: Any) -> Text:
-            return Text(f"{task.speed or 0.0:,.0f} worlds/s")
-
-    columns = (TextColumn("worlds"), BarColumn(), MofNCompleteColumn(), Rate(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("worlds", total=count)
-        first = True
-
-        def show(done: int) -> None:
-            nonlocal first
-            progress.reset(task, completed=done) if first else progress.update(task, completed=done)
-            first = False
-
-        yield show

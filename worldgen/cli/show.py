@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from worldgen.cli.output import force_option, note, write_bytes
+from worldgen.progress import working
 
 if TYPE_CHECKING:
     from worldgen.world import FailureRecord
@@ -52,7 +53,8 @@ def show(
     world = read_world(path)
 
     def look(draw: Callable[..., T]) -> T:
-        return draw(world, signal=signal, witness=witness, title=path.name, pixels=pixels)
+        with working(f"drawing {path}"):
+            return draw(world, signal=signal, witness=witness, title=path.name, pixels=pixels)
 
     pictures: list[tuple[Path, bytes]] = []
     if png is not None:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import emit_json, json_option, shown
+from worldgen.cli.output import emit_json, json_option, say, shown
+from worldgen.progress import working
 
 if TYPE_CHECKING:
     from worldgen.world import Witness, World
@@ -39,13 +40,16 @@ def verify(paths: tuple[Path, ...], radius: float | None, widest: bool, deadline
     from worldgen.reach import widest_disc
     from worldgen.world_files import read_worlds
 
-    results = []
-    for path, world in read_worlds(paths):
-        results.append({"path": str(path), **verify_world(world, radius, deadline)})
-        if widest:
-            results[-1]["widest"] = widest_disc(world)
-        if not as_json:
-            click.echo(_line(results[-1]))
+    results: list[dict[str, Any]] = []
+    with working("verifying") as work:
+        for path, world in read_worlds(paths):
+            work.say(f"{path}, world {len(results) + 1}")
+            results.append({"path": str(path), **verify_world(world, radius, deadline)})
+            if widest:
+                work.say(f"{path}: looking for the largest disc that could pass")
+                results[-1]["widest"] = widest_disc(world)
+            if not as_json:
+                say(_line(results[-1]))
     if as_json:
         emit_json(results[0] if len(results) == 1 else {"files": results})
     if not all(result["certificate_valid"] for result in results):

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import shlex
-import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from worldgen.cli.output import draw_seed, emit_json, note
+from worldgen.cli.output import draw_seed, emit_json, note, say
 from worldgen.cli.set_output import make_many
 from worldgen.errors import GenerationFailed
+from worldgen.progress import working
 
 if TYPE_CHECKING:
     from worldgen.difficulty.search import Nearest, Search
@@ -73,12 +72,12 @@ def make_wished(
     search: Search | None = None
     results: list[dict[str, Any]] = []
     try:
-        with _told(wish.text) as told:
+        with working(f"searching for {wish.text}") as work:
 
             def progress(now: Search) -> None:
                 nonlocal search
                 search = now
-                told(now)
+                work.say(lambda: _how_near(now))
 
             if count is not None and out is not None:
                 plan = plan_wished_set(
@@ -115,7 +114,7 @@ def _write(
     if file is not None:
         write_world(world, file, force=force)
     elif not as_json:
-        click.echo(dumps(world).decode(), nl=False)
+        say(dumps(world).decode(), nl=False)
     values = ", ".join(f"{metric} {value:g}" for metric, value in one.metrics.items())
     again = _command(name, one.seed, {**params, **one.params})
     note((f"{file}: " if file is not None else "") + f"fits at try {one.number}: {values}\n  made again by: {again}")
@@ -143,19 +142,9 @@ def _nearest(search: Search | None) -> dict[str, Any] | None:
     return None if near is None else {"seed": near.seed, "params": near.params, "metrics": near.metrics}
 
 
-@contextmanager
-def _told(wish: str) -> Iterator[Callable[[Search], None]]:
-    """Gives what to call after each try; one line on stderr that says how near the search is, if that is a terminal."""
-    if not sys.stderr.isatty():
-        yield lambda search: None
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status(f"searching: {wish}") as status:
-
-        def progress(search: Search) -> None:
-            near = search.nearest
-            values = "" if near is None else ", ".join(f"{name} {value:g}" for name, value in near.metrics.items())
-            status.update(f"{search.tried} worlds tried; nearest: {values}")
-
-        yield progress
+def _how_near(search: Search) -> str:
+    near = search.nearest
+    values = (
+        "" if near is None else "; nearest: " + ", ".join(f"{name} {value:g}" for name, value in near.metrics.items())
+    )
+    return f"{search.tried:,} worlds tried{values}"

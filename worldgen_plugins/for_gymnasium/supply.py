@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -93,9 +93,17 @@ class Supply:
             self._made.append(next(self._more))
         return self._made[index]
 
-    def all(self) -> Sequence[World]:
-        """All worlds, made if they are not yet."""
-        return [self[k] for k in range(len(self))]
+    def all(self, progress: Callable[[int], None] = lambda done: None) -> Sequence[World]:
+        """Return all worlds, made if they are not yet.
+
+        Args:
+            progress: Called with the number of worlds that are there.
+        """
+        worlds = []
+        for index in range(len(self)):
+            progress(index)
+            worlds.append(self[index])
+        return worlds
 
 
 def _read_one(given: object) -> list[World]:

@@ -13,6 +13,7 @@ from gymnasium.vector.utils import batch_space
 
 from sim.run_options import whole
 from worldgen.errors import InvalidParameter
+from worldgen.progress import working
 from worldgen_plugins.for_gymnasium.actions import checked_actions
 from worldgen_plugins.for_gymnasium.interface import Interface
 from worldgen_plugins.for_gymnasium.kernels import layout as at
@@ -97,7 +98,8 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if supply is not self._supply or not self._lockstep.worlds:
             if not which.all():
                 raise InvalidParameter("a reset of some robots cannot change the worlds of all; leave reset_mask out")
-            self._lockstep.load(supply.all())
+            with working(f"preparing {len(supply):,} worlds for {self.num_envs:,} robots") as work:
+                self._lockstep.load(supply.all(lambda done: work.count(done, len(supply), "worlds")))
             self._supply = supply
         self._number_episodes(_seeds_of(seed, self.num_envs), which)
         told = self._lockstep.begin_many(which)

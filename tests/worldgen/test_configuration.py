@@ -1,0 +1,149 @@
+"""``[tool.worldgen]`` of a project's ``pyproject.toml`` gives options their defaults."""
+
+import json
+import os
+
+import pytest
+
+from tests.helpers.command_line import worldgen
+from worldgen.cli import configuration
+
+BLIND = """
+class Robot:
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        return (1.0, 0.0), memory
+"""
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A folder with a controller, and what writes its ``pyproject.toml``."""
+    (tmp_path / "robot.py").write_text(BLIND)
+    monkeypatch.chdir(tmp_path)
+    configuration._project.cache_clear()
+
+    def write(text):
+        (tmp_path / "pyproject.toml").write_text(text)
+        configuration._project.cache_clear()
+        return tmp_path
+
+    yield write
+    configuration._project.cache_clear()
+
+
+def made(*options):
+    result = worldgen("trap", *options, "--json", "--no-metrics", "--out", "w.grid", "--force")
+    assert result.code == 0, result.err
+    return json.loads(result.out)
+
+
+def test_a_configured_value_is_a_default(project):
+    project("[tool.worldgen.trap]\nseed = 5\nsize = 40\n")
+    world = made()
+    assert (world["seed"], world["params"]["size"]) == (5, 40)
+
+
+def test_the_command_line_wins(project):
+    project("[tool.worldgen.trap]\nseed = 5\n")
+    assert made("--seed", 6)["seed"] == 6
+
+
+def test_a_command_reads_its_own_table_only(project):
+    project("[tool.worldgen.maze]\nseed = 5\n")
+    assert made("--seed", 1)["seed"] == 1
+
+
+def test_paths_and_controllers_are_relative_to_the_file(project, monkeypatch):
+    folder = project('[tool.worldgen.run]\ncontroller = "robot.py:Robot+sensor_noise=0.1"\ntrace = "out/t.csv"\n')
+    (folder / "out").mkdir()
+    (folder / "below").mkdir()
+    made("--seed", 1)
+    monkeypatch.chdir(folder / "below")
+    assert worldgen("run", "../w.grid", "--steps", 5).code == 1
+    assert (folder / "out/t.csv").is_file()
+
+
+def test_a_single_value_stands_for_a_list_of_one(project):
+    project('[tool.worldgen.regenerate]\nfamily = "maze"\n')
+    result = worldgen("regenerate", ".")
+    assert "family" not in result.err
+
+
+def test_one_of_two_options_that_exclude_each_other_puts_the_configured_one_aside(project):
+    project('[tool.worldgen.fuzz]\nbudget = "60s"\nworkers = 1\n')
+    result = worldgen("fuzz", "--controller", "turn-left", "--units", 1, "--out", "robot.py")
+    assert "not both" not in result.err
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("[tool.worldgen.trap]\nsied = 1\n", "sied: no option is called so; known: "),
+        ("[tool.worldgen.trpa]\nseed = 1\n", "[tool.worldgen.trpa] is no command; known: "),
+        ("[tool.worldgen]\nseed = 1\n", "write it into a command's table"),
+        ("[tool.worldgen.trap]\nseed = [1, 2]\n", "this option takes one value"),
+        ("[tool.worldgen.trap]\nforce = 1\n", "write true or false"),
+        ("[tool.worldgen.trap]\nseed = true\n", "write a text or a number"),
+        ("[tool.worldgen.trap]\nseed = 1979-05-27\n", "write a text, a number, or true or false"),
+        ("[tool.worldgen.trap\nseed = 1\n", "is not TOML"),
+        ('[tool.worldgen.trap]\nseed = "much"\n', "much"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(project, text, fault):
+    project(text)
+    result = worldgen("trap", "--out", "w.grid")
+    assert (result.code, fault in result.err) == (2, True), result.err
+
+
+def test_another_programs_broken_file_is_passed_over(project):
+    project("[tool.other\nuses = 'worldgen'\n")
+    assert made("--seed", 1)["seed"] == 1
+
+
+def test_verbose_says_what_came_from_the_file(project):
+    project("[tool.worldgen.trap]\nseed = 5\nsize = 40\n")
+    result = worldgen("trap", "--out", "w.grid", "--size", 30, "-v")
+    assert "pyproject.toml: seed = 5\n" in result.err
+    assert "size" not in result.err
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners are checked on POSIX")
+def test_a_file_that_a_stranger_put_above_the_folder_is_not_read(project, monkeypatch, tmp_path):
+    folder = project("[tool.worldgen.trap]\nseed = 5\n")
+    (folder / "mine").mkdir()
+    monkeypatch.chdir(folder / "mine")
+    monkeypatch.setattr(configuration, "_has_same_owner", lambda file, here: False)
+    assert made("--seed", 1)["seed"] == 1
+    assert worldgen("trap", "--json").out.find('"seed": 5,') < 0
+
+
+@pytest.mark.parametrize("flags", [("--seed", "1", "--seed", "2"), ("--metrics", "--no-metrics")])
+def test_an_option_that_is_given_twice_is_refused(flags):
+    result = worldgen("trap", *flags)
+    assert (result.code, "is given twice; give it once" in result.err) == (2, True)
+
+
+def test_run_with_two_controllers_points_to_compare():
+    result = worldgen("run", "w.grid", "--controller", "turn-left", "--controller", "turn-right")
+    assert (result.code, "worldgen compare runs several" in result.err) == (2, True)
+
+
+def test_an_option_that_may_be_repeated_may_be():
+    assert "given twice" not in worldgen("fuzz", "--controller", "turn-left", "--family", "a", "--family", "b").err
+
+
+def test_a_switch_that_is_given_twice_says_the_same():
+    assert worldgen("trap", "--seed", 1, "--json", "--json").code == 0
+
+
+def test_a_quiet_command_prints_results_only(tmp_path):
+    result = worldgen("trap", "--seed", 1, "--out", tmp_path / "w.grid", "--quiet")
+    assert (result.code, result.out, result.err) == (0, "", "")
+
+
+def test_a_quiet_command_still_prints_errors_and_the_drawn_seed(tmp_path):
+    assert worldgen("trap", "-q", "--out", tmp_path / "w.grid").err.startswith("seed ")
+    assert "already" in worldgen("trap", "-q", "--seed", 1, "--out", tmp_path / "w.grid").err

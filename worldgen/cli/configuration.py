@@ -1,0 +1,147 @@
+"""Defaults of options from ``[tool.worldgen]`` of the project's ``pyproject.toml``; docs/configuration.md."""
+
+from __future__ import annotations
+
+import functools
+import os
+import re
+import tomllib
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
+
+from worldgen.errors import InvalidParameter
+from worldgen.progress import say_once
+
+__all__ = ["FILE", "configured"]
+
+FILE = "pyproject.toml"
+# Options that name code in a file, such as ./robot.py:Robot, beside those that are paths.
+_CODE = ("controller", "controllers", "families", "oracles")
+# Of these at most one can be given; one on the command line puts the others' configured values aside.
+_EITHER = (
+    ("budget", "units"),
+    ("scheduler", "workers"),
+    ("world", "families"),
+    ("world", "lanes"),
+    ("begin", "families"),
+)
+_IN_A_FILE = re.compile(r"(?P<file>[^:+=]+\.(py|toml))(?P<rest>([:+=].*)?)", re.DOTALL)
+
+
+class _Project(NamedTuple):
+    """The file that configures a project, and its table."""
+
+    file: Path
+    table: Mapping[str, Any]
+
+
+def configured(
+    parameters: Collection[click.Parameter], path: tuple[str, ...], given: Collection[str], known: Collection[str]
+) -> dict[str, Any]:
+    """Return the defaults that the project's file gives a command's options, by the names of its parameters.
+
+    Args:
+        parameters: The command's.
+        path: The command's name, after those of the groups that it is in: ``("corpus", "show")``.
+        given: Names of the parameters that the command line gives.
+        known: Names of all commands.
+
+    Raises:
+        InvalidParameter: If the file cannot be read, or names a command or an option that does not exist.
+    """
+    project = _project(Path.cwd())
+    if project is None:
+        return {}
+    table: Any = project.table
+    for name, value in table.items():
+        if not isinstance(value, dict):
+            raise InvalidParameter(
+                f"{project.file}: {name!r} is in [tool.worldgen] itself; write it into a command's table, such as "
+                "[tool.worldgen.run]"
+            )
+        if name not in known and not name.endswith(".toml") and ":" not in name:
+            raise InvalidParameter(
+                f"{project.file}: [tool.worldgen.{name}] is no command; known: {', '.join(sorted(known))}"
+            )
+    for name in path:
+        table = table.get(name, {})
+        if not isinstance(table, dict):
+            return {}
+    where = f"{project.file}: [tool.worldgen.{'.'.join(path)}]"
+    values = dict(_value_of(parameters, key, value, project.file.parent, where) for key, value in table.items())
+    crowded_out = {name for pair in _EITHER for name in pair if any(other in given for other in pair if other != name)}
+    return {name: value for name, value in values.items() if name not in crowded_out}
+
+
+def _value_of(
+    parameters: Collection[click.Parameter], key: str, value: object, folder: Path, where: str
+) -> tuple[str, Any]:
+    """The parameter's name, and its value as the command line would give it."""
+    options = {
+        flag.removeprefix("--"): option
+        for option in parameters
+        if isinstance(option, click.Option)
+        for flag in option.opts
+        if flag.startswith("--")
+    }
+    option = options.get(key.replace("_", "-"))
+    if option is None or option.name is None:
+        raise InvalidParameter(f"{where} {key}: no option is called so; known: {', '.join(sorted(options))}")
+    values = value if isinstance(value, list) else [value]
+    if isinstance(value, list) and not option.multiple:
+        raise InvalidParameter(f"{where} {key}: this option takes one value; write {key} = ...")
+    if any(not isinstance(one, str | int | float) for one in values):
+        raise InvalidParameter(f"{where} {key}: write a text, a number, or true or false")
+    if option.is_flag != all(isinstance(one, bool) for one in values):
+        raise InvalidParameter(f"{where} {key}: write {'true or false' if option.is_flag else 'a text or a number'}")
+    if isinstance(option.type, click.Path):
+        values = [_from_here(str(one), folder) for one in values]
+    elif option.name in _CODE:
+        values = [_code_from_here(str(one), folder) for one in values]
+    return option.name, values if option.multiple else values[0]
+
+
+def _from_here(path: str, folder: Path) -> str:
+    """A path that the file gives, as seen from the working directory."""
+    there = Path(path).expanduser()
+    return str(there) if there.is_absolute() else os.path.relpath(folder / there)
+
+
+def _code_from_here(text: str, folder: Path) -> str:
+    found = _IN_A_FILE.fullmatch(text)
+    return text if found is None else _from_here(found["file"], folder) + found["rest"]
+
+
+@functools.cache
+def _project(folder: Path) -> _Project | None:
+    """The nearest file at or above a folder that has a table for us."""
+    for place in (folder, *folder.parents):
+        file = place / FILE
+        try:
+            text = file.read_text("utf-8")
+        except (OSError, UnicodeDecodeError):
+            continue
+        if "worldgen" not in text:
+            continue
+        try:
+            table = tomllib.loads(text).get("tool", {}).get("worldgen")
+        except tomllib.TOMLDecodeError as error:
+            if "[tool.worldgen" in text:
+                raise InvalidParameter(f"{file} is not TOML: {error}; mend it") from None
+            continue
+        if isinstance(table, dict):
+            if place != folder and not _has_same_owner(file, folder):
+                say_once(f"{file} belongs to another user and is not read; copy its [tool.worldgen] into {folder}")
+                return None
+            return _Project(file, table)
+    return None
+
+
+def _has_same_owner(file: Path, folder: Path) -> bool:
+    """Return True if nobody else could have put this file above our folder: what it names is run."""
+    if not hasattr(os, "geteuid"):
+        return True
+    return file.stat().st_uid in (0, os.geteuid(), folder.stat().st_uid)
