@@ -41,7 +41,7 @@ from worldgen.errors import WorldgenError
 from worldgen.grid_file import write_world
 from worldgen.world import World
 
-__all__ = ["Limits", "Row", "controller_name", "look_for", "removable_cells", "tables", "tells"]
+__all__ = ["Limits", "Row", "controller_name", "look_for", "removable_cells", "shows", "tables", "tells"]
 
 EXAMPLES = 1  # of a unit, so that it is known which world it was
 _FAILURES_ALONE = ("native", "archive", "boundary")  # lanes that ask no oracle about a run that arrives
@@ -138,7 +138,7 @@ def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Ro
     cpu, wall, worlds, steps, found = time.process_time(), time.monotonic(), 0, 0, None
     for result in _units(searcher, config):
         worlds, steps = worlds + result.worlds, steps + result.steps
-        found = next((world for world in result.failures.values() if _is_it(fault, world)), None)
+        found = next((world for world in result.failures.values() if shows(fault, world)), None)
         spent = time.process_time() - cpu
         if found or steps >= limits.steps or spent >= limits.seconds:
             break
@@ -163,7 +163,7 @@ def _units(searcher: str, config: CampaignConfig) -> Iterator[UnitResult]:
         yield result
 
 
-def _is_it(fault: Fault, world: World) -> bool:
+def shows(fault: Fault, world: World) -> bool:
     """Whether a failure shows the fault, and comes again."""
     record = world.failure
     return record is not None and record.verdict == fault.expected and tells(fault, world) and replay(world).confirmed
@@ -186,7 +186,7 @@ def _shrunk(row: Row, fault: Fault, found: World) -> tuple[Row, World]:
         shrink_seconds=round(spent, 4),
         one_minimal=bool(details.get("one_minimal")),
         removable=removable_cells(small),
-        shrunk_tells=_is_it(fault, small),
+        shrunk_tells=shows(fault, small),
     )
     return row, small
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import io
 import math
 import pickle
@@ -11,7 +12,7 @@ import re
 import struct
 import sys
 import types
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -32,7 +33,7 @@ from worldgen.neighbours import neighbours_of
 from worldgen.progress import working
 from worldgen.world import World
 
-__all__ = ["PythonLoop", "hidden_state"]
+__all__ = ["PythonLoop", "driver_of", "hidden_state", "memory_at_start", "plans"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -97,7 +98,8 @@ class PythonLoop:
 
     def _guarded(self, steps: int, record: bool) -> None:
         try:
-            self._episode(flat_memory(self._reset()), steps, record)
+            world = self._world if plans(self._controller) else None
+            self._episode(memory_at_start(self._controller, world), steps, record)
         except Misbehaviour as fault:
             self.fault = fault
         except (KeyboardInterrupt, WantsMemory):
@@ -106,15 +108,6 @@ class PythonLoop:
             text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
             text = text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
             self.fault = Misbehaviour("crash", text, crash_facts(error, self._controller))
-
-    def _reset(self) -> Memory:
-        """Memory at the start; who plans gets the world as anybody would find it, without its proof."""
-        controller: Any = self._controller
-        if isinstance(controller, VectorController) or not wants_world(controller):
-            memory: Memory = controller.reset()
-            return memory
-        planned: Memory = controller.reset(replace(self._world, certificate=None, provenance=None, failure=None))
-        return planned
 
     def _episode(self, memory: Memory, steps: int, record: bool) -> None:
         """Lets the kernel stop in each step, and the controller act."""
@@ -129,14 +122,43 @@ class PythonLoop:
         stops = lattice_steps(self._arena, self._settings, self._scales, start, room, robot, self._rows, self._path)
         with working("running the controller", often=True) as work:
             work.say(lambda: f"step {robot.counts[layout.OUT_STEPS]:,} of at most {steps:,}")
-            if isinstance(self._controller, VectorController):
-                _act_as_one_of_many(self._controller, stops, room)
-            else:
-                _act(self._controller, stops, room, memory)
+            driver_of(self._controller)(stops, room, memory)
 
 
-def _act(controller: PythonController, stops: Iterable[int], room: Room, memory: Memory) -> None:
-    """Asks a Python class wherever the kernel stops."""
+def plans(controller: PythonController | VectorController) -> bool:
+    """Return True if a controller's ``reset`` wants the world."""
+    return not isinstance(controller, VectorController) and wants_world(controller)
+
+
+def memory_at_start(controller: PythonController | VectorController, world: World | None) -> Memory:
+    """Reset a controller and return its memory as floats.
+
+    Args:
+        controller: The controller.
+        world: The world of the episode, for a controller that plans; it gets it without its proof.
+
+    Raises:
+        TypeError: If the memory is not a tuple of numbers.
+    """
+    resetting: Any = controller
+    if world is None:
+        return flat_memory(resetting.reset())
+    return flat_memory(resetting.reset(replace(world, certificate=None, provenance=None, failure=None)))
+
+
+def driver_of(controller: PythonController | VectorController) -> Callable[[Iterable[int], Room, Memory], Memory]:
+    """Return what lets a controller act wherever a kernel stops.
+
+    It takes the kernel's generator, in each of whose steps the controller is to act, the room that the kernel observes
+    into and takes memory and command from, and the controller's memory; it returns the memory after the last step.
+    """
+    if isinstance(controller, VectorController):
+        return functools.partial(_act_as_one_of_many, controller)
+    return functools.partial(_act, controller)
+
+
+def _act(controller: PythonController, stops: Iterable[int], room: Room, memory: Memory) -> Memory:
+    """Ask a Python class wherever the kernel stops; return its last memory."""
     size, act = len(memory), controller.act
     observation, floats = room.observation, struct.Struct(f"{size}d")
     kept, command = room.memory.data, room.command.data
@@ -154,15 +176,17 @@ def _act(controller: PythonController, stops: Iterable[int], room: Room, memory:
             floats.pack_into(kept, 0, *flat_memory(after, size))
         memory = floats.unpack_from(kept)  # plain floats, also of what had been whole or NumPy's
         _write_command(asked, command)
+    return memory
 
 
-def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room: Room) -> None:
-    """The same for a controller of many robots, of which there is one."""
-    seen, memory, command = room.observation[np.newaxis], room.memory[np.newaxis], room.command[np.newaxis]
-    after = memory.copy()
+def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room: Room, memory: Memory) -> Memory:
+    """The same for a controller of many robots, of which there is one; the kernel keeps its memory."""
+    seen, kept, command = room.observation[np.newaxis], room.memory[np.newaxis], room.command[np.newaxis]
+    after = kept.copy()
     for _ in stops:
-        ask(controller, seen, memory, command, after)
-        memory[...] = after
+        ask(controller, seen, kept, command, after)
+        kept[...] = after
+    return memory
 
 
 def _write_command(asked: Command, command: memoryview) -> None:

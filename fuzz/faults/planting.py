@@ -30,12 +30,14 @@ class Fault(CompiledController):
         base: The controller without it.
         expected: The verdict to which it leads where the base arrives.
         variations: Of the run, as behind a controller's name: ``+motion=endpoint``.
+        plain: ``act`` as Python, for who wants it interpreted.
     """
 
     sentence: str = ""
     base: CompiledController | None = None
     expected: str = ""
     variations: str = ""
+    plain: Act | None = None
 
 
 @kernel
@@ -69,6 +71,9 @@ def seeded(
         def act(observation: Floats, memory: Floats, command: Floats) -> None:
             deviate(observation, memory, command, base_act)
 
+        def plain(observation: Floats, memory: Floats, command: Floats) -> None:
+            deviation(observation, memory, command, getattr(base.act, "py_func", base.act))
+
         return Fault(
             name=getattr(deviation, "__name__", "fault").replace("_", "-"),
             act=act,
@@ -81,6 +86,7 @@ def seeded(
             base=base,
             expected=expected,
             variations=variations,
+            plain=plain,
         )
 
     return plant

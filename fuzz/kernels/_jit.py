@@ -8,7 +8,7 @@ from pathlib import Path
 from sim import kernels
 from worldgen.jit import kernel as _kernel
 
-__all__ = ["kernel", "rare_kernel"]
+__all__ = ["allocating_kernel", "kernel", "rare_kernel"]
 
 _SIMULATOR = Path(kernels.__path__[0])
 
@@ -17,3 +17,6 @@ kernel = functools.partial(_kernel, allocates=False, inline=True, built_on=_SIMU
 
 rare_kernel = functools.partial(_kernel, allocates=False, inline=False, built_on=_SIMULATOR)
 """Called once for each world, or less often."""
+
+allocating_kernel = functools.partial(_kernel, allocates=True, built_on=_SIMULATOR)
+"""For generators, which numba keeps in memory of its own."""

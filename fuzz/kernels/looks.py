@@ -1,14 +1,20 @@
-"""Many worlds from layout bytes, each with one run of a compiled controller, in one call."""
+"""Many worlds from layout bytes, each with one run of a controller: of a compiled one all of them in one call.
+
+For a controller that is no compiled function the same work comes in parts: :func:`next_look` draws worlds until there
+is one to run in, :func:`sim.kernels.lattice_episode.lattice_steps` runs it and stops wherever the controller is to
+act, :func:`close_look` notes what happened, and :func:`watch_steps` goes on for a while.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from fuzz.kernels import layout_bytes
-from fuzz.kernels._jit import kernel, rare_kernel
+from fuzz.kernels._jit import allocating_kernel, kernel, rare_kernel
 from fuzz.kernels.layouts import byte_of, draw_layout, fill_arena, flood_length, places_of, size_of
 from sim.kernels import layout
 from sim.kernels._views import page
@@ -17,10 +23,21 @@ from sim.kernels.lattice_batch import lone_step
 from sim.kernels.lattice_episode import lattice_episode
 from sim.kernels.lattice_sense import turn_towards
 from sim.kernels.lattice_state import Arena, Robot, Room
-from sim.kernels.lattice_step import is_inside
+from sim.kernels.lattice_step import is_inside, move_and_sense, obey, remember
 from sim.kernels.layout import TURN, UNIT
 
-__all__ = ["Batch", "Desk", "look_at_layouts"]
+__all__ = [
+    "Batch",
+    "Desk",
+    "begin_watch",
+    "close_look",
+    "goes_on",
+    "look_at_layouts",
+    "masks_do",
+    "next_look",
+    "note_step",
+    "watch_steps",
+]
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
@@ -41,16 +58,20 @@ LOOK_LEAST_CLEARANCE = LOOK_VISITED + 1  # least chessboard distance of such a c
 LOOK_CLEARANCES = LOOK_LEAST_CLEARANCE + 1  # sum of all these distances
 LOOK_WATCHED = LOOK_CLEARANCES + 1  # further steps: one period of a loop
 LOOK_BUMPS = LOOK_WATCHED + 1  # times that a wall was begun to be touched in these
-LOOK_TURNED, LOOK_EXTENT = LOOK_BUMPS + 1, LOOK_BUMPS + 2  # net turn, heading units; larger side, lattice units
-LOOK_CONTACT = LOOK_EXTENT + 1  # of the walls touched in these, the kind that says most; NO_CONTACT for none
+LOOK_TURNED = LOOK_BUMPS + 1  # net turn in these, heading units
+LOOK_LEFT, LOOK_RIGHT = LOOK_TURNED + 1, LOOK_TURNED + 2  # least and greatest x of the centre in these, lattice units
+LOOK_LOW, LOOK_HIGH = LOOK_RIGHT + 1, LOOK_RIGHT + 2  # the same of y
+LOOK_CONTACT = LOOK_HIGH + 1  # of the walls touched in these, the kind that says most; NO_CONTACT for none
 LOOK_CLOSER = LOOK_CONTACT + 1  # 1 if these come nearer to the target than the start is
 LOOK_AROUND = LOOK_CLOSER + 1  # solid cells that share an edge with the one that was hit; -1: none was
 LOOK_SIZE = LOOK_AROUND + 1
 
-# The budget that the way tells: as a witness would, so that who spends it has failed, but for the longest ways.
-_FEWEST_STEPS, _MOST_STEPS = 4_000, 8_000
-_MULTIPLE = 50  # of the time that the way takes at top speed
-_WATCHED_STEPS = 600  # of a run that spent its budget
+# Patience (int64): how many steps a run gets that has no budget of its own, and for how many it is watched after that.
+MULTIPLE = 0  # of the time that the way takes at top speed
+FEWEST_STEPS, MOST_STEPS = 1, 2
+WATCHED_STEPS = 3  # of a run that spent its budget
+PATIENCE_SIZE = 4
+
 _SLACK = 20  # lattice units: walls that are no further away than they could be and this are touched
 
 
@@ -67,6 +88,7 @@ class Batch(NamedTuple):
         discs: (radii, 2) int64, squared clear distance and reach of each radius of a scene's robot.
         radii: (radii,) the same in m.
         targets: (targets,) int64, squared radii of a scene's targets, lattice units.
+        patience: (PATIENCE_SIZE,) int64.
         looks: (n, LOOK_SIZE) int64, filled.
         sums: (n, SUM_SIZE), filled.
         at: (1,) int64, the run that comes next, or that is under way.
@@ -81,6 +103,7 @@ class Batch(NamedTuple):
     discs: Ints
     radii: Floats
     targets: Ints
+    patience: Ints
     looks: Ints
     sums: Floats
     at: Ints
@@ -148,15 +171,21 @@ def _fastest(scales: Floats) -> int:
 
 
 @kernel
-def _own_budget(distance: int, scales: Floats) -> int:
-    return min(max(_MULTIPLE * distance * UNIT // _fastest(scales), _FEWEST_STEPS), _MOST_STEPS)
+def _own_budget(distance: int, scales: Floats, patience: Ints) -> int:
+    by_way = patience[MULTIPLE] * distance * UNIT // _fastest(scales)
+    return int(min(max(by_way, patience[FEWEST_STEPS]), patience[MOST_STEPS]))
+
+
+@kernel
+def masks_do(settings: Ints, scales: Floats) -> bool:
+    """Whether the masks reach as far as a step, so that a run needs no table of distances."""
+    return bool(settings[layout.SET_REACH] + _fastest(scales) <= NEAR * UNIT)
 
 
 @kernel
 def _arena_of(desk: Desk, height: int, width: int) -> Arena:
-    """An arena of a world's size, with a table of distances only where the masks do not reach as far as a step."""
-    masks_do = desk.settings[layout.SET_REACH] + _fastest(desk.scales) <= NEAR * UNIT
-    rows, columns = (0, 0) if masks_do else (height, width)
+    """An arena of a world's size."""
+    rows, columns = (0, 0) if masks_do(desk.settings, desk.scales) else (height, width)
     return Arena(
         page(desk.cells, height, width),
         page(desk.near, height, width),
@@ -223,35 +252,93 @@ def _note_wall(arena: Arena, looks: Ints, n: int) -> None:
 
 
 @rare_kernel
-def _watch(arena: Arena, desk: Desk, act: Any, room: Room, robot: Robot, looks: Ints, n: int) -> None:
-    """Lets a robot that loops, or that spent its budget, go on: notes touches, turning, extent and progress."""
-    step, state, settings = looks[n, layout.OUT_STEPS], robot.state, desk.settings
-    loops = looks[n, layout.OUT_ENDING] == layout.LOOP
-    steps = looks[n, layout.OUT_PERIOD] if loops else _WATCHED_STEPS
+def begin_watch(robot: Robot, batch: Batch, n: int) -> int:
+    """Prepares the notes on a robot that loops, or that spent its budget, and goes on for a while.
+
+    Returns:
+        Steps for which it is watched, one period of a loop.
+    """
+    state, looks = robot.state, batch.looks
+    looks[n, LOOK_WATCHED], looks[n, LOOK_BUMPS], looks[n, LOOK_TURNED] = 0, 0, 0
+    looks[n, LOOK_LEFT], looks[n, LOOK_RIGHT] = state[layout.STATE_X], state[layout.STATE_X]
+    looks[n, LOOK_LOW], looks[n, LOOK_HIGH] = state[layout.STATE_Y], state[layout.STATE_Y]
+    looks[n, LOOK_CONTACT], looks[n, LOOK_CLOSER] = NO_CONTACT, 0
     robot.counts[layout.OUT_ENDING] = layout.LIMIT
-    left, low = state[layout.STATE_X], state[layout.STATE_Y]
-    right, high, touched = left, low, room.brent[2] != 0
-    watched, bumps, turned, kind = 0, 0, 0, NO_CONTACT
-    nearest, apart = (1 << 62), looks[n, LOOK_STRAIGHT_SQ] * UNIT * UNIT
-    while watched < steps and robot.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, robot):
-        heading = state[layout.STATE_HEADING]
-        watched += 1
-        lone_step(arena, settings, desk.scales, act, room, robot, step + watched, 0)
-        touches = room.observation[layout.OBS_BUMP] != 0.0
-        if touches and not touched:
-            bumps += 1
-            reach = settings[layout.SET_REACH]
-            kind = min(kind, _contact(arena.cells, reach, state[layout.STATE_X], state[layout.STATE_Y]))
-        touched = touches
-        dx = state[layout.STATE_X] - settings[layout.SET_TARGET_X]
-        dy = state[layout.STATE_Y] - settings[layout.SET_TARGET_Y]
-        nearest = min(nearest, dx * dx + dy * dy)
-        turned += turn_towards(heading, state[layout.STATE_HEADING])
-        left, right = min(left, state[layout.STATE_X]), max(right, state[layout.STATE_X])
-        low, high = min(low, state[layout.STATE_Y]), max(high, state[layout.STATE_Y])
-    looks[n, LOOK_WATCHED], looks[n, LOOK_BUMPS], looks[n, LOOK_TURNED] = watched, bumps, turned
-    looks[n, LOOK_EXTENT] = max(right - left, high - low)
-    looks[n, LOOK_CONTACT], looks[n, LOOK_CLOSER] = kind, int(nearest < apart)
+    loops = looks[n, layout.OUT_ENDING] == layout.LOOP
+    return int(looks[n, layout.OUT_PERIOD] if loops else batch.patience[WATCHED_STEPS])
+
+
+@kernel
+def goes_on(arena: Arena, robot: Robot, looks: Ints, n: int, steps: int) -> bool:
+    """Whether a robot is watched for another step."""
+    ended = robot.counts[layout.OUT_ENDING] != layout.LIMIT
+    return looks[n, LOOK_WATCHED] < steps and not ended and is_inside(arena, robot)
+
+
+@rare_kernel
+def note_step(
+    arena: Arena, settings: Ints, room: Room, robot: Robot, before: tuple[int, bool], looks: Ints, n: int
+) -> bool:
+    """Notes touches, turning, extent and progress of a step that was watched.
+
+    Args:
+        arena: Surroundings.
+        settings: ``SET_``.
+        room: With what the robot observed in this step.
+        robot: After it.
+        before: Heading before this step, and whether the robot touched a wall then.
+        looks: To be filled.
+        n: The run.
+
+    Returns:
+        Whether it touches a wall now.
+    """
+    state = robot.state
+    looks[n, LOOK_WATCHED] += 1
+    x, y = state[layout.STATE_X], state[layout.STATE_Y]
+    touches = bool(room.observation[layout.OBS_BUMP] != 0.0)
+    if touches and not before[1]:
+        looks[n, LOOK_BUMPS] += 1
+        looks[n, LOOK_CONTACT] = min(looks[n, LOOK_CONTACT], _contact(arena.cells, settings[layout.SET_REACH], x, y))
+    dx, dy = x - settings[layout.SET_TARGET_X], y - settings[layout.SET_TARGET_Y]
+    if dx * dx + dy * dy < looks[n, LOOK_STRAIGHT_SQ] * UNIT * UNIT:
+        looks[n, LOOK_CLOSER] = 1
+    looks[n, LOOK_TURNED] += turn_towards(before[0], state[layout.STATE_HEADING])
+    looks[n, LOOK_LEFT], looks[n, LOOK_RIGHT] = min(looks[n, LOOK_LEFT], x), max(looks[n, LOOK_RIGHT], x)
+    looks[n, LOOK_LOW], looks[n, LOOK_HIGH] = min(looks[n, LOOK_LOW], y), max(looks[n, LOOK_HIGH], y)
+    return touches
+
+
+@rare_kernel
+def _watch(arena: Arena, batch: Batch, desk: Desk, act: Any, room: Room, robot: Robot, n: int) -> None:
+    """Lets a robot of a compiled controller go on, and notes what it does."""
+    looks, touches = batch.looks, room.brent[2] != 0
+    steps, done = begin_watch(robot, batch, n), looks[n, layout.OUT_STEPS]
+    while goes_on(arena, robot, looks, n, steps):
+        before, step = (robot.state[layout.STATE_HEADING], touches), done + looks[n, LOOK_WATCHED] + 1
+        lone_step(arena, desk.settings, desk.scales, act, room, robot, step, 0)
+        touches = note_step(arena, desk.settings, room, robot, before, looks, n)
+
+
+@allocating_kernel
+def watch_steps(
+    arena: Arena, settings: Ints, scales: Floats, room: Room, robot: Robot, batch: Batch, n: int
+) -> Iterator[int]:
+    """Lets a robot go on whose controller is no compiled function: stops wherever it is to act, as ``lattice_steps``.
+
+    Yields:
+        Number of the step.
+    """
+    looks, touches = batch.looks, room.brent[2] != 0
+    steps, done = begin_watch(robot, batch, n), looks[n, layout.OUT_STEPS]
+    while goes_on(arena, robot, looks, n, steps):
+        before, step = (robot.state[layout.STATE_HEADING], touches), done + looks[n, LOOK_WATCHED] + 1
+        move_and_sense(arena, settings, scales, room, robot, step, 0)
+        if robot.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, robot):
+            yield step
+            obey(settings, scales, room.command, step, robot)
+        remember(room, robot)
+        touches = note_step(arena, settings, room, robot, before, looks, n)
 
 
 @rare_kernel
@@ -274,6 +361,54 @@ def _note_world(batch: Batch, desk: Desk, n: int) -> None:
 
 
 @rare_kernel
+def _open_look(batch: Batch, desk: Desk, n: int) -> bool:
+    """Draws the world of a run; packs the run if a robot can surely reach the target there, else returns false."""
+    looks, settings = batch.looks, desk.settings
+    _note_world(batch, desk, n)
+    if looks[n, LOOK_DISTANCE] < 0:
+        return False
+    _set_up(batch, desk, n)
+    budget = batch.budgets[n]
+    if budget <= 0:
+        budget = _own_budget(looks[n, LOOK_DISTANCE], desk.scales, batch.patience)
+    settings[layout.SET_STEPS] = budget
+    looks[n, LOOK_BUDGET] = settings[layout.SET_STEPS]
+    arena = _arena_of(desk, looks[n, LOOK_HEIGHT], looks[n, LOOK_WIDTH])
+    looks[n, LOOK_SOLID] = fill_arena(desk.solid, arena)
+    if arena.clearance.shape[0] > 0:
+        chessboard_clearance(arena.cells, arena.clearance)
+    arena.visited[settings[layout.SET_Y] // UNIT, settings[layout.SET_X] // UNIT] = 1
+    return True
+
+
+@rare_kernel
+def next_look(batch: Batch, desk: Desk) -> int:
+    """Draws worlds from run ``at`` on, up to the next in which a robot can surely reach the target, and packs that.
+
+    Returns:
+        Its number, which ``at`` is then; -1 where there is none left.
+    """
+    at = batch.at
+    while at[0] < batch.seeds.size:
+        if _open_look(batch, desk, at[0]):
+            return int(at[0])
+        at[0] += 1
+    return -1
+
+
+@rare_kernel
+def close_look(batch: Batch, arena: Arena, robot: Robot, n: int) -> None:
+    """Notes what came of a run that has ended."""
+    looks = batch.looks
+    for k in range(robot.counts.size):
+        looks[n, k] = robot.counts[k]
+    for k in range(robot.sums.size):
+        batch.sums[n, k] = robot.sums[k]
+    _note_way(arena, looks, n)
+    _note_wall(arena, looks, n)
+
+
+@rare_kernel
 def look_at_layouts(batch: Batch, desk: Desk, act: Any, memory: Floats, room: Room, robot: Robot) -> None:
     """Draws each layout, and where a robot can surely reach the target runs the controller once.
 
@@ -288,27 +423,13 @@ def look_at_layouts(batch: Batch, desk: Desk, act: Any, memory: Floats, room: Ro
         room: To be used.
         robot: Likewise.
     """
-    looks, settings, at = batch.looks, desk.settings, batch.at
+    looks, at = batch.looks, batch.at
     while at[0] < batch.seeds.size:
         n = at[0]
-        _note_world(batch, desk, n)
-        if looks[n, LOOK_DISTANCE] >= 0:
-            _set_up(batch, desk, n)
-            budget = batch.budgets[n]
-            settings[layout.SET_STEPS] = budget if budget > 0 else _own_budget(looks[n, LOOK_DISTANCE], desk.scales)
-            looks[n, LOOK_BUDGET] = settings[layout.SET_STEPS]
+        if _open_look(batch, desk, n):
             arena = _arena_of(desk, looks[n, LOOK_HEIGHT], looks[n, LOOK_WIDTH])
-            looks[n, LOOK_SOLID] = fill_arena(desk.solid, arena)
-            if arena.clearance.shape[0] > 0:
-                chessboard_clearance(arena.cells, arena.clearance)
-            arena.visited[settings[layout.SET_Y] // UNIT, settings[layout.SET_X] // UNIT] = 1
-            lattice_episode(arena, settings, desk.scales, act, memory, room, robot, desk.nothing, desk.nothing)
-            for k in range(robot.counts.size):
-                looks[n, k] = robot.counts[k]
-            for k in range(robot.sums.size):
-                batch.sums[n, k] = robot.sums[k]
-            _note_way(arena, looks, n)
-            _note_wall(arena, looks, n)
+            lattice_episode(arena, desk.settings, desk.scales, act, memory, room, robot, desk.nothing, desk.nothing)
+            close_look(batch, arena, robot, n)
             if looks[n, layout.OUT_ENDING] == layout.LOOP or looks[n, layout.OUT_ENDING] == layout.LIMIT:
-                _watch(arena, desk, act, room, robot, looks, n)
+                _watch(arena, batch, desk, act, room, robot, n)
         at[0] = n + 1

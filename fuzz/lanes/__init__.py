@@ -72,8 +72,8 @@ def check_lane(name: str, scenario: Scenario) -> None:
         )
     if name in (native.NATIVE, archive.ARCHIVE) and not can_look(scenario):
         raise InvalidParameter(
-            f"lane {name!r} runs compiled controllers under swept or endpoint: take another lane for "
-            f"{scenario.label()} under {scenario.motion}"
+            f"lane {name!r} runs under swept or endpoint: take another lane for {scenario.label()} under "
+            f"{scenario.motion}"
         )
     if name == boundary.BOUNDARY and not is_bounded(scenario):
         raise InvalidParameter(

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzz.kernels.layout_bytes import FEATURE_BYTES, HEAD_BYTES, MAX_FEATURES, SCENE_BYTES
-from fuzz.lanes.native import look_through, scenes
+from fuzz.lanes.native import look_through, pace_of, scenes
 from fuzz.lanes.task import Task
 from fuzz.native import Looks
 from fuzz.result import Elite
@@ -28,8 +28,7 @@ __all__ = ["ARCHIVE", "archive_table", "search"]
 
 ARCHIVE = "archive"
 
-_AT_ONCE = 500  # scenes of a generation
-_AFRESH = 50  # of them that have no parents
+_AFRESH = 10  # one scene in so many of a generation has no parents
 _EDITS = 3  # bytes of a child that are changed, at most; one is always
 _SMALL = np.array([-3, -1, 1, 3])  # changes of a byte: moves by a cell or three, another kind, a feature more or less
 
@@ -67,13 +66,15 @@ _MAP = (_DETOUR, _DENSITY)
 def search(task: Task) -> None:
     """Looks at children of the archive's elites, and hands on the smallest failures of each key."""
     elites, brought = dict(task.memory.elites), task.door.result.elites
+    count = pace_of(task.config).generation
 
     def draw(stream: RandomStream) -> Bytes:
         parents = [elite.layout for cell, elite in sorted(elites.items()) if len(cell) > len(_MAP)]
         if not parents:
-            return scenes(stream, _AT_ONCE)
+            return scenes(stream, count)
         pool = np.frombuffer(b"".join(parents), np.uint8).reshape(-1, SCENE_BYTES)
-        return np.concatenate([_children(pool, stream, _AT_ONCE - _AFRESH), scenes(stream, _AFRESH)])
+        afresh = count // _AFRESH
+        return np.concatenate([_children(pool, stream, count - afresh), scenes(stream, afresh)])
 
     def seen(looks: Looks) -> None:
         for cell, elite in _best(looks).items():

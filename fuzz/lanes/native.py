@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -13,12 +14,13 @@ from fuzz.kernels.layout_bytes import SCENE_BYTES
 from fuzz.lanes.task import Task
 from fuzz.native import Looks, can_look, evaluate
 from fuzz.variation import applied
+from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController
 from sim.controllers.base import robot_for
 from sim.kernels.layout import LIMIT
 from worldgen.random_streams import RandomStream
 from worldgen.world import DEFAULT_CELL_SIZE
 
-__all__ = ["NATIVE", "Draw", "Few", "Seen", "fits", "look_through", "scenes", "search"]
+__all__ = ["NATIVE", "Draw", "Few", "Pace", "Seen", "fits", "look_through", "pace_of", "scenes", "search"]
 
 NATIVE = "native"
 
@@ -28,18 +30,58 @@ Draw = Callable[[RandomStream], npt.NDArray[np.uint8]]
 Seen = Callable[[Looks], None]
 """Learns from first looks."""
 
-_AT_ONCE = 1_000  # scenes in one call of the kernel
 _SCENES = 80  # of a unit at most, for each of its examples
 _WORK = 20_000  # steps, for each of its examples: 0.8 s where a step takes 0.1 us
 _OF_EACH_KEY = 2  # looks that are proved, a second one because what is alike at first look need not be of one class
-_PROVED = 32  # of a unit at most
-_UNDECIDED = 4  # of these, at most: such a proof takes ten times the steps of a look, and a recording of them
-_ASKED = 4  # runs of one call that oracles judge, where any are asked for: each takes as long as hundreds of looks
 _SCENE_WORDS = -(-SCENE_BYTES // 8)  # of 8 bytes
 
 
+@dataclass(frozen=True)
+class Pace:
+    """How much of a controller a unit asks for, so that units take a second or two whatever a step of it costs.
+
+    Args:
+        at_once: Scenes that are drawn and looked at together.
+        generation: Scenes of a generation of the archive lane.
+        one_in: One scene in so many that are drawn is looked at.
+        scene: What a scene costs, compared with a compiled controller's.
+        step: What a step costs, likewise: 1 is 0.1 us.
+        beam: What a range beam adds to that.
+        proved: Looks of a unit that are proved, at most.
+        undecided: Of these at most, runs that only spent their budget: such a proof takes ten times the steps of a
+            look, and a recording of them.
+        asked: Runs of one call that oracles judge, where any are asked for: each takes as long as hundreds of looks.
+    """
+
+    at_once: int = 1_000
+    generation: int = 500
+    one_in: int = 1
+    scene: int = 1
+    step: int = 1
+    beam: int = 1
+    proved: int = 32
+    undecided: int = 4
+    asked: int = 4
+
+
+_COMPILED = Pace()
+_VECTOR = Pace(at_once=100, generation=100, scene=16, step=200, proved=8, undecided=2, asked=1)
+_PYTHON = Pace(at_once=100, generation=100, scene=16, step=24, proved=8, undecided=2, asked=1)
+_PROCESS = Pace(at_once=20, generation=20, scene=160, step=400, proved=4, asked=1)
+
+
+def pace_of(config: CampaignConfig) -> Pace:
+    """The pace of a campaign, by the kind of its controller."""
+    controller = CONTROLLERS.get(config.scenario.controller)
+    if isinstance(controller, CompiledController):
+        return Pace(one_in=config.slower, step=config.slower, beam=config.slower)
+    if isinstance(controller, ProcessController):
+        return _PROCESS
+    return _VECTOR if isinstance(controller, VectorController) else _PYTHON
+
+
 def fits(config: CampaignConfig) -> bool:
-    """Whether the lane can work for a campaign: with a compiled controller, on robots no wider than two cells."""
+    """Return True if the lane can work for a campaign: on the pose lattice, with robots no wider than two cells."""
     radii = [value for one in config.vary if one.name == "robot_radius" for value in one.values]
     small = all(isinstance(value, float) and value <= DEFAULT_CELL_SIZE for value in radii)
     return small and can_look(config.scenario)
@@ -47,7 +89,8 @@ def fits(config: CampaignConfig) -> bool:
 
 def search(task: Task) -> None:
     """Looks at random scenes, and hands on the smallest failures of each key."""
-    look_through(task, lambda stream: scenes(stream, _AT_ONCE))
+    count = pace_of(task.config).at_once
+    look_through(task, lambda stream: scenes(stream, count))
 
 
 def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
@@ -60,9 +103,9 @@ def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
         draw: Gives the next scenes from the unit's random numbers.
         seen: Called with what came of them, before the next are drawn.
     """
-    result, few = task.door.result, Few()
+    result, few, pace = task.door.result, Few(), pace_of(task.config)
     asked: list[tuple[Looks, int]] = []
-    for looks in _looks(task, draw):
+    for looks in _looks(task, draw, pace):
         if seen is not None:
             seen(looks)
         words, counts = np.unique(looks.verdict[looks.ran], return_counts=True)
@@ -71,18 +114,18 @@ def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
         result.steps += looks.simulated
         few.add(looks)
         if task.config.oracles:
-            asked += [(looks, n) for n in _most_winding(looks)]
-    for looks, n in few.in_order():
+            asked += [(looks, n) for n in _most_winding(looks, pace.asked)]
+    for looks, n in few.in_order(pace):
         task.door.enter(looks.world(n), looks.scenario_of(n), str(looks.verdict[n]), f"key {looks.key[n]}")
     for looks, n in asked:
         task.door.ask(looks.world(n), looks.scenario_of(n))
 
 
-def _most_winding(looks: Looks) -> list[int]:
+def _most_winding(looks: Looks, most: int) -> list[int]:
     """Of the runs that arrived those that drove furthest for their way."""
     arrived = np.flatnonzero(looks.ran & ~looks.failed)
     order = np.argsort(-looks.driven[arrived] / np.maximum(looks.way[arrived], 1), kind="stable")
-    return [int(n) for n in arrived[order[:_ASKED]]]
+    return [int(n) for n in arrived[order[:most]]]
 
 
 class Few:
@@ -102,7 +145,7 @@ class Few:
                 found.sort(key=lambda one: one[0])
                 del found[_OF_EACH_KEY:]
 
-    def in_order(self) -> list[tuple[Looks, int]]:
+    def in_order(self, pace: Pace = _COMPILED) -> list[tuple[Looks, int]]:
         """The smallest of each key, then the second smallest, and so on; not too many."""
         ranked = sorted(
             (rank, solid, key, looks, n)
@@ -113,26 +156,27 @@ class Few:
         undecided = 0
         for _, _, _, looks, n in ranked:
             undecided += looks.ending[n] == LIMIT
-            if looks.ending[n] != LIMIT or undecided <= _UNDECIDED:
+            if looks.ending[n] != LIMIT or undecided <= pace.undecided:
                 chosen.append((looks, n))
-        return chosen[:_PROVED]
+        return chosen[: pace.proved]
 
 
-def _looks(task: Task, draw: Draw) -> Iterator[Looks]:
+def _looks(task: Task, draw: Draw, pace: Pace) -> Iterator[Looks]:
     """The unit's scenes, until its work is done; how much that is depends on nothing but their results."""
     config, stream = task.config, task.stream
     values = {one.name: stream.choice(one.values) for one in config.vary}  # one of each for a whole unit
     world, scenario = applied(values, decode_scene(bytes(SCENE_BYTES)), config.scenario)
     robot = {name: getattr(world, name) for name in values if name in ("robot_radius", "robot_speed")}
     times = np.array([scenario.time_step] if "time_step" in values else config.time_steps)
-    beams, work, count = robot_for(task.controller, scenario.robot).beams, 0, 0  # each takes as long as a step
+    step = pace.step + pace.beam * robot_for(task.controller, scenario.robot).beams  # each takes as long as a step
+    work, count = 0, 0
     while work < _WORK * config.examples and count < _SCENES * config.examples:
-        drawn = draw(stream)[:: config.slower]
+        drawn = draw(stream)[:: pace.one_in]
         numbers = stream.bits(len(drawn))
         steps = times[(numbers >> np.uint64(32)) % np.uint64(len(times))]
         looks = evaluate(drawn, scenario, numbers & np.uint64(2**32 - 1), steps, **robot)
         yield looks
-        work, count = work + looks.simulated * (1 + beams) * config.slower, count + len(drawn)
+        work, count = work + looks.simulated * step, count + len(drawn) * pace.scene
 
 
 def scenes(stream: RandomStream, count: int) -> npt.NDArray[np.uint8]:

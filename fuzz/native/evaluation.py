@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,7 +16,8 @@ from fuzz.features import RADII, TARGET_RADII, decode_scene, decode_world
 from fuzz.kernels import layout_bytes, looks
 from fuzz.kernels.layouts import ROWS
 from fuzz.kernels.looks import Batch, Desk, look_at_layouts
-from sim.controllers import CONTROLLERS, CompiledController
+from fuzz.native.one_by_one import CRASH, OneByOne
+from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController
 from sim.controllers.base import compiled_act, numba_config
 from sim.kernel_types import episode_types, typed_kernel
 from sim.kernels import layout
@@ -39,8 +40,12 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
-_CRASH = layout.INVALID_COMMAND + 1  # an ending that the kernel itself does not know
 _LARGEST = layout_bytes.SMALLEST_SIDE + layout_bytes.SPREAD_OF_SIDES - 1
+
+# Patience of first looks: as long as a witness's budget, so that who spends it has failed, but for the longest ways.
+_PATIENT = np.array([50, 4_000, 8_000, 600])
+# Where each step takes microseconds, runs that fail take most of the time: they are shorter, and proved all the same.
+_BRISK = np.array([15, 800, 2_400, 150])
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +90,7 @@ class Looks:
     @property
     def verdict(self) -> npt.NDArray[np.str_]:
         """At first look: ``undecided`` where the budget was spent, empty where nothing ran."""
-        words = np.array(["", "undecided", "reached", "loop", "tunnel", "burned", "invalid-command", "crash"])
+        words = np.array(["", "undecided", "reached", "loop", "tunnel", "burned", "invalid-command", "crash", "hang"])
         ending, overlaps = self.ending, self.raw[:, layout.OUT_OVERLAP_STEP] >= 0
         covered = overlaps & np.isin(ending, (layout.LIMIT, layout.REACHED, layout.LOOP))
         return np.where(covered, "overlap", words[ending + 1])
@@ -184,7 +189,7 @@ class Looks:
             (np.minimum(raw[:, looks.LOOK_BUMPS], 3), 4),
             (raw[:, looks.LOOK_CONTACT], 6),
             (np.abs(raw[:, looks.LOOK_TURNED]) >= layout.TURN, 2),
-            (np.searchsorted(np.array([0.5, 4.0, 16.0]) * layout.UNIT, raw[:, looks.LOOK_EXTENT]), 4),
+            (np.searchsorted(np.array([0.5, 4.0, 16.0]) * layout.UNIT, self._extent), 4),
             (raw[:, looks.LOOK_CLOSER], 2),
             (np.minimum(raw[:, looks.LOOK_AROUND], 3) + 1, 5),
         )
@@ -192,9 +197,17 @@ class Looks:
             made = made * kinds + fact
         return np.where(self.failed, made, 0)
 
+    @property
+    def _extent(self) -> Ints:
+        """Larger side of the box in which the robot was while it was watched, lattice units."""
+        raw = self.raw
+        wide = raw[:, looks.LOOK_RIGHT] - raw[:, looks.LOOK_LEFT]
+        larger: Ints = np.maximum(wide, raw[:, looks.LOOK_HIGH] - raw[:, looks.LOOK_LOW])
+        return larger
+
     def world(self, n: int) -> World:
         """The world of a run, without certificate."""
-        return replace(decode_scene(self.layouts[n].tobytes()), **self.robot)  # type: ignore[arg-type]
+        return _world_of(self.layouts, n, self.robot)
 
     def scenario_of(self, n: int) -> Scenario:
         """What ran there, with its seed and time step."""
@@ -202,9 +215,8 @@ class Looks:
 
 
 def can_look(scenario: Scenario) -> bool:
-    """Whether native search can run a scenario: a compiled controller under a motion model on the pose lattice."""
-    compiled = isinstance(CONTROLLERS.get(scenario.controller), CompiledController)
-    return compiled and MOTIONS.get(scenario.motion).kernel == LATTICE
+    """Return True if native search can run a scenario: any controller, under a motion model on the pose lattice."""
+    return MOTIONS.get(scenario.motion).kernel == LATTICE
 
 
 def evaluate(
@@ -215,18 +227,20 @@ def evaluate(
     budget: int | npt.ArrayLike | None = None,
     **robot: float,
 ) -> Looks:
-    """Runs a compiled controller once in the world of each layout, and looks at what happens; proves nothing.
+    """Run a controller once in the world of each layout, and look at what happens; prove nothing.
 
     Each run is to the bit that of :func:`sim.simulate` in ``decode_scene(layout)`` with the scenario's options, the
     run's seed and time step, and the same budget. Where no way is sure to be wide enough for the robot nothing is run.
-    The result depends on the arguments alone. Threads may call it at the same time.
+    The result depends on the arguments alone. Threads may call it with a compiled controller at the same time. Of a
+    program that hangs no run after the second hang is done.
 
     Args:
         layouts: (n, LAYOUT_BYTES) or (n, SCENE_BYTES) uint8, any bytes.
         scenario: What runs; its seed and time step count for nothing.
         seeds: (n,) uint64.
         time_steps: s; (n,), or one for all.
-        budget: Steps, (n,) or one for all; without it what the way to the target suggests, 4,000 to 8,000.
+        budget: Steps, (n,) or one for all; without it what the way to the target suggests: 4,000 to 8,000 of a compiled
+            controller, 800 to 2,400 of another.
         **robot: ``robot_radius`` (m, at most a cell) and ``robot_speed`` (m/s) of all worlds, whatever their bytes say.
 
     Raises:
@@ -240,7 +254,7 @@ def evaluate(
     values, kinds = np.unique(steps, return_inverse=True)
     packed = _Packed.of(scenario, tuple(values.tolist()), robot)
     batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
-    packed.run(batch)
+    packed.run(batch, lambda n: _world_of(layouts, n, robot))
     return Looks(layouts, scenario, numbers, steps, batch.looks, batch.sums[:, layout.SUM_PATH].copy(), robot)
 
 
@@ -253,8 +267,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
         )
     if not can_look(scenario):
         raise InvalidParameter(
-            f"{scenario.label()} under {scenario.motion} does not run natively; take a compiled controller under "
-            "swept or endpoint"
+            f"{scenario.label()} under {scenario.motion} does not run natively; take --motion swept or endpoint"
         )
     if budget is not None and np.size(budget) and not (np.min(budget) >= 1 and np.max(budget) <= MAX_STEPS):
         raise InvalidParameter(f"budget={budget!r} is outside 1 to {MAX_STEPS} steps; give one between")
@@ -263,6 +276,10 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
             f"robot_radius={robot['robot_radius']:g} m is more than a cell of {DEFAULT_CELL_SIZE:g} m, and native "
             "search finds no ways for such robots; give a smaller one, or take another lane"
         )
+
+
+def _world_of(layouts: Bytes, n: int, robot: Mapping[str, float]) -> World:
+    return replace(decode_scene(layouts[n].tobytes()), **robot)  # type: ignore[arg-type]
 
 
 def _spread(values: Any, count: int, name: str) -> Any:
@@ -276,7 +293,7 @@ def _spread(values: Any, count: int, name: str) -> Any:
 class _Packed:
     """A scenario as the kernel takes it."""
 
-    controller: CompiledController
+    controller: Controller
     runs: tuple[LatticeRun, ...]
     radii: tuple[float, ...]
 
@@ -285,8 +302,6 @@ class _Packed:
         """Packs the simplest layout for each time step; the kernel puts in what other layouts have instead."""
         controller = CONTROLLERS.get(scenario.controller)
         world = replace(decode_world(bytes(layout_bytes.LAYOUT_BYTES)), **robot)  # type: ignore[arg-type]
-        if not isinstance(controller, CompiledController):
-            raise TypeError("only compiled controllers run natively")
         each = (replace(scenario, time_step=time_step).options(world) for time_step in time_steps)
         runs = tuple(LatticeRun(world, controller, options) for options in each)
         return cls(controller, runs, (robot["robot_radius"],) if "robot_radius" in robot else RADII)
@@ -294,29 +309,39 @@ class _Packed:
     def batch(self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints) -> Batch:
         """The runs of one call."""
         settings = np.array([run.settings for run in self.runs]).reshape(-1, layout.SET_SIZE)
-        settings[:, layout.SET_FIND_LOOP] = [run.can_loop for run in self.runs]
+        finds = not isinstance(self.controller, ProcessController)  # whose memory cannot be seen
+        settings[:, layout.SET_FIND_LOOP] = [finds and run.can_loop for run in self.runs]
         settings[:, layout.SET_DIGEST] = 0
         scales = np.array([run.scales for run in self.runs]).reshape(-1, layout.SCALE_SIZE)
-        count = len(layouts)
+        count, patience = len(layouts), _PATIENT if isinstance(self.controller, CompiledController) else _BRISK
         return Batch(
-            layouts, seeds.view(np.int64), kinds, budgets, settings, scales, *_discs(self.radii),
+            layouts, seeds.view(np.int64), kinds, budgets, settings, scales, *_discs(self.radii), patience,
             np.zeros((count, looks.LOOK_SIZE), np.int64), np.zeros((count, layout.SUM_SIZE)), np.zeros(1, np.int64),
         )  # fmt: skip
 
-    def run(self, batch: Batch) -> None:
-        """Fills in the results; a run in which the controller raises ends there as a crash."""
-        memory, act = np.array(self.controller.memory, np.float64), compiled_act(self.controller.act)
+    def run(self, batch: Batch, world: Callable[[int], World]) -> None:
+        """Fills in the results."""
         beams = max((run.options.robot.beams for run in self.runs), default=0)
-        kernel, desk, nothing = _typed_kernel(), _desk(), np.zeros((0, layout.EVENT_SIZE), np.int64)
-        while batch.at[0] < len(batch.seeds):
-            robot, room = new_robot(memory.size, nothing), new_room(memory.size, beams)
-            try:
-                kernel(batch, desk, act, memory, room, robot)
-            except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
-                crashed = batch.looks[batch.at[0]]
-                crashed[: layout.OUT_SIZE], crashed[layout.OUT_ENDING] = robot.counts, _CRASH
-                crashed[layout.OUT_OVERLAP_STEP], batch.sums[batch.at[0]] = -1, robot.sums
-                batch.at[0] += 1
+        if isinstance(self.controller, CompiledController):
+            _run_compiled(self.controller, batch, beams)
+        else:
+            OneByOne(self.controller, batch, _desk(), beams, world).run()
+
+
+def _run_compiled(controller: CompiledController, batch: Batch, beams: int) -> None:
+    """Runs all in the kernel; a run in which the controller raises ends there as a crash."""
+    memory, act = np.array(controller.memory, np.float64), compiled_act(controller.act)
+    kernel, desk, nothing = _typed_kernel(), _desk(), np.zeros((0, layout.EVENT_SIZE), np.int64)
+    while batch.at[0] < len(batch.seeds):
+        robot, room = new_robot(memory.size, nothing), new_room(memory.size, beams)
+        try:
+            kernel(batch, desk, act, memory, room, robot)
+        except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
+            crashed = batch.looks[batch.at[0]]
+            crashed[: layout.OUT_SIZE], crashed[layout.OUT_ENDING] = robot.counts, CRASH
+            crashed[layout.OUT_OVERLAP_STEP], batch.sums[batch.at[0]] = -1, robot.sums
+            crashed[looks.LOOK_WATCHED : looks.LOOK_AROUND] = 0  # it may have raised while it was watched
+            batch.at[0] += 1
 
 
 @functools.cache
@@ -329,7 +354,7 @@ def _typed_kernel() -> Any:
     rows, bytes_2d, floats_2d = numba.int64[:, ::1], numba.uint8[:, ::1], numba.float64[:, ::1]
     types: Any = numba.types
     batch = types.NamedTuple(
-        (bytes_2d, ints, ints, ints, rows, floats_2d, rows, floats, ints, rows, floats_2d, ints), Batch
+        (bytes_2d, ints, ints, ints, rows, floats_2d, rows, floats, ints, ints, rows, floats_2d, ints), Batch
     )
     desk = types.NamedTuple(
         (ints, rows, bytes_1d, numba.int32[::1], numba.int32[::1], bytes_1d, rows, ints, ints, floats, rows), Desk

@@ -72,11 +72,11 @@ def test_a_campaign_for_a_compiled_controller_is_mainly_native():
     [
         (CampaignConfig(Scenario("bug1", "endpoint")), True),
         (CampaignConfig(Scenario("turn-left", "stepped")), False),
-        (CampaignConfig(Scenario("tests.sim.test_vector_controllers:TurnsAway")), False),
+        (CampaignConfig(Scenario("tests.sim.test_vector_controllers:TurnsAway")), True),
         (varied("robot_radius=0.05,0.12"), False),
         (varied("slip=0,0.1"), True),
     ],
-    ids=["compiled", "stepped", "python", "radius", "slip"],
+    ids=["compiled", "stepped", "vector", "radius", "slip"],
 )
 def test_the_lane_works_where_its_kernel_runs(config, expected):
     assert fits(config) is expected

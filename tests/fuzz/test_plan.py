@@ -6,7 +6,7 @@ import pytest
 
 from fuzz.config import CampaignConfig
 from fuzz.lanes import check_lane
-from fuzz.lanes.plan import lane_shares, lanes_for, planned_lane
+from fuzz.lanes.plan import Prices, lane_shares, lanes_for, planned_lane
 from fuzz.result import LaneYield, Memory
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
@@ -16,11 +16,11 @@ TWO = ("trap", "maze")
 
 
 def shares(first, second):
-    return lane_shares(TWO, Memory({"trap": first, "maze": second}), compiled=True)
+    return lane_shares(TWO, Memory({"trap": first, "maze": second}), Prices())
 
 
 def test_lanes_of_which_nothing_is_known_share_alike():
-    assert lane_shares(TWO, Memory(), compiled=True) == [0.5, 0.5]
+    assert lane_shares(TWO, Memory(), Prices()) == [0.5, 0.5]
 
 
 def test_a_lane_that_finds_more_for_the_same_cost_gets_more():
@@ -42,14 +42,14 @@ def test_no_lane_starves():
 
 def test_shares_add_up_to_the_budget():
     names = lanes_for(CONFIG, Memory())
-    assert sum(lane_shares(names, Memory(), compiled=False)) == pytest.approx(1.0)
+    assert sum(lane_shares(names, Memory(), Prices(step=1e-2))) == pytest.approx(1.0)
 
 
 def test_units_are_dealt_out_as_the_shares_say():
     memory = Memory({"trap": LaneYield(worlds=4000), "maze": LaneYield(worlds=400, failures=400, classes=9)})
     config = CampaignConfig(Scenario("turn-right"), families=TWO)
     units = Counter(planned_lane(config, unit, memory) for unit in range(1000, 1100))
-    assert units["trap"] == pytest.approx(100 * lane_shares(TWO, memory, compiled=True)[0], abs=2)
+    assert units["trap"] == pytest.approx(100 * lane_shares(TWO, memory, Prices())[0], abs=2)
 
 
 def test_named_families_are_all_that_is_drawn_from():

@@ -1,0 +1,213 @@
+"""How many worlds a campaign tries a second against controllers that users bring: classes, and programs.
+
+``python -m benchmarks.classes`` prints a table, with ``--json`` one object; ``--document docs/search.md`` also puts it
+into that document. All rates are per second of one core's processor time, compilation left out; of a program it is the
+time by the clock, for most of it passes in another process.
+
+``short``: first looks at runs of at most 60 steps. ``looks``: first looks with their own budgets. ``lane``: whole units
+of the lane ``native``, with the proofs of what they report. ``features``: the lane in which Hypothesis draws worlds,
+which was all that such controllers had before. ``user``: the share of the time of ``looks`` that passes in the
+controller's own code.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from benchmarks.worlds import documented
+from fuzz.config import CampaignConfig
+from fuzz.faults.as_classes import AsClass
+from fuzz.lanes.native import scenes
+from fuzz.native import Looks, evaluate
+from fuzz.unit import run_unit
+from sim import Command, Observation, RobotOptions
+from sim.controllers import CONTROLLERS, ProcessController, VectorController
+from sim.controllers.program import Program
+from sim.scenario import Scenario
+from worldgen.random_streams import RandomStream
+
+__all__ = ["CASES", "Row", "measure"]
+
+SHORT = 60  # steps
+BEAMS = 36
+PROGRAM = f"cmd:{sys.executable} {Path(__file__).parents[1] / 'sim' / 'examples' / 'process.py'}"
+MARKS = ("<!-- table: python -m benchmarks.classes --document docs/search.md -->", "<!-- end of table -->")
+_FOR = 0.5  # s that a rate is measured for, at least
+_MOST_SCENES = 20_000
+
+
+@dataclass(frozen=True)
+class Widest:
+    """Drives into the widest of 36 beams that is nearly in the target's direction, worked out with NumPy."""
+
+    senses = ("bump", "heading", "target_heading", "beams")
+    needs = RobotOptions(beams=BEAMS)
+
+    def reset(self) -> tuple[float, ...]:
+        """It remembers nothing."""
+        return ()
+
+    def act(self, observation: Observation, memory: tuple[float, ...]) -> tuple[Command, tuple[float, ...]]:
+        """Scores each beam by its length and by how far it leads off."""
+        bearings = np.linspace(0.0, 2 * np.pi, BEAMS, endpoint=False)
+        off = np.cos(bearings - (observation.target_heading - observation.heading))
+        best = bearings[int(np.argmax(np.minimum(observation.beams, 0.5) + 0.3 * off))]
+        turn = (best + np.pi) % (2 * np.pi) - np.pi
+        return Command(observation.top_speed, float(turn) / observation.time_step), memory
+
+
+CASES = {
+    "example": "sim.examples.python:Example",
+    "turn-right": "benchmarks.classes:turn_right",
+    "wall-left": "benchmarks.classes:wall_left",
+    "random-walk": "benchmarks.classes:random_walk",
+    "bug2": "benchmarks.classes:bug2",
+    "bug2, interpreted": "benchmarks.classes:plain_bug2",
+    "q-learning": "benchmarks.classes:q_learning",
+    "numpy, 36 beams": "benchmarks.classes:Widest",
+    "vfh": "benchmarks.classes:vfh",
+    "potential-field": "benchmarks.classes:potential_field",
+    "tangent-bug": "benchmarks.classes:tangent_bug",
+    "three-layer": "benchmarks.classes:three_layer",
+    "example, vector": "sim.examples.vector:Example",
+    "example, program": PROGRAM,
+}
+"""Controllers of the table: twelve classes, then a vector class and a program."""
+
+
+def __getattr__(name: str) -> Any:
+    if name.startswith("_"):
+        raise AttributeError(name)
+    plain = name.removeprefix("plain_")
+    return AsClass(plain.replace("_", "-"), plain=plain != name)
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one controller took; rates are per second of processor time.
+
+    Args:
+        controller: Name.
+        short: Worlds of first looks at 60 steps.
+        looks: Worlds of first looks.
+        steps: Steps of these.
+        user: Share of their time in the controller's own code.
+        lane: Worlds of units of the lane ``native``.
+        features: Worlds of units of the lane ``features``.
+    """
+
+    controller: str
+    short: float
+    looks: float
+    steps: float
+    user: float
+    lane: float
+    features: float
+
+    @property
+    def gain(self) -> float:
+        """Worlds of ``lane`` for one of ``features``."""
+        return self.lane / self.features
+
+
+def measure(name: str, controller: str, seconds: float) -> Row:
+    """Measures one controller under ``swept``."""
+    scenario = Scenario(controller)
+    clock = time.monotonic if isinstance(CONTROLLERS.get(controller), ProcessController) else time.process_time
+    short, _ = _looks(scenario, SHORT, clock)
+    looks, steps = _looks(scenario, None, clock)
+    lane, features = (_units(scenario, which, seconds, clock) for which in ("native", "features"))
+    return Row(name, short, looks, steps, _share_of_user(scenario, clock), lane, features)
+
+
+def _looks(scenario: Scenario, budget: int | None, clock: Callable[[], float]) -> tuple[float, float]:
+    """Worlds and steps a second of first looks."""
+    _look(scenario, 20, budget)
+    count = 100
+    while True:
+        begin = clock()
+        looks = _look(scenario, count, budget)
+        spent = clock() - begin
+        if spent >= _FOR or count >= _MOST_SCENES:
+            return int(looks.ran.sum()) / spent, looks.simulated / spent
+        count *= 4
+
+
+def _look(scenario: Scenario, count: int, budget: int | None) -> Looks:
+    return evaluate(scenes(RandomStream(3), count), scenario, np.arange(count, dtype=np.uint64), 0.015, budget)
+
+
+def _units(scenario: Scenario, lane: str, seconds: float, clock: Callable[[], float]) -> float:
+    """Worlds a second of whole units; what compiles does not count."""
+    config = CampaignConfig(scenario, seed=3, families=(lane,))
+    run_unit(CampaignConfig(scenario, seed=3, families=(lane,), examples=8), 0)
+    worlds, unit, begin = 0, 0, clock()
+    while (spent := clock() - begin) < seconds:
+        unit += 1
+        worlds += run_unit(config, unit).worlds
+    return worlds / spent
+
+
+def _share_of_user(scenario: Scenario, clock: Callable[[], float]) -> float:
+    """Share of the time of first looks that passes in the controller's own code, or in waiting for its program."""
+    controller = CONTROLLERS.get(scenario.controller)
+    owner, method = {
+        True: (Program, "ask"),
+        False: (type(controller), "act_many" if isinstance(controller, VectorController) else "act"),
+    }[isinstance(controller, ProcessController)]
+    act, spent = getattr(owner, method), [0.0]
+
+    def timed(*given: Any) -> Any:
+        begin = time.perf_counter()
+        try:
+            return act(*given)
+        finally:
+            spent[0] += time.perf_counter() - begin
+
+    count = 20 if isinstance(controller, ProcessController) else 400
+    begin, waited = clock(), time.perf_counter()
+    setattr(owner, method, timed)
+    try:
+        _look(scenario, count, None)
+    finally:
+        setattr(owner, method, act)
+    return spent[0] / (time.perf_counter() - waited) if clock() > begin else 0.0
+
+
+def _markdown(rows: list[Row]) -> str:
+    lines = ["| controller | short | looks | steps | user | lane | features | gain |", "| --- |" + " ---: |" * 7]
+    for row in rows:
+        rates = [f"{rate:,.0f}" for rate in (row.short, row.looks, row.steps)]
+        cells = [*rates, f"{row.user:.0%}".replace("%", " %"), f"{row.lane:,.0f}", f"{row.features:,.0f}"]
+        lines.append(f"| {row.controller} | {' | '.join(cells)} | {row.gain:.0f} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Measures all and prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--controllers", default=";".join(CASES), help="names of the table, with semicolons between")
+    parser.add_argument("--seconds", type=float, default=4.0, help="of the processor for each lane (default 4)")
+    parser.add_argument("--document", type=Path, help="put the table into this document too")
+    arguments = parser.parse_args()
+    rows = [measure(name, CASES[name], arguments.seconds) for name in arguments.controllers.split(";")]
+    table = _markdown(rows)
+    if arguments.document is not None:
+        arguments.document.write_text(documented(arguments.document.read_text(), table, MARKS))
+    whole = [{**asdict(row), "gain": row.gain} for row in rows]
+    click.echo(json.dumps({"rows": whole}) if arguments.json else table)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,87 @@
+"""Compiled controllers as Python classes: how a campaign does against the same controller brought the usual way.
+
+``fuzz.faults.as_classes:bug2_stale_line`` is the fault ``fuzz.faults:bug2_stale_line`` as a class whose ``act`` calls
+the compiled function; ``fuzz.faults.as_classes:plain_bug2_stale_line`` interprets the function's own Python instead.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fuzz.faults import FAULTS
+from fuzz.faults.planting import Fault
+from sim.controllers import CONTROLLERS, Command, CompiledController, Observation
+from sim.controllers.base import Act, Memory, compiled_act
+from sim.kernels import layout
+from sim.robot_options import RobotOptions
+
+__all__ = ["AsClass"]
+
+_PLAIN = "plain_"
+
+
+@dataclass(frozen=True)
+class AsClass:
+    """A compiled controller as a Python class; it stands still in its first step, as every class does.
+
+    Args:
+        controller: Name of the compiled controller.
+        plain: Whether its Python is interpreted.
+    """
+
+    controller: str
+    plain: bool = False
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        """What the compiled controller looks at."""
+        return _compiled(self.controller).senses
+
+    @property
+    def needs(self) -> RobotOptions:
+        """What it needs of the robot."""
+        return _compiled(self.controller).needs
+
+    def reset(self) -> Memory:
+        """Its memory at reset."""
+        return _compiled(self.controller).memory
+
+    def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
+        """Its command and memory."""
+        seen, kept = np.array((*observation[:-1], *observation.beams)), np.array(memory)
+        command = np.zeros(layout.CMD_SIZE)
+        _act(self.controller, self.plain)(seen, kept, command)
+        speed, turn_rate, used_random = command.tolist()
+        return Command(speed, turn_rate, used_random != 0.0), tuple(kept.tolist())
+
+
+@functools.cache
+def _compiled(name: str) -> CompiledController:
+    controller = CONTROLLERS.get(name)
+    if not isinstance(controller, CompiledController):
+        raise TypeError(f"{name} is not a compiled controller")
+    return controller
+
+
+@functools.cache
+def _act(name: str, plain: bool) -> Act:
+    """The function itself; here and not in an object, for what a controller holds is its state."""
+    controller = _compiled(name)
+    if not plain:
+        compiled: Act = compiled_act(controller.act)
+        return compiled
+    if isinstance(controller, Fault) and controller.plain is not None:
+        return controller.plain
+    interpreted: Act = getattr(controller.act, "py_func", controller.act)
+    return interpreted
+
+
+def __getattr__(name: str) -> Any:
+    fault = name.removeprefix(_PLAIN)
+    if fault.replace("_", "-") not in FAULTS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return AsClass(f"fuzz.faults:{fault}", plain=fault != name)

@@ -1,0 +1,172 @@
+"""Native search with controllers that are not compiled: its looks are the runs that the simulator makes."""
+
+import math
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from fuzz.config import CampaignConfig
+from fuzz.failure import replay
+from fuzz.faults.as_classes import AsClass
+from fuzz.lanes.native import scenes as drawn
+from fuzz.native import evaluate
+from fuzz.unit import run_unit
+from sim import Command
+from sim.episode import prepare
+from sim.kernels import layout
+from sim.scenario import Scenario
+from worldgen.grid_file import dumps
+from worldgen.random_streams import RandomStream
+from worldgen.world import World
+
+HERE = "tests.fuzz.test_native_kinds"
+
+
+@dataclass(frozen=True)
+class Homing:
+    """Drives at the target, and away from walls for a while; draws a random number at each bump."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act(self, observation, memory):
+        (left,) = memory
+        if observation.bump:
+            return Command(observation.top_speed, 40.0 * (observation.random - 0.5), True), (15.0,)
+        if left > 0.0:
+            return Command(observation.top_speed), (left - 1.0,)
+        turn = math.remainder(observation.target_heading - observation.heading, 2 * math.pi)
+        return Command(observation.top_speed, turn / observation.time_step), (0.0,)
+
+
+@dataclass(frozen=True)
+class Planner(Homing):
+    """Wants the world, and drives the slower the larger it is; its memory is as long as the world is high."""
+
+    def reset(self, world):
+        assert isinstance(world, World)
+        assert world.certificate is None
+        return (0.0, *([float(world.width)] * world.height))
+
+    def act(self, observation, memory):
+        command, (left,) = super().act(observation, memory[:1])
+        return command._replace(speed=command.speed * 10.0 / memory[1]), (left, *memory[1:])
+
+
+class Attributes(Homing):
+    """Keeps its memory in attributes that ``reset`` sets, as many do."""
+
+    def reset(self):
+        self.left = 0.0
+        return ()
+
+    def act(self, observation, memory):
+        command, (self.left,) = super().act(observation, (self.left,))
+        return command, memory
+
+
+class Fragile(Homing):
+    """Raises where it touches a wall in the right half of a large world."""
+
+    def act(self, observation, memory):
+        if observation.bump and observation.x > 1.0:
+            raise ValueError(observation.x)
+        return super().act(observation, memory)
+
+
+class Mistaken(Homing):
+    """Asks for nan where it touches a wall in the right half of a large world."""
+
+    def act(self, observation, memory):
+        command, memory = super().act(observation, memory)
+        return command._replace(speed=math.nan if observation.bump and observation.x > 1.0 else command.speed), memory
+
+
+class Unready(Homing):
+    """Has no memory to begin with."""
+
+    def reset(self):
+        return None
+
+
+WallLeft = AsClass("wall-left")
+
+CLASSES = ("Homing", "Homing+motion=endpoint", "Planner", "Attributes", "Fragile", "Mistaken", "Unready")
+
+PROGRAM = """
+import json, sys
+left = 0
+for line in sys.stdin:
+    seen = json.loads(line)
+    if "reset" in seen:
+        left = 0
+        continue
+    left = 20 if seen["bump"] else max(left - 1, 0)
+    turn = 1.0 if seen["bump"] else 0.0 if left else seen["target_heading"] - seen["heading"]
+    print(json.dumps({"speed": 2.0, "turn_rate": turn / seen["time_step"]}), flush=True)
+"""
+
+
+def named(name):
+    return Scenario.parse(f"{HERE}:{name}")
+
+
+def program(text, deadline=5):
+    return Scenario(f"cmd+deadline={deadline}+start={deadline}:{sys.executable} -I -S -c '{text}'")
+
+
+def look(scenario, count, budget=None, seed=5):
+    layouts, seeds = drawn(RandomStream(seed), count), np.arange(count, dtype=np.uint64)
+    return evaluate(layouts, scenario, seeds, np.resize([0.03, 0.06, 0.15], count), budget)
+
+
+def assert_looks_are_runs(looks):
+    for n in np.flatnonzero(looks.ran):
+        scenario, world, budget = looks.scenario_of(n), looks.world(n), int(looks.budget[n])
+        run = prepare(world, scenario.controller, scenario.options(world, budget)).run(
+            budget, find_loop=True, record=False
+        )
+        assert looks.verdict[n] in (run.ending, "undecided", "overlap")
+        assert (looks.steps[n], looks.collisions[n]) == (run.steps, run.collisions)
+        assert looks.period[n] == run.period or run.ending != "loop"
+        assert looks.path[n] * world.cell_size / layout.UNIT == pytest.approx(run.path_length, rel=1e-12)
+        assert looks.raw[n, layout.OUT_LAST_NEW_CELL] == run.last_new_cell
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_a_look_at_a_class_is_its_run_in_the_decoded_world(name):
+    assert_looks_are_runs(look(named(name), 60, budget=300))
+
+
+def test_a_look_at_a_program_is_its_run_in_the_decoded_world():
+    assert_looks_are_runs(look(program(PROGRAM), 12, budget=60))
+
+
+@pytest.mark.parametrize(("name", "verdict"), [("Fragile", "crash"), ("Mistaken", "invalid-command")])
+def test_a_class_that_fails_ends_only_its_own_run(name, verdict):
+    assert {verdict, "reached"} <= set(look(named(name), 60, budget=300).verdict.tolist())
+
+
+def test_after_two_hangs_of_a_program_the_rest_is_not_run():
+    looks = look(program("import time; time.sleep(60)", deadline=0.2), 30)
+    assert looks.ran.sum() == 2
+    assert set(looks.verdict[looks.ran]) == {"hang"}
+
+
+def test_looks_at_a_class_are_those_at_the_compiled_controller_that_it_is():
+    compiled, twin = look(Scenario("wall-left"), 80, 600), look(named("WallLeft"), 80, 600)
+    decided = compiled.verdict != "undecided"
+    assert (compiled.raw[decided] == twin.raw[decided]).all()
+    assert (compiled.verdict == twin.verdict).all()
+    assert {"reached", "loop"} <= set(compiled.verdict)
+
+
+def test_a_unit_of_a_class_is_a_function_of_its_number_and_replays():
+    config = CampaignConfig(named("WallLeft"), seed=2, examples=60, families=("native",))
+    one, two = run_unit(config, 1), run_unit(config, 1)
+    assert [dumps(world) for world in one.failures.values()] == [dumps(world) for world in two.failures.values()]
+    assert (one.worlds, one.steps, one.verdicts) == (two.worlds, two.steps, two.verdicts)
+    assert one.failures
+    assert all(replay(failure).confirmed for failure in one.failures.values())

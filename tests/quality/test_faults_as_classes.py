@@ -1,0 +1,29 @@
+"""Seeded faults as Python classes: they run as their compiled functions do, and campaigns find them as soon."""
+
+import pytest
+
+from benchmarks.faults_as_classes import look_for
+from fuzz.faults import FAULTS
+from fuzz.faults.as_classes import AsClass
+from sim import simulate
+from sim.controllers import CONTROLLERS
+from worldgen import generate
+
+
+@pytest.mark.parametrize("fault", ["bug1_keeps_the_last_place", "vfh_turn_sign", "q_learning_last_turn_lost"])
+def test_a_fault_runs_the_same_compiled_and_interpreted(fault):
+    world = generate("forest", 3)
+    compiled, plain = (CONTROLLERS.get(f"fuzz.faults.as_classes:{name}") for name in (fault, f"plain_{fault}"))
+    assert isinstance(plain, AsClass) and plain.plain and not compiled.plain
+    assert simulate(world, compiled, steps=300).trace_digest == simulate(world, plain, steps=300).trace_digest
+
+
+def test_a_class_without_its_attribute_is_none_of_them():
+    with pytest.raises(AttributeError, match="no_such_fault"):
+        CONTROLLERS.get("fuzz.faults.as_classes:no_such_fault")
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_campaign_finds_a_fault_brought_as_a_class_within_a_minute(fault):
+    assert look_for(fault, "class", seconds=60.0).found
