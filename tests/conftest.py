@@ -5,7 +5,7 @@ import signal
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, Phase, settings
 from hypothesis.database import DirectoryBasedExampleDatabase
 
 from tests.helpers import kernels
@@ -29,6 +29,8 @@ settings.register_profile(
     derandomize=False,
     database=DirectoryBasedExampleDatabase(EXAMPLES),
 )
+# For who only wants to know whether a test fails.
+settings.register_profile("unshrunk", settings.get_profile("worldgen"), phases=(Phase.explicit, Phase.generate))
 settings.load_profile("worldgen")
 
 # What a command prints must not depend on how fast the machine is.

@@ -78,7 +78,8 @@ def _caught(fault: Fault, copy: Path, *, expected_only: bool) -> tuple[str, str]
 def _first_that_fails(copy: Path, marks: str, paths: tuple[str, ...]) -> str:
     """Run tests in the copy until one fails; return its name, or nothing if all pass."""
     parallel = [] if paths else ["-n", "auto"]
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *parallel, "-m", marks, *paths]
+    quick = ["-x", "-q", "-p", "no:cacheprovider", "--hypothesis-profile=unshrunk"]
+    command = [sys.executable, "-m", "pytest", *quick, *parallel, "-m", marks, *paths]
     here = os.environ | {"PYTHONPATH": str(copy)}
     done = subprocess.run(command, cwd=copy, env=here, capture_output=True, text=True, check=False)
     if done.returncode in (0, 5):  # all pass, or the tier has none of these

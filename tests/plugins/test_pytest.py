@@ -63,6 +63,7 @@ def test_a_stored_failure_fails_until_it_is_fixed_and_shows_its_world(project, c
     assert replay(read_world(kept)).confirmed
 
 
+@pytest.mark.gate
 def test_ini_settings_collect_a_corpus_and_name_a_controller_when_no_path_is_named(project, corpus):
     project.makeini("[pytest]\nworldgen_corpus = failures\nworldgen_controller = bug2\ntestpaths = tests")
     test = project.mkdir("tests") / "test_own.py"
@@ -84,6 +85,7 @@ MARKED = """
 """
 
 
+@pytest.mark.gate
 def test_marked_tests_and_corpora_run_and_show_what_fails_also_under_xdist(project, corpus):
     project.makepyfile(test_it=MARKED)
     project.makeini("[pytest]\nworldgen_corpus = failures\nworldgen_artifacts = kept\naddopts = --strict-markers")
@@ -131,6 +133,7 @@ def test_a_broken_file_in_a_corpus_fails_as_a_test_with_one_sentence(project):
     done.stdout.no_fnmatch_line("*Traceback*")
 
 
+@pytest.mark.gate
 def test_words_of_a_stranger_cannot_steer_the_terminal(project, failure):
     strange = replace(failure.failure, controller="\x1b[2J\0|<b>")
     write_world(replace(failure, failure=strange), project.mkdir("failures") / "strange.grid")
@@ -154,6 +157,7 @@ def test_where_the_plugin_is_not_used_it_imports_and_writes_nothing(project):
     assert not (project.path / ".pytest_cache/d").exists()
 
 
+@pytest.mark.gate
 def test_a_project_with_a_folder_of_a_name_of_ours_still_runs(project):
     project.makepyfile(test_it="def test_it(): pass", **{"fuzz/__init__": "", "sim/__init__": ""})
     done = subprocess.run(
@@ -162,6 +166,7 @@ def test_a_project_with_a_folder_of_a_name_of_ours_still_runs(project):
     assert "1 passed" in done.stdout, done.stdout + done.stderr
 
 
+@pytest.mark.gate
 def test_the_plugin_can_be_left_out(project, corpus):
     assert pytest_run(project, "-p", "no:worldgen", "--co").ret == pytest.ExitCode.NO_TESTS_COLLECTED
 
