@@ -1,0 +1,314 @@
+"""Run the commands that README.md and docs/*.md show, and compare what they print with what the page shows.
+
+Every fenced block of kind ``console`` is run: a line that begins with ``$ `` is a command, the lines below it are its
+output, on stdout and stderr together. The blocks of a page share one temporary folder and run in order. The folder
+holds ``corpora`` and ``examples``, and every fenced block of the page whose first line names a file (``# mine.py``).
+
+- A command below which the page shows nothing only has to work.
+- ``...`` stands for any text within a line, and alone on a line for any number of lines.
+- How long a command took, as in ``in 12.9 s``, is not compared.
+- A command with ``--budget`` runs with ``--units 1`` instead: what a budget of seconds finds depends on the machine.
+
+Four comments, each alone on a line between the last block and the one that it is for, say more:
+
+- ``<!-- first: COMMAND -->`` runs a command that the reader is not shown, in the page's folder; ``$ROOT`` is the
+  project's own folder.
+- ``<!-- not run: REASON -->`` leaves a block out.
+- ``<!-- file: NAME -->`` says that the next block is the contents of that file.
+- ``<!-- needs: PROGRAM -->`` leaves a block out where that program is not installed.
+
+``python -m tests.repo.documented_commands PAGE...`` prints what differs; ``--update`` writes what is printed into
+the pages.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from unittest import mock
+
+from worldgen.cli.main import main as command_line
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+_FENCE = re.compile(r"( *)```(\w*)\s*")
+_FILE = re.compile(r"(?:# |// |\"\"\")([\w./-]+\.(?:py|toml|c|json))\b.*")
+_NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
+_FIRST = re.compile(r"<!-- first: (.+) -->")
+_NAMED = re.compile(r"<!-- file: (\S+) -->")
+_NEEDS = re.compile(r"<!-- needs: (\S+) -->")
+_SECONDS = re.compile(r"\bin \d+(?:\.\d+)? s\b")  # a witness's time is hidden with it; its digest is not
+_BUDGET = re.compile(r"--budget[ =]\S+")
+_WENT_WRONG = 2  # the exit code of a command that could not do its work; 1 says that a check did not hold
+
+
+@dataclass
+class Command:
+    """A command of a page, and what the page shows below it.
+
+    Args:
+        text: The command, as a shell would get it.
+        line: Number of its line in the page, from 1 on.
+        first: Number of the first line below it that is not part of the command.
+        shown: The lines that the page shows as its output.
+        hidden: Whether the reader does not see it.
+    """
+
+    text: str
+    line: int
+    first: int
+    shown: list[str] = field(default_factory=list)
+    hidden: bool = False
+
+
+@dataclass
+class Block:
+    """A block of commands.
+
+    Args:
+        commands: What it shows, and before that what the reader is not shown.
+        not_run: Why it is left out, if it is.
+        needs: Programs without which it is left out.
+    """
+
+    commands: list[Command]
+    not_run: str | None = None
+    needs: list[str] = field(default_factory=list)
+
+    @property
+    def runs_here(self) -> bool:
+        """Whether the block is to be run, and can be."""
+        return self.not_run is None and all(map(shutil.which, self.needs))
+
+
+@dataclass
+class Page:
+    """A page's blocks of commands, and the files that its other blocks are."""
+
+    path: Path
+    blocks: list[Block]
+    files: dict[str, str]
+
+
+@dataclass
+class Done:
+    """A command that was run: its exit code, and what it printed."""
+
+    command: Command
+    code: int
+    printed: list[str]
+
+    @property
+    def fault(self) -> str | None:
+        """What is wrong, in words; None if the page is right."""
+        command = self.command
+        if self.code > _WENT_WRONG or (self.code == _WENT_WRONG and not command.shown):
+            return f"{command.text}: exit code {self.code}\n" + "\n".join(self.printed)
+        if not command.shown or matches(command.shown, self.printed):
+            return None
+        shown, printed = "\n".join(command.shown), "\n".join(self.printed)
+        return f"$ {command.text}\n--- the page shows\n{shown}\n--- it prints\n{printed}"
+
+
+def read_page(path: Path) -> Page:
+    """Return a page's commands and files."""
+    return parse_page(path.read_text(encoding="utf-8"), path)
+
+
+def parse_page(text: str, path: Path) -> Page:
+    """Return the commands and files of a page with this text.
+
+    Raises:
+        ValueError: If a block of commands begins with something else, or shows what a budget of seconds found.
+    """
+    page = Page(path, [], {})
+    first: list[Command] = []
+    needs: list[str] = []
+    not_run: str | None = None
+    named: str | None = None
+    for kind, start, lines in _parts(text):
+        if kind is None:
+            if found := _NOT_RUN.fullmatch(lines[0].strip()):
+                not_run = found[1]
+            elif found := _NAMED.fullmatch(lines[0].strip()):
+                named = found[1]
+            elif found := _NEEDS.fullmatch(lines[0].strip()):
+                needs.append(found[1])
+            elif found := _FIRST.fullmatch(lines[0].strip()):
+                first.append(Command(found[1], start, start, hidden=True))
+        elif kind == "console":
+            block = Block([*first, *_commands(lines, start, path)], not_run, needs)
+            _check_budgets(block, path)
+            page.blocks.append(block)
+            first, needs, not_run = [], [], None
+        elif name := named or _name_in(lines):
+            page.files.setdefault(name, "\n".join(lines) + "\n")
+            named = None
+    return page
+
+
+def _name_in(lines: list[str]) -> str | None:
+    """Return the name of the file that a block's first line says it is."""
+    found = _FILE.fullmatch(lines[0]) if lines else None
+    return found[1] if found else None
+
+
+def _parts(text: str) -> Iterator[tuple[str | None, int, list[str]]]:
+    """Fenced blocks and single lines: kind (None for a line), number of the first line, lines without indentation."""
+    lines = text.splitlines()
+    at = 0
+    while at < len(lines):
+        fence = _FENCE.fullmatch(lines[at])
+        if fence is None:
+            yield None, at + 1, [lines[at]]
+            at += 1
+            continue
+        indent = len(fence[1])
+        end = next(k for k in range(at + 1, len(lines)) if lines[k].strip() == "```")
+        yield fence[2] or "plain", at + 2, [line[indent:] for line in lines[at + 1 : end]]
+        at = end + 1
+
+
+def _commands(lines: list[str], start: int, path: Path) -> list[Command]:
+    commands: list[Command] = []
+    goes_on = False
+    for number, line in enumerate(lines, start):
+        if goes_on:
+            command = commands[-1]
+            command.text = command.text.removesuffix("\\") + line.strip()
+            command.first = number + 1
+            goes_on = line.endswith("\\")
+        elif line.startswith("$ "):
+            commands.append(Command(line.removeprefix("$ "), number, number + 1))
+            goes_on = line.endswith("\\")
+        elif not commands:
+            raise ValueError(
+                f"{path.name}, line {number}: a block of commands begins with a line that starts with '$ '"
+            )
+        else:
+            commands[-1].shown.append(line)
+    return commands
+
+
+def _check_budgets(block: Block, path: Path) -> None:
+    for command in block.commands:
+        if block.not_run is None and command.shown and _BUDGET.search(command.text):
+            raise ValueError(
+                f"{path.name}, line {command.line}: the page shows what a budget of seconds found; give it --units"
+            )
+
+
+def matches(shown: list[str], printed: list[str]) -> bool:
+    """Return True if the output is as the page shows it, apart from ``...`` and from how long it took."""
+    pattern = ""
+    for line in shown:
+        if line.strip() == "...":
+            pattern += r"(?:[^\n]*\n)*?"
+        else:
+            parts = _SECONDS.sub("in ... s", line.rstrip()).split("...")
+            pattern += r"[^\n]*?".join(map(re.escape, parts)) + r"\n"
+    text = "".join(f"{_SECONDS.sub('in 0 s', line.rstrip())}\n" for line in printed)
+    return re.fullmatch(pattern, text) is not None
+
+
+def run_page(page: Page, folder: Path) -> Iterator[Done]:
+    """Run a page's commands in a folder, in order, and give what each printed."""
+    for name in ("corpora", "examples"):
+        shutil.copytree(ROOT / name, folder / name)
+    for name, text in page.files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+    environment = {"PATH": path, "ROOT": str(ROOT), "COLUMNS": "200", "WORLDGEN_PROGRESS": "off"}
+    with contextlib.chdir(folder), mock.patch.dict(os.environ, environment):
+        for block in page.blocks:
+            if block.runs_here:
+                for command in block.commands:
+                    yield run(command)
+
+
+def run(command: Command) -> Done:
+    """Run one command in the current folder: ``worldgen`` in this process, everything else as a program."""
+    text = os.path.expandvars(command.text) if command.hidden else command.text
+    words = shlex.split(_BUDGET.sub("--units 1", text), comments=True)
+    if words[0] == "worldgen" and "|" not in words and ">" not in words:
+        code, printed = _run_here(words)
+    else:
+        done = subprocess.run(text, shell=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        code, printed = done.returncode, done.stdout.decode("utf-8", "replace")
+    return Done(command, code, printed.splitlines())
+
+
+def _run_here(argv: list[str]) -> tuple[int, str]:
+    both = io.StringIO()
+    with mock.patch.object(sys, "argv", argv), contextlib.redirect_stdout(both), contextlib.redirect_stderr(both):
+        try:
+            command_line()
+        except SystemExit as stop:
+            code = stop.code if isinstance(stop.code, int) else int(stop.code is not None)
+    return code, both.getvalue()
+
+
+def faults(path: Path, folder: Path) -> list[str]:
+    """Return what is wrong with a page, a text for each command whose output is not as shown."""
+    return [fault for done in run_page(read_page(path), folder) if (fault := done.fault)]
+
+
+def updated(text: str, done: list[Done]) -> str:
+    """Return a page's text with the output that its commands print today.
+
+    Lines that a page leaves out with ``...`` stay left out: as many lines as it shows above and below are kept.
+    """
+    lines = text.splitlines()
+    for one in reversed(done):
+        command = one.command
+        if command.hidden or not command.shown or matches(command.shown, one.printed):
+            continue
+        printed = one.printed
+        skips = [k for k, line in enumerate(command.shown) if line.strip() == "..."]
+        if skips:
+            above, below = skips[0], len(command.shown) - skips[-1] - 1
+            if above + below < len(printed):
+                printed = [*printed[:above], "...", *printed[len(printed) - below :]]
+        at = command.first - 1
+        indent = lines[command.line - 1].partition("$")[0]
+        lines[at : at + len(command.shown)] = [(indent + line).rstrip() for line in printed]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> int:
+    """Compare pages with what their commands print, or update them."""
+    parser = argparse.ArgumentParser(prog="python -m tests.repo.documented_commands", description=__doc__)
+    parser.add_argument("pages", nargs="*", type=Path, default=PAGES, metavar="PAGE", help="all by default")
+    parser.add_argument("--update", action="store_true", help="write what the commands print into the pages")
+    options = parser.parse_args()
+    wrong = 0
+    for path in map(Path.absolute, options.pages):
+        with tempfile.TemporaryDirectory() as folder:
+            done = []
+            for one in run_page(read_page(path), Path(folder)):
+                done.append(one)
+                sys.stderr.write(f"{path.name}: {one.command.text}\n")
+        found = [fault for one in done if (fault := one.fault)]
+        if options.update and found:
+            path.write_text(updated(path.read_text(encoding="utf-8"), done), encoding="utf-8")
+        wrong += len(found)
+        sys.stdout.write(f"{path.name}: {len(done)} commands, {len(found)} not as shown\n")
+        sys.stdout.writelines(f"{fault}\n\n" for fault in found)
+    return 1 if wrong and not options.update else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
