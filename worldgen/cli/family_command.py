@@ -42,7 +42,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
         workers: int | None,
         metrics: bool | None,
         where: str | None,
-        difficulty: float | None,
+        difficulty: tuple[float, ...] | None,
         tries: int | None,
         force: bool,
         as_json: bool,

@@ -13,7 +13,7 @@ from worldgen.errors import OutputError, WorldgenError
 from worldgen.progress import working
 
 if TYPE_CHECKING:
-    from worldgen.sets import SetPlan, WishedPlan
+    from worldgen.sets import SetPlan, StratifiedPlan, WishedPlan
 
 __all__ = ["make_many", "told", "workers_for"]
 
@@ -21,7 +21,13 @@ _LARGE = 200  # worlds; below it takes longer to start processes than to do with
 
 
 def make_many(
-    plan: SetPlan | WishedPlan, seed: int | None, out: Path, *, workers: int | None, force: bool, as_json: bool
+    plan: SetPlan | WishedPlan | StratifiedPlan,
+    seed: int | None,
+    out: Path,
+    *,
+    workers: int | None,
+    force: bool,
+    as_json: bool,
 ) -> None:
     """Makes a set, or goes on with it.
 
@@ -53,7 +59,7 @@ def make_many(
         emit_json({**asked, "count": count, "out": str(out), "resumed": done.resumed, "files": files})
 
 
-def _seed(plan: SetPlan | WishedPlan, seed: int | None, out: Path, *, force: bool) -> int:
+def _seed(plan: SetPlan | WishedPlan | StratifiedPlan, seed: int | None, out: Path, *, force: bool) -> int:
     from worldgen.sets import begun_set
 
     begun = begun_set(out) if seed is None and not force else None

@@ -23,13 +23,38 @@ __all__ = ["WISH_OPTIONS", "given_parameters", "make_wished"]
 
 _TRIES = 500
 
+
+class Difficulty(click.ParamType[tuple[float, ...]]):
+    """A difficulty, ``0.8``, or a range of difficulty, ``0.1..0.9``."""
+
+    name = "D or D..D"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, ...]:
+        """Read one number, or the two ends of a range."""
+        if isinstance(value, tuple):
+            return value
+        try:
+            numbers = tuple(float(word) for word in str(value).split(".."))
+        except ValueError:
+            numbers = ()
+        if len(numbers) not in (1, 2):
+            self.fail(
+                f"{value!r} is neither a difficulty, such as 0.8, nor a range of it, such as 0.1..0.9", param, ctx
+            )
+        return numbers
+
+
 WISH_OPTIONS = (
     click.option(
         "--where",
         metavar="WISH",
         help="Search for a world with such metrics: 'detour > 3 and bottleneck < 1.2r'. Parameters not given vary.",
     ),
-    click.option("--difficulty", type=float, metavar="D", help="Search for a world of this difficulty, 0 to 1."),
+    click.option(
+        "--difficulty",
+        type=Difficulty(),
+        help="Search for a world of this difficulty, 0 to 1; with a range and --count, spread a set over the range.",
+    ),
     click.option(
         "--tries",
         type=click.IntRange(1, 1_000_000),
@@ -52,7 +77,7 @@ def make_wished(
     params: Mapping[str, Value],
     *,
     where: str | None,
-    difficulty: float | None,
+    difficulty: tuple[float, ...] | None,
     tries: int | None,
     count: int | None,
     out: Path | None,
@@ -68,7 +93,15 @@ def make_wished(
     from worldgen.difficulty.search import Search, found, wish_for
     from worldgen.sets import plan_wished_set
 
-    wish = wish_for(where, difficulty)
+    if difficulty is not None and len(difficulty) == 2:
+        if count is not None and out is not None:
+            _make_stratified(
+                made_by, seed, params, where=where, ends=(difficulty[0], difficulty[1]), tries=tries, count=count,
+                out=out, metrics=metrics, force=force, as_json=as_json,
+            )  # fmt: skip
+            return
+        where = _within(difficulty[0], difficulty[1], where)
+    wish = wish_for(where, difficulty[0] if difficulty is not None and len(difficulty) == 1 else None)
     search: Search | None = None
     results: list[dict[str, Any]] = []
     try:
@@ -95,6 +128,50 @@ def make_wished(
         raise click.exceptions.Exit(1) from failure
     if as_json:
         emit_json({"wish": wish.text, "tried": search.tried, **results[0]})
+
+
+def _within(low: float, high: float, where: str | None) -> str:
+    """The wish for one world anywhere in a range of difficulty."""
+    from worldgen.difficulty import parse
+    from worldgen.difficulty.strata import check_range
+
+    check_range(low, high)
+    if where is not None:
+        parse(where)  # whose messages show what was written, no more
+    return f"{low:g} <= difficulty <= {high:g}" + (f" and ({where})" if where else "")
+
+
+def _make_stratified(
+    made_by: Family,
+    seed: int | None,
+    params: Mapping[str, Value],
+    *,
+    where: str | None,
+    ends: tuple[float, float],
+    tries: int | None,
+    count: int,
+    out: Path,
+    metrics: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Make a set that is spread over a range of difficulty, and say how many worlds each stratum has."""
+    from worldgen.sets import manifest_of, plan_stratified_set, strata_of
+
+    plan = plan_stratified_set(
+        made_by, 0, count, params, difficulty=ends, where=where, tries=tries or _TRIES, metrics=metrics
+    )
+    try:
+        make_many(plan, seed, out, workers=1, force=force, as_json=as_json)
+    except GenerationFailed as failure:
+        note(f"worldgen: {failure}")
+        raise click.exceptions.Exit(1) from failure
+    for stratum in strata_of(manifest_of(out)):
+        missing = stratum.share - stratum.worlds
+        why = (
+            f"  {missing} fewer than its share: no more were found, and its neighbours got them" if missing > 0 else ""
+        )
+        note(f"  difficulty {stratum.low:g} to {stratum.high:g}: {stratum.worlds}{why}")
 
 
 def _write(

@@ -1,8 +1,10 @@
 """Sets of worlds: many of one family, with a manifest from which they are made again byte for byte.
 
 Contents:
-    plan_set, plan_wished_set, make_set: a folder or an archive with a manifest; what is interrupted goes on.
+    plan_set, plan_wished_set, plan_stratified_set: what a set is to hold.
+    make_set: a folder or an archive with a manifest; what is interrupted goes on.
     manifest_of, regenerate_set, restore_set: the same set again from its manifest.
+    strata_of: how its worlds are spread over strata of difficulty.
     check_set: compares a set with its manifest.
     Header, Entry, Manifest: what the manifest says.
 
@@ -13,6 +15,7 @@ from worldgen.sets.check import Difference, check_set, manifest_of
 from worldgen.sets.make import SetDiffers, SetDone, begun_set, make_set, regenerate_set, restore_set
 from worldgen.sets.manifest import MANIFEST, Entry, Header, Manifest
 from worldgen.sets.plan import SetPlan, plan_set
+from worldgen.sets.stratified import StratifiedPlan, StratumCount, plan_stratified_set, strata_of
 from worldgen.sets.wished import WishedPlan, plan_wished_set
 
 __all__ = [
@@ -24,13 +27,17 @@ __all__ = [
     "SetDiffers",
     "SetDone",
     "SetPlan",
+    "StratifiedPlan",
+    "StratumCount",
     "WishedPlan",
     "begun_set",
     "check_set",
     "make_set",
     "manifest_of",
     "plan_set",
+    "plan_stratified_set",
     "plan_wished_set",
     "regenerate_set",
     "restore_set",
+    "strata_of",
 ]

@@ -12,6 +12,7 @@ from worldgen.sets.making import Made, make_all
 from worldgen.sets.manifest import MANIFEST, Entry, Header, Manifest, read_manifest
 from worldgen.sets.plan import SetPlan
 from worldgen.sets.stores import PART, FolderStore, Store, store_for
+from worldgen.sets.stratified import StratifiedPlan
 from worldgen.sets.wished import WishedPlan
 
 __all__ = ["SetDiffers", "SetDone", "begun_set", "make_set", "regenerate_set", "restore_set"]
@@ -76,7 +77,12 @@ def begun_set(out: Path) -> Header | None:
 
 
 def make_set(
-    plan: SetPlan | WishedPlan, out: Path, *, workers: int = 1, force: bool = False, progress: Progress | None = None
+    plan: SetPlan | WishedPlan | StratifiedPlan,
+    out: Path,
+    *,
+    workers: int = 1,
+    force: bool = False,
+    progress: Progress | None = None,
 ) -> SetDone:
     """Makes a set as a folder or an archive; goes on with the same one where that is unfinished.
 
@@ -94,7 +100,7 @@ def make_set(
     header = plan.header
 
     def named(k: int, made: Made) -> tuple[str, bytes]:
-        digests = (made.digest, made.sha256, len(made.data), made.metrics)
+        digests = (made.digest, made.sha256, len(made.data), made.metrics, made.stratum)
         entry = Entry(plan.file(k), header.family, header.version, made.seed, made.params, *digests)
         return entry.file, entry.line(header)
 

@@ -54,6 +54,7 @@ class Made:
         digest: The world's id.
         sha256: Of the bytes.
         metrics: What was measured of it.
+        stratum: Lower and upper end of the stratum of difficulty that it was found for, if there are strata.
     """
 
     seed: int
@@ -62,6 +63,7 @@ class Made:
     digest: str
     sha256: str
     metrics: Mapping[str, float]
+    stratum: tuple[float, ...] = ()
 
     @classmethod
     def of(cls, world: World, params: Mapping[str, Value], metrics: Mapping[str, float]) -> Made:

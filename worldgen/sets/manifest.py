@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -35,6 +36,7 @@ class Header:
         metrics: Whether each is measured.
         worldgen: Version of worldgen that made the set.
         wish: What the worlds were searched for by; empty where their seeds rise from the first's.
+        strata: Ends of the strata of difficulty over which the worlds are spread, rising; empty where they are not.
     """
 
     family: str
@@ -45,12 +47,15 @@ class Header:
     metrics: bool
     worldgen: str
     wish: str = ""
+    strata: tuple[float, ...] = ()
 
     def line(self) -> bytes:
         """The line, with its end."""
         head = {"format": FORMAT, "worldgen": self.worldgen, "family": self.family, "version": self.version}
         asked = {"seed": self.seed, "count": self.count, "params": _sorted(self.params), "metrics": self.metrics}
-        return _line({**head, **asked, **({"wish": self.wish} if self.wish else {})})
+        searched = {"wish": self.wish} if self.wish else {}
+        strata = {"strata": list(self.strata)} if self.strata else {}
+        return _line({**head, **asked, **searched, **strata})
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,7 @@ class Entry:
         sha256: Of the file's bytes, 64 hex digits.
         size: Length of the file, bytes.
         metrics: What was measured of the world, as its file has it.
+        stratum: Lower and upper end of its stratum of difficulty; empty if the set has none.
     """
 
     file: str
@@ -78,13 +84,14 @@ class Entry:
     sha256: str
     size: int
     metrics: Mapping[str, float] = field(default_factory=dict)
+    stratum: tuple[float, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Keys and values as the line has them, and all parameters."""
         return {
             "file": self.file, "family": self.family, "version": self.version, "seed": self.seed,
             "params": _sorted(self.params), "digest": self.digest, "sha256": self.sha256, "bytes": self.size,
-            "metrics": _sorted(self.metrics),
+            "metrics": _sorted(self.metrics), **({"stratum": list(self.stratum)} if self.stratum else {}),
         }  # fmt: skip
 
     def line(self, header: Header) -> bytes:
@@ -196,7 +203,9 @@ class _Fields:
         family, version, params = self._text("family"), self._whole("version", 0, 2**63), self._table("params")
         seed, count = self._whole("seed", 0, 2**64 - 1), self._whole("count", 1, 2**63)
         wish = self._text("wish") if "wish" in self.found else ""
-        return Header(family, version, params, seed, count, metrics, self._text("worldgen"), wish)
+        return Header(
+            family, version, params, seed, count, metrics, self._text("worldgen"), wish, self._numbers("strata")
+        )
 
     def entry(self, header: Header) -> Entry:
         """A world; its parameters that differ from the set's stand in its line, or all, as older sets have them."""
@@ -211,7 +220,18 @@ class _Fields:
         size, metrics = self._whole("bytes", 0, 2**63), self._table("metrics")
         family = self._text("family")
         params = self._params(header) if family == header.family else self._table("params")
-        return Entry(file, family, version, seed, params, found["digest"], found["sha256"], size, metrics)
+        return Entry(
+            file,
+            family,
+            version,
+            seed,
+            params,
+            found["digest"],
+            found["sha256"],
+            size,
+            metrics,
+            self._numbers("stratum"),
+        )
 
     def _params(self, header: Header) -> Mapping[str, Value]:
         """The set's, which a hundred thousand worlds share, or a world's own over them."""
@@ -235,6 +255,15 @@ class _Fields:
         if not isinstance(value, dict):
             raise self._wrong(key, "must be an object")
         return value
+
+    def _numbers(self, key: str) -> tuple[float, ...]:
+        """Rising numbers, or none where the line has no such key."""
+        value = self.found.get(key, [])
+        if not isinstance(value, list) or not all(type(one) in (int, float) for one in value):
+            raise self._wrong(key, "must be numbers in a list")
+        if any(a >= b for a, b in itertools.pairwise(value)) or len(value) == 1:
+            raise self._wrong(key, "must rise, from the lower end to the upper")
+        return tuple(value)
 
     def _wrong(self, key: str, rule: str) -> FormatError:
         came = json.dumps(self.found[key])[:80] if key in self.found else "is missing, and"
