@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-__all__ = ["FormatError", "GenerationFailed", "InvalidParameter", "InvalidWorld", "OutputError", "WorldgenError"]
+__all__ = [
+    "FormatError",
+    "GenerationFailed",
+    "InvalidParameter",
+    "InvalidWorld",
+    "NotAGrid",
+    "OutputError",
+    "WorldgenError",
+]
 
 
 class WorldgenError(Exception):
@@ -43,3 +51,7 @@ class FormatError(WorldgenError, ValueError):
         if source is None and line is not None:
             place = f"line {line}"
         super().__init__(f"{place}: {message}" if place else message)
+
+
+class NotAGrid(FormatError):
+    """A file that does not begin as a ``.grid`` file does; it may be a map of another program."""

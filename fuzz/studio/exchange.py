@@ -180,6 +180,12 @@ def _imported(place: Path, wanted: _Wanted, scenario: Path | None, row: int | No
     used = scenario if row else None
     robot = RobotOptions(radius=wanted.radius, scenario=used, row=row or 1, seed=wanted.seed)
     imported = import_world(place, robot, name=wanted.format, options=wanted.options)
+    if imported.withheld:
+        raise FormatError(
+            f"{imported.decision.reason}; `worldgen import --ignore-unread` makes a world without it, which can be "
+            "opened here",
+            source=str(place),
+        )
     known = imported.world.provenance.params.get("format") if imported.world.provenance else None
     rows = _rows_of(scenario) if scenario is not None and known == "movingai" else 0
     told = (f"Row {row} of the {rows} of its scenario.",) if used is not None else ()

@@ -22,6 +22,8 @@ EXAMPLES = (
     "  worldgen run w.grid --controller thesis-1+noise+sensor_range=50 --motion stepped"
 )
 OUT = click.Path(path_type=Path)
+_BLOCKED = "the target cannot be reached in this world, whatever the controller does: `worldgen verify` says why"
+_UNDECIDED = "it is undecided whether the target can be reached in this world"
 _PICTURES = (".png", ".svg", ".html", ".gif")
 
 
@@ -82,13 +84,16 @@ def run(
     with transcribed(scenario.controller, transcript, force=force), working(f"running {scenario.label()} in {path}"):
         episode = simulate(world, scenario.controller, options, record=trail is not None or trace is not None)
     check_contract(scenario.controller, episode.evidence, episode.steps)
+    reachable = _is_reachable(world, episode)
     if as_json:
-        emit_json(_summary(episode))
+        emit_json({**_summary(episode), "reachable": reachable})
     else:
         click.echo(_sentence(episode))
         click.echo(shown_lines(frames_in_words(episode.evidence)), nl=False)
     if transcript is not None:
         note(f"wrote {transcript}")
+    if reachable is not True and episode.verdict != "reached":
+        note(_BLOCKED if reachable is False else _UNDECIDED)
     if trace is not None and episode.trace is not None:
         write_bytes(trace, episode.trace.to_csv().encode(), force=force)
         note(f"wrote {trace}")
@@ -100,6 +105,21 @@ def run(
         note(f"wrote {trail}")
     if episode.verdict != "reached":
         raise SystemExit(1)
+
+
+def _is_reachable(world: World, episode: Episode) -> bool | None:
+    """Whether the target can be reached at all; None where that is undecided.
+
+    A file without a certificate is decided only if the robot did not arrive, for that can take as long as the run.
+    """
+    from worldgen.reach import decide
+    from worldgen.world import Witness
+
+    if world.certificate is not None:
+        return isinstance(world.certificate, Witness)
+    if episode.verdict == "reached":
+        return True
+    return {"reachable": True, "blocked": False}.get(decide(world).result)
 
 
 def _summary(episode: Episode) -> dict[str, object]:

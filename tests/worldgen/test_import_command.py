@@ -12,12 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from tests.helpers.command_line import worldgen
 from worldgen.cli.main import cli
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, OutputError
 from worldgen.grid_file import read_world, write_world
 from worldgen.interop import import_world, place
 from worldgen.interop.place import _flood, _flood_compiled
-from worldgen.lattice import exact
+from worldgen.interop.place import is_clear as place_is_clear
 from worldgen.reach import check_certificate, decide
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Provenance, Target, World
@@ -70,15 +71,16 @@ def test_the_answer_is_the_file(run, tmp_path):
     answer, world, _ = run(MAZE, "--seed", 3)
     assert answer == {
         "file": str(tmp_path / "w.grid"), "result": "reachable", "clearance": world.certificate.clearance,
-        "radius": 0.07, "width": 32, "height": 32, "cell_size": 0.1,
+        "radius": 0.04, "radius_from": "0.4 cells, so that a corridor one cell wide lets it through", "unread": [],
+        "width": 32, "height": 32, "cell_size": 0.1,
         "start": [world.start.x, world.start.y, world.start.heading],
-        "target": [world.target.x, world.target.y, 0.07], "notes": [], "warnings": [],
+        "target": [world.target.x, world.target.y, 0.04], "notes": [], "warnings": [],
     }  # fmt: skip
 
 
 def test_provenance_names_the_source_and_its_digest(run):
     provenance = run(HALL, "--seed", 5)[1].provenance
-    assert (provenance.family, provenance.version, provenance.seed) == ("import", 1, 5)
+    assert (provenance.family, provenance.version, provenance.seed) == ("import", 2, 5)
     params = provenance.params
     assert (params["format"], params["source"], params["origin"]) == (
         "ros",
@@ -92,7 +94,10 @@ def test_people_get_three_lines_and_the_origin_as_a_note(tmp_path, capsys):
     out = tmp_path / "w.grid"
     cli.main(["import", HALL, "--out", str(out)], standalone_mode=False)
     captured = capsys.readouterr()
-    assert captured.out.splitlines()[0] == f"{out}: 384 x 482 cells of 0.04 m, robot radius 0.028 m"
+    assert (
+        captured.out.splitlines()[0]
+        == f"{out}: 384 x 482 cells of 0.04 m, robot radius 0.22 m (Nav2's default, a TurtleBot's)"
+    )
     assert captured.out.splitlines()[2].startswith("reachable: ")
     assert "the world's (0, 0) is the map's (-3.16, -9.36) m" in captured.err
 
@@ -130,7 +135,7 @@ def test_both_ends_lie_in_the_largest_region(tmp_path, run):
 
 
 def test_a_map_of_rooms_behind_narrow_doors_is_warned_of(tmp_path, run):
-    answer, _, err = run(drawing(tmp_path, "...@...@...", "...........", "...@...@..."))
+    answer, _, err = run(drawing(tmp_path, "...@...@...", "...........", "...@...@..."), "--radius", 0.07)
     assert "finds 3 separate regions" in answer["warnings"][0]
     assert "warning: a disc of radius 0.07 m" in err
 
@@ -189,7 +194,7 @@ def test_a_world_of_ours_gets_new_places_with_a_seed_and_new_numbers_where_given
     write_world(World(np.zeros((9, 9), bool), Pose(0.45, 0.45), Target(0.5, 0.5, 0.02)), tmp_path / "old.grid.gz")
     _, world, _ = run(tmp_path / "old.grid.gz", "--seed", 1, "--radius", "0.1", "--speed", 3)
     assert {(world.start.x, world.start.y), (world.target.x, world.target.y)} in (
-        {(0.1, 0.1), (0.8, 0.8)}, {(0.1, 0.8), (0.8, 0.1)},
+        {(0.2, 0.2), (0.7, 0.7)}, {(0.2, 0.7), (0.7, 0.2)},
     )  # fmt: skip
     assert (world.robot_radius, world.robot_speed) == (0.1, 3.0)
 
@@ -225,13 +230,13 @@ REFUSED = [
     ([MAZE, "--target", "3,4"], InvalidWorld, r"target \(3, 4\) m lies outside"),
     ([MAZE, "--target", "0.2,0.2,0"], InvalidWorld, "target radius=0"),
     ([MAZE, "--start", "0.2,0.15,1e999"], InvalidWorld, "heading inf"),
-    ([MAZE, "--start", "0.05,0.3"], InvalidWorld, r"is in the solid cell \(0, 2\)"),
+    ([MAZE, "--radius", "0.07", "--start", "0.05,0.3"], InvalidWorld, r"is in the solid cell \(0, 2\)"),
     (
-        [MAZE, "--start", "0.15,0.25"],
+        [MAZE, "--radius", "0.07", "--start", "0.15,0.25"],
         InvalidWorld,
         "0.05 m from the solid cell .* nearest clear place is 0.2,0.25",
     ),
-    ([MAZE, "--start", "0.5,0.05"], InvalidWorld, "0.05 m from the map's edge"),
+    ([MAZE, "--radius", "0.07", "--start", "0.5,0.05"], InvalidWorld, "0.05 m from the map's edge"),
     ([MAZE, "--scen", "none.scen"], FormatError, "none.scen: cannot be read"),
     ([MAZE, "--scen", PROBLEMS, "--row", "231"], FormatError, "has no row 231; it has rows 1 to 230"),
     ([MAZE, "--scen", PROBLEMS, "--start", "1,1"], InvalidParameter, "scen gives start and target"),
@@ -297,5 +302,120 @@ def test_the_page_names_every_option():
     assert [word for word in options if word not in page] == []
 
 
-def test_a_default_robot_is_seven_tenths_of_a_cell(run):
-    assert run(MAZE, "--cell-size", "0.3")[1].robot_radius == float(7 * exact(0.3) / 10)
+YAML = "origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "radius"),
+    [
+        pytest.param("a.map", "type octile\nheight 3\nwidth 3\nmap\n...\n...\n...\n", 0.04, id="a corridor is a cell"),
+        pytest.param("a.txt", "....\n....\n....\n", 0.07, id="a drawing of ours"),
+        pytest.param("a.yaml", "image: a.pgm\nresolution: 0.5\n" + YAML, 0.22, id="a map of a real floor"),
+    ],
+)
+def test_the_default_robot_is_one_that_such_maps_are_drawn_for(tmp_path, run, name, text, radius):
+    (tmp_path / name).write_text(text)
+    (tmp_path / "a.pgm").write_bytes(b"P5\n4 4\n255\n" + b"\xfe" * 16)
+    answer, world, _ = run(tmp_path / name, *(["--from", "text"] if name == "a.txt" else []))
+    assert world.robot_radius == radius and answer["radius_from"]
+
+
+def test_a_radius_that_is_given_is_said_to_be(run):
+    answer, _, _ = run(MAZE, "--radius", "0.05")
+    assert (answer["radius"], answer["radius_from"]) == (0.05, "as given")
+
+
+def test_placed_ends_have_room_to_turn_where_the_map_has_it():
+    world = import_world(MAPS / "mrpt-uwb-demo.yaml").world
+    for end in (world.start, world.target):
+        assert place_is_clear(world.walls, world.cell_size, 2 * world.robot_radius, (end.x, end.y))
+
+
+def test_a_start_without_room_is_better_than_one_beside_its_target(tmp_path):
+    corridor = ["@" * 40, "@" + "." * 34 + "@" * 5, "@" * 34 + "....@@", "@" * 34 + "....@@", "@" * 40]
+    world = import_world(drawing(tmp_path, *corridor)).world
+    assert abs(world.start.x - world.target.x) > 2.0
+
+
+def test_a_blocked_world_is_written_and_ends_with_1(tmp_path, capsys):
+    out = tmp_path / "w.grid"
+    args = ["import", MAZE, "--radius", "0.11", "--start", "0.8,0.85", "--target", "2.9,2.7", "--out", str(out)]
+    assert cli.main(args, standalone_mode=False) == 1
+    assert "\nblocked: " in capsys.readouterr().out and decide(read_world(out)).result == "blocked"
+
+
+BOX = (
+    "<model name='{name}'><link name='l'><collision name='c'><geometry><box><size>{size}</size></box></geometry>"
+    "</collision></link><pose>{pose} 0.5 0 0 0</pose></model>"
+)
+MESH = (
+    "<model name='shelf'><link name='l'><collision name='c'><geometry><mesh><uri>model://shelf.dae</uri></mesh>"
+    "</geometry></collision></link></model>"
+)
+
+
+def gazebo(tmp_path, *parts):
+    """A world of Gazebo: two walls of 6 m, 6 m apart, and what is given."""
+    walls = [BOX.format(name=f"wall{x}", size="0.2 6 1", pose=f"{x} 0") for x in (-3, 3)]
+    path = tmp_path / "shelf.world"
+    path.write_text(f"<sdf version='1.6'><world name='default'>{''.join([*walls, *parts])}</world></sdf>")
+    return path
+
+
+def test_a_world_with_a_mesh_is_undecided_and_not_written(tmp_path, capsys):
+    out = tmp_path / "w.grid"
+    code = cli.main(["import", str(gazebo(tmp_path, MESH)), "--out", str(out), "--json"], standalone_mode=False)
+    answer = json.loads(capsys.readouterr().out)
+    assert (code, answer["result"], answer["file"], out.exists()) == (2, "undecided", None, False)
+    assert answer["unread"] == ["1 shape of <mesh>"]
+
+
+@pytest.mark.parametrize("option", ["--ignore-unread", "--ignore-meshes"])
+def test_what_was_not_read_can_be_ignored_and_the_file_says_so(tmp_path, run, option):
+    answer, world, err = run(gazebo(tmp_path, MESH), option)
+    assert answer["result"] == "reachable" and check_certificate(world).valid
+    assert world.provenance.params["unread"] == ["1 shape of <mesh>"] and "1 shape of <mesh>" in err
+
+
+def test_what_was_not_read_cannot_open_a_world_that_is_blocked_without_it(tmp_path, run):
+    wall = BOX.format(name="across", size="6 0.2 1", pose="0 0")
+    answer, world, _ = run(gazebo(tmp_path, MESH, wall), "--start", "3,1", "--target", "3,5")
+    assert answer["result"] == "blocked" and check_certificate(world).valid
+
+
+@pytest.mark.parametrize(
+    ("part", "unread"),
+    [
+        ("<include><uri>model://shelf</uri></include>", "1 model of other files"),
+        ("<model name='m'><include><uri>model://shelf</uri></include></model>", "1 model of other files"),
+        ("<population name='p'/>", "1 population of models"),
+        (MESH.replace("mesh>", "heightmap>"), "1 shape of <heightmap>"),
+        (MESH.replace("mesh>", "polyline>"), "1 shape of <polyline>"),
+        (
+            MESH.replace("<mesh><uri>model://shelf.dae</uri></mesh>", "<plane><normal>1 0 0</normal></plane>"),
+            "1 tilted shape of <plane>",
+        ),
+    ],
+)
+def test_whatever_a_world_of_gazebo_has_and_is_not_read_is_named(tmp_path, part, unread):
+    imported = import_world(gazebo(tmp_path, part))
+    assert imported.unread == (unread,) and imported.withheld
+
+
+@pytest.mark.parametrize(
+    "name", ["sun", "ground_plane", "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground Plane"]
+)
+def test_sun_and_ground_stop_nobody(tmp_path, name):
+    uri = name if "/" in name else f"model://{name}"
+    assert import_world(gazebo(tmp_path, f"<include><uri>{uri}</uri></include>")).unread == ()
+
+
+@pytest.mark.parametrize("command", [["verify"], ["show"], ["measure"], ["run", "--controller", "bug2"]])
+def test_a_foreign_map_given_to_another_command_gets_the_command_that_imports_it(command):
+    done = worldgen(*command, MAZE)
+    assert done.code == 2 and f"\n  worldgen import {MAZE} --out maze-32-32-2.grid\n" in done.err
+
+
+def test_what_is_no_map_gets_no_such_hint(tmp_path):
+    (tmp_path / "notes.txt").write_text("hello, this is a letter\n")
+    assert "worldgen import" not in worldgen("verify", tmp_path / "notes.txt").err

@@ -183,13 +183,13 @@ def test_the_first_robot_is_taken_and_its_disc_covers_its_shape(found):
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [
-        ("    kinematics: {name: diff}\n", "1 obstacle at line 5 can move and are left out"),
-        ("    distribution: {name: random}\n", "1 obstacle at line 5 are placed by chance and are left out"),
+        ("    kinematics: {name: diff}\n", "1 obstacle at line 5 that can move"),
+        ("    distribution: {name: random}\n", "1 obstacle at line 5 placed by chance"),
     ],
 )
-def test_obstacles_that_drive_or_are_drawn_are_left_out_with_a_warning(found, more, sentence):
+def test_obstacles_that_drive_or_are_drawn_count_as_not_read(found, more, sentence):
     back = found(obstacle("name: circle, radius: 0.2", more=more))
-    assert not back.walls.any() and sentence in back.warnings[0]
+    assert not back.walls.any() and sentence in back.unread[0]
 
 
 @pytest.mark.parametrize(

@@ -145,7 +145,7 @@ def test_definitions_build_on_each_other_and_the_first_robot_is_taken(found):
     assert back.start == (3.5, 3.5, -np.pi / 2) and back.robot_radius == 0.4 and back.robot_speed == 0.5
     assert back.target is None and "the file has 2 robots; the first was taken, the others left out" in back.notes
     assert any("'nowhere.inc' is not there" in note and "is not known" in note for note in back.notes)
-    assert back.warnings == ("1 things that are neither walls nor robots are left out: model",)
+    assert back.unread == ("1 thing beside the floor plan: model",)
 
 
 def test_units_of_the_file_count(found):

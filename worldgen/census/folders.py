@@ -54,6 +54,8 @@ class FolderMaps:
             takes = {option.name for option in known.read_options}
             kept = {name: value for name, value in self.options.items() if name in takes}
             found = read_map(path, options=kept)
+            if found.unread:
+                raise FormatError(f"has obstacles that are not read: {'; '.join(found.unread)}", source=str(path))
             ends = _own_ends(found)
         except WorldgenError as error:
             yield Refused(name, _without_name(error, path))

@@ -29,7 +29,7 @@ EXAMPLES = (
     metavar="FORMAT[+OPTION=VALUE]",
     help="What PATH is, as `worldgen formats` lists it; recognised if left out.",
 )
-@click.option("--radius", type=float, help="Robot's radius, m.  [default: 0.7 cells; 0.4 with --scen]")
+@click.option("--radius", type=float, help="Robot's radius, m.  [default: the file's, or what suits such maps]")
 @click.option("--speed", type=float, help="Robot's top speed, m/s.  [default: 2.0]")
 @click.option("--start", metavar="X,Y[,HEADING]", help="m and rad, from the lower-left corner; placed if left out.")
 @click.option("--target", metavar="X,Y[,RADIUS]", help="m; placed if left out, with the robot's radius.")
@@ -38,6 +38,13 @@ EXAMPLES = (
 @click.option("--cell-size", type=float, help="Side of a cell, m, of a map without units.  [default: 0.1]")
 @click.option("--unknown", type=click.Choice(["solid", "free"]), help="What unknown ROS cells are.  [default: solid]")
 @click.option("--seed", type=click.IntRange(0, 2**64 - 1), help="Where the search for far places begins.  [default: 0]")
+@click.option(
+    "--ignore-unread",
+    "--ignore-meshes",
+    "ignore_unread",
+    is_flag=True,
+    help="Judge the world without the obstacles that cannot be read, such as meshes.",
+)
 @force_option
 @json_option
 def import_map(
@@ -53,6 +60,7 @@ def import_map(
     cell_size: float | None,
     unknown: str | None,
     seed: int | None,
+    ignore_unread: bool,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -60,7 +68,12 @@ def import_map(
 
     PATH is a file of any format that `worldgen formats` lists: maps of ROS and Nav2, MovingAI, worlds of robot
     simulators, pictures, drawings, a .grid, whose places it keeps unless told otherwise. Start and target that
-    are given neither here nor in the file are placed far apart in the largest region the robot can drive through.
+    are given neither here nor in the file are placed far apart in the largest region the robot can drive through,
+    with room to turn.
+
+    Exits with 0 if the target can be reached, with 1 if it cannot, or that stays undecided. If a path was found but
+    the file has obstacles that cannot be read, such as a mesh, nothing is written and the exit code is 2;
+    --ignore-unread judges the world without them.
     """
     from worldgen import interop
     from worldgen.grid_file import write_world
@@ -68,17 +81,26 @@ def import_map(
     robot = interop.RobotOptions(
         None if start is None else interop.parse_point("start", start, "HEADING"),
         None if target is None else interop.parse_point("target", target, "RADIUS"),
-        radius, speed, scen, row, seed,
+        radius, speed, scen, row, seed, ignore_unread,
     )  # fmt: skip
     asked = {option: value for option, value in (("cell_size", cell_size), ("unknown", unknown)) if value is not None}
     with working(f"reading {path}, placing the robot and deciding whether it can arrive"):
         imported = interop.import_world(path, robot, name=name, options=asked)
-    write_world(imported.world, out, force=force)
+    file = None if imported.withheld else str(out)
+    if not imported.withheld:
+        write_world(imported.world, out, force=force)
     for sentence in imported.notes:
         note(sentence)
     for sentence in imported.warnings:
         note(f"warning: {sentence}")
     if as_json:
-        emit_json(interop.as_json(str(out), imported))
+        emit_json(interop.as_json(file, imported))
     else:
-        click.echo("\n".join(interop.describe(str(out), imported)))
+        click.echo("\n".join(interop.describe(file, imported)))
+    if imported.withheld:
+        note(
+            f"{out} was not written; --ignore-unread judges and writes the world without what was not read", always=True
+        )
+        raise click.exceptions.Exit(2)
+    if imported.decision.result != "reachable":
+        raise click.exceptions.Exit(1)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import errno
 import os
+import shlex
 import sys
 from importlib.metadata import EntryPoint, entry_points, version
+from pathlib import Path
 from typing import NoReturn
 
 import click
@@ -14,7 +16,7 @@ from worldgen.cli.ctrl_c import no_ctrl_c_lost
 from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
 from worldgen.cli.hidden_packages import check_hidden
 from worldgen.cli.output import note
-from worldgen.errors import WorldgenError
+from worldgen.errors import NotAGrid, WorldgenError
 from worldgen.progress import display_on_stderr
 
 __all__ = ["cli", "main"]
@@ -121,6 +123,19 @@ def cli() -> None:
     """Make worlds for mobile robots, run controllers in them, and find the worlds where they fail."""
 
 
+def _say_how_to_import(error: NotAGrid) -> None:
+    """Print the command that makes a world of another program's map, if the file is one."""
+    from worldgen.interop.recognising import looks_like_a_map
+
+    path = Path(error.source or "")
+    if path.is_file() and looks_like_a_map(path):
+        command = shlex.join(["worldgen", "import", str(path), "--out", path.with_suffix(".grid").name])
+        note(
+            f"it looks like a map of another program; make a world of it first:\n  {command}",
+            always=True,
+        )
+
+
 def main() -> NoReturn:
     """Runs the command line and ends the process with the documented exit code."""
     try:
@@ -137,6 +152,8 @@ def main() -> NoReturn:
         code = 130
     except WorldgenError as error:
         note(f"worldgen: {error}", always=True)
+        if isinstance(error, NotAGrid):
+            _say_how_to_import(error)
         code = 2
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from worldgen.errors import FormatError, InvalidWorld
+from worldgen.errors import FormatError, InvalidWorld, NotAGrid
 from worldgen.grid_file.header import Header, shown
 from worldgen.grid_file.records import (
     check_keys,
@@ -127,6 +127,7 @@ def _first_line_fault(file: _File) -> FormatError:
         message = f"{shown(first.decode('utf-8', 'replace'))}: this program reads version 1: {way_out}"
     else:
         message = f"no .grid file: it begins with {shown(first.decode('utf-8', 'replace'))}; {way_out}"
+        return NotAGrid(message, line=1, source=file.source)
     return FormatError(message, line=1, source=file.source)
 
 

@@ -6,19 +6,25 @@ import hashlib
 import stat
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
+from worldgen.lattice import exact
 from worldgen.world import MAX_SIDE, Value, World
 
 __all__ = [
     "CELL_SIZES",
+    "FLOOR_ROBOT",
+    "GRID_AGENT",
     "MAX_CELLS",
     "MAX_FILE_BYTES",
+    "THESIS_ROBOT",
     "ForeignMap",
+    "UsualRobot",
     "check_sides",
     "digest",
     "origin_of",
@@ -30,6 +36,30 @@ __all__ = [
 CELL_SIZES = (1e-6, 1e6)  # m; beyond, a coordinate in m has no digits left for the pose lattice
 MAX_CELLS = 64_000_000  # 8000 x 8000; a small compressed picture can claim far more than a machine holds
 MAX_FILE_BYTES = 256 << 20  # a plain PGM takes up to 4 bytes a cell
+
+
+@dataclass(frozen=True)
+class UsualRobot:
+    """The robot that a kind of map is drawn for, taken where neither the user nor the file names one.
+
+    Args:
+        size: Radius of its disc, in m or in cells.
+        in_cells: Whether ``size`` counts cells.
+        source: Whose robot it is, to be told to the user.
+    """
+
+    size: Fraction
+    in_cells: bool
+    source: str
+
+    def radius(self, cell_size: float) -> float:
+        """The radius, m, on a map with cells of this side, m."""
+        return float(self.size * exact(cell_size) if self.in_cells else self.size)
+
+
+THESIS_ROBOT = UsualRobot(Fraction(7, 10), True, "0.7 cells, as the thesis's robot has")
+GRID_AGENT = UsualRobot(Fraction(2, 5), True, "0.4 cells, so that a corridor one cell wide lets it through")
+FLOOR_ROBOT = UsualRobot(Fraction(11, 50), False, "Nav2's default, a TurtleBot's")
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +78,9 @@ class ForeignMap:
         robot_radius: m, where the file has it.
         robot_speed: m/s, where the file has it.
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
+        usual_robot: The robot that such maps are drawn for; its radius is taken where no other is given.
+        unread: Obstacles that the file has and ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A path in such a
+            map proves nothing.
     """
 
     walls: npt.NDArray[np.bool_]
@@ -61,6 +94,8 @@ class ForeignMap:
     robot_radius: float | None = None
     robot_speed: float | None = None
     origin: tuple[float, float] = (0.0, 0.0)
+    usual_robot: UsualRobot = THESIS_ROBOT
+    unread: tuple[str, ...] = ()
 
 
 def origin_of(world: World) -> tuple[float, float]:

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidWorld
-from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, MAX_CELLS, ForeignMap, digest, read_bounded, shown
 from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.raster import Box, Circle, Raster, natural_cell_size
 from worldgen.interop.shapes import Shapes, turned
@@ -94,7 +94,8 @@ class _Scene:
     shapes: Shapes = field(default_factory=Shapes)
     posts: list[tuple[Fraction, Fraction, Fraction]] = field(default_factory=list)
     models: dict[str, _Pose] = field(default_factory=dict)
-    left_out: Counter[str] = field(default_factory=Counter)
+    low_or_high: int = 0
+    unread: Counter[str] = field(default_factory=Counter)
 
 
 def read_gazebo_world(path: Path, *, cell_size: float = 0.0, raster: Literal["outer", "inner"] = "outer") -> ForeignMap:
@@ -127,12 +128,20 @@ def read_gazebo_world(path: Path, *, cell_size: float = 0.0, raster: Literal["ou
     if own is not None and target is not None:
         target = (*target, *_disc_radius(world, "target", scene))
         radius = next(iter(_disc_radius(world, "start", scene)), None)
-    warnings = tuple(f"{count} {what} are left out" for what, count in sorted(scene.left_out.items()))
+    if scene.low_or_high:
+        notes.append(f"{scene.low_or_high} shapes that lie flat on the floor, or above 2 m, are left out")
     origin = (float(frame.left), float(frame.low))
     return ForeignMap(
-        walls, float(frame.cell_size), params, (*notes, *dict.fromkeys(scene.shapes.notes)), warnings, None,
-        start, target, radius, speed, origin,
+        walls, float(frame.cell_size), params, (*notes, *dict.fromkeys(scene.shapes.notes)), (), None,
+        start, target, radius, speed, origin, FLOOR_ROBOT, _unread(scene),
     )  # fmt: skip
+
+
+def _unread(scene: _Scene) -> tuple[str, ...]:
+    """What stands in the world and was not read, counted."""
+    return tuple(
+        f"{count} {what if count > 1 else what.replace('s ', ' ', 1)}" for what, count in sorted(scene.unread.items())
+    )
 
 
 def _fault(scene: _Scene, element: XmlElement, message: str) -> FormatError:
@@ -185,9 +194,17 @@ def _add_models(scene: _Scene, world: XmlElement, *, passed_over: str) -> None:
         scene.models[name] = pose
         if not passed_over or name != passed_over:
             _add_model(scene, model, pose)
-    for include in world.all("include"):
-        if include.word("uri") not in ("model://sun", "model://ground_plane"):
-            scene.left_out["models of other files"] += 1
+    _count_includes(scene, world)
+    scene.unread["populations of models"] += sum(1 for _ in world.all("population"))
+    scene.unread["models inserted by <state>"] += sum(1 for _ in world.all("state", "insertions", "model"))
+    scene.unread = +scene.unread
+
+
+def _count_includes(scene: _Scene, parent: XmlElement) -> None:
+    for include in parent.all("include"):
+        name = include.word("uri").rstrip("/").rpartition("/")[2].lower().replace(" ", "_")
+        if name not in ("sun", "ground_plane"):
+            scene.unread["models of other files"] += 1
 
 
 def _add_model(scene: _Scene, model: XmlElement, pose: _Pose) -> None:
@@ -197,12 +214,16 @@ def _add_model(scene: _Scene, model: XmlElement, pose: _Pose) -> None:
             for geometry in collision.all("geometry"):
                 for shape in geometry.children:
                     _add_shape(scene, shape, here.then(_pose(scene, collision)), upright=pose.upright and here.upright)
+    _count_includes(scene, model)
     for inner in model.all("model"):
         _add_model(scene, inner, pose.then(_pose(scene, inner)))
 
 
 def _add_shape(scene: _Scene, shape: XmlElement, pose: _Pose, *, upright: bool) -> None:
+    if shape.name == "empty":
+        return
     if shape.name == "plane":
+        _add_plane(scene, shape, pose, upright=upright and pose.upright)
         return
     if shape.name == "sphere":
         tall = 2 * _length(scene, shape, "radius")
@@ -211,17 +232,25 @@ def _add_shape(scene: _Scene, shape: XmlElement, pose: _Pose, *, upright: bool) 
     elif shape.name == "box" and (size := shape.first("size")) is not None:
         tall = _numbers(scene, size, 3)[2]
     else:
-        scene.left_out[f"shapes of <{shape.name}>"] += 1
+        scene.unread[f"shapes of <{shape.name}>"] += 1
         return
     if shape.name != "sphere" and not (upright and pose.upright):
-        scene.left_out[f"tilted shapes of <{shape.name}>"] += 1
+        scene.unread[f"tilted shapes of <{shape.name}>"] += 1
     elif pose.z + tall / 2 <= _FLOOR or pose.z - tall / 2 >= _ABOVE:
-        scene.left_out["shapes that lie flat on the floor, or above 2 m,"] += 1
+        scene.low_or_high += 1
     elif shape.name == "box" and size is not None:
         x, y, _ = (side / 2 for side in _numbers(scene, size, 3))
         scene.shapes.outline([(-x, -y), (x, -y), (x, y), (-x, y)], (pose.x, pose.y), pose.yaw)
     else:
         scene.posts.append((pose.x, pose.y, _length(scene, shape, "radius")))
+
+
+def _add_plane(scene: _Scene, plane: XmlElement, pose: _Pose, *, upright: bool) -> None:
+    """A plane is the floor; one that stands on edge is a wall, and is not read."""
+    normal = plane.first("normal")
+    x, y, _ = _numbers(scene, normal, 3) if normal is not None else (Fraction(0), Fraction(0), Fraction(1))
+    if x != 0 or y != 0 or not upright:
+        scene.unread["tilted shapes of <plane>"] += 1
 
 
 def _is_barn(scene: _Scene) -> bool:
@@ -251,9 +280,9 @@ def _frame(scene: _Scene, own: XmlElement | None, wanted: float, *, barn: bool) 
         return _Frame(_LEFT, _LOW, _WIDTH, _HEIGHT, size or _LATTICE)
     bounds = [*_bounds(scene)]
     if not bounds:
-        raise FormatError(
-            "has nothing that stops a robot: no cylinder, box or sphere on the floor", source=scene.source
-        )
+        unread = f"; not read are {', '.join(_unread(scene))}" if scene.unread else ""
+        message = f"has nothing that stops a robot: no cylinder, box or sphere on the floor{unread}"
+        raise FormatError(message, source=scene.source)
     left, low = (min(bound[axis] for bound in bounds) for axis in (0, 1))
     right, high = (max(bound[axis] for bound in bounds) for axis in (2, 3))
     boxes = [] if scene.posts or scene.shapes.polygons else [_shifted(box, left, low) for box in scene.shapes.boxes]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from pathlib import Path
 
 from worldgen.errors import InvalidParameter
@@ -21,8 +20,7 @@ from worldgen.world import DEFAULT_ROBOT_SPEED, Pose, Provenance, Target, Value,
 
 __all__ = ["VERSION", "Imported", "RobotOptions", "as_json", "describe", "import_world", "parse_point"]
 
-VERSION = 1  # goes up whenever some file becomes another world than before
-_RADIUS_IN_CELLS = Fraction(7, 10)  # the thesis's robot
+VERSION = 2  # goes up whenever some file becomes another world than before
 _NUMBER = re.compile(r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,3})?")
 
 
@@ -33,12 +31,13 @@ class RobotOptions:
     Args:
         start: x and y, m, and if you like the heading, rad; placed where left out.
         target: x and y, m, and if you like the radius, m; placed where left out.
-        radius: Radius of the robot's disc, m; 0.7 cells where left out, 0.4 with a scenario.
+        radius: Radius of the robot's disc, m; if omitted, the file's, or that of the robot such maps are drawn for.
         speed: Top speed, m/s.
         scenario: A MovingAI scenario file for start and target.
         row: Which of its problems, from 1.
         seed: Where the search for far places begins. A ``.grid`` keeps its own places unless it is given, and
             a thesis map its program's start.
+        ignore_unread: Whether to judge the map without the obstacles of the file that were not read.
     """
 
     start: tuple[float, ...] | None = None
@@ -48,6 +47,7 @@ class RobotOptions:
     scenario: Path | None = None
     row: int = 1
     seed: int | None = None
+    ignore_unread: bool = False
 
 
 @dataclass(frozen=True)
@@ -56,15 +56,22 @@ class Imported:
 
     Args:
         world: With certificate and provenance.
-        decision: Result, proof, and a sentence.
+        decision: Result, proof, and a sentence. ``undecided`` if a path was found on a map that lacks obstacles of
+            its file; a world that is blocked without them is blocked with them, too.
         notes: Sentences worth knowing.
         warnings: Sentences that point at a likely mistake.
+        radius_from: Where the robot's radius comes from.
+        unread: Obstacles of the file that the world lacks.
+        withheld: Whether a path was found, but counts for nothing because of them.
     """
 
     world: World
     decision: Decision
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    radius_from: str = ""
+    unread: tuple[str, ...] = ()
+    withheld: bool = False
 
 
 def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
@@ -104,12 +111,34 @@ def import_world(
     params = dict(found.params)
     if found.origin != (0.0, 0.0):
         params["origin"] = list(found.origin)
+    radius_from = _radius_from(robot, found)
     robot, notes = _at_programs_start(_complete(_with_scenario(robot, found, params), found), found)
     world, warnings = _place(robot, found)
-    decision = decide(world)
+
+    decision, withheld = decide(world), False
+    if found.unread:
+        params["unread"] = list(found.unread)
+        warnings = (*warnings, f"not read, and not in this world: {'; '.join(found.unread)}")
+        withheld = decision.result == "reachable" and not robot.ignore_unread
+        if withheld:
+            decision = Decision("undecided", None, f"what was not read might block the path: {'; '.join(found.unread)}")
+
     provenance = Provenance("import", VERSION, robot.seed or 0, params)
     world = replace(world, certificate=decision.certificate, provenance=provenance)
-    return Imported(world, decision, (*found.notes, *notes), (*found.warnings, *warnings))
+    return Imported(
+        world, decision, (*found.notes, *notes), (*found.warnings, *warnings), radius_from, found.unread, withheld
+    )
+
+
+def _radius_from(robot: RobotOptions, found: ForeignMap) -> str:
+    """Where the radius comes from that ``_with_scenario`` and ``_complete`` choose."""
+    if robot.radius is not None:
+        return "as given"
+    if robot.scenario is not None:
+        return "0.4 cells, as a scenario's agent"
+    if found.world is not None or found.robot_radius is not None:
+        return "from the file"
+    return found.usual_robot.source
 
 
 def _with_scenario(robot: RobotOptions, found: ForeignMap, params: dict[str, Value]) -> RobotOptions:
@@ -134,7 +163,7 @@ def _complete(robot: RobotOptions, found: ForeignMap) -> RobotOptions:
         start = start or (old.start.x, old.start.y, old.start.heading)
         target = target or (old.target.x, old.target.y, old.target.radius)
     target = target or found.target
-    usual = float(_RADIUS_IN_CELLS * exact(found.cell_size))
+    usual = found.usual_robot.radius(found.cell_size)
     radius = _first(robot.radius, old.robot_radius if old else found.robot_radius, usual)
     speed = _first(robot.speed, old.robot_speed if old else found.robot_speed, DEFAULT_ROBOT_SPEED)
     check_between("radius", radius, 1e-9, 1e9, "m")
@@ -168,7 +197,7 @@ def _place(robot: RobotOptions, found: ForeignMap) -> tuple[World, tuple[str, ..
     return World(found.walls, start, target, found.cell_size, radius, speed, timeline), warnings
 
 
-def as_json(file: str, imported: Imported) -> Mapping[str, object]:
+def as_json(file: str | None, imported: Imported) -> Mapping[str, object]:
     """What ``import --json`` prints."""
     world, decision = imported.world, imported.decision
     return {
@@ -176,6 +205,8 @@ def as_json(file: str, imported: Imported) -> Mapping[str, object]:
         "result": decision.result,
         "clearance": decision.certificate.clearance if decision.certificate else None,
         "radius": world.robot_radius,
+        "radius_from": imported.radius_from,
+        "unread": list(imported.unread),
         "width": world.width,
         "height": world.height,
         "cell_size": world.cell_size,
@@ -186,12 +217,14 @@ def as_json(file: str, imported: Imported) -> Mapping[str, object]:
     }
 
 
-def describe(file: str, imported: Imported) -> list[str]:
+def describe(file: str | None, imported: Imported) -> list[str]:
     """What ``import`` prints for people."""
     world, decision = imported.world, imported.decision
-    start, target, radius = world.start, world.target, world.robot_radius
+    start, target = world.start, world.target
+    radius = f"robot radius {world.robot_radius:g} m ({imported.radius_from})"
     return [
-        f"{file}: {world.width} x {world.height} cells of {world.cell_size:g} m, robot radius {radius:g} m",
+        (f"{file}: " if file is not None else "")
+        + f"{world.width} x {world.height} cells of {world.cell_size:g} m, {radius}",
         f"start ({start.x:g}, {start.y:g}) m, heading {start.heading:.4g} rad; "
         f"target ({target.x:g}, {target.y:g}) m, radius {target.radius:g} m",
         f"{decision.result}: {decision.reason}",

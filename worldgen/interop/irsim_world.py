@@ -16,7 +16,7 @@ import numpy.typing as npt
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.family import check_between
 from worldgen.interop.companion import companion
-from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, MAX_CELLS, ForeignMap, digest, read_bounded, shown
 from worldgen.interop.grey_image import read_grey_image
 from worldgen.interop.raster import Box, Raster, natural_cell_size
 from worldgen.interop.shapes import Shapes, turned
@@ -42,7 +42,7 @@ class _Scene:
     shapes: Shapes = field(default_factory=Shapes)
     image: tuple[npt.NDArray[np.bool_], str, str] | None = None
     notes: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
+    unread: list[str] = field(default_factory=list)
 
 
 def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) -> ForeignMap:
@@ -74,8 +74,8 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
     robot = _robot(top, scene)
     origin = (float(scene.corner[0]), float(scene.corner[1]))
     return ForeignMap(
-        walls, size, params, (*scene.notes, *dict.fromkeys(scene.shapes.notes)), tuple(scene.warnings), None, *robot,
-        origin=origin,
+        walls, size, params, (*scene.notes, *dict.fromkeys(scene.shapes.notes)), (), None, *robot,
+        origin=origin, usual_robot=FLOOR_ROBOT, unread=tuple(scene.unread),
     )  # fmt: skip
 
 
@@ -148,13 +148,13 @@ def _add_obstacles(scene: _Scene, table: YamlTable) -> None:
     count = f"{number} obstacle{'s' * (number != 1)} at line {table.line}"
     kinematics = _tables(table, "kinematics")
     if kinematics and _word(kinematics[0], "name", "static") != "static":
-        scene.warnings.append(f"{count} can move and are left out; a world of ours has no bodies that drive")
+        scene.unread.append(f"{count} that can move; a world of ours has no bodies that drive")
         return
     if _word(table, "unobstructed", "false").lower() == "true":
         scene.notes.append(f"{count} stop nobody in IR-SIM and are left out")
         return
     if _placing(table) != "manual":
-        scene.warnings.append(f"{count} are placed by chance and are left out; write their states into the file")
+        scene.unread.append(f"{count} placed by chance; write their states into the file")
         return
     states = table.rows("state") if "state" in table else [_STATE]
     shapes: list[YamlTable | None] = [*_tables(table, "shape")] or [None]
@@ -177,7 +177,7 @@ def _add_shape(scene: _Scene, owner: YamlTable, shape: YamlTable | None, state: 
     at = (x - scene.corner[0], y - scene.corner[1])
     name = "circle" if shape is None else _word(shape, "name", "circle")
     if shape is not None and _word(shape, "random_shape", "false").lower() == "true":
-        scene.warnings.append(f"the obstacle at line {shape.line} is shaped by chance and is left out")
+        scene.unread.append(f"the obstacle at line {shape.line}, shaped by chance")
     elif name == "circle":
         radius = Fraction(1) if shape is None else _length(shape, "radius", Fraction(1, 5))
         middle = _middle(shape)

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidWorld
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown, unix_text
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, shown, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, off_centre
 from worldgen.rows import flip_rows
@@ -65,7 +65,9 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
     goals = len(marks["G"])
     notes = () if goals < 2 else (f"there are {goals} goals; the target is the first, row by row from the top",)
     params: dict[str, Value] = {"format": "micromouse", "source": path.name, "sha256": digest(data)}
-    return ForeignMap(flip_rows(walls), cell_size, params, notes, start=places[0], target=places[1])
+    return ForeignMap(
+        flip_rows(walls), cell_size, params, notes, start=places[0], target=places[1], usual_robot=GRID_AGENT
+    )
 
 
 def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown, unix_text
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, shown, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, off_centre
 from worldgen.rows import flip_rows
@@ -70,7 +70,9 @@ def read_minigrid(
     params: dict[str, Value] = {
         "format": "minigrid", "source": path.name, "sha256": digest(data), "doors": doors, "things": things,
     }  # fmt: skip
-    return ForeignMap(flip_rows(solid), cell_size, params, tuple(notes), start=start, target=target)
+    return ForeignMap(
+        flip_rows(solid), cell_size, params, tuple(notes), start=start, target=target, usual_robot=GRID_AGENT
+    )
 
 
 def _check_words(rows: list[bytes], source: str) -> None:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from worldgen.errors import FormatError
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown, unix_text
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, shown, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, off_centre
 from worldgen.lattice import exact, radius_in_cells
@@ -71,7 +71,7 @@ def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     data = read_bounded(path)
     walls = flip_rows(_parse(data, str(path)) != GROUND)
     params: dict[str, Value] = {"format": "movingai", "source": path.name, "sha256": digest(data)}
-    found = ForeignMap(walls, cell_size, params)
+    found = ForeignMap(walls, cell_size, params, usual_robot=GRID_AGENT)
     return _with_only_problem(found, path)
 
 

@@ -33,6 +33,8 @@ __all__ = ["Placement", "heading_towards", "is_clear", "place"]
 
 _HALF = UNIT // 2
 _SMALL = 200_000  # places that plain Python floods in less time than loading numba takes
+_ROOMY = (Fraction(2), Fraction(3, 2), Fraction(5, 4))  # radii of room round a placed end, the widest first
+_FAR = 0.5  # share of a region that has to be nearer than a placed end with room to turn
 _SCATTERED = 0.5  # share of the clear places below which the largest region is worth a warning
 _Point = tuple[float, float]
 
@@ -57,7 +59,8 @@ def place(
     """Start and target, as far apart by path as two sweeps find; what is given stays.
 
     With neither given, both lie in the largest region that the disc can drive through; else what is
-    missing lies as far as possible from what is given, in its region.
+    missing lies as far as possible from what is given, in its region. A placed end has room to turn where the map
+    has such places far enough away: a disc of twice the radius is clear there, or else one of 1.5 or 1.25 radii.
 
     Args:
         walls: (height, width) bool, row 0 the lowest y.
@@ -113,6 +116,7 @@ class _Places:
     def __init__(self, walls: npt.NDArray[np.bool_], cell_size: float, radius: float) -> None:
         cells = in_cells(radius, cell_size)
         self._cell_size, self._radius = cell_size, radius
+        self._cells, self._grid = cells, walls
         self._walls = Walls(walls, cells)
         self.clear = build_graph(walls, cells, 2).clear
         self._stride = int(self.clear.shape[1])
@@ -127,6 +131,7 @@ class _Places:
             self._seen, self._queue = np.zeros(size, np.uint8), np.zeros(size, np.int32)
             self._run = _flood_compiled
         self._floods = 0
+        self._wider: dict[Fraction, npt.NDArray[np.bool_]] = {}
 
     def _flood(self, first: int, last: int) -> tuple[int, int, int, int]:
         self._floods += 1
@@ -146,9 +151,24 @@ class _Places:
         return int(self._queue[rng.below(region.size)])
 
     def farthest(self, source: int) -> int:
-        """The place that takes most steps from ``source``; the last such in the order of the flood."""
+        """The place with room to turn that takes most steps from ``source``; the last such in the order of the flood.
+
+        A place without room is taken if all that have it are near: a start beside its target tests nothing.
+        """
         _, size, _, _ = self._flood(source, source + 1)
+        nearest = math.ceil(_FAR * size)  # the flood's order is that of the number of steps
+        beyond = np.asarray(self._queue[nearest:size], np.int64)
+        for times in _ROOMY:
+            roomy = np.flatnonzero(self._clear_for(times)[beyond])
+            if len(roomy):
+                return int(beyond[roomy[-1]])
         return int(self._queue[size - 1])
+
+    def _clear_for(self, times: Fraction) -> npt.NDArray[np.bool_]:
+        """Which places are clear for a disc of so many radii, flat."""
+        if times not in self._wider:
+            self._wider[times] = build_graph(self._grid, times * self._cells, 2).clear.ravel()
+        return self._wider[times]
 
     def near(self, point: _Point) -> int:
         """A clear place that the disc reaches straight from a point, or else the nearest in its own disc."""

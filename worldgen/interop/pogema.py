@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded, shown, unix_text
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, digest, read_bounded, shown, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, equal_rows, off_centre
 from worldgen.rows import flip_rows
@@ -63,7 +63,8 @@ def read_pogema(path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL
     notes = () if len(agents) < 2 else (f"the robot is agent {agent} of {len(agents)}; the others are not there",)
     params: dict[str, Value] = {"format": "pogema", "source": path.name, "sha256": digest(data), "agent": agent}
     return ForeignMap(
-        flip_rows(drawn == _WALL[0]), cell_size, params, notes, start=places[0], target=places[1]
+        flip_rows(drawn == _WALL[0]), cell_size, params, notes, start=places[0], target=places[1],
+        usual_robot=GRID_AGENT,
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.family import check_choice
 from worldgen.interop.companion import companion
-from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, ForeignMap, digest, read_bounded, shown
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.grey_image import GreyImage, pgm_bytes, png_bytes, read_grey_image
 from worldgen.interop.places_text import KEYS, Places, from_decimal, place_words, read_places
@@ -116,6 +116,7 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     return ForeignMap(
         flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=(x, y),
         start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
+        usual_robot=FLOOR_ROBOT,
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.interop.companion import companion
 from worldgen.interop.degrees import radians
-from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, MAX_CELLS, ForeignMap, digest, read_bounded, shown
 from worldgen.interop.grey_image import read_grey_image
 from worldgen.interop.raster import Raster
 from worldgen.interop.stage_file import Entity, read_stage_file
@@ -103,7 +103,6 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
         "format": "stage", "source": path.name, "sha256": digest(data), "image": image.name,
         "image_sha256": digest(read_bounded(image)),
     }  # fmt: skip
-    warnings = tuple(_warnings(world, floor))
     robot = _robot(world, includes.notes)
     start = _pose(robot, plan, unit, turn) if robot is not None else None
     speeds = robot.numbers("velocity_bounds") if robot is not None else []
@@ -112,7 +111,8 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     origin = (float(plan.corner[0]), float(plan.corner[1]))
     target = _target(world, plan, unit, turn)
     return ForeignMap(
-        walls, size, params, tuple(includes.notes), warnings, None, start, target, radius, speed, origin
+        walls, size, params, tuple(includes.notes), (), None, start, target, radius, speed, origin,
+        FLOOR_ROBOT, tuple(_unread(world, floor)),
     )  # fmt: skip
 
 
@@ -262,12 +262,13 @@ def _outline(robot: Entity) -> list[_Point]:
     return found
 
 
-def _warnings(world: Entity, floor: Entity) -> Iterator[str]:
+def _unread(world: Entity, floor: Entity) -> Iterator[str]:
+    """What else stands in the world and stops a robot, such as a second picture."""
     others = [
         entity for entity in world.parts
         if entity is not floor and not _is_robot(entity) and entity.kind not in ("window", "speech", "camera")
-        and entity.text("name") != TARGET
+        and entity.text("name") != TARGET and entity.numbers("obstacle_return") != [0]
     ]  # fmt: skip
     if others:
         names = ", ".join(sorted({entity.names[0] for entity in others})[:5])
-        yield f"{len(others)} things that are neither walls nor robots are left out: {names}"
+        yield f"{len(others)} thing{'s' * (len(others) != 1)} beside the floor plan: {names}"

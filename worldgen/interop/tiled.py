@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, check_sides, digest, read_bounded
+from worldgen.interop.foreign_map import CELL_SIZES, GRID_AGENT, ForeignMap, check_sides, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format
 from worldgen.interop.grey_image import png_bytes
 from worldgen.interop.tiled_parts import (
@@ -81,7 +81,7 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
         start=None if start is None else _start(start, scale, height * exact(size)),
         target=None if target is None else _target(target, scale, height * exact(size)),
         robot_radius=_above_0(said, "robot_radius"), robot_speed=_above_0(said, "robot_speed"),
-        origin=(said.get("origin_x", 0.0), said.get("origin_y", 0.0)),
+        origin=(said.get("origin_x", 0.0), said.get("origin_y", 0.0)), usual_robot=GRID_AGENT,
     )  # fmt: skip
 
 
