@@ -58,7 +58,7 @@ def pytest_sessionstart(session):
     """Compile what most files need once, before there are workers that would each compile it."""
     workers = getattr(session.config.option, "numprocesses", None)
     if workers and not hasattr(session.config, "workerinput"):
-        kernels.prepare(workers)
+        kernels.prepare(workers, session.config.get_terminal_writer().line)
 
 
 @pytest.hookimpl(wrapper=True, optionalhook=True)

@@ -6,24 +6,51 @@ minute that this takes would be spent once for each worker.
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import hashlib
 import multiprocessing
 import subprocess
 import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from importlib.metadata import version
 from pathlib import Path
 
+from worldgen.jit import cache_root
+
 ROOT = Path(__file__).parents[2]
+PREPARED = ROOT / "build" / "kernels-prepared"  # says for which sources that was done
 
 
-def prepare(workers: int) -> None:
+def prepare(workers: int, say: Callable[[str], object]) -> None:
     """Compile what is not in the cache yet, in a process of its own: the one that calls stays free of Numba.
 
     A failure is no concern of this helper: the test that needs the kernel shows it.
+
+    Args:
+        workers: How many processes share the work.
+        say: Told what takes so long, if there is something to do.
     """
+    now = _state()
+    if PREPARED.is_file() and PREPARED.read_text(encoding="utf-8") == now:
+        return
+    say("compiling kernels for all workers; on new sources this takes a minute")
     words = [sys.executable, "-m", "tests.helpers.kernels", str(workers)]
-    subprocess.run(words, cwd=ROOT, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    done = subprocess.run(words, cwd=ROOT, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    if done.returncode == 0:
+        with contextlib.suppress(OSError):  # then it is looked for again the next time
+            PREPARED.parent.mkdir(exist_ok=True)
+            PREPARED.write_text(now, encoding="utf-8")
+
+
+def _state() -> str:
+    """Return what the compiled kernels depend on: where they are kept, who compiles, and every source file."""
+    digest = hashlib.sha256(f"{sys.version} {version('numba')} {cache_root()}".encode())
+    for package in ("worldgen", "sim", "fuzz", "worldgen_plugins"):
+        for file in sorted((ROOT / package).rglob("*.py")):
+            digest.update(f"{file} {file.stat().st_mtime_ns} {file.stat().st_size}\n".encode())
+    return digest.hexdigest()
 
 
 def _episodes(motion: str, *controllers: str) -> None:
