@@ -72,8 +72,9 @@ def list_(paths: tuple[Path, ...], as_json: bool, **patterns: tuple[str, ...]) -
 @_paths
 @_filters
 @click.option("--png", type=FILE, metavar="OUT", help="Draw all on one sheet instead, a PNG picture.")
+@json_option
 @force_option
-def show(paths: tuple[Path, ...], png: Path | None, force: bool, **patterns: tuple[str, ...]) -> None:
+def show(paths: tuple[Path, ...], png: Path | None, as_json: bool, force: bool, **patterns: tuple[str, ...]) -> None:
     """Show failures in the terminal: picture, evidence, the line that replays it; or all on one sheet.
 
     Runs the controllers that the files name.
@@ -89,6 +90,9 @@ def show(paths: tuple[Path, ...], png: Path | None, force: bool, **patterns: tup
         check_output(png, force)
         write_bytes(png, contact_sheet(entries), force=force)
         note(f"wrote {png}: {counted(len(entries), 'failure')}")
+    if as_json:
+        emit_json({"picture": None if png is None else str(png), "failures": [_json(entry) for entry in entries]})
+    if as_json or png is not None:
         return
     for entry in entries:
         world = read_world(entry.path)

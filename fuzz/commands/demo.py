@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import force_option, note
+from worldgen.cli.output import emit_json, force_option, json_option, note
 
 __all__ = ["demo"]
 
@@ -18,8 +18,9 @@ _UNITS, _EXAMPLES = 3, 200  # some ten seconds, all of it shrunk
 @click.option("--out", type=click.Path(path_type=Path), default=Path("demo"), show_default=True, help="Folder.")
 @click.option("--controller", default="turn-right", show_default=True, help="Whom to test.")
 @click.option("--motion", default="stepped", show_default=True, help="Motion model of the search.")
+@json_option
 @force_option
-def demo(out: Path, controller: str, motion: str, force: bool) -> None:
+def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) -> None:
     """Make a world, run a robot in it, find and draw the smallest worlds in which it fails.
 
     Everything lands in one folder; each step says which command does it. Exit code 0.
@@ -49,14 +50,16 @@ def demo(out: Path, controller: str, motion: str, force: bool) -> None:
         seed=1,
     )
     sitting = begin(config, failures, Goal(units=_UNITS), force=True)
-    code = CampaignSession(sitting, crew_of(os.cpu_count() or 1)).run()
+    code = CampaignSession(sitting, crew_of(os.cpu_count() or 1), quiet=as_json).run()
     if code not in (0, 1):
         raise SystemExit(code)
-    _replay_and_draw(failures)
+    replayed = _replay_and_draw(failures)
     page = out / "report.html"
     _say(f"worldgen report {failures} --out {page}")
     write_report([failures], page, force=True)
     note(f"wrote {page}")
+    if as_json:
+        emit_json({"folder": str(out), "page": str(page), "failures": replayed})
 
 
 def _say(command: str) -> None:
@@ -81,7 +84,7 @@ def _world_and_run(out: Path, controller: str) -> None:
     note(f"{episode.verdict} after {episode.steps} steps; wrote {picture}")
 
 
-def _replay_and_draw(folder: Path) -> None:
+def _replay_and_draw(folder: Path) -> list[dict[str, object]]:
     from fuzz.failure import replay
     from fuzz.telling import run_to_draw
     from sim.picture import trail_of
@@ -90,9 +93,12 @@ def _replay_and_draw(folder: Path) -> None:
     from worldgen.render import draw_png
 
     _say(f"worldgen replay {folder}")
+    replayed: list[dict[str, object]] = []
     for path in sorted(folder.glob("*.grid")):
         world, picture = read_world(path), path.with_suffix(".png")
         again, episode = replay(world), run_to_draw(world)[0]
         write_bytes(picture, draw_png(world, trail=trail_of(episode, world), title=path.stem), force=True)
         said = "confirmed" if again.confirmed else f"not confirmed: {again.reason}"
         note(f"{path.name}: {again.verdict} {said}; drawn in {picture}")
+        replayed.append({"file": str(path), "verdict": again.verdict, "confirmed": again.confirmed})
+    return replayed

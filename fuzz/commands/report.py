@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from worldgen.cli.output import force_option, note
+from worldgen.cli.output import emit_json, force_option, json_option, note
 
 __all__ = ["report"]
 
@@ -17,8 +17,9 @@ FILE = click.Path(path_type=Path)
 @click.argument("paths", nargs=-1, required=True, type=FILE, metavar="PATH|DIR|ARCHIVE...")
 @click.option("--out", type=FILE, required=True, help="The page, a .html file.")
 @click.option("--title", default="", help="Heading of the page [default: controller and motion model].")
+@json_option
 @force_option
-def report(paths: tuple[Path, ...], out: Path, title: str, force: bool) -> None:
+def report(paths: tuple[Path, ...], out: Path, title: str, as_json: bool, force: bool) -> None:
     """Show failures in one HTML page: pictures, replays, numbers, and how their campaign went.
 
     The page needs no network and no other file. Each failure is run again for it, so the controllers that the files
@@ -33,3 +34,5 @@ def report(paths: tuple[Path, ...], out: Path, title: str, force: bool) -> None:
             paths, out, title=title, force=force, progress=lambda done, of: work.count(done, of, "failures")
         )
     note(f"wrote {out}: {counted(count, 'failure')}")
+    if as_json:
+        emit_json({"file": str(out), "failures": count})

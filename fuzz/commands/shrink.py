@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note
+from fuzz.commands._options import Duration
+from worldgen.cli.output import emit_json, force_option, json_option, named_also, note
+from worldgen.progress import working
 
 if TYPE_CHECKING:
     from fuzz.shrink import Shrunk
@@ -33,12 +35,19 @@ def _list_passes(context: click.Context, option: click.Parameter, wanted: bool) 
 
 @click.command(
     epilog="\b\n  worldgen shrink big.grid --out small.grid\n"
-    "  worldgen shrink big.grid --keep class --seconds 10\n"
+    "  worldgen shrink big.grid --keep class --budget 10s\n"
     "  worldgen shrink big.grid --snippet > test_small.py"
 )
 @click.argument("path", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Where to write [default: NAME.shrunk.grid].")
-@click.option("--seconds", type=click.FloatRange(0, min_open=True), help="Stop after this time with the best so far.")
+@named_also(
+    "--budget",
+    "seconds",
+    also="--seconds",
+    type=Duration(),
+    metavar="TIME",
+    help="Stop after this time, such as 30s or 5m, with the best so far.",
+)
 @click.option(
     "--keep",
     type=click.Choice(["verdict", "class"]),
@@ -84,25 +93,18 @@ def shrink(
 
 
 def _watched(failure: World, seconds: float | None, keep: str) -> Shrunk:
-    """Shrinks, with progress where stderr is a terminal."""
-    from rich.console import Console
-    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
+    """Shrink, and say how far that is."""
     from fuzz.shrink import shrink as shrink_failure
 
-    console = Console(stderr=True)
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(_size(failure), total=None)
-
-        def show(world: World) -> None:
-            bar.update(task, description=_size(world))
-
-        return shrink_failure(failure, seconds=seconds, progress=show, keep_on_interrupt=True, keep=keep)
+    with working("shrinking") as work:
+        work.say(_size(failure))
+        return shrink_failure(
+            failure, seconds=seconds, progress=lambda world: work.say(_size(world)), keep_on_interrupt=True, keep=keep
+        )
 
 
 def _size(world: World) -> str:
-    return f"shrinking: {world.width} x {world.height} cells, {world.solid_cells} solid"
+    return f"{world.width} x {world.height} cells, {world.solid_cells} solid"
 
 
 def _summary(result: Shrunk, target: Path) -> dict[str, object]:

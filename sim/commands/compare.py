@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
+from sim.commands.notes import note_unused
+from worldgen.cli.output import emit_json, force_option, json_option, named_also, note, write_bytes
 from worldgen.progress import working
 
 if TYPE_CHECKING:
@@ -23,9 +24,9 @@ if TYPE_CHECKING:
 __all__ = ["compare"]
 
 EXAMPLES = (
-    "\b\n  worldgen compare worlds/ --controllers turn-left,turn-right,./mine.py:Robot\n"
-    "  worldgen compare worlds/ --controllers thesis-1,thesis-1+repaired --motion stepped --picture sheet.png\n"
-    "  worldgen compare worlds/ --controllers turn-random --seeds 1000 --csv new.csv --against old.csv"
+    "\b\n  worldgen compare worlds/ --controller turn-left,turn-right,./mine.py:Robot\n"
+    "  worldgen compare worlds/ --controller thesis-1,thesis-1+repaired --motion stepped --picture sheet.png\n"
+    "  worldgen compare worlds/ --controller turn-random --seeds 1000 --csv new.csv --against old.csv"
 )
 PATH = click.Path(path_type=Path)
 PUBLISHED = "published.csv"
@@ -34,7 +35,15 @@ _TIME_FOR_NEVER = 300.0  # s; most of the thesis's endless runs have proved to b
 
 @click.command(epilog=EXAMPLES)
 @click.argument("paths", type=PATH, nargs=-1, required=True, metavar="PATH...")
-@click.option("--controllers", required=True, metavar="A,B,C", help="What to compare; see above.")
+@named_also(
+    "--controller",
+    "controllers",
+    also="--controllers",
+    multiple=True,
+    required=True,
+    metavar="A,B,C",
+    help="What to compare; see above. May be repeated.",
+)
 @click.option("--motion", help="Motion model [default: that of the published figures, else swept].")
 @click.option("--time-step", type=float, help="Duration of a step, s [default: 0.015].")
 @click.option("--seeds", type=click.IntRange(1, 1_000_000), default=100, show_default=True, help="Runs with chance.")
@@ -47,7 +56,7 @@ _TIME_FOR_NEVER = 300.0  # s; most of the thesis's endless runs have proved to b
 @force_option
 def compare(
     paths: tuple[Path, ...],
-    controllers: str,
+    controllers: tuple[str, ...],
     motion: str | None,
     time_step: float | None,
     seeds: int,
@@ -80,11 +89,12 @@ def compare(
     if table is not None and picture is not None and table.resolve() == picture.resolve():
         raise click.UsageError(f"--csv and --picture both name {table}; give two names")
     figures = _figures(paths, against)
-    scenarios = _scenarios(controllers, _motion(motion, figures), time_step, seed)
+    scenarios = _scenarios(",".join(controllers), _motion(motion, figures), time_step, seed)
     if picture is not None and len(scenarios) > MAX_CONTROLLERS:
         raise click.UsageError(f"--picture tells {MAX_CONTROLLERS} controllers apart, not {len(scenarios)}; name fewer")
     worlds = [_with_time(world, figures) for world in _worlds(paths)]
     _note_strangers(figures, worlds, scenarios)
+    note_unused(scenarios.values(), seeds=["seed", "seeds"])
     with working("comparing") as work:
         comparison = compare_worlds(worlds, scenarios, seeds=seeds, steps=steps, progress=work.say)
     beside = agreement(comparison, figures) if figures else None

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from sim.commands.notes import note_unused
 from worldgen.cli.output import CONTROLLER_HELP, emit_json, force_option, json_option, note, write_bytes
 from worldgen.progress import working
 
@@ -76,6 +77,7 @@ def run(
     scenario = Scenario.parse(controller, motion=motion, time_step=duration, seed=seed)
     RunOptions(time_step=scenario.time_step)  # out of range it can give no budget
     options = scenario.options(world, steps)
+    note_unused([scenario], seeds=["seed"])
     for out in (trail, trace):
         if out is not None:
             check_output(out, force)

@@ -2,11 +2,14 @@
 
 import json
 import os
+from importlib.metadata import entry_points
 
+import click
 import pytest
 
 from tests.helpers.command_line import worldgen
 from worldgen.cli import configuration
+from worldgen.cli.main import cli
 
 BLIND = """
 class Robot:
@@ -147,3 +150,33 @@ def test_a_quiet_command_prints_results_only(tmp_path):
 def test_a_quiet_command_still_prints_errors_and_the_drawn_seed(tmp_path):
     assert worldgen("trap", "-q", "--out", tmp_path / "w.grid").err.startswith("seed ")
     assert "already" in worldgen("trap", "-q", "--seed", 1, "--out", tmp_path / "w.grid").err
+
+
+def commands(group, *names):
+    """Every command below a group with the names that lead to it; of the families one."""
+    context = click.Context(group)
+    families = registered("worldgen.families") if group is cli else []
+    for name in group.list_commands(context):
+        found = group.get_command(context, name)
+        if isinstance(found, click.Group):
+            yield from commands(found, *names, name)
+        elif name not in families[1:]:
+            yield pytest.param(found, id="-".join((*names, name)))
+
+
+def registered(group):
+    return sorted(point.name for point in entry_points(group=group))
+
+
+@pytest.mark.parametrize("command", [*commands(cli)])
+def test_every_command_has_quiet_verbose_and_json(command):
+    flags = {flag for parameter in command.get_params(click.Context(command)) for flag in parameter.opts}
+    wanted = {"--quiet", "--verbose", "-q", "-v", "--json"}
+    assert wanted - flags == ({"--json"} if command.name == "studio" else set())
+
+
+def test_show_prints_the_facts_of_a_world_as_json(project):
+    project("")
+    made("--seed", 1)
+    facts = json.loads(worldgen("show", "w.grid", "--json", "--png", "w.png").out)
+    assert (facts["file"], facts["certificate"], facts["pictures"]) == ("w.grid", "witness", ["w.png"])

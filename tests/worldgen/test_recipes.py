@@ -172,7 +172,7 @@ def test_a_foreign_map_travels_as_its_digest_and_a_change_is_noticed(tmp_path, m
 def test_a_set_on_a_foreign_map_is_made_from_another_folder(tmp_path):
     (tmp_path / "m.map").write_bytes(Path("corpora/maps/maze-32-32-2.map").read_bytes())
     (tmp_path / "r.toml").write_text('recipe = "maze"\n[[part]]\nname = "m"\nfile = "m.map"\n')
-    made = ("compose", tmp_path / "r.toml", "--robot-radius", 0.04, "--seed", 1)
+    made = ("compose", tmp_path / "r.toml", "--radius", 0.04, "--seed", 1)
     assert worldgen(*made, "--count", 2, "--out", tmp_path / "set").code == 0
     again = ("regenerate", tmp_path / "set", "--out", tmp_path / "again", "--family", tmp_path / "r.toml")
     assert worldgen(*again).code == 0

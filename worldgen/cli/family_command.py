@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
-from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option
-from worldgen.cli.wished_worlds import WISH_OPTIONS, given_parameters, make_wished
+from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, named_also, note, seed_option
+from worldgen.cli.wished_worlds import WISH_OPTIONS, flag_of, given_parameters, make_wished
 from worldgen.progress import working
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def command_of(made_by: Family, name: str) -> click.Command:
     for decorate in (json_option, force_option, *reversed((*_SET_OPTIONS, *WISH_OPTIONS)), seed_option):
         command = decorate(command)
     for parameter in reversed(made_by.parameters):
-        command = _option(parameter)(command)
+        command = _option(parameter, made_by)(command)
     return click.command(name)(command)
 
 
@@ -119,12 +119,14 @@ _MEASURED = (
 )
 
 
-def _option(parameter: Parameter) -> Any:
-    words = parameter.name.replace("_", "-")
+def _option(parameter: Parameter, made_by: Family) -> Any:
+    words = flag_of(parameter.name, made_by)
     flags = f"--{words}/--no-{words}" if isinstance(parameter.default, bool) else f"--{words}"
+    earlier = parameter.name.replace("_", "-")
+    option = click.option if words == earlier else functools.partial(named_also, also=f"--{earlier}")
     kind = click.Choice(parameter.choices) if parameter.choices else type(parameter.default)
     said = f"{parameter.help}  [{parameter.bounds.words}]" if parameter.bounds else parameter.help
-    return click.option(flags, parameter.name, type=kind, default=parameter.default, show_default=True, help=said)
+    return option(flags, parameter.name, type=kind, default=parameter.default, show_default=True, help=said)
 
 
 def _make_one(

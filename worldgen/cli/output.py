@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import click
@@ -20,6 +21,7 @@ __all__ = [
     "emit_json",
     "force_option",
     "json_option",
+    "named_also",
     "note",
     "say",
     "seed_option",
@@ -41,6 +43,43 @@ seed_option: Callable[[F], F] = click.option(
     type=click.IntRange(0, 2**64 - 1),
     help="Seed of all chance, 64 bits; drawn and printed if left out.",
 )
+
+
+class _NamedAlso(click.Option):
+    """An option with further names that scripts may use and help does not show."""
+
+    def __init__(self, *args: Any, also: tuple[str, ...] = (), **settings: Any) -> None:
+        super().__init__(*args, **settings)
+        self._shown = list(self.opts)
+        self.opts = [*self.opts, *also]
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        with self._with_shown_names():
+            return super().get_help_record(ctx)
+
+    def get_error_hint(self, ctx: click.Context | None) -> str:
+        with self._with_shown_names():
+            return super().get_error_hint(ctx)
+
+    @contextmanager
+    def _with_shown_names(self) -> Iterator[None]:
+        every = self.opts
+        self.opts = self._shown
+        try:
+            yield
+        finally:
+            self.opts = every
+
+
+def named_also(*names: str, also: str, **settings: Any) -> Callable[[F], F]:
+    """Make an option that can also be given by an earlier name, so that scripts go on working.
+
+    Args:
+        *names: As for ``click.option``.
+        also: The earlier name, which help does not show.
+        **settings: As for ``click.option``.
+    """
+    return click.option(*names, cls=_NamedAlso, also=(also,), **settings)
 
 
 def note(message: str, *, always: bool = False) -> None:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from worldgen.cli.output import force_option, note, write_bytes
+from worldgen.cli.output import emit_json, force_option, json_option, note, write_bytes
 from worldgen.progress import working
 
 if TYPE_CHECKING:
-    from worldgen.world import FailureRecord
+    from worldgen.world import FailureRecord, World
 
 __all__ = ["show"]
 
@@ -32,6 +32,7 @@ OUT = click.Path(path_type=Path)
 @click.option("--pixels", type=int, default=900, show_default=True, help="Longer side of the map in a picture.")
 @click.option("--signal/--no-signal", default=True, help="Tint the floor by the target's signal.")
 @click.option("--witness/--no-witness", default=True, help="Draw the path, or the cut, that proves the world.")
+@json_option
 @force_option
 def show(
     path: Path,
@@ -41,11 +42,13 @@ def show(
     pixels: int,
     signal: bool,
     witness: bool,
+    as_json: bool,
     force: bool,
 ) -> None:
     """Draw a world in the terminal, or as PNG, SVG or HTML.
 
-    With --png, --svg or --html nothing is drawn in the terminal; they may be combined.
+    With --png, --svg or --html nothing is drawn in the terminal; they may be combined. With --json the world's facts
+    are printed instead of a drawing.
     """
     from worldgen import render
     from worldgen.grid_file import read_world
@@ -66,11 +69,41 @@ def show(
     for out, data in pictures:
         write_bytes(out, data, force=force)
         note(f"wrote {out}")
+    if as_json:
+        emit_json(_facts(world, path, [out for out, _ in pictures]))
+        return
     if not pictures:
         color = render.wants_color(sys.stdout)
         click.echo(render.draw_terminal(world, color=color), nl=False, color=color)
     if world.failure is not None:
         click.echo(_failure_lines(world.failure, path))
+
+
+def _facts(world: World, path: Path, pictures: list[Path]) -> dict[str, object]:
+    failure = world.failure
+    certificate = world.certificate
+    return {
+        "file": str(path),
+        "width": world.width,
+        "height": world.height,
+        "cell_size": world.cell_size,
+        "solid_cells": world.solid_cells,
+        "changes": world.is_dynamic,
+        "start": [world.start.x, world.start.y, world.start.heading],
+        "target": [world.target.x, world.target.y, world.target.radius],
+        "robot_radius": world.robot_radius,
+        "robot_speed": world.robot_speed,
+        "certificate": None if certificate is None else type(certificate).__name__.lower(),
+        "failure": None
+        if failure is None
+        else {
+            "controller": failure.controller,
+            "motion": failure.motion,
+            "verdict": failure.verdict,
+            "evidence": dict(failure.evidence),
+        },
+        "pictures": [str(picture) for picture in pictures],
+    }
 
 
 def _failure_lines(failure: FailureRecord, path: Path) -> str:

@@ -19,9 +19,10 @@ if TYPE_CHECKING:
     from worldgen.family import Family
     from worldgen.world import Value
 
-__all__ = ["WISH_OPTIONS", "given_parameters", "make_wished"]
+__all__ = ["WISH_OPTIONS", "flag_of", "given_parameters", "make_wished"]
 
 _TRIES = 500
+_ROBOT = {"robot_radius": "radius", "robot_speed": "speed"}
 
 
 class Difficulty(click.ParamType[tuple[float, ...]]):
@@ -120,7 +121,7 @@ def make_wished(
                 return
             search = Search(made_by, wish, draw_seed(seed), params)
             for one in found(search, 1, tries or _TRIES, progress):
-                results.append(_write(one, out, name, params, metrics=metrics, force=force, as_json=as_json))
+                results.append(_write(one, out, made_by, name, params, metrics=metrics, force=force, as_json=as_json))
     except GenerationFailed as failure:
         note(f"worldgen: {failure}", always=True)
         if as_json:
@@ -177,6 +178,7 @@ def _make_stratified(
 def _write(
     one: Nearest,
     file: Path | None,
+    made_by: Family,
     name: str,
     params: Mapping[str, Value],
     *,
@@ -193,7 +195,7 @@ def _write(
     elif not as_json:
         say(dumps(world).decode(), nl=False)
     values = ", ".join(f"{metric} {value:g}" for metric, value in one.metrics.items())
-    again = _command(name, one.seed, {**params, **one.params})
+    again = _command(made_by, name, one.seed, {**params, **one.params})
     note((f"{file}: " if file is not None else "") + f"fits at try {one.number}: {values}\n  made again by: {again}")
     made = world.provenance
     return {
@@ -206,10 +208,17 @@ def _write(
     }
 
 
-def _command(name: str, seed: int, params: Mapping[str, Value]) -> str:
+def flag_of(parameter: str, made_by: Family) -> str:
+    """Return the name of a parameter's option, without the dashes; the robot's are called as in every other command."""
+    short = _ROBOT.get(parameter)
+    own = {one.name for one in made_by.parameters}
+    return parameter.replace("_", "-") if short is None or short in own else short
+
+
+def _command(made_by: Family, name: str, seed: int, params: Mapping[str, Value]) -> str:
     words = ["worldgen", name, "--seed", str(seed)]
     for key, value in params.items():
-        flag = key.replace("_", "-")
+        flag = flag_of(key, made_by)
         words += [f"--{flag}" if value else f"--no-{flag}"] if isinstance(value, bool) else [f"--{flag}", str(value)]
     return shlex.join(words)
 

@@ -132,7 +132,7 @@ def _check(world: World) -> None:
     if world.width % 2 == 0 or world.height % 2 == 0 or min(world.width, world.height) < 3:
         raise InvalidWorld(
             f"{world.width} x {world.height} cells; a micromouse maze of n squares has 2 n + 1 cells a side, with "
-            "the walls between them; `worldgen maze --size 17 --robot-radius 0.04` makes such a maze"
+            "the walls between them; `worldgen maze --size 17 --radius 0.04` makes such a maze"
         )
     wrong = np.zeros(world.walls.shape, np.bool_)
     wrong[::2, ::2] = ~world.walls[::2, ::2]

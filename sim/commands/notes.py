@@ -1,0 +1,34 @@
+"""Notes for the person at the terminal about options that change nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from typing import TYPE_CHECKING
+
+import click
+from click.core import ParameterSource
+
+from worldgen.cli.output import note
+
+if TYPE_CHECKING:
+    from sim.scenario import Scenario
+
+__all__ = ["note_unused"]
+
+
+def note_unused(scenarios: Iterable[Scenario], *, seeds: Collection[str] = ()) -> None:
+    """Say on standard error which options of these runs have no effect.
+
+    Args:
+        scenarios: What is run.
+        seeds: Names of the command's options for seeds of the runs; said to be idle if typed and no run draws numbers.
+    """
+    from sim.unused_options import random_run, unused_options
+
+    runs = tuple(scenarios)
+    for sentence in dict.fromkeys(sentence for scenario in runs for sentence in unused_options(scenario)):
+        note(f"note: {sentence}")
+    source = click.get_current_context().get_parameter_source
+    typed = [name for name in seeds if source(name) is ParameterSource.COMMANDLINE]
+    if typed and not any(map(random_run, runs)):
+        note(f"note: --{typed[0]} has no effect: nothing in {'this run' if len(runs) == 1 else 'these runs'} is random")

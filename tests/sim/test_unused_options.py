@@ -1,0 +1,103 @@
+"""Options that cannot change a run are reported, and no others."""
+
+import json
+
+import pytest
+
+from sim.scenario import Scenario
+from sim.unused_options import random_run, unused_options
+from tests.helpers.command_line import worldgen
+
+
+@pytest.mark.parametrize(
+    ("text", "motion", "reason"),
+    [
+        ("random-walk+sensor_noise=0.1", "swept", "random-walk does not read signal or signal_heading"),
+        ("turn-right+odometry_noise=0.1", "swept", "turn-right does not read odometry_x"),
+        ("turn-right+beams=8", "swept", "turn-right does not read beams"),
+        ("turn-right+coin=2", "swept", "turn-right does not read random"),
+        ("tangent-bug+beam_noise=0.1", "swept", "+beam_noise has no effect without +beams"),
+        ("turn-right+smoke_reach=3", "swept", "+smoke_reach has no effect without +smoke"),
+        ("thesis-1+draws=0.5", "stepped", "thesis-1 draws no random numbers"),
+        ("thesis-3+turn_angle=1.0", "stepped", "thesis-3 draws its angles"),
+    ],
+)
+def test_an_option_that_changes_nothing_is_named_with_the_reason(text, motion, reason):
+    (sentence,) = unused_options(Scenario.parse(text, motion=motion))
+    assert reason in sentence
+
+
+@pytest.mark.parametrize(
+    ("text", "motion"),
+    [
+        ("turn-right+sensor_noise=0.1+slip=0.1", "swept"),
+        ("tangent-bug+beams=16+beam_noise=0.1", "swept"),
+        ("turn-right+smoke=0.5+smoke_reach=3", "swept"),
+        ("turn-random+coin=2", "swept"),
+        ("thesis-3+draws=0.5", "stepped"),
+        ("thesis-1+turn_angle=1.0+noise", "stepped"),
+    ],
+)
+def test_an_option_that_matters_is_not_named(text, motion):
+    assert unused_options(Scenario.parse(text, motion=motion)) == []
+
+
+def test_a_class_that_does_not_declare_its_senses_may_read_everything(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "class Robot:\n    def reset(self):\n        return ()\n\n"
+        "    def act(self, observation, memory):\n        return (0.0, 0.0), memory\n"
+    )
+    assert unused_options(Scenario.parse(f"{tmp_path}/mine.py:Robot+odometry_noise=0.1+beams=3")) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"), [("turn-left", False), ("turn-random", True), ("turn-left+slip=0.1", True)]
+)
+def test_a_seed_matters_where_something_is_random(text, expected):
+    assert random_run(Scenario.parse(text)) is expected
+
+
+@pytest.fixture
+def world(tmp_path):
+    worldgen("trap", "--seed", 1, "--no-metrics", "--out", tmp_path / "w.grid")
+    return tmp_path / "w.grid"
+
+
+def test_run_notes_it_on_stderr_and_goes_on(world):
+    result = worldgen("run", world, "--controller", "turn-left+coin=2", "--seed", 3, "--json")
+    assert "verdict" in json.loads(result.out)
+    assert "note: +coin has no effect: turn-left does not read random\n" in result.err
+    assert "note: --seed has no effect" in result.err
+
+
+def test_a_seed_that_nobody_typed_is_not_noted(world):
+    assert "no effect" not in worldgen("run", world, "--controller", "turn-left").err
+
+
+def test_a_quiet_run_notes_nothing(world):
+    assert worldgen("run", world, "--controller", "turn-left+coin=2", "-q").err == ""
+
+
+def test_compare_takes_controllers_one_by_one_and_by_their_earlier_name(world):
+    arguments = ("--controller", "turn-left", "--controllers", "turn-right", "--seeds", 2, "--json")
+    result = worldgen("compare", world, *arguments)
+    assert json.loads(result.out)["controllers"] == ["turn-left", "turn-right"]
+    assert "note: --seeds has no effect: nothing in these runs is random" in result.err
+
+
+def test_earlier_names_work_and_are_not_shown():
+    shown = worldgen("compare", "--help").out + worldgen("shrink", "--help").out + worldgen("maze", "--help").out
+    assert not any(name in shown for name in ("--controllers", "--seconds", "--robot-radius", "--robot-speed"))
+    assert "no such option" not in worldgen("shrink", "none.grid", "--seconds", 5).err.lower()
+
+
+def test_a_missing_option_is_named_by_its_own_name_only():
+    error = worldgen("compare", "w.grid").err
+    assert "--controller" in error
+    assert "--controllers" not in error
+
+
+@pytest.mark.parametrize("names", [("--radius", "--speed"), ("--robot-radius", "--robot-speed")])
+def test_a_familys_robot_is_given_by_the_names_of_every_other_command(names):
+    made = worldgen("trap", names[0], 0.1, names[1], 1.5, "--seed", 1, "--json")
+    assert json.loads(made.out)["params"] | {"robot_radius": 0.1, "robot_speed": 1.5} == json.loads(made.out)["params"]
