@@ -6,7 +6,7 @@ import itertools
 import os
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -36,6 +36,7 @@ VERDICTS = (
 _MOST_AT_ONCE = 256  # runs in one call of the kernel, so that all cores have something to do
 _MOST_IN_A_FLEET = 1024  # robots in lockstep: enough for NumPy, and few enough for the processor's cache
 _FLEET_BYTES = 1 << 26  # that the robots of a fleet take
+_LOG_BYTES = 1 << 30  # that the logs of all runs under way may take, in which loops are found: 8 a step
 _MOST_WORKERS = 1024
 _CODE = {verdict: np.int8(code) for code, verdict in enumerate(VERDICTS)}
 
@@ -160,7 +161,7 @@ def simulate_many(
     runs = _empty(len(found), [called(one) for one in named], places, numbers)
     jobs = list(_jobs(found, drivers, poses, len(numbers), settings))
     threaded = [job for job in jobs if _is_threaded(job)]
-    with ThreadPoolExecutor(threads) as pool:
+    with ThreadPoolExecutor(_at_once(threads, (job.options.steps for job in threaded))) as pool:
         for _ in pool.map(lambda job: _run_compiled(job, runs, digest), threaded):
             pass
     _run_in_lockstep([job for job in jobs if _is_vector(job)], runs, digest)
@@ -199,6 +200,11 @@ def _jobs(
             yield _Job(world, controller, part, starts, options)
 
 
+def _at_once(most: int, steps: Iterable[int]) -> int:
+    """How many runs of so many steps may be under way, at most ``most``, so that their logs fit into memory."""
+    return max(1, min(most, _LOG_BYTES // (8 * (max(steps, default=0) + 1))))
+
+
 def _is_threaded(job: _Job) -> bool:
     return isinstance(job.controller, CompiledController) and MOTIONS.get(job.options.motion).kernel == LATTICE
 
@@ -230,6 +236,7 @@ def _run_alike(alike: Sequence[tuple[_Job, LatticeRun]], runs: Runs, digest: boo
     world, poses = np.repeat(np.arange(len(alike)), [len(job.rows) for job, _ in alike]), np.concatenate(starts)
     metres = np.array([float(run.scales[layout.SCALE_METRES]) for run in packed])
     most = max(1, min(_MOST_IN_A_FLEET, _FLEET_BYTES // max(run.bytes_per_robot for run in packed)))
+    most = _at_once(most, (run.options.steps for run in packed))
     for first in range(0, len(rows), most):
         part = slice(first, first + most)
         used, index = np.unique(world[part], return_inverse=True)

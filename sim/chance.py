@@ -181,7 +181,7 @@ class _Search:
     def _start(self) -> Ints:
         memory = np.array(self._controller.memory, np.float64)
         robot, room = new_robot(memory.size, self._run.events), new_room(memory.size, self._run.options.robot.beams)
-        set_out(self._run.settings, self._run.scales, memory, room, robot)
+        set_out(self._run.settings, self._run.scales, memory, room, robot, 0)
         return robot.state
 
     def _entries(self, states: Ints, faces: Ints) -> Iterator[Following]:

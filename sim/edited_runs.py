@@ -87,7 +87,7 @@ class EditedRuns:
     def __init__(self, world: World, controller: CompiledController, options: RunOptions) -> None:
         self._run = LatticeRun(world, controller, options)
         self._run.settings[layout.SET_STEPS], self._run.settings[layout.SET_DIGEST] = options.steps, 0
-        self._run.settings[layout.SET_FIND_LOOP] = int(self._run.can_loop)
+        self._run.settings[layout.SET_FIND_LOOP] = layout.SEEK_LOOP if self._run.can_loop else layout.NO_LOOP
         for k, metres in enumerate((world.start.x, world.start.y)):
             self._run.settings[layout.SET_X + k] = metres_to_lattice(metres, world.cell_size)
         self._controller, self._world = controller, world
@@ -128,7 +128,8 @@ class EditedRuns:
         asked = np.array([wanted.ending, overlap, way, _STEPS_AT_ONCE], np.int64)
         done, found = np.zeros(at.DONE_SIZE, np.int64), False
         places, nothing = (run.settings, run.settings.copy()), np.zeros((0, 1), np.int64)
-        room, robot, kernel = new_room(memory.size, run.options.robot.beams), new_robot(memory.size, events), _kernel()
+        room = new_room(memory.size, run.options.robot.beams, run.options.steps)
+        robot, kernel = new_robot(memory.size, events), _kernel()
         todo = np.array(edits, np.int64)
         try:
             found = kernel(

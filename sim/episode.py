@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from sim.controllers import CompiledController, Controller, controller_of
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.outcome import BY_THE_CONTROLLER, Outcome, Runnable
-from sim.run_options import MAX_RECORDED, RunOptions, check_world, options_of, switch_sets
+from sim.run_options import RunOptions, check_recordable, check_world, options_of, switch_sets
 from sim.thesis_run import ThesisRun
-from sim.trace import Trace, Words, state_digest
+from sim.trace import Trace, state_digest
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value, Witness, World
 
@@ -97,7 +95,7 @@ def simulate(
     if outcome.ending == "loop":
         return _loop(run, world, outcome, options, record)
     if record and outcome.trace is None:
-        _check_recordable(outcome.steps)
+        check_recordable(outcome.steps)
         outcome = run.run(outcome.steps, find_loop=False, record=True)
     return _decided(run, world, outcome, options)
 
@@ -119,15 +117,13 @@ def prepare(world: World, controller: str | Controller | type, options: RunOptio
 
 def _loop(run: Runnable, world: World, found: Outcome, options: RunOptions, record: bool) -> Episode:
     """Finds where the recurrence begins; the run ends with its first period."""
-    period = found.period
-    seen = run.recurrence(period, found.steps) if isinstance(run, LatticeRun) else None
-    begin = seen or _recorded_recurrence(run, found.steps, period)
-    if begin is None:
-        return _unproved(run, world, options, record)
-    entry, state = begin
+    entry, period = found.entry, found.period
     if record:
-        _check_recordable(entry + period)
-    outcome = run.run(entry + period, find_loop=False, record=record)
+        check_recordable(entry + period)
+    proof = run.prove(entry, period, record=record)
+    if proof is None:  # the controller keeps memory that it does not declare: the budget counts
+        return _decided(run, world, run.run(options.steps, find_loop=False, record=record), options)
+    outcome, state = proof
     if outcome.overlap_step >= 0:
         return _episode("overlap", outcome, options, _overlap_evidence(outcome))
     evidence: dict[str, Value] = {
@@ -138,37 +134,12 @@ def _loop(run: Runnable, world: World, found: Outcome, options: RunOptions, reco
     return _episode("loop", outcome, options, evidence)
 
 
-def _recorded_recurrence(run: Runnable, steps: int, period: int) -> tuple[int, Words] | None:
-    """The same from a recording over two periods; ``None`` if it shows that there was more state than it has."""
-    _check_recordable(steps + period)
-    whole = run.run(steps + period, find_loop=False, record=True)
-    if whole.trace is None or not whole.complete:
-        return None
-    states = whole.trace.states
-    same = (states[:-period] == states[period:]).all(axis=1)
-    entry = max(int(np.argmax(same)), run.last_event_step)
-    return (entry, states[entry]) if same[entry:].all() else None  # not: memory that it did not declare
-
-
-def _unproved(run: Runnable, world: World, options: RunOptions, record: bool) -> Episode:
-    """The whole budget for a run whose recurrence proves nothing."""
-    return _decided(run, world, run.run(options.steps, find_loop=False, record=record), options)
-
-
 def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
     evidence = _evidence(world, outcome, options)
     if outcome.verdict == "stalled" and isinstance(run, ThesisRun):
-        _check_recordable(outcome.steps)
+        check_recordable(outcome.steps)
         evidence |= run.confinement(outcome.steps)
     return _episode(outcome.verdict, outcome, options, evidence)
-
-
-def _check_recordable(steps: int) -> None:
-    if steps > MAX_RECORDED:
-        raise InvalidParameter(
-            f"this run takes {steps} steps, and at most {MAX_RECORDED} can be recorded to show or prove them; "
-            "give a smaller --steps"
-        )
 
 
 def _evidence(world: World, outcome: Outcome, options: RunOptions) -> dict[str, Value]:

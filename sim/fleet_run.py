@@ -13,8 +13,9 @@ from sim.controllers.base import VectorController
 from sim.controllers.contract import flat_memory
 from sim.controllers.vector import ask
 from sim.kernels import layout
-from sim.kernels.lattice_fleet import CLOCK_SIZE, Fleet, fleet_act, fleet_move, fleet_same, fleet_set_out
+from sim.kernels.lattice_fleet import CLOCK_SIZE, Fleet, fleet_act, fleet_entries, fleet_move, fleet_set_out
 from sim.kernels.lattice_state import new_robot
+from sim.kernels.recurrence import MARKS, new_search
 from sim.lattice_run import LatticeRun
 from sim.python_loop import hidden_state
 from worldgen.lattice import UNIT
@@ -23,8 +24,6 @@ __all__ = ["FleetRun"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
-
-_ENDLESS = 1 << 62  # steps
 
 
 class FleetRun:
@@ -69,22 +68,36 @@ class FleetRun:
         return found if hidden_state(self._controller) == before else None
 
     def _run(self, digest: bool) -> tuple[Ints, Floats]:
-        fleet = self._fleet(np.arange(len(self._world)), digest=digest)
-        fleet.settings[:, layout.SET_STEPS] = [self._runs[index].options.steps for index in self._world]
-        fleet.settings[:, layout.SET_FIND_LOOP] = [self._runs[index].can_loop for index in self._world]
-        self._drive(fleet, len(self._world))
+        can_loop = np.array([run.can_loop for run in self._runs])[self._world]
+        budgets = np.array([run.options.steps for run in self._runs])[self._world]
+        fleet = self._fleet(np.arange(len(self._world)), budgets, np.where(can_loop, layout.SEEK_LOOP, layout.NO_LOOP))
+        self._drive(fleet, digest=digest)
+
+        # Loops are run again, up to the end of their first period, which also proves them.
         looped = np.flatnonzero(fleet.counts[:, layout.OUT_ENDING] == layout.LOOP)
-        if len(looped):
-            periods = fleet.counts[looped, layout.OUT_PERIOD]
-            counts, sums = self._to_the_end_of_the_first_period(looped, periods, digest)
-            fleet.counts[looped], fleet.sums[looped] = counts, sums
-            fleet.counts[looped, layout.OUT_ENDING] = layout.LOOP
-            fleet.counts[looped, layout.OUT_PERIOD] = periods
+        entries = np.zeros(len(looped), np.int64)
+        fleet_entries(fleet, looped, entries)
+        self._again(
+            fleet, looped, entries + fleet.counts[looped, layout.OUT_PERIOD], layout.PROVE_LOOP, entries, digest
+        )
+
+        # Where two different states had one fingerprint, the budget counts.
+        unproved = looped[fleet.counts[looped, layout.OUT_ENDING] == layout.LIMIT]
+        self._again(fleet, unproved, budgets[unproved], layout.NO_LOOP, np.zeros(len(unproved), np.int64), digest)
         return fleet.counts, fleet.sums
 
-    def _drive(self, fleet: Fleet, count: int) -> None:
-        """Steps the robots in the first slots, until each has ended."""
-        over = np.zeros(len(fleet.order), np.bool_)
+    def _again(self, fleet: Fleet, robots: Ints, steps: Ints, find_loop: int, entries: Ints, digest: bool) -> None:
+        """Runs some of the robots again, in other ways, and puts their reports into the fleet."""
+        if len(robots):
+            again = self._fleet(robots, steps, np.full(len(robots), find_loop), entries)
+            self._drive(again, digest=digest)
+            fleet.counts[robots], fleet.sums[robots] = again.counts, again.sums
+
+    def _drive(self, fleet: Fleet, *, digest: bool) -> None:
+        """Steps the robots until each has ended."""
+        fleet.settings[:, layout.SET_DIGEST] = int(digest)
+        count = len(fleet.order)
+        over = np.zeros(count, np.bool_)
         while count:
             if self._step(fleet, count, over):
                 count = _keep(fleet, ~over[:count])
@@ -96,41 +109,23 @@ class FleetRun:
             ask(self._controller, fleet.observation[:count], fleet.memory[:count], fleet.command[:count], after)
         return int(fleet_act(fleet, count, after, over))
 
-    def _to_the_end_of_the_first_period(self, robots: Ints, periods: Ints, digest: bool) -> tuple[Ints, Floats]:
-        """Runs robots whose state recurs to the end of the first period; two equal fleets find where it begins."""
-        by_period = np.argsort(-periods, kind="stable")
-        slow, fast = self._fleet(robots, digest=digest), self._fleet(robots, digest=False)
-        self._ahead(fast, by_period, periods)
-        _line_up(slow, np.arange(len(robots)))
-        _line_up(fast, np.arange(len(robots)))
-        count, over = len(robots), np.zeros(len(robots), np.bool_)
-        while count:
-            if fleet_same(slow, fast, count, over):
-                apart = ~over[:count]
-                count = _keep(slow, apart)
-                _keep(fast, apart)
-            if count:
-                self._step(slow, count, over)
-                self._step(fast, count, over)
-        self._ahead(slow, by_period, periods)
-        return slow.counts, slow.sums
+    def _fleet(self, robots: Ints, steps: Ints, find_loop: Ints, entries: Ints | None = None) -> Fleet:
+        """Robots at their starts.
 
-    def _ahead(self, fleet: Fleet, by_period: Ints, periods: Ints) -> None:
-        """Steps each robot as often as its period says; those with the longest come first in the order given."""
-        _line_up(fleet, by_period)
-        left, over = periods[by_period], np.zeros(len(periods), np.bool_)
-        for step in range(int(left[0])):
-            self._step(fleet, int(np.searchsorted(-left, -step)), over)
-
-    def _fleet(self, robots: Ints, *, digest: bool) -> Fleet:
-        """Robots at their starts, with no end of steps and without looking for loops."""
+        Args:
+            robots: (n,) which.
+            steps: (n,) of their runs.
+            find_loop: (n,) ``SET_FIND_LOOP``.
+            entries: (n,) ``SET_ENTRY``.
+        """
         runs, world, size = self._runs, self._world[robots], self._memory.size
         arenas, counts = [run.arena() for run in runs], [run.events for run in runs]
         pages = world if any(map(len, counts)) else np.arange(len(runs))
         ends = np.cumsum([len(rows) for rows in counts])
         points = max(len(new_robot(0, rows).chain) for rows in counts)
         n, beams = len(robots), runs[0].options.robot.beams
-        memory = np.zeros((n, size))
+        memory, search = np.zeros((n, size)), new_search(layout.STATE_MEMORY + size, 0)
+        log = np.where(find_loop == layout.SEEK_LOOP, steps, 0)
         fleet = Fleet(
             cells=np.stack([arenas[index].cells for index in pages]),
             near=np.stack([arenas[index].near for index in pages]),
@@ -148,8 +143,10 @@ class FleetRun:
             chain=np.zeros((n, points, 3), np.int64),
             counts=np.zeros((n, layout.OUT_SIZE), np.int64),
             sums=np.zeros((n, layout.SUM_SIZE)),
-            anchor=np.zeros((n, layout.STATE_MEMORY + size), np.int64),
-            brent=np.zeros((n, 3), np.int64),
+            known=np.zeros((n, layout.STATE_MEMORY + size), np.int64),
+            prints=np.zeros((n, search.prints.size), np.uint64),
+            log=np.zeros((n, int(log.max()) + 1), np.uint64),
+            marks=np.zeros((n, MARKS), np.int64),
             clock=np.zeros((n, CLOCK_SIZE), np.int64),
             order=np.arange(n),
             observation=np.full((n, layout.OBS_SIZE + beams), np.nan),
@@ -161,8 +158,8 @@ class FleetRun:
         settings, height, width = fleet.settings, *fleet.visited.shape[1:]
         settings[:, layout.SET_X : layout.SET_HEADING + 1] = self._starts[robots]
         settings[:, layout.SET_SEED] = self._seeds[robots].view(np.int64)
-        settings[:, layout.SET_DIGEST], settings[:, layout.SET_STEPS] = int(digest), _ENDLESS
-        settings[:, layout.SET_FIND_LOOP] = 0
+        settings[:, layout.SET_STEPS], settings[:, layout.SET_FIND_LOOP] = steps, find_loop
+        settings[:, layout.SET_ENTRY] = 0 if entries is None else entries
         column = np.minimum(settings[:, layout.SET_X] // UNIT, width - 1)
         fleet.visited[np.arange(n), np.minimum(settings[:, layout.SET_Y] // UNIT, height - 1), column] = 1
         fleet_set_out(fleet, n, self._memory)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numba
 
 from sim.kernels.lattice_state import Arena, Robot, Room
+from sim.kernels.recurrence import Search
 
 __all__ = ["EpisodeTypes", "episode_types", "typed_kernel"]
 
@@ -34,10 +35,12 @@ def episode_types() -> EpisodeTypes:
     types: Any = numba.types
     ints, floats, bytes_2d = numba.int64[::1], numba.float64[::1], numba.uint8[:, ::1]
     rows, table = numba.int64[:, ::1], numba.int32[:, ::1]
+    words = numba.uint64[::1]
+    search = types.NamedTuple((ints, words, words, ints), Search)
     return EpisodeTypes(
         types.NamedTuple((bytes_2d, table, table, rows, ints, bytes_2d), Arena),
         types.NamedTuple((ints, floats, rows, ints, floats), Robot),
-        types.NamedTuple((floats, ints, floats, floats, ints, ints), Room),
+        types.NamedTuple((floats, ints, floats, floats, search), Room),
         types.FunctionType(numba.void(floats, floats, floats)),
     )
 

@@ -19,17 +19,18 @@ from sim.crash_frames import crash_facts
 from sim.kernel_types import episode_types, typed_kernel
 from sim.kernels import layout
 from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
-from sim.kernels.lattice_batch import lattice_batch, lattice_entry
+from sim.kernels.lattice_batch import lattice_batch
 from sim.kernels.lattice_episode import lattice_episode
 from sim.kernels.lattice_sense import heading_table, sense
-from sim.kernels.lattice_state import Arena, Robot, new_robot, new_room
+from sim.kernels.lattice_state import Arena, Robot, Room, new_robot, new_room
+from sim.kernels.recurrence import entry_of_loop
 from sim.long_runs import MOST_HELD, portions
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_time, start_overlaps, target_sq
 from sim.python_loop import PythonLoop
 from sim.robot_options import SIGNALS
-from sim.run_options import RunOptions, check_step_length
+from sim.run_options import RunOptions, check_recordable, check_step_length
 from sim.trace import Trace, Words
 from worldgen.lattice import (
     TURN,
@@ -67,17 +68,12 @@ def _typed(function: Any) -> Any:
     """An episode kernel, typed for any compiled controller, so that it compiles once for all of them."""
     if numba_config.DISABLE_JIT:
         return function
-    types: Any = numba.types
     arena, robot, room, act = episode_types()
-    ints, floats, rows, whole = numba.int64[::1], numba.float64[::1], numba.int64[:, ::1], numba.int64
-    numbers, two = (ints, floats, act, floats), types.UniTuple
-    pairs = (two(room, 2), two(robot, 2))
+    ints, floats, rows = numba.int64[::1], numba.float64[::1], numba.int64[:, ::1]
+    numbers = (ints, floats, act, floats, room, robot)
     signatures = {
-        lattice_episode: numba.void(arena, *numbers, room, robot, rows, rows),
-        lattice_entry: whole(two(arena, 2), *numbers, *pairs, whole, whole),
-        lattice_batch: numba.void(
-            arena, two(arena, 2), *numbers, *pairs, rows, ints, rows, rows, numba.float64[:, ::1]
-        ),
+        lattice_episode: numba.void(arena, *numbers, rows, rows),
+        lattice_batch: numba.void(arena, arena, *numbers, rows, ints, rows, rows, numba.float64[:, ::1]),
     }
     return typed_kernel(function, signatures[function])
 
@@ -194,28 +190,37 @@ class LatticeRun:
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
         self.settings[layout.SET_STEPS], self.settings[layout.SET_DIGEST] = steps, int(digest)
-        self.settings[layout.SET_FIND_LOOP] = int(find_loop and self.can_loop)
+        self.settings[layout.SET_FIND_LOOP] = layout.SEEK_LOOP if find_loop and self.can_loop else layout.NO_LOOP
         if isinstance(self.controller, CompiledController):
-            return self._run_compiled(self.controller, steps, record)
+            return self._run_compiled(self.controller, record)[0]
         loop = PythonLoop(self.controller, self.arena(), self.settings, self.scales, self.world)
         loop.run(steps, record=record)
-        return self._outcome(loop.robot, loop.recording(), loop.complete, loop.fault)
+        entry = self._entry(loop.room, loop.robot)
+        return self._outcome(loop.robot, loop.recording(), entry, loop.complete, loop.fault)
 
-    def recurrence(self, period: int, most: int) -> tuple[int, Words] | None:
-        """Where a recurrence that a run has found begins: the step, at ``most`` that one, and the state then.
+    def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
+        """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
 
-        ``None`` if it does not come again, and for a controller that is no compiled one: it may be in a state that we
-        do not see.
+        A controller that is not compiled may be in a state that we do not see: it must repeat a second period too.
         """
         if not isinstance(self.controller, CompiledController):
+            return self._prove_by_recording(entry, period, record)
+        settings = self.settings
+        settings[layout.SET_STEPS], settings[layout.SET_DIGEST] = entry + period, 1
+        settings[layout.SET_FIND_LOOP], settings[layout.SET_ENTRY] = layout.PROVE_LOOP, entry
+        outcome, room = self._run_compiled(self.controller, record)
+        return (outcome, room.search.known.view(np.uint64)) if outcome.ending == "loop" else None
+
+    def _prove_by_recording(self, entry: int, period: int, record: bool) -> tuple[Outcome, Words] | None:
+        check_recordable(entry + 2 * period)
+        whole = self.run(entry + 2 * period, find_loop=False, record=True)
+        if whole.trace is None or not whole.complete or whole.trace.steps < entry + 2 * period:
             return None
-        self.settings[layout.SET_DIGEST] = 0
-        memory = np.array(self.controller.memory, np.float64)
-        rooms = tuple(new_room(memory.size, self.options.robot.beams) for _ in range(2))
-        robots = tuple(new_robot(memory.size, self.events) for _ in range(2))
-        act, arenas = compiled_act(self.controller.act), (self.arena(), self.arena())
-        entry = _typed(lattice_entry)(arenas, self.settings, self.scales, act, memory, rooms, robots, period, most)
-        return (int(entry), robots[0].state.view(np.uint64)) if entry >= 0 else None
+        states = whole.trace.states
+        if not np.array_equal(states[entry : entry + period + 1], states[entry + period :]):
+            return None
+        outcome = self.run(entry + period, find_loop=False, record=record)
+        return replace(outcome, ending="loop", period=period, entry=entry), states[entry]
 
     @property
     def shapes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -230,8 +235,19 @@ class LatticeRun:
 
     @property
     def can_loop(self) -> bool:
-        """Who reads the clock never comes back to a state, and neither does a robot with noise."""
-        return not (self.settings[layout.SET_SENSES] & layout.SENSE_TIME or self.options.robot.random)
+        """Whether a state can come back: not if the controller reads the clock, or noise that is new in each step.
+
+        What a controller does not declare among its ``senses`` it does not get, so noise there decides nothing.
+        """
+        robot = self.options.robot
+        noisy = layout.SENSE_TIME
+        if robot.odometry_noise > 0.0:
+            noisy |= layout.SENSE_ODOMETRY
+        if robot.sensor_noise > 0.0:
+            noisy |= layout.SENSE_SIGNAL | layout.SENSE_SIGNAL_HEADING
+        if robot.beam_noise > 0.0 or robot.beam_dropout > 0.0:
+            noisy |= layout.SENSE_BEAMS
+        return robot.slip == 0.0 and not self.settings[layout.SET_SENSES] & noisy
 
     def run_many(
         self, controller: CompiledController, starts: Ints, seeds: npt.NDArray[np.uint64], *, digest: bool
@@ -249,14 +265,12 @@ class LatticeRun:
         """
         settings = self.settings.copy()
         settings[layout.SET_STEPS], settings[layout.SET_DIGEST] = self.options.steps, int(digest)
-        settings[layout.SET_FIND_LOOP] = int(self.can_loop)
+        settings[layout.SET_FIND_LOOP] = layout.SEEK_LOOP if self.can_loop else layout.NO_LOOP
         counts, sums = np.zeros((len(seeds), layout.OUT_SIZE), np.int64), np.zeros((len(seeds), layout.SUM_SIZE))
         memory, act = np.array(controller.memory, np.float64), compiled_act(controller.act)
-        rooms = tuple(new_room(memory.size, self.options.robot.beams) for _ in range(2))
-        robots = tuple(new_robot(memory.size, self.events) for _ in range(2))
-        arenas = (self.arena(), self.arena())
+        room, robot = self._room(memory.size, settings), new_robot(memory.size, self.events)
         _typed(lattice_batch)(
-            self.arena(), arenas, settings, self.scales, act, memory, rooms, robots, starts, seeds.view(np.int64),
+            self.arena(), self.arena(), settings, self.scales, act, memory, room, robot, starts, seeds.view(np.int64),
             np.zeros((0, 1), np.int64), counts, sums,
         )  # fmt: skip
         return counts, sums
@@ -289,23 +303,42 @@ class LatticeRun:
         """Row or column of the start."""
         return int(min(self.settings[setting] // UNIT, self._cells.shape[axis] - 1))
 
-    def _run_compiled(self, controller: CompiledController, steps: int, record: bool) -> Outcome:
+    def _room(self, memory: int, settings: Ints) -> Room:
+        """Room for one run, with a log if it looks for a recurrence."""
+        seeks = settings[layout.SET_FIND_LOOP] == layout.SEEK_LOOP
+        return new_room(memory, self.options.robot.beams, int(settings[layout.SET_STEPS]) if seeks else 0)
+
+    def _entry(self, room: Room | None, robot: Robot) -> int:
+        """Where the loop begins with which a run has ended; -1 if it ended otherwise."""
+        counts = robot.counts
+        if room is None or counts[layout.OUT_ENDING] != layout.LOOP:
+            return -1
+        end, period = int(counts[layout.OUT_STEPS]), int(counts[layout.OUT_PERIOD])
+        if self.settings[layout.SET_FIND_LOOP] == layout.PROVE_LOOP:
+            return end - period
+        return int(entry_of_loop(room.search.log, self.last_event_step, end, period))
+
+    def _run_compiled(self, controller: CompiledController, record: bool) -> tuple[Outcome, Room]:
         nothing = np.zeros((0, 1), np.int64)
-        robot, fault = self._episode(controller, nothing, nothing)
+        robot, room, fault = self._episode(controller, nothing, nothing)
+        entry = self._entry(room, robot)
         if not record:
-            return self._outcome(robot, None, fault=fault)
+            return self._outcome(robot, None, entry, fault=fault), room
         done, points = int(robot.counts[layout.OUT_STEPS]), int(robot.counts[layout.OUT_POINTS])
         if self._lean and 8 * (done + 1) * (layout.ROW_STATE + robot.state.size) > MOST_HELD:
-            return replace(self._outcome(robot, None, fault=fault), trace=self._lean_trace(controller, done, points))
+            outcome = self._outcome(robot, None, entry, fault=fault)
+            return replace(outcome, trace=self._lean_trace(controller, done, points)), room
         rows = np.zeros((done + 1, layout.ROW_STATE + robot.state.size), np.int64)
         path = np.zeros((points, layout.POINT_SIZE), np.int64)
-        robot, fault = self._episode(controller, rows, path)
-        return self._outcome(robot, (rows, path), fault=fault)
+        robot, room, fault = self._episode(controller, rows, path)
+        return self._outcome(robot, (rows, path), entry, fault=fault), room
 
-    def _episode(self, controller: CompiledController, rows: Ints, path: Ints) -> tuple[Robot, Misbehaviour | None]:
+    def _episode(
+        self, controller: CompiledController, rows: Ints, path: Ints
+    ) -> tuple[Robot, Room, Misbehaviour | None]:
         """One run of the kernel, and what the controller raised."""
         memory = np.array(controller.memory, np.float64)
-        robot, room = new_robot(memory.size, self.events), new_room(memory.size, self.options.robot.beams)
+        robot, room = new_robot(memory.size, self.events), self._room(memory.size, self.settings)
         act = compiled_act(controller.act)
         fault = None
         try:
@@ -313,12 +346,12 @@ class LatticeRun:
         except Exception as error:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
             facts = crash_facts(error, controller) or {"message": str(error)}
             fault = Misbehaviour("crash", f"{type(error).__name__}: {error}", facts)
-        return robot, fault
+        return robot, room, fault
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
         """The recording without the memory, which it can recall."""
         settings, size = self.settings.copy(), len(controller.memory)
-        settings[layout.SET_FIND_LOOP] = 0
+        settings[layout.SET_FIND_LOOP] = layout.NO_LOOP
         rows = np.zeros((steps + 1, layout.ROW_STATE + layout.STATE_MEMORY), np.int64)
         path, filled = np.zeros((points, layout.POINT_SIZE), np.int64), 0
         for portion in portions(controller, self.arena(), settings, self.scales, steps):
@@ -340,6 +373,7 @@ class LatticeRun:
         self,
         robot: Robot,
         recording: tuple[Ints, Ints] | None,
+        entry: int,
         complete: bool = True,
         fault: Misbehaviour | None = None,
     ) -> Outcome:
@@ -352,6 +386,7 @@ class LatticeRun:
             ending=fault.verdict if fault else _ENDINGS[int(counts[layout.OUT_ENDING])],
             steps=int(counts[layout.OUT_STEPS]),
             period=int(counts[layout.OUT_PERIOD]),
+            entry=entry,
             path_length=float(robot.sums[layout.SUM_PATH]) * float(self.scales[layout.SCALE_METRES]),
             collisions=int(counts[layout.OUT_COLLISIONS]),
             digest=f"{int(counts[layout.OUT_DIGEST]) & (2**64 - 1):016x}",

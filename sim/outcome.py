@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from sim.trace import Trace
+from sim.trace import Trace, Words
 from worldgen.world import Value
 
 __all__ = ["BY_THE_CONTROLLER", "Outcome", "Runnable"]
@@ -23,6 +23,7 @@ class Outcome:
         ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, or one of :data:`BY_THE_CONTROLLER`.
         steps: Steps simulated.
         period: Steps of the recurrence, for ``loop``.
+        entry: Where it begins, for ``loop``; -1.
         path_length: m.
         collisions: Times that the robot began to touch a wall.
         digest: 16 hex digits; of no meaning if it was not asked for.
@@ -55,6 +56,7 @@ class Outcome:
     overlap_step: int
     overlap_cell: tuple[int, int]
     random_draws: int
+    entry: int = -1
     cause: str = ""
     cause_step: int = -1
     wall_step: int = -1
@@ -87,8 +89,21 @@ class Runnable(Protocol):
 
         Args:
             steps: Budget.
-            find_loop: Whether a recurrence ends the run.
+            find_loop: Whether a recurrence ends the run, when it is found: at the end of the budget, or before.
             record: Whether to keep every state.
             digest: Whether to work out the trace's digest, which takes a fifth of the time.
+        """
+        ...
+
+    def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
+        """Runs to the end of a loop's first period and compares the complete states at both of its ends.
+
+        Args:
+            entry: Where the loop begins, as :meth:`run` found it.
+            period: Its steps.
+            record: Whether to keep every state.
+
+        Returns:
+            The outcome up to there and the state at the entry; ``None`` if the state there does not come back.
         """
         ...

@@ -43,7 +43,7 @@ _COMMAND = struct.Struct("3d")  # CMD_SPEED, CMD_TURN_RATE, CMD_DRAW
 
 
 class PythonLoop:
-    """One episode; read ``robot``, ``complete`` and ``fault``, and :meth:`recording`, after :meth:`run`.
+    """One episode; read ``robot``, ``room``, ``complete`` and ``fault``, and :meth:`recording`, after :meth:`run`.
 
     Args:
         controller: What runs.
@@ -64,6 +64,7 @@ class PythonLoop:
         self._world = world
         self._controller, self._arena, self._settings, self._scales = controller, arena, settings, scales
         self.robot = new_robot(0, arena.events)
+        self.room: Room | None = None
         self.complete = True
         self.fault: Misbehaviour | None = None
         self._rows, self._path = np.zeros((0, 1), np.int64), np.zeros((0, 1), np.int64)
@@ -77,7 +78,7 @@ class PythonLoop:
         if isinstance(self._controller, ProcessController):
             self.complete = False
             self._controller.start()  # outside the guard: a program that is not there is nobody's crash
-            self._settings[layout.SET_FIND_LOOP] = 0
+            self._settings[layout.SET_FIND_LOOP] = layout.NO_LOOP
             self._guarded(steps, record)
             return
         hidden = hidden_state(self._controller)
@@ -113,7 +114,8 @@ class PythonLoop:
         """Lets the kernel stop in each step, and the controller act."""
         events, size = self._arena.events, len(memory)
         self.robot = robot = new_robot(size, events)
-        room = new_room(size, int(self._settings[layout.SET_BEAMS]))
+        seeks = self._settings[layout.SET_FIND_LOOP] == layout.SEEK_LOOP
+        self.room = room = new_room(size, int(self._settings[layout.SET_BEAMS]), steps if seeks else 0)
         if record:
             self._rows = np.zeros((steps + 1, layout.ROW_STATE + robot.state.size), np.int64)
             self._path = np.zeros((MOST_POINTS * (steps + len(events)), layout.POINT_SIZE), np.int64)

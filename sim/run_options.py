@@ -28,6 +28,7 @@ __all__ = [
     "MAX_RECORDED",
     "MAX_STEPS",
     "RunOptions",
+    "check_recordable",
     "check_step_length",
     "check_world",
     "options_of",
@@ -138,6 +139,19 @@ def switch_sets(motion: str, values: Mapping[str, Value]) -> dict[str, Any]:
             f"option {strange[0]!r} means nothing to motion {motion!r}; take --motion {where}, or leave it out"
         )
     return {"thesis" if own is ThesisOptions else "robot": own.of(values)}
+
+
+def check_recordable(steps: int) -> None:
+    """Refuses to record a run that takes too much memory.
+
+    Raises:
+        InvalidParameter: If the run has more than ``MAX_RECORDED`` steps.
+    """
+    if steps > MAX_RECORDED:
+        raise InvalidParameter(
+            f"this run takes {steps} steps, and at most {MAX_RECORDED} can be recorded to show or prove them; "
+            "give a smaller --steps"
+        )
 
 
 def check_step_length(world: World, time_step: float, shortest: Fraction) -> None:

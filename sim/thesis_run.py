@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from sim.kernels import thesis_layout as at
 from sim.kernels.geometry import pose_is_clear
-from sim.kernels.layout import SOLID
+from sim.kernels.layout import NO_LOOP, PROVE_LOOP, SEEK_LOOP, SOLID
+from sim.kernels.recurrence import entry_of_loop
 from sim.kernels.stepped_motion import (
     BACK_OFF,
     CORNER,
@@ -31,7 +32,7 @@ from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_step, start_overlaps
 from sim.run_options import RunOptions, check_step_length
 from sim.thesis_options import ARBITERS, SIGNALS, ThesisOptions
-from sim.trace import Trace
+from sim.trace import Trace, Words
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import exact, in_cells, metres_to_lattice, radius_in_cells
 from worldgen.random_streams import RandomStream
@@ -174,20 +175,34 @@ class ThesisRun:
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Runs up to ``steps`` ticks from the start; with ``find_loop`` a recurrence ends the run."""
+        seeks = find_loop and not self.options.thesis.random
+        return self._run(steps, SEEK_LOOP if seeks else NO_LOOP, 0, record=record, digest=digest)[0]
+
+    def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
+        """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`."""
+        outcome, progress = self._run(entry + period, PROVE_LOOP, entry, record=record, digest=True)
+        return (outcome, progress.search.known.view(np.uint64)) if outcome.ending == "loop" else None
+
+    def _run(
+        self, steps: int, find_loop: int, entry: int, *, record: bool, digest: bool
+    ) -> tuple[Outcome, at.Progress]:
+        """One run from the start; ``entry`` counts where a loop is proved."""
         rows = np.zeros((steps + 1 if record else 0, at.ROW_SIZE))
-        progress = at.new_progress(*self._start, self._setup.speed)
-        look = find_loop and not self.options.thesis.random
-        self._go_on(progress, self._arena(), rows, steps, find_loop=look, digest=digest)
-        return self._outcome(progress, rows[: progress.counts[at.OUT_STEPS] + 1] if record else None)
+        seeks = find_loop == SEEK_LOOP
+        progress = at.new_progress(*self._start, self._setup.speed, steps if seeks else 0)
+        setup = self._setup._replace(find_loop=find_loop, entry=entry, digest=int(digest))
+        self._go_on(progress, self._arena(), rows, setup._replace(steps=steps))
+        counts = progress.counts
+        end, period = int(counts[at.OUT_STEPS]), int(counts[at.OUT_PERIOD])
+        if seeks and counts[at.OUT_ENDING] == at.LOOP:
+            entry = int(entry_of_loop(progress.search.log, self.last_event_step, end, period))
+        return self._outcome(progress, rows[: end + 1] if record else None, entry), progress
 
     def _arena(self) -> at.Arena:
         return at.new_arena(self._cells, self._light, self._events)
 
-    def _go_on(
-        self, progress: at.Progress, arena: at.Arena, rows: Floats, steps: int, *, find_loop: bool, digest: bool
-    ) -> None:
-        """Runs until something is decided or ``steps`` are done, with as many draws as that takes."""
-        setup = self._setup._replace(steps=steps, find_loop=int(find_loop), digest=int(digest))
+    def _go_on(self, progress: at.Progress, arena: at.Arena, rows: Floats, setup: at.Setup) -> None:
+        """Runs until something is decided or the steps are done, with as many draws as that takes."""
         count = _FIRST_DRAWS if setup.rule == 3 else 0
         while True:
             thesis_episode(arena, setup, progress, self._draws(count), rows)
@@ -214,10 +229,11 @@ class ThesisRun:
         """
         progress, arena = at.new_progress(*self._start, self._setup.speed), self._arena()
         half = steps // 2
-        self._go_on(progress, arena, np.zeros((0, at.ROW_SIZE)), half, find_loop=False, digest=False)
+        setup = self._setup._replace(find_loop=NO_LOOP, digest=0)
+        self._go_on(progress, arena, np.zeros((0, at.ROW_SIZE)), setup._replace(steps=half))
         progress.counts[at.TRACE_START] = half
         rows = np.zeros((steps - half + 1, at.ROW_SIZE))
-        self._go_on(progress, arena, rows, steps, find_loop=False, digest=False)
+        self._go_on(progress, arena, rows, setup._replace(steps=steps))
         cells = np.floor(rows[:, [at.X, at.Y]] / at.CELL)
         box: dict[str, Value] = {"box": [int(side) for side in np.ptp(cells, axis=0) + 1]}
         period, entry = _drift(rows[:, [at.X, at.Y, at.HEADING]])
@@ -225,7 +241,7 @@ class ThesisRun:
             return {"kind": "confined", **box}
         return {"kind": "drifting", "entry": half + entry, "period": period, **box}
 
-    def _outcome(self, progress: at.Progress, rows: Floats | None) -> Outcome:
+    def _outcome(self, progress: at.Progress, rows: Floats | None, entry: int) -> Outcome:
         counts, metres = progress.counts, self.world.cell_size / at.CELL
         ending = _ENDINGS[int(counts[at.OUT_ENDING])]
         tunnelled, keeps_going = ending == "tunnel", self.options.thesis.keep_going
@@ -238,6 +254,7 @@ class ThesisRun:
             ending=ending,
             steps=int(counts[at.OUT_STEPS]),
             period=int(counts[at.OUT_PERIOD]),
+            entry=entry if ending == "loop" else -1,
             path_length=float(progress.sums[at.SUM_PATH]) * metres,
             collisions=int(counts[at.OUT_COLLISIONS]),
             digest=f"{int(counts[at.OUT_DIGEST]) & (2**64 - 1):016x}",

@@ -25,6 +25,7 @@ from sim.kernels.lattice_sense import turn_towards
 from sim.kernels.lattice_state import Arena, Robot, Room
 from sim.kernels.lattice_step import is_inside, move_and_sense, obey, remember
 from sim.kernels.layout import TURN, UNIT
+from sim.kernels.recurrence import TOUCHED
 
 __all__ = [
     "Batch",
@@ -32,6 +33,7 @@ __all__ = [
     "begin_watch",
     "close_look",
     "goes_on",
+    "longest",
     "look_at_layouts",
     "masks_do",
     "next_look",
@@ -137,6 +139,11 @@ class Desk(NamedTuple):
     settings: Ints
     scales: Floats
     nothing: Ints
+
+
+def longest(batch: Batch) -> int:
+    """Return the most steps that a run of a batch can have."""
+    return max(int(batch.patience[MOST_STEPS]), int(batch.budgets.max(initial=0)))
 
 
 @rare_kernel
@@ -312,7 +319,7 @@ def note_step(
 @rare_kernel
 def _watch(arena: Arena, batch: Batch, desk: Desk, act: Any, room: Room, robot: Robot, n: int) -> None:
     """Lets a robot of a compiled controller go on, and notes what it does."""
-    looks, touches = batch.looks, room.brent[2] != 0
+    looks, touches = batch.looks, room.search.marks[TOUCHED] != 0
     steps, done = begin_watch(robot, batch, n), looks[n, layout.OUT_STEPS]
     while goes_on(arena, robot, looks, n, steps):
         before, step = (robot.state[layout.STATE_HEADING], touches), done + looks[n, LOOK_WATCHED] + 1
@@ -329,7 +336,7 @@ def watch_steps(
     Yields:
         Number of the step.
     """
-    looks, touches = batch.looks, room.brent[2] != 0
+    looks, touches = batch.looks, room.search.marks[TOUCHED] != 0
     steps, done = begin_watch(robot, batch, n), looks[n, layout.OUT_STEPS]
     while goes_on(arena, robot, looks, n, steps):
         before, step = (robot.state[layout.STATE_HEADING], touches), done + looks[n, LOOK_WATCHED] + 1

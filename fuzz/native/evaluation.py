@@ -310,7 +310,9 @@ class _Packed:
         """The runs of one call."""
         settings = np.array([run.settings for run in self.runs]).reshape(-1, layout.SET_SIZE)
         finds = not isinstance(self.controller, ProcessController)  # whose memory cannot be seen
-        settings[:, layout.SET_FIND_LOOP] = [finds and run.can_loop for run in self.runs]
+        settings[:, layout.SET_FIND_LOOP] = [
+            layout.SEEK_LOOP if finds and run.can_loop else layout.NO_LOOP for run in self.runs
+        ]
         settings[:, layout.SET_DIGEST] = 0
         scales = np.array([run.scales for run in self.runs]).reshape(-1, layout.SCALE_SIZE)
         count, patience = len(layouts), _PATIENT if isinstance(self.controller, CompiledController) else _BRISK
@@ -333,7 +335,7 @@ def _run_compiled(controller: CompiledController, batch: Batch, beams: int) -> N
     memory, act = np.array(controller.memory, np.float64), compiled_act(controller.act)
     kernel, desk, nothing = _typed_kernel(), _desk(), np.zeros((0, layout.EVENT_SIZE), np.int64)
     while batch.at[0] < len(batch.seeds):
-        robot, room = new_robot(memory.size, nothing), new_room(memory.size, beams)
+        robot, room = new_robot(memory.size, nothing), new_room(memory.size, beams, looks.longest(batch))
         try:
             kernel(batch, desk, act, memory, room, robot)
         except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything

@@ -113,7 +113,8 @@ class OneByOne:
     def _made(self, memory: int) -> tuple[Robot, Room]:
         """A robot and a room for so many numbers of memory, made once."""
         if memory not in self._by_memory:
-            self._by_memory[memory] = new_robot(memory, self._desk.events), new_room(memory, self._beams)
+            room = new_room(memory, self._beams, looks.longest(self._batch))
+            self._by_memory[memory] = new_robot(memory, self._desk.events), room
         return self._by_memory[memory]
 
     def _arena(self, n: int) -> Arena:

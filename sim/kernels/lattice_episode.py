@@ -10,10 +10,11 @@ import numpy.typing as npt
 
 from sim.kernels import layout
 from sim.kernels._jit import allocating_kernel, kernel, rare_kernel
-from sim.kernels.lattice_state import Arena, Robot, Room, same, set_out
+from sim.kernels.lattice_state import Arena, Robot, Room, last_event, set_out
 from sim.kernels.lattice_step import is_inside, move_and_sense, obey, one_step, remember
+from sim.kernels.recurrence import TOUCHED, is_proved, period_at
 
-__all__ = ["is_over", "last_event", "lattice_episode", "lattice_steps"]
+__all__ = ["is_over", "lattice_episode", "lattice_steps"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -51,23 +52,12 @@ def _write_step(robot: Robot, step: int, count: int, bumped: bool, rows: Ints, p
 
 
 @kernel
-def _is_again(robot: Robot, room: Room) -> bool:
-    """Whether the state is the anchor's; sets R. P. Brent's next anchor, if one is due."""
-    room.brent[1] += 1
-    if same(robot.state, room.anchor):
-        return True
-    if room.brent[1] == room.brent[0]:
-        for k in range(room.anchor.size):
-            room.anchor[k] = robot.state[k]
-        room.brent[0], room.brent[1] = 2 * room.brent[0], 0
-    return False
-
-
-@kernel
-def last_event(arena: Arena) -> int:
-    """Step in which the world changes for the last time; 0 if it never does."""
-    events = arena.events
-    return events[events.shape[0] - 1, layout.EVENT_STEP] if events.shape[0] > 0 else 0
+def _period(settings: Ints, room: Room, robot: Robot, step: int, quiet: int) -> int:
+    """Steps since the state was there before, if a recurrence is looked for and ends the run here; else 0."""
+    if settings[layout.SET_FIND_LOOP] == layout.SEEK_LOOP:
+        return period_at(room.search, robot.state, step, quiet, settings[layout.SET_STEPS]) if step >= quiet else 0
+    entry, end = settings[layout.SET_ENTRY], settings[layout.SET_STEPS]
+    return end - entry if is_proved(room.search, robot.state, step, entry, end) else 0
 
 
 @kernel
@@ -94,18 +84,20 @@ def is_over(
         path: Likewise.
     """
     count, bumped = moved
-    if bumped and room.brent[2] == 0:
+    if bumped and room.search.marks[TOUCHED] == 0:
         robot.counts[layout.OUT_COLLISIONS] += 1
-    room.brent[2] = 1 if bumped else 0
+    room.search.marks[TOUCHED] = 1 if bumped else 0
     if settings[layout.SET_DIGEST] != 0:
         _hash_step(robot, count, bumped)
     if step < rows.shape[0]:
         _write_step(robot, step, count, bumped, rows, path)
     if robot.counts[layout.OUT_ENDING] != layout.LIMIT:
         return True
-    if settings[layout.SET_FIND_LOOP] != 0 and step > quiet and _is_again(robot, room):
-        robot.counts[layout.OUT_ENDING], robot.counts[layout.OUT_PERIOD] = layout.LOOP, room.brent[1]
-        return True
+    if settings[layout.SET_FIND_LOOP] != layout.NO_LOOP:
+        period = _period(settings, room, robot, step, quiet)
+        if period > 0:
+            robot.counts[layout.OUT_ENDING], robot.counts[layout.OUT_PERIOD] = layout.LOOP, period
+            return True
     return False
 
 
@@ -129,15 +121,14 @@ def lattice_episode(
         scales: ``SCALE_``.
         act: Compiled controller, ``act(observation, memory, command)``.
         memory: Its memory at reset; not changed.
-        room: :func:`new_room`.
+        room: :func:`new_room`, for as many steps if a recurrence is looked for.
         robot: :func:`new_robot`; filled.
         rows: (steps + 1, ROW_STATE + STATE_MEMORY + len(memory)) for a recording, or with 0 rows.
         path: (points, POINT_SIZE) for a recording, with room for all points of the path after the start.
 
-    Recurrence of the complete state is looked for with R. P. Brent, "An improved Monte Carlo factorization
-    algorithm", BIT 1980, once the last event is over.
+    A recurrence of the complete state after the last event is found as :mod:`sim.kernels.recurrence` says.
     """
-    set_out(settings, scales, memory, room, robot)
+    set_out(settings, scales, memory, room, robot, last_event(arena))
     if rows.shape[0] > 0:
         for k in range(robot.state.size):
             rows[0, layout.ROW_STATE + k] = robot.state[k]
@@ -160,7 +151,7 @@ def lattice_steps(
     Yields:
         Number of the step.
     """
-    set_out(settings, scales, memory, room, robot)
+    set_out(settings, scales, memory, room, robot, last_event(arena))
     if rows.shape[0] > 0:
         for k in range(robot.state.size):
             rows[0, layout.ROW_STATE + k] = robot.state[k]

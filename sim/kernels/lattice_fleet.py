@@ -10,11 +10,12 @@ import numpy.typing as npt
 from sim.kernels import layout
 from sim.kernels._jit import kernel, rare_kernel
 from sim.kernels._views import part, row
-from sim.kernels.lattice_episode import is_over, last_event
-from sim.kernels.lattice_state import Arena, Robot, Room, same, set_out
+from sim.kernels.lattice_episode import is_over
+from sim.kernels.lattice_state import Arena, Robot, Room, last_event, set_out
 from sim.kernels.lattice_step import is_inside, move_and_sense, obey, remember
+from sim.kernels.recurrence import Search, entry_of_loop
 
-__all__ = ["CLOCK_SIZE", "CLOCK_STEP", "Fleet", "fleet_act", "fleet_move", "fleet_same", "fleet_set_out"]
+__all__ = ["CLOCK_SIZE", "CLOCK_STEP", "Fleet", "fleet_act", "fleet_entries", "fleet_move", "fleet_set_out"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -45,8 +46,10 @@ class Fleet(NamedTuple):
         chain: (n, points, 3) int64.
         counts: (n, OUT_SIZE) int64.
         sums: (n, SUM_SIZE).
-        anchor: (n, STATE_MEMORY + memory) int64.
-        brent: (n, 3) int64.
+        known: (n, STATE_MEMORY + memory) int64, and the like for all that a :class:`sim.kernels.recurrence.Search` has.
+        prints: (n, blocks + 1) uint64.
+        log: (n, steps + 1) uint64.
+        marks: (n, MARKS) int64.
         clock: (n, CLOCK_SIZE) int64.
         order: (n,) int64, robots by slot.
         observation: (n, OBS_SIZE + beams) by slot.
@@ -72,8 +75,10 @@ class Fleet(NamedTuple):
     chain: Ints
     counts: Ints
     sums: Floats
-    anchor: Ints
-    brent: Ints
+    known: Ints
+    prints: npt.NDArray[np.uint64]
+    log: npt.NDArray[np.uint64]
+    marks: Ints
     clock: Ints
     order: Ints
     observation: Floats
@@ -114,8 +119,7 @@ def _room(fleet: Fleet, robot: int, slot: int) -> Room:
         row(fleet.words, slot),
         row(fleet.observation, slot),
         row(fleet.command, slot),
-        row(fleet.anchor, robot),
-        row(fleet.brent, robot),
+        Search(row(fleet.known, robot), row(fleet.prints, robot), row(fleet.log, robot), row(fleet.marks, robot)),
     )
 
 
@@ -125,7 +129,8 @@ def fleet_set_out(fleet: Fleet, count: int, memory: Floats) -> None:
     for slot in range(count):
         robot = fleet.order[slot]
         settings, scales = row(fleet.settings, robot), row(fleet.scales, fleet.world[robot])
-        set_out(settings, scales, memory, _room(fleet, robot, slot), _robot(fleet, robot))
+        quiet = last_event(_arena(fleet, robot))
+        set_out(settings, scales, memory, _room(fleet, robot, slot), _robot(fleet, robot), quiet)
         for k in range(CLOCK_SIZE):
             fleet.clock[robot, k] = 0
 
@@ -180,23 +185,10 @@ def fleet_act(fleet: Fleet, count: int, after: Floats, over: npt.NDArray[np.bool
 
 
 @rare_kernel
-def fleet_same(one: Fleet, other: Fleet, count: int, equal: npt.NDArray[np.bool_]) -> int:
-    """Compares the states of the same robots in two fleets.
-
-    Args:
-        one: A fleet; its order counts.
-        other: Another.
-        count: Slots to compare.
-        equal: (n,) by slot, filled; false until a robot's world has changed for the last time.
-
-    Returns:
-        How many are equal.
-    """
-    found = 0
-    for slot in range(count):
-        robot = one.order[slot]
-        quiet = one.clock[robot, CLOCK_STEP] >= last_event(_arena(one, robot))
-        equal[slot] = quiet and same(row(one.state, robot), row(other.state, robot))
-        if equal[slot]:
-            found += 1
-    return found
+def fleet_entries(fleet: Fleet, robots: Ints, entries: Ints) -> None:
+    """Fills in, for robots whose run ended as a loop, the step in which the loop begins."""
+    for k in range(robots.size):
+        robot = robots[k]
+        counts, quiet = row(fleet.counts, robot), last_event(_arena(fleet, robot))
+        log, end = row(fleet.log, robot), counts[layout.OUT_STEPS]
+        entries[k] = entry_of_loop(log, quiet, end, counts[layout.OUT_PERIOD])

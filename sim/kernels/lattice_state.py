@@ -12,8 +12,9 @@ from sim.kernels import layout
 from sim.kernels._jit import kernel, rare_kernel
 from sim.kernels.lattice_motion import MOST_POINTS
 from sim.kernels.layout import SPEED_UNIT
+from sim.kernels.recurrence import TOUCHED, Search, begin_search, new_search
 
-__all__ = ["HASH_START", "Arena", "Robot", "Room", "new_robot", "new_room", "same", "set_out", "whole_speed"]
+__all__ = ["HASH_START", "Arena", "Robot", "Room", "last_event", "new_robot", "new_room", "set_out", "whole_speed"]
 
 HASH_START = np.uint64(1469598103934665603)
 """Of the traces' digests, as in the thesis's vectors: FNV-1a over 64-bit words."""
@@ -69,17 +70,14 @@ class Room(NamedTuple):
         words: The same bits as int64.
         observation: (OBS_SIZE + beams,) what the controller sees.
         command: (CMD_SIZE,) what it asks for.
-        anchor: A state to come back to.
-        brent: (3,) int64, steps from the anchor to the next one, steps since it, and whether the last step
-            touched a wall.
+        search: For a state that comes back.
     """
 
     memory: Floats
     words: Ints
     observation: Floats
     command: Floats
-    anchor: Ints
-    brent: Ints
+    search: Search
 
 
 def new_robot(memory: int, events: Ints) -> Robot:
@@ -94,17 +92,29 @@ def new_robot(memory: int, events: Ints) -> Robot:
     )
 
 
-def new_room(memory: int, beams: int) -> Room:
-    """Room for a controller with so many numbers of memory, and so many range beams."""
+def new_room(memory: int, beams: int, steps: int = 0) -> Room:
+    """Room for a controller with so many numbers of memory, and so many range beams.
+
+    Args:
+        memory: Numbers of memory.
+        beams: Range beams.
+        steps: Of the longest run in which a recurrence is searched; 0 for runs in which none is.
+    """
     values = np.zeros(memory)
     return Room(
         values,
         values.view(np.int64),
         np.full(layout.OBS_SIZE + beams, np.nan),
         np.zeros(layout.CMD_SIZE),
-        np.zeros(layout.STATE_MEMORY + memory, np.int64),
-        np.zeros(3, np.int64),
+        new_search(layout.STATE_MEMORY + memory, steps),
     )
+
+
+@kernel
+def last_event(arena: Arena) -> int:
+    """Step in which the world changes for the last time; 0 if it never does."""
+    events = arena.events
+    return events[events.shape[0] - 1, layout.EVENT_STEP] if events.shape[0] > 0 else 0
 
 
 @kernel
@@ -133,21 +143,23 @@ def _begin(settings: Ints, scales: Floats, robot: Robot) -> None:
 
 
 @rare_kernel
-def set_out(settings: Ints, scales: Floats, memory: Floats, room: Room, robot: Robot) -> None:
-    """Puts a robot at its start, with its memory at reset."""
+def set_out(settings: Ints, scales: Floats, memory: Floats, room: Room, robot: Robot, quiet: int) -> None:
+    """Puts a robot at its start, with its memory at reset.
+
+    Args:
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        memory: The memory at reset.
+        room: Its room.
+        robot: The robot.
+        quiet: Step of the last event, 0 if there is none.
+    """
+    if settings[layout.SET_FIND_LOOP] == layout.SEEK_LOOP and room.search.log.size <= settings[layout.SET_STEPS]:
+        raise ValueError("the room's log is shorter than the run; make it with new_room(..., steps)")
     _begin(settings, scales, robot)
     for k in range(memory.size):
         room.memory[k] = memory[k]
         robot.state[layout.STATE_MEMORY + k] = room.words[k]
-    for k in range(room.anchor.size):
-        room.anchor[k] = 0
-    room.brent[0], room.brent[1], room.brent[2] = 1, 0, 0
-
-
-@kernel
-def same(one: Ints, other: Ints) -> bool:
-    """Whether two states are equal, word by word."""
-    k = 0
-    while k < one.size and one[k] == other[k]:
-        k += 1
-    return k == one.size
+    room.search.marks[TOUCHED] = 0
+    if settings[layout.SET_FIND_LOOP] != layout.NO_LOOP:
+        begin_search(room.search, robot.state, quiet)

@@ -64,7 +64,13 @@ SET_PLAIN_SENSOR = 17  # 1: the signal sensor is the thesis's, without noise or 
 SET_SMOKE_REACH = 18  # cells around a burning one that its smoke fills
 SET_LATTICE = 19  # lattice units to which poses are rounded after each step; 1: none
 SET_COIN = 20  # how many values a random number has; 0: any in [0, 1)
-SET_SIZE = 21
+SET_ENTRY = 21  # step of the state that PROVE_LOOP compares with the last one
+SET_SIZE = 22
+
+# Values of SET_FIND_LOOP: how a recurrence of the complete state ends the run.
+NO_LOOP = 0  # not at all
+SEEK_LOOP = 1  # when it is found, as late as in the last step of the budget
+PROVE_LOOP = 2  # in the last step of the budget, if its state is that of step SET_ENTRY
 
 # What walls do to the signal.
 OPEN, WEAKENED, BLOCKED = 0, 1, 2

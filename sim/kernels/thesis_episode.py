@@ -17,7 +17,8 @@ from sim.kernels import thesis_layout as at
 from sim.kernels._jit import allocating_kernel, kernel
 from sim.kernels.fdlibm import cos, float_bits, sin
 from sim.kernels.lattice_sense import random_draw
-from sim.kernels.layout import BURNING, SOLID
+from sim.kernels.layout import BURNING, NO_LOOP, SEEK_LOOP, SOLID
+from sim.kernels.recurrence import begin_search, is_proved, period_at
 from sim.kernels.stepped_motion import CORNER, SLIDE, STRAIGHT, advance, clamp_inside
 from sim.kernels.thesis_arbiter import (
     A1,
@@ -309,26 +310,6 @@ def _hash_state(digest: int, state: Floats, mode: Ints) -> int:
 
 
 @kernel
-def _same_state(state: Floats, mode: Ints, other_state: Floats, other_mode: Ints) -> bool:
-    """Whether two complete states are equal in every bit; -0.0 is not 0.0."""
-    same = True
-    for k in range(at.MODE_STATE_SIZE):
-        same = same and mode[k] == other_mode[k]
-    for k in range(at.STATE_SIZE):
-        same = same and float_bits(state[k]) == float_bits(other_state[k])
-    return same
-
-
-@kernel
-def _copy_state(state: Floats, mode: Ints, to_state: Floats, to_mode: Ints) -> None:
-    """Copies by loops: slices need reference counts, and made the cold compile 2 s longer."""
-    for k in range(at.STATE_SIZE):
-        to_state[k] = state[k]
-    for k in range(at.MODE_SIZE):
-        to_mode[k] = mode[k]
-
-
-@kernel
 def _record(state: Floats, mode: Ints, row: int, trace: Floats) -> None:
     """Writes the state to a row of the trace, if it has that row."""
     if 0 <= row < trace.shape[0]:
@@ -339,11 +320,24 @@ def _record(state: Floats, mode: Ints, row: int, trace: Floats) -> None:
 
 
 @kernel
-def _drop_anchor(run: Progress) -> None:
-    """Makes the present state the one that is looked for, for twice as long as the last."""
-    _copy_state(run.state, run.mode, run.anchor_state, run.anchor_mode)
-    run.counts[at.ANCHOR_AGE] = 0
-    run.counts[at.ANCHOR_POWER] = max(2 * run.counts[at.ANCHOR_POWER], 1)
+def _write_words(run: Progress) -> None:
+    """Writes the complete state as words; -0.0 is not 0.0."""
+    for k in range(at.STATE_SIZE):
+        run.words[k] = float_bits(run.state[k])
+    for k in range(at.MODE_STATE_SIZE):
+        run.words[at.STATE_SIZE + k] = float_bits(float(run.mode[k]))
+
+
+@kernel
+def _period(setup: Setup, run: Progress, step: int, quiet: int) -> int:
+    """Steps since the state was there before, if a recurrence is looked for and ends the run here; else 0."""
+    if step < quiet:
+        return 0
+    _write_words(run)
+    if setup.find_loop == SEEK_LOOP:
+        return period_at(run.search, run.words, step, quiet, setup.steps)
+    proved = is_proved(run.search, run.words, step, setup.entry, setup.steps)
+    return setup.steps - setup.entry if proved else 0
 
 
 @allocating_kernel
@@ -360,11 +354,19 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
         draws: Random numbers in [0, 1) for rule 3, in order.
         trace: (n, ROW_SIZE), n may be 0; row k gets the state after step ``TRACE_START`` + k.
 
-    Of several endings in one tick the first counts: ``BURNED``, ``TUNNEL``, ``REACHED``, ``LOOP``. Recurrence of
-    the complete state is looked for once the last event is over, with R. P. Brent, "An improved Monte Carlo
-    factorization algorithm", BIT 20 (1980): an anchor that moves on at powers of two.
+    Of several endings in one tick the first counts: ``BURNED``, ``TUNNEL``, ``REACHED``, ``LOOP``. A recurrence of the
+    complete state after the last event is found as :mod:`sim.kernels.recurrence` says.
+
+    Raises:
+        ValueError: If a recurrence is looked for, and ``run`` was made for fewer steps.
     """
     cells, state, mode, counts = arena.cells, run.state, run.mode, run.counts
+    if setup.find_loop == SEEK_LOOP and run.search.log.size <= setup.steps:
+        raise ValueError("the run's log is shorter than the run; make it with new_progress(..., steps)")
+    quiet = arena.events[arena.events.shape[0] - 1, 0] if arena.events.shape[0] > 0 else 0
+    if setup.find_loop != NO_LOOP and counts[at.OUT_STEPS] == 0:
+        _write_words(run)
+        begin_search(run.search, run.words, quiet)
     counts[at.OUT_ENDING] = at.LIMIT
     _record(state, mode, counts[at.OUT_STEPS] - counts[at.TRACE_START], trace)
     for step in range(counts[at.OUT_STEPS] + 1, setup.steps + 1):
@@ -372,8 +374,6 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
         if counts[at.NEXT_EVENT] < arena.events.shape[0] and arena.events[counts[at.NEXT_EVENT], 0] <= step:
             _apply_events(arena, setup, step, state, counts)
             changed = True
-        if setup.find_loop == 1 and counts[at.ANCHOR_POWER] == 0 and counts[at.NEXT_EVENT] == arena.events.shape[0]:
-            _drop_anchor(run)
         x, y, touched = state[at.X], state[at.Y], mode[at.COLLISION]
         if counts[at.OUT_ENDING] == at.LIMIT:
             done, before_x, before_y = thesis_tick(cells, setup, draws, state, mode, step)
@@ -392,11 +392,9 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
             counts[at.OUT_DIGEST] = _hash_state(counts[at.OUT_DIGEST], state, mode)
         if step - counts[at.TRACE_START] < trace.shape[0]:
             _record(state, mode, step - counts[at.TRACE_START], trace)
-        if counts[at.OUT_ENDING] == at.LIMIT and counts[at.ANCHOR_POWER] > 0:
-            counts[at.ANCHOR_AGE] += 1
-            if state[at.X] == run.anchor_state[at.X] and _same_state(state, mode, run.anchor_state, run.anchor_mode):
-                counts[at.OUT_ENDING], counts[at.OUT_PERIOD] = at.LOOP, counts[at.ANCHOR_AGE]
-            elif counts[at.ANCHOR_AGE] == counts[at.ANCHOR_POWER]:
-                _drop_anchor(run)
+        if counts[at.OUT_ENDING] == at.LIMIT and setup.find_loop != NO_LOOP:
+            period = _period(setup, run, step, quiet)
+            if period > 0:
+                counts[at.OUT_ENDING], counts[at.OUT_PERIOD] = at.LOOP, period
         if counts[at.OUT_ENDING] != at.LIMIT:
             break

@@ -16,7 +16,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels.layout import BURNED, LIMIT, LOOP, REACHED, TUNNEL
+from sim.kernels.layout import BURNED, LIMIT, LOOP, NO_LOOP, REACHED, TUNNEL
+from sim.kernels.recurrence import Search, new_search
 
 __all__ = [
     "BLOCKED",
@@ -61,6 +62,7 @@ STATE_SIZE = 7
 # mode (int64). BEHAVIOUR is IDLE when nobody is in charge; TICKS_LEFT is 0 unless collide or drive is.
 COLLISION, BEHAVIOUR, TICKS_LEFT, DRAWS_USED = 0, 1, 2, 3
 MODE_STATE_SIZE = 4  # up to here: with `state` all that decides the future
+WORDS = STATE_SIZE + MODE_STATE_SIZE  # of the complete state: the bits of `state`, and of `mode` as floats
 ACTIVE = 4  # behaviour that acted in the last tick
 MOVE = 5  # how the last tick's move ended, see sim.kernels.stepped_motion
 ESCAPES = 6  # 1 if the collide behaviour took control in the last tick
@@ -74,11 +76,11 @@ OUT_HIT_STEP, OUT_HIT_IX, OUT_HIT_IY, OUT_HIT_STATE = 7, 8, 9, 10  # of BURNED; 
 OUT_OVERLAP_STEP, OUT_OVERLAP_IX, OUT_OVERLAP_IY = 11, 12, 13  # first tick that ends deeper than tolerated
 OUT_TUNNEL_STEP, OUT_TUNNEL_IX, OUT_TUNNEL_IY = 14, 15, 16  # first tick whose straight way enters a wall
 OUT_IN_WALL_STEP, OUT_IN_WALL_IX, OUT_IN_WALL_IY = 17, 18, 19  # first tick that ends with the centre in one
-NEXT_EVENT, ANCHOR_AGE, ANCHOR_POWER = 20, 21, 22
-TRACE_START = 23  # step before the first row of the trace, for recordings in pieces
-OVERLAP_BEGAN, OVERLAP_CAUSE = 24, 25  # of the overlap that lasts now: its first step (-1: none), its move
-OUT_OVERLAP_BEGAN, OUT_OVERLAP_CAUSE, OUT_TUNNEL_BEGAN, OUT_TUNNEL_CAUSE = 26, 27, 28, 29  # as they were then
-COUNTS_SIZE = 30
+NEXT_EVENT = 20
+TRACE_START = 21  # step before the first row of the trace, for recordings in pieces
+OVERLAP_BEGAN, OVERLAP_CAUSE = 22, 23  # of the overlap that lasts now: its first step (-1: none), its move
+OUT_OVERLAP_BEGAN, OUT_OVERLAP_CAUSE, OUT_TUNNEL_BEGAN, OUT_TUNNEL_CAUSE = 24, 25, 26, 27  # as they were then
+COUNTS_SIZE = 28
 
 # sums (float64), px: driven length; deepest overlap at the end of a tick
 SUM_PATH, SUM_OVERLAP = 0, 1
@@ -105,7 +107,8 @@ class Setup(NamedTuple):
         speed: px per ms.
         tolerance: Overlap with a wall that is not reported, px.
         steps: Ticks at most.
-        find_loop: 1 to end at an exact recurrence of the complete state, after the last event; else 0.
+        find_loop: How a recurrence of the complete state, after the last event, ends the run: ``SET_FIND_LOOP`` of
+            :mod:`sim.kernels.layout`.
         digest: 1 to work out the digest of the trace; else 0.
         stop_at_tunnel: 1 to end as ``TUNNEL`` when the centre's way enters a wall; else 0.
         reading: Of the arbiter, see :mod:`sim.kernels.thesis_arbiter`.
@@ -121,6 +124,7 @@ class Setup(NamedTuple):
         target_x: Column of the target's cell, where the signal comes from.
         target_y: Its row.
         seed: Of slip and sensor noise, not negative.
+        entry: Step of the state that ``PROVE_LOOP`` compares with the last one.
     """
 
     rule: int
@@ -133,7 +137,7 @@ class Setup(NamedTuple):
     speed: float = ROBOT_SPEED
     tolerance: float = 1.0
     steps: int = 20_000
-    find_loop: int = 0
+    find_loop: int = NO_LOOP
     digest: int = 1
     stop_at_tunnel: int = 0
     reading: int = 0
@@ -149,6 +153,7 @@ class Setup(NamedTuple):
     target_x: int = 0
     target_y: int = 0
     seed: int = 0
+    entry: int = 0
 
 
 class Arena(NamedTuple):
@@ -173,18 +178,18 @@ class Progress(NamedTuple):
     Args:
         state: (STATE_SIZE,) float64.
         mode: (MODE_SIZE,) int64.
-        anchor_state: Like ``state``: the state that a recurrence is looked for of.
-        anchor_mode: Like ``mode``.
         counts: (COUNTS_SIZE,) int64.
         sums: (SUM_SIZE,) float64.
+        words: (WORDS,) int64, the complete state.
+        search: For a state that comes back.
     """
 
     state: npt.NDArray[np.float64]
     mode: npt.NDArray[np.int64]
-    anchor_state: npt.NDArray[np.float64]
-    anchor_mode: npt.NDArray[np.int64]
     counts: npt.NDArray[np.int64]
     sums: npt.NDArray[np.float64]
+    words: npt.NDArray[np.int64]
+    search: Search
 
 
 def sensor_cells(sensor_range: int) -> int:
@@ -200,11 +205,19 @@ def new_arena(
     return Arena(np.array(cells, np.int32), np.array(light, np.int32), rows, np.zeros(cells.shape, np.uint8))
 
 
-def new_progress(x: float, y: float, heading: float, speed: float = ROBOT_SPEED) -> Progress:
-    """A run before its first tick: driving already, aiming at heading 0, nobody in charge, as the thesis's."""
+def new_progress(x: float, y: float, heading: float, speed: float = ROBOT_SPEED, steps: int = 0) -> Progress:
+    """A run before its first tick: driving already, aiming at heading 0, nobody in charge, as the thesis's.
+
+    Args:
+        x: px.
+        y: px.
+        heading: rad.
+        speed: px per ms.
+        steps: Of the run, if a recurrence is looked for; else 0.
+    """
     state = np.array([x, y, heading, 0.0, speed, speed, speed], np.float64)
     mode = np.array([0, -1, 0, 0, -1, 0, 0], np.int64)
     counts = np.zeros(COUNTS_SIZE, np.int64)
     counts[[OUT_HIT_STEP, OUT_OVERLAP_STEP, OUT_TUNNEL_STEP, OUT_IN_WALL_STEP, OVERLAP_BEGAN]] = -1
     counts[OUT_DIGEST] = _HASH_START
-    return Progress(state, mode, state.copy(), mode.copy(), counts, np.zeros(SUM_SIZE))
+    return Progress(state, mode, counts, np.zeros(SUM_SIZE), np.zeros(WORDS, np.int64), new_search(WORDS, steps))

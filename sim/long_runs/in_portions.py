@@ -59,7 +59,7 @@ def portions(
     most = min(_MOST_ROWS, max(1, MOST_HELD // 4 // (8 * width)))
     rows = np.zeros((min(most, steps) + 1, width), np.int64)
     path = np.zeros((MOST_POINTS * (len(rows) + len(arena.events)), layout.POINT_SIZE), np.int64)
-    set_out(settings, scales, memory, room, robot)
+    set_out(settings, scales, memory, room, robot, 0)
     rows[0, layout.ROW_STATE :] = robot.state
     yield Portion(0, rows[:1], path[:0])
     kernel, act, begun = _typed_onward(), compiled_act(controller.act), np.zeros(2, np.int64)

@@ -69,7 +69,7 @@ def told_by(begin_many, step, options, worlds, moves):
         begin_many(fleet._worlds(), fleet.crew, np.ones(4, bool), told[0])
         for move, one in zip(moves, told[1:], strict=True):
             step(fleet._worlds(), fleet.crew, np.zeros(0, np.int64), move, one)
-    return [part.tobytes() for one in (*told[1:], fleet.crew) for part in one]
+    return [part.tobytes() for one in (*told[1:], fleet.crew._replace(search=fleet.crew.state)) for part in one]
 
 
 @pytest.mark.parametrize("distance", ["straight", "way"])

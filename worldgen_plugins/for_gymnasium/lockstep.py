@@ -50,7 +50,7 @@ class Lockstep:
         nothing = np.zeros((0, 0), np.uint8)
         self.crew = Crew(
             nothing.ravel(), np.zeros(0, np.int32), nothing, np.zeros((0, 3), np.int64), room.memory, room.words,
-            room.observation, room.command, room.anchor, room.brent, rules.numbers(limit, autoreset),
+            room.observation, room.command, room.search, rules.numbers(limit, autoreset),
             interface.codes, interface.choices, ints[0], ints[1], ints[2], ints[3], ints[4], ints[5], ints[6], ints[7],
             np.zeros(count), np.zeros(count, np.bool_), np.zeros((count, layout.STATE_MEMORY), np.int64),
             np.zeros((count, 3)), np.zeros((count, layout.OUT_SIZE), np.int64), np.zeros((count, layout.SUM_SIZE)),

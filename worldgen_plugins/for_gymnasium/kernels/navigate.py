@@ -19,6 +19,7 @@ from sim.kernels.lattice_sense import random_draw, sense
 from sim.kernels.lattice_state import Arena, Robot, Room, set_out
 from sim.kernels.lattice_step import move_and_sense, obey
 from sim.kernels.layout import UNIT
+from sim.kernels.recurrence import Search
 from worldgen_plugins.for_gymnasium.kernels import layout as at
 from worldgen_plugins.for_gymnasium.kernels._jit import kernel, rare_kernel
 
@@ -70,8 +71,7 @@ class Crew(NamedTuple):
         words: (0,) int64.
         seen: (OBS_SIZE + beams,).
         command: (CMD_SIZE,).
-        anchor: (STATE_MEMORY,) int64.
-        brent: (3,) int64.
+        search: For loops, which no environment looks for.
         rules: (RULE_SIZE,).
         sensors: (k,) int64, what an observation shows, in this order.
         choices: (m, 2) the discrete actions: shares of the turn rate and of the top speed; none for continuous ones.
@@ -99,8 +99,7 @@ class Crew(NamedTuple):
     words: Ints
     seen: Floats
     command: Floats
-    anchor: Ints
-    brent: Ints
+    search: Search
     rules: Floats
     sensors: Ints
     choices: Floats
@@ -174,7 +173,7 @@ def _robot(crew: Crew, robot: int) -> Robot:
 
 @kernel
 def _room(crew: Crew) -> Room:
-    return Room(crew.memory, crew.words, crew.seen, crew.command, crew.anchor, crew.brent)
+    return Room(crew.memory, crew.words, crew.seen, crew.command, crew.search)
 
 
 @kernel
@@ -329,7 +328,7 @@ def begin(worlds: Worlds, crew: Crew, robot: int, world: int, out: Singles) -> N
         for k in range(size):
             crew.cells[crew.page[robot] + k] = worlds.cells[first + k]
             crew.near[crew.page[robot] + k] = worlds.near[first + k]
-    set_out(row(worlds.settings, world), row(worlds.scales, world), crew.memory, _room(crew), _robot(crew, robot))
+    set_out(row(worlds.settings, world), row(worlds.scales, world), crew.memory, _room(crew), _robot(crew, robot), 0)
     crew.clock[robot], crew.event[robot], crew.elapsed[robot] = 0, 0, 0
     _advance(worlds, crew, robot)
     encode(crew.seen, crew.sensors, crew.rules, out)
