@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from fuzz.asked import asked_by, objection_in_words
-from fuzz.failure import certificate_fault, certified, failure_of, judge, judge_asked, replay, scenario_of
+from fuzz.failure import certificate_fault, certified, failure_of, judge, judge_asked, scenario_of
 from sim.controllers.contract import check_contract
 from sim.episode import Episode, simulate
 from sim.picture import trail_of
@@ -97,15 +97,17 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
 
 
 def _confirmed(path: Path, world: World, controller: str | None) -> Checked:
+    from fuzz.answer import State, answer  # noqa: PLC0415 - which asks here whether a failure is fixed
+
     record, options = scenario_of(world)
-    shown = replay(world, controller)
+    now = answer(world, controller)
     name = controller or record.controller
     again = f"worldgen replay {shlex.quote(_near(path))}" + (f" --controller {shlex.quote(name)}" if controller else "")
-    seen = Seen(world, Scenario.of(name, options), options, shown.episode, again)
-    if shown.confirmed:
+    seen = Seen(world, Scenario.of(name, options), options, now.episode, again)
+    if now.state is State.SAME:
         return Checked("", seen)
-    hint = "; it arrives, so expect it to be fixed" if shown.verdict == "reached" and shown.episode else ""
-    return Checked(f"{name} under {record.motion}: not confirmed: {shown.reason}{hint}", seen)
+    hint = "; expect it to be fixed" if now.state is State.ARRIVES else ""
+    return Checked(f"{name} under {record.motion}: not confirmed: {now.words}{hint}", seen)
 
 
 def fixed(world: World, controller: str | None = None) -> Checked:

@@ -1,4 +1,4 @@
-"""``worldgen replay``: every failure, from its file, with the same verdict and digest."""
+"""``worldgen replay``: how saved failures stand today, and whether they are as they were, to the bit."""
 
 from __future__ import annotations
 
@@ -17,6 +17,12 @@ __all__ = ["replay"]
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH|DIR...")
 @click.option("--controller", help="Use this controller instead of the one that the file names.")
 @click.option("--show", "with_picture", is_flag=True, help="Draw each failure in the terminal.")
+@click.option(
+    "--transcript",
+    type=click.Path(path_type=Path),
+    metavar="OUT",
+    help="Write what a program (cmd:) is sent in the one failure, to feed it to it in a debugger.",
+)
 @output_options
 @json_option
 @force_option
@@ -24,49 +30,70 @@ def replay(
     paths: tuple[Path, ...],
     controller: str | None,
     with_picture: bool,
+    transcript: Path | None,
     as_json: bool,
     force: bool,
     **outputs: Path | None,
 ) -> None:
-    """Run saved failures again and compare verdict, evidence, trace digest and certificate.
+    """Run saved failures again: does each still fail, how, or does the robot arrive now.
 
-    Exit code 0 if every one is confirmed, 1 if one is not, else 2 if a file holds no failure.
+    A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and certificate. Exit code 0
+    if every one is, 1 if one is not, be it that the robot arrives now, else 2 if a file holds no failure.
     """
+    from fuzz.answer import State as Now
+    from fuzz.answer import answer, summary_in_words
     from fuzz.ci import Finding, Outputs, Report, State
-    from fuzz.failure import replay as replay_failure
     from fuzz.telling import describe
+    from sim.transcript import transcribed
+    from sim.words import frames_in_words
+    from worldgen.plain_text import shown_lines
     from worldgen.world_files import read_worlds
 
     reports = Outputs(**outputs, force=force)
     reports.check()
     results: list[dict[str, object]] = []
     findings: list[Finding] = []
+    states: list[Now] = []
     without = 0
     for path, world in read_worlds(paths):
         if world.failure is None:
             note(f"{shown(path)}: this world holds no failure; worldgen run simulates it")
             without += 1
             continue
-        with working("replaying") as work:
+        if transcript is not None and results:
+            raise click.UsageError(f"--transcript {transcript} holds one failure; give replay one file")
+        with (
+            working("replaying") as work,
+            transcribed(controller or world.failure.controller, transcript, force=force),
+        ):
             work.say(f"{path}, failure {len(results) + 1}")
-            outcome = replay_failure(world, controller)
-        results.append({"file": str(path), "verdict": outcome.verdict, "confirmed": outcome.confirmed})
+            now = answer(world, controller)
+        outcome = now.replay
+        states.append(now.state)
+        results.append(
+            {
+                "file": str(path),
+                "verdict": outcome.verdict,
+                "confirmed": outcome.confirmed,
+                "state": now.state.value,
+                "words": now.words,
+            }
+        )
         if not as_json:
-            click.echo(
-                f"{shown(path)}: {outcome.verdict} "
-                + ("confirmed" if outcome.confirmed else f"NOT confirmed: {shown(outcome.reason)}")
-            )
+            click.echo(f"{shown(path)}: {shown(now.words)}")
             if with_picture and outcome.confirmed:
                 click.echo(describe(world, path))
+            elif now.episode is not None:
+                click.echo(shown_lines(frames_in_words(now.episode.evidence)), nl=False)
         if reports:
             state: State = "confirmed" if outcome.confirmed else "not confirmed"
-            findings.append(Finding.of(world, path, state, outcome.reason, controller))
+            findings.append(Finding.of(world, path, state, now.words, controller))
     reports.write(Report("replay", tuple(findings)))
     confirmed = sum(bool(result["confirmed"]) for result in results)
     if as_json:
         emit_json({"replayed": len(results), "confirmed": confirmed, "failures": results})
     else:
-        click.echo(f"{confirmed} of {len(results)} confirmed")
+        click.echo(summary_in_words(states))
     if confirmed < len(results):
         raise SystemExit(1)
     if without:

@@ -1,11 +1,13 @@
 """Worlds as regression tests: what counts as fixed, what as confirmed, what is kept of a failing run."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from fuzz.answer import State, answer, summary_in_words
 from fuzz.failure import failure_of, replay
 from fuzz.regression import CONFIRMED, Seen, check, run, tell
 from sim.scenario import Scenario
@@ -47,7 +49,7 @@ def test_a_failure_that_still_fails_is_confirmed_but_not_fixed(stored):
 def test_a_failure_in_which_another_controller_arrives_is_fixed_but_not_confirmed(stored):
     assert check(stored, controller="bug2").reason == ""
     reason = check(stored, CONFIRMED, "bug2").reason
-    assert "the verdict is reached, not loop" in reason and reason.endswith("; it arrives, so expect it to be fixed")
+    assert "arrives now in" in reason and reason.endswith("(was: loop, period 545); expect it to be fixed")
 
 
 def test_a_repaired_controller_gets_the_witness_s_budget_even_if_the_failure_was_short(failure, tmp_path):
@@ -109,3 +111,28 @@ def test_a_world_that_cannot_be_kept_is_shown_all_the_same(trap, tmp_path):
 def test_the_picture_has_no_colours(trap, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     assert tell(run(trap, "turn-right")[0], None).text.isascii()
+
+
+@pytest.mark.parametrize(
+    ("controller", "state", "words"),
+    [
+        (None, State.SAME, r"the same, bit for bit: loop, period 545"),
+        ("bug2", State.ARRIVES, r"arrives now in \d+\.?\d* s \(was: loop, period 545\)"),
+        ("turn-left", State.FAILS, r"still fails: loop, period \d+ \(was 545\)"),
+        ("nobody", State.UNPROVED, r"cannot be run: .*nobody.*"),
+    ],
+)
+def test_a_replay_says_how_a_failure_stands_now(stored, controller, state, words):
+    now = answer(read_world(stored), controller)
+    assert now.state is state and re.fullmatch(words, now.words), now.words
+
+
+def test_a_robot_that_is_only_late_with_the_stored_steps_arrives_now(stored):
+    world = read_world(stored)
+    hurried = replace(world.failure, parameters={**world.failure.parameters, "steps": 20})
+    assert answer(replace(world, failure=hurried), "bug2").state is State.ARRIVES
+
+
+def test_a_summary_counts_what_still_fails_and_what_arrives():
+    states = [State.SAME, State.FAILS, State.ARRIVES, State.ARRIVES]
+    assert summary_in_words(states) == "1 of 4 confirmed; 1 still fails, 2 arrive now"

@@ -167,7 +167,7 @@ def test_memory_and_commands_must_keep_their_shapes():
         def act_many(self, observation, memory):
             return Commands(observation.beams[:, :0].sum(axis=1) + np.ones((1, 1))), memory
 
-    assert "it must keep its shape, (1, 1)" in simulate(arena(), Flat()).evidence["error"]
+    assert "came back in shape (1,), and was given in (1, 1)" in simulate(arena(), Flat()).evidence["error"]
     assert "speed is of shape (1, 1) for 1 robots" in simulate(arena(), Wide()).evidence["error"]
 
 
@@ -175,7 +175,9 @@ def loops(world):
     return simulate(world, AlwaysTheSame(), steps=5000).verdict == "loop"
 
 
-@pytest.mark.parametrize(("speed", "verdict"), [(np.nan, "invalid-command"), ("fast", "crash"), ([1.0, 2.0], "crash")])
+@pytest.mark.parametrize(
+    ("speed", "verdict"), [(np.nan, "invalid-command"), ("fast", "crash"), ([1.0, 2.0], "invalid-command")]
+)
 def test_nonsense_gets_the_verdict_that_it_gets_alone(speed, verdict):
     class Nonsense(TurnsAway):
         def act_many(self, observation, memory):

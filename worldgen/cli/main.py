@@ -103,7 +103,7 @@ _SUMMARY = {
     "new-controller": "Write a working, commented controller to begin from.",
     "regenerate": "Make a set of worlds again from its manifest, byte for byte, or check it.",
     "report": "Show failures in one HTML page: pictures, replays, numbers, and how their campaign went.",
-    "replay": "Run saved failures again and compare verdict, evidence, trace digest and certificate.",
+    "replay": "Run saved failures again: does each still fail, how, or does the robot arrive now.",
     "run": "Run a controller in a world and say how it ends.",
     "show": "Draw a world in the terminal, or as PNG, SVG or HTML.",
     "studio": "Draw worlds, run robots in them and watch, in the browser.",

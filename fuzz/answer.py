@@ -1,0 +1,128 @@
+"""What a replay answers: does a stored failure still fail, how, or does the robot arrive now."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from fuzz.asked import objection_in_words
+from fuzz.failure import Replay, certificate_fault, replay
+from fuzz.regression import fixed
+from sim.episode import Episode
+from worldgen.errors import WorldgenError
+from worldgen.world import Cut, FailureRecord, Value, World
+
+__all__ = ["Answer", "State", "answer", "summary_in_words"]
+
+
+class State(StrEnum):
+    """How a stored failure stands today."""
+
+    SAME = "same"
+    """It is as it was stored: verdict, evidence, trace digest and certificate."""
+
+    FAILS = "fails"
+    """It fails, but not as it was stored."""
+
+    ARRIVES = "arrives"
+    """It fails no more."""
+
+    UNPROVED = "unproved"
+    """It cannot be run here, or the file's certificate does not hold."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer to "what about this failure now?".
+
+    Args:
+        state: See :class:`State`.
+        words: The answer, without the file's name.
+        replay: What was compared, bit by bit.
+        episode: The run that shows it, recorded; ``None`` if there is none.
+    """
+
+    state: State
+    words: str
+    replay: Replay
+    episode: Episode | None
+
+
+def answer(world: World, controller: str | None = None) -> Answer:
+    """Run a stored failure again and say how it stands.
+
+    A run that is not as it was stored gets the budget of the failure or that of the witness, whichever is longer: a
+    robot that is merely late with the stored steps arrives.
+
+    Args:
+        world: A failure.
+        controller: Instead of the one that the file names.
+
+    Raises:
+        InvalidParameter: If the world holds no failure.
+    """
+    outcome = replay(world, controller)
+    record = world.failure
+    if record is None or outcome.episode is None:
+        return Answer(State.UNPROVED, f"cannot be run: {outcome.reason}", outcome, None)
+    was = _in_short(record.verdict, record.evidence)
+    if outcome.confirmed:
+        same = "the same, bit for bit" if outcome.episode.trace_digest == record.trace_digest else "still fails alike"
+        return Answer(State.SAME, f"{same}: {was}", outcome, outcome.episode)
+    fault = certificate_fault(world)
+    if fault:
+        return Answer(State.UNPROVED, f"the file proves nothing: {fault}", outcome, outcome.episode)
+    try:
+        now = fixed(world, controller)
+    except WorldgenError as error:
+        return Answer(State.UNPROVED, f"cannot be run: {error}", outcome, None)
+    episode = now.seen.episode or outcome.episode
+    if not now.reason:
+        return Answer(State.ARRIVES, f"{_mended(world, episode)} (was: {was})", outcome, episode)
+    return Answer(State.FAILS, f"still fails: {_how(record, episode, was, now.reason, outcome)}", outcome, episode)
+
+
+def summary_in_words(states: list[State]) -> str:
+    """Return ``3 of 5 confirmed; 1 still fails, 1 arrives now``."""
+    counts = {state: states.count(state) for state in State}
+    others = [
+        f"{counts[state]} {one if counts[state] == 1 else many}"
+        for state, one, many in (
+            (State.FAILS, "still fails", "still fail"),
+            (State.ARRIVES, "arrives now", "arrive now"),
+            (State.UNPROVED, "proves nothing", "prove nothing"),
+        )
+        if counts[state]
+    ]
+    return f"{counts[State.SAME]} of {len(states)} confirmed" + (f"; {', '.join(others)}" if others else "")
+
+
+def _mended(world: World, episode: Episode) -> str:
+    if isinstance(world.certificate, Cut):
+        return f"stays out now, {episode.verdict} after {episode.time:.6g} s"
+    return f"arrives now in {episode.time:.6g} s"
+
+
+def _how(record: FailureRecord, episode: Episode, was: str, wrong: str, outcome: Replay) -> str:
+    """Return how a failure fails now, and how it did."""
+    if episode.verdict == "reached":  # an oracle still objects
+        return wrong
+    now = _in_short(episode.verdict, episode.evidence)
+    if now == was:
+        return f"{now}, on another path; {outcome.reason}"
+    if episode.verdict == record.verdict == "loop":
+        return f"{now} (was {record.evidence.get('period')})"
+    return f"{now} (was: {was})"
+
+
+def _in_short(verdict: str, evidence: Mapping[str, Value]) -> str:
+    """Return a verdict with the fact that tells two of its kind apart at a glance."""
+    objection = objection_in_words(evidence)
+    if verdict == "loop":
+        return f"loop, period {evidence.get('period')}{objection}"
+    if verdict in ("tunnel", "overlap", "burned", "hang"):
+        return f"{verdict} in step {evidence.get('step')}{objection}"
+    if verdict in ("crash", "invalid-command"):
+        return f"{verdict}, {evidence.get('error')}"
+    return f"{verdict}{objection}"
