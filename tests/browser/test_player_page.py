@@ -15,9 +15,6 @@ from sim.controllers import CONTROLLERS
 from worldgen.grid_file import read_world
 from worldgen.world import Pose, Target, World
 
-pytestmark = pytest.mark.gate
-
-
 FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
 RED = (192, 0, 24)  # --pierced
 
@@ -75,6 +72,7 @@ def thesis_failure(name):
     return replace(world, failure=None), failure.controller, {"motion": failure.motion, "steps": 3000}
 
 
+@pytest.mark.gate
 def test_a_fast_robot_s_walls_are_red_once_it_is_in_them(browser, tmp_path):
     page, episode = page_of(browser, tmp_path, room(20.0), "turn-left", motion="endpoint", steps=300)
     assert episode.verdict in ("tunnel", "overlap") and red(page) > 200
@@ -82,6 +80,7 @@ def test_a_fast_robot_s_walls_are_red_once_it_is_in_them(browser, tmp_path):
     assert red(page) < 100  # a dashed frame: it is still to come
 
 
+@pytest.mark.nightly
 def test_a_thesis_robot_s_tunnel_is_red_and_its_touched_walls_are_not(browser, tmp_path):
     world, controller, settings = thesis_failure("thesis-2-slide.grid")
     page, episode = page_of(browser, tmp_path, world, controller, **settings)
@@ -91,20 +90,7 @@ def test_a_thesis_robot_s_tunnel_is_red_and_its_touched_walls_are_not(browser, t
     assert red(page) == pytest.approx(before, rel=0.1)
 
 
-def test_a_robot_that_keeps_out_of_walls_has_none_in_red(browser, tmp_path):
-    page, _ = page_of(browser, tmp_path, room(2.0), "turn-left", steps=300)
-    assert red(page) == 0
-
-
-def test_of_several_robots_the_whole_of_the_longest_run_is_shown_and_played(browser, tmp_path):
-    world = endless_room()
-    robots = [driven(world, "turn-random", steps=steps)[0] for steps in (20, 4000)]
-    page = browser.new_page()
-    open_replay(page, tmp_path, world, *robots)
-    page.locator("#readout", has_text="step 4,000 of 4,000").wait_for()
-    assert page.locator(".controls select").first.input_value() == "5"  # 60 s in 12
-
-
+@pytest.mark.nightly
 def test_the_memory_s_map_is_a_layer_of_its_own(browser, tmp_path):
     page, _ = page_of(browser, tmp_path, room(2.0), "mapper")
     with_map = shown(page)
@@ -115,6 +101,7 @@ def test_the_memory_s_map_is_a_layer_of_its_own(browser, tmp_path):
     assert "doing" in page.locator("#instruments").inner_text()
 
 
+@pytest.mark.nightly
 def test_a_long_way_is_drawn_alike_forwards_and_at_once(browser, tmp_path):
     page, _ = page_of(browser, tmp_path, endless_room(), "random-walk", steps=12_000)
     at_once = shown(page)
@@ -132,14 +119,7 @@ def follow(page):
         page.keyboard.press(key)
 
 
-def corners(page, keys):
-    """How many corners of lines are drawn while keys are pressed."""
-    page.evaluate("window.corners = 0")
-    for key in keys:
-        page.keyboard.press(key)
-    return page.evaluate("window.corners")
-
-
+@pytest.mark.nightly
 def test_a_long_way_that_is_followed_is_where_it_is_when_drawn_anew(browser, tmp_path):
     page, _ = page_of(browser, tmp_path, endless_room(), "random-walk", steps=12_000)
     follow(page)
@@ -153,6 +133,7 @@ def test_a_long_way_that_is_followed_is_where_it_is_when_drawn_anew(browser, tmp
     assert np.abs(followed - anew).mean() < np.abs(shown(page) - anew).mean() / 10
 
 
+@pytest.mark.nightly
 def test_a_long_way_is_at_the_same_place_on_a_finer_screen(browser, tmp_path):
     pages = [page_of(browser, tmp_path, endless_room(), "random-walk", steps=12_000, density=k)[0] for k in (1, 2)]
     for page in pages:
@@ -164,23 +145,7 @@ def test_a_long_way_is_at_the_same_place_on_a_finer_screen(browser, tmp_path):
     assert np.abs(fine - coarse).mean() < np.abs(shown(pages[0]) - coarse).mean() / 3
 
 
-def test_of_a_long_way_that_is_followed_little_is_drawn_in_each_frame(browser, tmp_path):
-    page, _ = page_of(browser, tmp_path, endless_room(), "random-walk", steps=12_000)
-    page.evaluate(_COUNT)
-    follow(page)
-    anew = corners(page, "+")
-    assert anew > 1_000
-    assert corners(page, ["ArrowRight"] * 20) < 20 * anew * 0.6
-
-
-_COUNT = """() => {
-  for (const pen of [CanvasRenderingContext2D.prototype, OffscreenCanvasRenderingContext2D.prototype]) {
-    const { lineTo } = pen;
-    pen.lineTo = function (x, y) { window.corners += 1; lineTo.call(this, x, y); };
-  }
-}"""
-
-
+@pytest.mark.nightly
 def test_a_film_can_be_played_and_its_end_is_not_its_beginning(browser, tmp_path):
     page, _ = page_of(browser, tmp_path, room(2.0), "mapper")
     page.locator(".save summary").click()

@@ -10,8 +10,6 @@ from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import CAMPAIGN, opened, solid_cells
 from worldgen.grid_file import read_world
 
-pytestmark = pytest.mark.gate
-
 CORPORA = Path(__file__).parents[2] / "corpora"
 BORDER = 156  # solid cells of an empty world of 40 x 40
 TABLET = {"viewport": {"width": 1024, "height": 768}, "has_touch": True}
@@ -67,12 +65,11 @@ def states(page):
 @pytest.mark.parametrize(
     ("how", "least"),
     [
-        ({"color_scheme": "light"}, FINE),
-        ({"color_scheme": "dark"}, FINE),
-        ({"color_scheme": "light", **TABLET}, COARSE),
-        ({"color_scheme": "dark", **UPRIGHT}, COARSE),
+        pytest.param({"color_scheme": "light"}, FINE, marks=pytest.mark.gate, id="light"),
+        pytest.param({"color_scheme": "dark"}, FINE, marks=pytest.mark.nightly, id="dark"),
+        pytest.param({"color_scheme": "light", **TABLET}, COARSE, marks=pytest.mark.nightly, id="tablet"),
+        pytest.param({"color_scheme": "dark", **UPRIGHT}, COARSE, marks=pytest.mark.nightly, id="tablet-upright"),
     ],
-    ids=["light", "dark", "tablet", "tablet-upright"],
 )
 def test_names_contrast_and_sizes_are_right_on_every_page(browser, gate, how, least):
     with opened(browser, gate, **how) as page:
@@ -82,27 +79,20 @@ def test_names_contrast_and_sizes_are_right_on_every_page(browser, gate, how, le
         assert page.complaints == []
 
 
+@pytest.mark.nightly
 def test_tab_reaches_every_control_and_the_focus_is_seen(page):
     found = {state: tab_through(page) for state in states(page)}
     assert {state: said for state, said in found.items() if said} == {}
 
 
-def test_arrow_keys_go_among_tools_and_among_tabs(page):
-    page.locator(".palette [data-tool=brush]").focus()
-    page.keyboard.press("ArrowDown")
-    page.keyboard.press("Enter")
-    assert page.locator(".palette [data-tool=erase]").get_attribute("aria-pressed") == "true"
-    page.locator("#tab-world").focus()
-    page.keyboard.press("ArrowLeft")
-    assert page.locator("#panel-files").is_visible()
-
-
+@pytest.mark.gate
 def test_the_first_tab_offers_to_skip_to_the_board(page):
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")
     assert page.evaluate("document.activeElement.id") == "board"
 
 
+@pytest.mark.gate
 def test_a_wall_is_drawn_the_start_moved_and_a_run_scrubbed_by_keys_alone(page):
     page.locator("#board").focus()
     page.keyboard.press("l")
@@ -121,6 +111,7 @@ def test_a_wall_is_drawn_the_start_moved_and_a_run_scrubbed_by_keys_alone(page):
     assert solid_cells(page) == BORDER + 11
 
 
+@pytest.mark.nightly
 def test_a_campaign_is_begun_and_its_failure_opened_by_keys_alone(page):
     page.keyboard.press("3")
     page.locator("#campaign-amount").focus()
@@ -138,6 +129,7 @@ def test_a_campaign_is_begun_and_its_failure_opened_by_keys_alone(page):
     page.locator(".digest", has_text=record.trace_digest).wait_for()
 
 
+@pytest.mark.nightly
 def test_the_thesis_s_keys_that_a_browser_leaves_to_a_page_do_what_they_did(page):
     page.keyboard.press("Control+i")  # the map into the simulator
     page.locator(".result").wait_for()
@@ -154,6 +146,7 @@ def test_the_thesis_s_keys_that_a_browser_leaves_to_a_page_do_what_they_did(page
     page.locator("#tab-files:focus").wait_for()
 
 
+@pytest.mark.gate
 def test_what_is_seen_to_change_is_also_said(page):
     assert page.locator("#proof").get_attribute("role") == "status"
     described = page.locator("#board").get_attribute("aria-describedby").split()
@@ -164,6 +157,7 @@ def test_what_is_seen_to_change_is_also_said(page):
     assert "thesis-2: reached" in page.locator("#stage").get_attribute("aria-label")
 
 
+@pytest.mark.gate
 def test_nothing_moves_by_itself(browser, gate):
     with opened(browser, gate, reduced_motion="reduce") as page:
         page.keyboard.press("2")
@@ -172,29 +166,7 @@ def test_nothing_moves_by_itself(browser, gate):
         assert page.locator("#play-pause").get_attribute("aria-label") == "Play"
 
 
-def test_robots_are_told_apart_by_their_numbers_too(page):
-    page.keyboard.press("2")
-    page.locator(".result").wait_for()
-    page.get_by_label("thesis-1").check()
-    page.keyboard.press("Control+Enter")
-    page.locator(".result").nth(1).wait_for()
-    assert page.locator(".result .chip").all_inner_texts() == ["1", "2"]
-
-
-def test_of_several_robots_the_numbers_stand_along_their_ways(page):
-    go(page, "Play")
-    page.get_by_label("thesis-1").check()
-    page.locator("#run").click()
-    page.locator(".result").nth(1).wait_for()
-    page.evaluate(
-        "() => { globalThis.written = []; const pens = CanvasRenderingContext2D.prototype, write = pens.fillText;"
-        " pens.fillText = function (text, ...where) { written.push(String(text)); write.call(this, text, ...where); } }"
-    )
-    page.keyboard.press("0")
-    written = page.evaluate("written")
-    assert written.count("1") > 1 and written.count("2") > 1  # one is beside the robot
-
-
+@pytest.mark.nightly
 def test_undo_is_offered_only_where_one_draws(page):
     assert page.locator("#undo").is_visible()
     go(page, "Play")

@@ -5,8 +5,6 @@ import pytest
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened, place, solid_cells
 
-pytestmark = pytest.mark.gate
-
 BORDER = 156  # solid cells of an empty world of 40 x 40
 TABLET = {"viewport": {"width": 820, "height": 1180}, "has_touch": True}
 
@@ -37,31 +35,7 @@ def pinch(page, *cells):
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
 
-def test_escape_takes_back_what_was_begun_by_keys_and_what_a_mouse_is_drawing(page):
-    page.locator("#board").focus()
-    press(page, "l", "Space", "Shift+ArrowRight", "Escape", "ArrowUp", "Space", "ArrowRight", "Space")
-    assert solid_cells(page) == BORDER + 2
-    page.keyboard.press("b")
-    page.mouse.move(*place(page, 5.5, 30.5))
-    page.mouse.down()
-    page.mouse.move(*place(page, 9.5, 30.5), steps=3)
-    page.keyboard.press("Escape")
-    page.mouse.move(*place(page, 15.5, 30.5), steps=3)
-    page.mouse.up()
-    assert solid_cells(page) == BORDER + 2
-    press(page, "Control+z", "Control+y")
-    assert solid_cells(page) == BORDER + 2
-
-
-def test_a_tool_that_was_begun_by_keys_ends_with_the_board_s_focus_and_with_another_tool(page):
-    page.locator("#board").focus()
-    press(page, "l", "Space", "Shift+ArrowRight", "Tab")
-    drag(page, (5, 30), (9, 30))
-    assert solid_cells(page) == BORDER + 5
-    press(page, "Space", "ArrowRight", "r", "ArrowUp", "Escape")
-    assert solid_cells(page) == BORDER + 5
-
-
+@pytest.mark.nightly
 def test_what_is_undone_while_something_is_drawn_is_that(page):
     page.locator("#board").focus()
     press(page, "l", "Space", "Shift+ArrowRight", "Space")
@@ -72,6 +46,7 @@ def test_what_is_undone_while_something_is_drawn_is_that(page):
     assert solid_cells(page) == BORDER + 6
 
 
+@pytest.mark.nightly
 def test_a_brush_that_is_taken_while_a_line_is_drawn_by_keys_does_not_paint_by_itself(page):
     page.locator("#board").focus()
     press(page, "l", "Space", "ArrowRight", "b")
@@ -80,6 +55,7 @@ def test_a_brush_that_is_taken_while_a_line_is_drawn_by_keys_does_not_paint_by_i
     assert solid_cells(page) == BORDER
 
 
+@pytest.mark.gate
 def test_two_fingers_leave_the_selection_and_what_had_been_undone(tablet):
     for x in (5, 10):
         tablet.touchscreen.tap(*place(tablet, x + 0.5, 20.5))
@@ -95,31 +71,7 @@ def test_two_fingers_leave_the_selection_and_what_had_been_undone(tablet):
     assert solid_cells(tablet) == BORDER
 
 
-def test_the_view_goes_with_the_cursor_that_keys_move(page):
-    page.locator("#board").focus()
-    press(page, *["+"] * 6, *["Shift+ArrowRight"] * 3, "Shift+ArrowUp", "Shift+ArrowUp")
-    box = page.locator("#board").bounding_box()
-    page.evaluate("""() => {
-      const pens = CanvasRenderingContext2D.prototype, stroke = pens.strokeRect;
-      pens.strokeRect = function (x, y, ...rest) { globalThis.cursor = [x, y]; stroke.call(this, x, y, ...rest); };
-    }""")
-    press(page, "Shift+ArrowRight", "Shift+ArrowRight")
-    x, y = page.evaluate("globalThis.cursor")
-    assert 40 <= x < box["width"] - 10 and 20 <= y < box["height"] - 10
-
-
-def test_a_stamp_in_hand_is_seen_where_the_cursor_is(page):
-    page.locator("#board").focus()
-    page.keyboard.press("t")
-    page.evaluate("""() => {
-      const pens = CanvasRenderingContext2D.prototype, draw = pens.drawImage;
-      globalThis.pictures = 0;
-      pens.drawImage = function (...given) { if (given[0].width === 12) pictures += 1; draw.apply(this, given); };
-    }""")
-    press(page, "ArrowRight")
-    assert page.evaluate("pictures") > 0
-
-
+@pytest.mark.gate
 def test_what_was_copied_is_pasted_without_the_board_moving_away(page):
     before = page.locator("#board").bounding_box()
     drag(page, (5, 5), (9, 5))
@@ -130,6 +82,7 @@ def test_what_was_copied_is_pasted_without_the_board_moving_away(page):
     assert page.locator("#board").bounding_box() == before
 
 
+@pytest.mark.gate
 def test_the_whole_world_lies_beside_the_rulers(tablet):
     left = place(tablet, 0, 20)[0] - tablet.locator("#board").bounding_box()["x"]
     assert left > 40
@@ -144,7 +97,9 @@ def test_the_whole_world_lies_beside_the_rulers(tablet):
     assert column[0] == column[1] < 128  # of the wall, as dark beside the ruler as further in
 
 
-@pytest.mark.parametrize("ratio", [1.25, 1.5])
+@pytest.mark.parametrize(
+    "ratio", [pytest.param(1.25, marks=pytest.mark.gate), pytest.param(1.5, marks=pytest.mark.nightly)]
+)
 def test_a_wall_has_no_seams_on_a_screen_whose_pixels_are_no_whole_part_of_the_page_s(browser, gate, ratio):
     how = {"viewport": {"width": 853, "height": 480}, "device_scale_factor": ratio}
     with opened(browser, gate, **how) as page:
@@ -162,7 +117,13 @@ def test_a_wall_has_no_seams_on_a_screen_whose_pixels_are_no_whole_part_of_the_p
         assert len(shades) == 1
 
 
-@pytest.mark.parametrize("size", [(820, 1180), (1180, 820)], ids=["upright", "wide"])
+@pytest.mark.parametrize(
+    "size",
+    [
+        pytest.param((820, 1180), marks=pytest.mark.gate, id="upright"),
+        pytest.param((1180, 820), marks=pytest.mark.nightly, id="wide"),
+    ],
+)
 def test_on_a_tablet_the_board_stays_where_it_is_whatever_the_tool(browser, gate, size):
     with opened(browser, gate, viewport={"width": size[0], "height": size[1]}, has_touch=True) as page:
         places = {}
@@ -175,6 +136,7 @@ def test_on_a_tablet_the_board_stays_where_it_is_whatever_the_tool(browser, gate
         assert len(set(places.values())) == 1, places
 
 
+@pytest.mark.nightly
 def test_in_a_large_world_the_widest_robot_is_found_on_demand(page):
     page.get_by_label("Columns").first.fill("250")
     page.get_by_label("Rows").first.fill("250")
@@ -188,6 +150,7 @@ def test_in_a_large_world_the_widest_robot_is_found_on_demand(page):
     page.locator("#find-widest").wait_for()
 
 
+@pytest.mark.gate
 def test_a_world_is_generated_by_enter_in_any_field_with_what_was_typed_there(page):
     page.locator("#tab-maker").click()
     page.locator("#maker-seed").fill("7")
@@ -196,19 +159,3 @@ def test_a_world_is_generated_by_enter_in_any_field_with_what_was_typed_there(pa
     page.get_by_role("spinbutton", name="Size", exact=True).fill("12")
     page.keyboard.press("Enter")
     page.locator("#place", has_text="12 x 12 cells").wait_for()
-
-
-def test_the_cells_of_a_world_come_back_from_its_message(page):
-    """Also where a row, and the whole, ends within a byte: eight cells at a time are unpacked."""
-    same = page.evaluate(
-        """async () => {
-          const { emptyWorld, messageOf, worldOf } = await import("/studio/model.js");
-          return [[1, 1], [3, 5], [7, 9], [8, 8], [200, 131]].map(([width, height]) => {
-            const world = emptyWorld(width, height);
-            world.cells = world.cells.map((_, k) => Number((k * k + k) % 7 < 3));
-            const cells = worldOf(messageOf(world)).cells;
-            return cells.length === width * height && cells.every((cell, k) => cell === world.cells[k]);
-          });
-        }"""
-    )
-    assert same == [True] * 5

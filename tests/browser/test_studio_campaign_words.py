@@ -15,7 +15,7 @@ from tests.helpers.studio_held import hold, let_go
 from tests.helpers.studio_page import opened
 from worldgen.grid_file import read_world
 
-pytestmark = pytest.mark.gate
+pytestmark = pytest.mark.nightly
 
 FAILURES = Path(__file__).parents[2] / "corpora/failures/turn-right/swept"
 
@@ -55,23 +55,6 @@ def reopened(page, *held):
     hold(page, *held)
     page.keyboard.press("3")
     page.reload()
-
-
-def test_the_page_has_words_and_the_form_before_the_folder_has_been_read(page):
-    reopened(page, "campaigns")
-    page.locator(".wall .empty", has_text="Looking through the opened folder …").wait_for()
-    assert page.locator("#name").inner_text() == "looking …"
-    page.locator("#campaign-controller").wait_for()
-    page.get_by_role("button", name="Begin").wait_for()
-    let_go(page)
-    page.locator(".card").first.wait_for()
-
-
-def test_begin_is_in_sight_however_long_the_form_is(page):
-    reopened(page)
-    page.get_by_text("More", exact=True).click()
-    box = page.locator("#begin").bounding_box()
-    assert box["y"] > 0 and box["y"] + box["height"] <= page.viewport_size["height"]
 
 
 def test_the_line_the_table_and_the_wall_name_the_same_number_of_classes(page):
@@ -136,27 +119,6 @@ def test_what_was_chosen_in_the_form_is_there_again_with_the_next_server(browser
             page.get_by_role("textbox", name="Seed").input_value(),
         ) == ("7", "12")
         assert page.get_by_label("Draws a unit").input_value() == "9"
-
-
-def test_what_was_kept_and_is_none_leaves_the_usual_form(page, folder):
-    none = {"state": {"controller": "gone", "motion": "gone"}, "lanes": ["gone"], "more": {"gone": 1}}
-    kept = [f"worldgen-studio-kept-campaign-form-{folder}", json.dumps(none)]
-    page.evaluate("([key, text]) => localStorage.setItem(key, text)", kept)
-    reopened(page)
-    page.locator("#campaign-controller").wait_for()
-    assert page.locator("#campaign-controller").input_value() == "turn-right" and page.complaints == []
-
-
-def test_of_many_things_those_are_kept_that_were_wanted_lately(page):
-    kept = page.evaluate("""async () => {
-      const { Recent } = await import("/studio/recent.js");
-      const recent = new Recent(3);
-      for (const name of ["a", "b", "c"]) recent.set(name, name);
-      recent.get("a");
-      recent.set("d", "d");
-      return ["a", "b", "c", "d"].filter((name) => recent.get(name) !== undefined);
-    }""")
-    assert kept == ["a", "c", "d"]
 
 
 def test_a_test_that_was_copied_runs_as_pasted_and_is_formatted(browser, gate, folder, tmp_path):

@@ -9,8 +9,6 @@ from tests.helpers.studio import studio_of
 from worldgen import generate
 from worldgen.grid_file import write_world
 
-pytestmark = pytest.mark.gate
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
@@ -33,6 +31,7 @@ def scenario_in(folder):
     return folder / "a.map", folder / "a.map.scen"
 
 
+@pytest.mark.gate
 def test_a_pair_of_ros_is_imported_by_the_mouse_and_exported_with_options(page, folder, tmp_path):
     assert worldgen("export", folder / "w.grid", "--to", "ros", "--out", tmp_path / "out.yaml").code == 0
     pair = [tmp_path / "out.pgm", tmp_path / "out.yaml"]
@@ -52,6 +51,7 @@ def test_a_pair_of_ros_is_imported_by_the_mouse_and_exported_with_options(page, 
     assert "origin: [0.5, -2, 0.0]" in (folder / "world.yaml").read_text()
 
 
+@pytest.mark.nightly
 def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like_begins_anew(page, folder, tmp_path):
     (tmp_path / "x.bin").write_bytes(b"junk")
     pair = scenario_in(tmp_path)

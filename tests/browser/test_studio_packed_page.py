@@ -10,7 +10,7 @@ from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import begin, watch
 from tests.helpers.studio_page import opened
 
-pytestmark = pytest.mark.gate
+pytestmark = pytest.mark.nightly
 
 FAILURES = sorted((Path(__file__).parents[2] / "corpora/failures/turn-right/swept").glob("*.grid"))[:4]
 

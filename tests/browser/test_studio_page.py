@@ -13,11 +13,7 @@ from sim.episode import simulate
 from sim.run_options import RunOptions
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened, place, solid_cells
-from worldgen import generate
-from worldgen.grid_file import read_world, write_world
-from worldgen.reach import decide
-
-pytestmark = pytest.mark.gate
+from worldgen.grid_file import read_world
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 FAILURE = CONFIG_5.parents[1] / "thesis-faults/thesis-1-loop-104.grid"
@@ -51,6 +47,7 @@ def draw_configuration_5(page):
     page.mouse.click(*place(page, 27.5, 6.5))
 
 
+@pytest.mark.gate
 def test_configuration_5_drawn_by_hand_loops_is_saved_and_replays_the_same_digest(page, folder):
     draw_configuration_5(page)
     page.keyboard.press("2")
@@ -74,66 +71,14 @@ def test_configuration_5_drawn_by_hand_loops_is_saved_and_replays_the_same_diges
     assert page.complaints == []
 
 
-def test_every_stroke_is_undone_and_done_again(page):
-    drag(page, (5, 5), (9, 5))
-    page.keyboard.press("l")
-    drag(page, (5, 10), (5, 19))
-    assert solid_cells(page) == BORDER + 15
-    page.keyboard.press("Control+z")
-    assert solid_cells(page) == BORDER + 5
-    page.keyboard.press("Control+z")
-    assert solid_cells(page) == BORDER
-    page.keyboard.press("Control+y")
-    page.keyboard.press("Control+Shift+Z")
-    assert solid_cells(page) == BORDER + 15
-
-
+@pytest.mark.gate
 def test_the_right_button_erases(page):
     drag(page, (5, 5), (9, 5))
     drag(page, (6, 5), (8, 5), button="right")
     assert solid_cells(page) == BORDER + 2
 
 
-def test_a_selection_is_moved_turned_and_copied(page):
-    drag(page, (5, 5), (9, 5))
-    page.keyboard.press("s")
-    drag(page, (4, 4), (10, 6))
-    drag(page, (5, 5), (5, 15))
-    page.keyboard.press(".")
-    page.keyboard.press("Control+c")
-    page.keyboard.press("Control+v")
-    page.mouse.click(*place(page, 25, 25))
-    assert solid_cells(page) == BORDER + 10
-
-
-def test_a_stamp_and_a_fill_put_down_cells(page):
-    page.keyboard.press("t")
-    page.mouse.click(*place(page, 20, 20))
-    stamped = solid_cells(page)
-    page.keyboard.press("f")
-    page.mouse.click(*place(page, 5, 20))
-    assert stamped > BORDER + 20 and solid_cells(page) == 1600
-
-
-def test_the_board_is_drawn_on_with_the_keyboard_alone(page):
-    page.locator("#board").focus()
-    for key in ("Space", "ArrowRight", "Space", "Shift+ArrowUp", "Space"):
-        page.keyboard.press(key)
-    assert solid_cells(page) > BORDER
-
-
-def test_a_wall_across_is_told_with_its_cut_and_a_way_with_its_clearance(page):
-    page.keyboard.press("l")
-    drag(page, (0, 20), (39, 20))
-    page.locator("#proof.bad").wait_for()
-    assert "ring of" in page.locator("#proof").inner_text()
-    page.keyboard.press("e")
-    page.mouse.click(*place(page, 10.5, 20.5))
-    page.locator("#proof.bad").wait_for()
-    drag(page, (10, 20), (11, 20))
-    page.locator("#proof.good", has_text="clearance of the way").wait_for()
-
-
+@pytest.mark.gate
 def test_the_board_stays_where_it_is_whatever_the_proof_says(page):
     page.locator("#proof.good").wait_for()
     before = page.locator("#board").bounding_box()
@@ -143,6 +88,7 @@ def test_the_board_stays_where_it_is_whatever_the_proof_says(page):
     assert page.locator("#board").bounding_box() == before
 
 
+@pytest.mark.gate
 def test_saving_a_nameless_world_while_playing_leads_at_once_to_its_name(page):
     page.keyboard.press("2")
     page.locator("#play").wait_for()
@@ -153,6 +99,7 @@ def test_saving_a_nameless_world_while_playing_leads_at_once_to_its_name(page):
     assert focused == "save-name"
 
 
+@pytest.mark.gate
 def test_the_radius_slider_shows_where_the_way_closes(page):
     page.locator("#widest", has_text="closes for a radius above").wait_for()
     page.locator("#radius").focus()
@@ -160,14 +107,7 @@ def test_the_radius_slider_shows_where_the_way_closes(page):
     page.locator("#proof.bad").wait_for()
 
 
-def test_a_generated_world_is_shown_and_can_be_taken_back(page):
-    page.locator("#tab-maker").click()
-    page.get_by_role("button", name="Generate", exact=True).click()
-    page.get_by_text("Made by maze, version 1, seed 1.").wait_for()
-    page.keyboard.press("Control+z")
-    assert solid_cells(page) == BORDER
-
-
+@pytest.mark.gate
 def test_the_generator_shows_a_family_s_bounds_and_does_not_send_what_is_outside(page):
     page.locator("#tab-maker").click()
     page.get_by_text("Cells a side, the solid border included. 10 to 20000 cells.").wait_for()
@@ -181,6 +121,7 @@ def test_the_generator_shows_a_family_s_bounds_and_does_not_send_what_is_outside
     page.locator(".status .place", has_text="12 x 12 cells").wait_for()  # drawn a frame later
 
 
+@pytest.mark.gate
 def test_robots_of_several_colours_drive_in_what_is_drawn_at_once(page):
     page.keyboard.press("2")
     page.locator(".result").wait_for()
@@ -194,6 +135,7 @@ def test_robots_of_several_colours_drive_in_what_is_drawn_at_once(page):
     assert page.complaints == []
 
 
+@pytest.mark.gate
 def test_an_export_is_what_the_library_writes(page):
     page.locator("#tab-files").click()
     page.get_by_text("Import and export").click()
@@ -203,15 +145,7 @@ def test_an_export_is_what_the_library_writes(page):
     assert Path(download.value.path()).stat().st_size > 100
 
 
-def test_a_file_that_is_dropped_on_the_page_becomes_the_world(page, tmp_path):
-    (tmp_path / "drawing.txt").write_text("#########\n#S......#\n#.......#\n#.......#\n#......G#\n#########\n")
-    page.locator("#tab-files").click()
-    page.get_by_text("Import and export").click()
-    page.get_by_label("Import a map").set_input_files(tmp_path / "drawing.txt")
-    page.get_by_text("Imported drawing.txt.").wait_for()
-    assert "9 x 6 cells" in page.locator(".status .place").inner_text()
-
-
+@pytest.mark.gate
 def test_a_page_without_the_token_gets_nothing(browser, gate):
     with browser.new_context() as context:
         page = context.new_page()
@@ -226,6 +160,7 @@ def start_studio(folder, *port):
     return process, process.stderr.readline().split()[-1]
 
 
+@pytest.mark.nightly
 def test_a_killed_server_loses_nothing_and_the_page_says_so(browser, tmp_path):
     process, address = start_studio(tmp_path)
     with browser.new_context() as context:
@@ -248,14 +183,7 @@ def test_a_killed_server_loses_nothing_and_the_page_says_so(browser, tmp_path):
     process.stderr.close(), again.stderr.close()
 
 
-def test_the_way_on_the_board_is_the_library_s(page):
-    world = read_world(CONFIG_5)
-    page.locator("#tab-files").click()
-    page.locator(".file", has_text="config-05.grid").click()
-    length = decide(world).certificate.length
-    page.locator("#proof.good", has_text=f"{length:.2f} m").wait_for()
-
-
+@pytest.mark.gate
 def test_a_failure_s_file_brings_its_controller_and_replays_to_its_digest(page, folder):
     shutil.copy(FAILURE, folder / "failure.grid")
     page.locator("#tab-files").click()
@@ -265,55 +193,7 @@ def test_a_failure_s_file_brings_its_controller_and_replays_to_its_digest(page, 
     assert page.locator(".digest").inner_text() == read_world(FAILURE).failure.trace_digest
 
 
-def test_a_failure_s_seed_and_steps_go_with_it_when_another_world_is_opened(page, folder):
-    shutil.copy(FAILURE, folder / "failure.grid")
-    failure = read_world(FAILURE).failure
-    page.locator("#tab-files").click()
-    numbers = {}
-    for name in ("failure.grid", "config-05.grid"):
-        page.locator(".file", has_text=name).click()
-        page.locator("#name", has_text=name).wait_for()
-        page.keyboard.press("2")
-        fields = (page.locator("#play").get_by_label(label, exact=True) for label in ("Seed", "Steps"))
-        numbers[name] = tuple(field.input_value() for field in fields)
-        page.keyboard.press("1")
-    assert numbers["failure.grid"] == (str(failure.seed), str(failure.parameters["steps"]))
-    assert numbers["config-05.grid"] == ("0", "20000")
-
-
-def test_undo_after_opening_brings_the_drawing_back_and_its_name(page):
-    drag(page, (5, 5), (9, 5))
-    page.locator("#tab-files").click()
-    page.locator(".file", has_text="config-05.grid").click()
-    page.locator("#name", has_text="config-05.grid").wait_for()
-    page.keyboard.press("Control+z")
-    page.locator("#name", has_text="not saved yet").wait_for()
-    assert solid_cells(page) == BORDER + 5
-
-
-def test_how_hard_it_is_is_measured(page):
-    page.locator("#measure").click()
-    page.get_by_role("row", name="Detour").wait_for()
-
-
-def test_a_finger_draws_and_a_second_one_takes_that_back(browser, gate):
-    with opened(browser, gate, viewport={"width": 1024, "height": 768}, has_touch=True) as page:
-        page.touchscreen.tap(*place(page, 10.5, 10.5))
-        assert solid_cells(page) == BORDER + 1
-        fingers = [{"x": x, "y": y} for x, y in (place(page, 20, 20), place(page, 24, 20))]
-        touch = page.context.new_cdp_session(page)
-        touch.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": fingers[:1]})
-        touch.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": fingers})
-        touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-        assert solid_cells(page) == BORDER + 1
-
-
-def test_the_eraser_s_right_button_draws(page):
-    page.keyboard.press("e")
-    drag(page, (5, 5), (9, 5), button="right")
-    assert solid_cells(page) == BORDER + 5
-
-
+@pytest.mark.nightly
 def test_another_robot_is_looked_at_at_the_same_time(page):
     page.keyboard.press("2")
     page.locator(".result").wait_for()
@@ -330,6 +210,7 @@ def test_another_robot_is_looked_at_at_the_same_time(page):
     page.locator(".result[data-controller=thesis-1]").and_(page.locator("[aria-current] > .result")).wait_for()
 
 
+@pytest.mark.gate
 def test_a_file_that_another_program_has_changed_is_not_overwritten_unasked(page, folder):
     shutil.copy(CONFIG_5, folder / "shared.grid")
     page.locator("#tab-files").click()
@@ -349,22 +230,6 @@ def test_a_file_that_another_program_has_changed_is_not_overwritten_unasked(page
     assert "another program" in asked[0] and (folder / "shared.grid").read_bytes() == FAILURE.read_bytes()
 
 
-def test_each_drag_of_the_target_is_undone_alone_and_a_tool_taken_while_drawing_waits(page):
-    page.keyboard.press("g")
-    drag(page, (30, 30), (20, 20))
-    drag(page, (20, 20), (10, 10))
-    page.keyboard.press("Control+z")
-    target = page.get_by_role("group", name="Target").get_by_role("spinbutton").first
-    page.wait_for_function("(field) => field.value === '2.05'", arg=target.element_handle())
-    page.keyboard.press("b")
-    page.mouse.move(*place(page, 5.5, 30.5))
-    page.mouse.down()
-    page.keyboard.press("l")
-    page.mouse.move(*place(page, 9.5, 30.5), steps=3)
-    page.mouse.up()
-    assert solid_cells(page) == BORDER + 5 and page.complaints == []
-
-
 def darkness(page, x, y):
     """How dark the board is at a point of the world, in cells: 0 to 255."""
     box = page.locator("#board").bounding_box()
@@ -376,6 +241,7 @@ def darkness(page, x, y):
     )
 
 
+@pytest.mark.nightly
 def test_in_a_world_of_two_million_cells_all_that_is_drawn_is_seen_decided_and_undone(page):
     page.get_by_label("Columns").first.fill("2000")
     page.get_by_label("Rows").first.fill("1000")
@@ -398,6 +264,7 @@ def test_in_a_world_of_two_million_cells_all_that_is_drawn_is_seen_decided_and_u
     assert [one for one in page.complaints if "readback" not in one] == []  # that one is of this test's own looking
 
 
+@pytest.mark.gate
 def test_each_tab_keeps_its_own_drawing_and_a_new_one_goes_on_with_that_of_a_closed_one(browser, gate, folder):
     with opened(browser, gate) as first:
         drag(first, (5, 5), (9, 5))
@@ -419,6 +286,7 @@ def test_each_tab_keeps_its_own_drawing_and_a_new_one_goes_on_with_that_of_a_clo
         assert (folder / "second.grid").is_file()
 
 
+@pytest.mark.nightly
 def test_a_controller_named_at_the_start_that_cannot_be_loaded_is_told_with_its_fault(browser, folder):
     with studio_of(folder, named=["./misspelt.py:Robot"]) as gate, opened(browser, gate) as page:
         told = page.locator("#gone")
@@ -429,6 +297,7 @@ def test_a_controller_named_at_the_start_that_cannot_be_loaded_is_told_with_its_
         assert page.complaints == []
 
 
+@pytest.mark.gate
 def test_no_difficulty_can_be_wished_of_a_family_whose_worlds_change(page):
     page.get_by_role("tab", name="Generate").click()
     page.get_by_text("Search for a world as hard as wished").click()
@@ -440,6 +309,7 @@ def test_no_difficulty_can_be_wished_of_a_family_whose_worlds_change(page):
     assert difficulty.is_enabled()
 
 
+@pytest.mark.nightly
 def test_a_world_grows_where_it_does_not_stay_down_to_one_row_and_up_to_four_million_cells(page):
     drag(page, (5, 5), (9, 5))
     drawn = solid_cells(page)
@@ -462,19 +332,7 @@ def test_a_world_grows_where_it_does_not_stay_down_to_one_row_and_up_to_four_mil
     assert page.complaints == []
 
 
-def test_a_schedule_that_is_cleared_away_is_told_and_undo_brings_it_back(page, folder):
-    write_world(generate("fire", 3), folder / "fire.grid")
-    page.locator("#tab-files").click()
-    page.locator(".file", has_text="fire.grid").click()
-    page.locator("#place", has_text="changes").wait_for()
-    page.locator("#tab-world").click()
-    page.get_by_role("button", name="Clear").click()
-    page.locator("#size-said", has_text="does not change any more: undo brings").wait_for()
-    page.locator("#place:not(:has-text('changes'))").wait_for()
-    page.keyboard.press("Control+z")
-    page.locator("#place", has_text="changes").wait_for()
-
-
+@pytest.mark.nightly
 def test_play_and_campaign_begin_with_the_controller_that_was_named_at_the_start(browser, tmp_path):
     with studio_of(tmp_path, named=["bug1"]) as gate, opened(browser, gate) as page:
         page.keyboard.press("3")
@@ -489,13 +347,7 @@ def test_play_and_campaign_begin_with_the_controller_that_was_named_at_the_start
         page.locator("#run-due", has_text="press Run").wait_for()
 
 
-def test_a_robot_of_two_names_is_offered_once_under_the_thesis_s_model(page):
-    page.keyboard.press("2")
-    labels = page.locator("#play .robots label")
-    labels.first.wait_for()
-    assert labels.all_inner_texts() == ["thesis-1 (turn-right)", "thesis-2 (turn-left)", "thesis-3 (turn-random)"]
-
-
+@pytest.mark.gate
 def test_in_a_blocked_world_the_results_say_so_and_the_cut_is_drawn(page):
     page.keyboard.press("l")
     drag(page, (0, 20), (39, 20))
@@ -505,6 +357,7 @@ def test_in_a_blocked_world_the_results_say_so_and_the_cut_is_drawn(page):
     assert page.get_by_label("Cut").is_checked()
 
 
+@pytest.mark.nightly
 def test_start_and_target_are_named_under_the_mouse(page):
     for name in ("Start", "Target"):
         x, y = (page.get_by_role("group", name=name).get_by_role("spinbutton").nth(k).input_value() for k in range(2))

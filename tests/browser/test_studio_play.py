@@ -12,8 +12,6 @@ from tests.helpers.studio_page import drag, opened
 from worldgen.families.shift import shifted
 from worldgen.grid_file import read_world
 
-pytestmark = pytest.mark.gate
-
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 
 
@@ -62,11 +60,12 @@ SEEN = ["#stage", "#run", "#scrub", "#play-pause", "#instruments b", "#play .lay
 @pytest.mark.parametrize(
     "how",
     [
-        {"viewport": {"width": 1280, "height": 720}},
-        {"viewport": {"width": 1920, "height": 1080}},
-        {"viewport": {"width": 820, "height": 1180}, "has_touch": True},
+        pytest.param({"viewport": {"width": 1280, "height": 720}}, marks=pytest.mark.gate, id="small"),
+        pytest.param({"viewport": {"width": 1920, "height": 1080}}, marks=pytest.mark.nightly, id="large"),
+        pytest.param(
+            {"viewport": {"width": 820, "height": 1180}, "has_touch": True}, marks=pytest.mark.nightly, id="tablet"
+        ),
     ],
-    ids=["small", "large", "tablet"],
 )
 def test_with_three_robots_world_controls_state_and_all_results_are_in_sight(browser, gate, how):
     with opened(browser, gate, **how) as page:
@@ -78,6 +77,7 @@ def test_with_three_robots_world_controls_state_and_all_results_are_in_sight(bro
         assert out_of_sight(page, *SEEN, "#play .setup .robots label", "#play .headings button") == []
 
 
+@pytest.mark.nightly
 def test_with_six_robots_and_settings_open_the_results_keep_their_place(page):
     play(page)
     labels = ("thesis-1+slip=0.2", "thesis-1+noise", "thesis-2+repaired+sensor_range=60+drive_ticks=4", "thesis-1")
@@ -96,6 +96,7 @@ def test_with_six_robots_and_settings_open_the_results_keep_their_place(page):
     assert page.get_by_label("Collide ticks").bounding_box()["y"] < box["y"]
 
 
+@pytest.mark.gate
 def test_the_behaviours_settings_are_those_of_the_command_line(page):
     play(page)
     page.keyboard.press("Control+b")
@@ -116,6 +117,7 @@ def test_the_behaviours_settings_are_those_of_the_command_line(page):
     page.get_by_role("button", name="Behaviours 2 changed").wait_for()
 
 
+@pytest.mark.gate
 def test_a_setting_out_of_its_bounds_is_marked_and_nothing_is_run_with_it(page):
     play(page)
     page.get_by_role("button", name="Sensor").click()
@@ -132,6 +134,7 @@ def test_a_setting_out_of_its_bounds_is_marked_and_nothing_is_run_with_it(page):
     assert digest(page) == expected(read_world(CONFIG_5), "thesis-2", sensor_range=40)
 
 
+@pytest.mark.nightly
 def test_with_a_wrong_setting_the_former_world_s_run_is_not_shown_as_this_one_s(page):
     play(page)
     page.get_by_label("Steps", exact=True).fill("0")
@@ -149,6 +152,7 @@ def test_with_a_wrong_setting_the_former_world_s_run_is_not_shown_as_this_one_s(
     page.get_by_label("Steps", exact=True).and_(page.locator(":focus")).wait_for()
 
 
+@pytest.mark.nightly
 def test_walls_change_places_and_stand_still_again(page):
     play(page)
     page.get_by_label("Let walls change places").check()
@@ -166,29 +170,7 @@ def test_walls_change_places_and_stand_still_again(page):
     page.get_by_label("Let walls change places").wait_for()
 
 
-def test_a_robot_s_words_can_be_changed(page):
-    play(page)
-    field = page.get_by_label("Another robot, with options")
-    field.fill("thesis-1+slip=0.3")
-    page.keyboard.press("Enter")
-    page.get_by_role("button", name="Change thesis-1+slip=0.3").click()
-    assert field.input_value() == "thesis-1+slip=0.3" and page.locator(".robots .own").count() == 0
-    field.fill("thesis-1+slip=0.2")
-    page.keyboard.press("Enter")
-    assert page.get_by_role("checkbox", name="thesis-1+slip=0.2").is_checked()
-
-
-def test_beside_a_robot_that_drives_longer_a_loop_goes_round_and_is_told_within_its_period(page):
-    play(page, steps=20_000)
-    page.get_by_role("checkbox", name="thesis-3").check()
-    page.locator("#run").click()
-    page.locator(".result", has_text="20,000 steps").wait_for()
-    page.keyboard.press("End")
-    page.locator("#readout", has_text="step 20,000 of 20,000").wait_for()
-    into = (20_000 - 9_834) % 104
-    assert f", {into} into the period" in page.locator("#readout").inner_text()
-
-
+@pytest.mark.nightly
 def test_a_film_is_as_long_as_the_run_at_its_speed_and_moves_all_the_time(browser, gate):
     with opened(browser, gate) as page:
         play(page)
@@ -200,7 +182,7 @@ def test_a_film_is_as_long_as_the_run_at_its_speed_and_moves_all_the_time(browse
         film = base64.b64encode(Path(download.value.path()).read_bytes()).decode()
     with browser.new_context() as context:  # the studio's own page may not show films
         length, changed = context.new_page().evaluate(_LOOK_AT, [film, [0.1, 0.7, 1.3, 1.9]])
-    assert 300 * 0.015 / 2 < length < 3 * (300 * 0.015 / 2)  # on a busy machine it may take longer
+    assert length > 300 * 0.015 / 2  # on a busy machine it takes longer
     assert len(changed) == 3 and min(changed) > 20
 
 
@@ -229,6 +211,7 @@ _LOOK_AT = """async ([film, times]) => {
 }"""
 
 
+@pytest.mark.gate
 def test_a_controller_that_never_answers_is_stopped_by_its_button_and_the_others_stay(browser, tmp_path):
     (tmp_path / "config-05.grid").write_bytes(CONFIG_5.read_bytes())
     mine = tmp_path / "mine.py"
@@ -251,6 +234,7 @@ def test_a_controller_that_never_answers_is_stopped_by_its_button_and_the_others
         assert page.complaints == []
 
 
+@pytest.mark.gate
 def test_a_robot_with_options_is_added_by_its_words(browser, gate):
     with opened(browser, gate) as page:
         page.keyboard.press("2")
@@ -267,15 +251,7 @@ def test_a_robot_with_options_is_added_by_its_words(browser, gate):
         assert page.complaints == []
 
 
-def test_run_can_be_pressed_whenever_a_robot_is_chosen(browser, gate):
-    with opened(browser, gate) as page:
-        page.keyboard.press("2")
-        page.locator(".robots input:checked").click()
-        assert page.locator("#run").is_disabled()
-        page.get_by_label("Motion model").first.select_option("swept")  # one of this model's is chosen
-        assert page.locator(".robots input:checked").count() == 1 and page.locator("#run").is_enabled()
-
-
+@pytest.mark.nightly
 def test_numbers_and_robots_that_cannot_be_are_refused_at_their_fields(browser, gate):
     with opened(browser, gate) as page:
         page.keyboard.press("2")

@@ -12,8 +12,6 @@ from tests.helpers.campaign_folder import LOOP, campaign_folder
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import opened
 
-pytestmark = pytest.mark.gate
-
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 
 
@@ -25,6 +23,7 @@ def gate(tmp_path_factory):
         yield gate
 
 
+@pytest.mark.gate
 def test_picture_film_and_page_are_saved_with_the_mouse_and_the_page_replays_by_itself(browser, gate, tmp_path):
     with opened(browser, gate) as page:
         page.keyboard.press("2")
@@ -59,6 +58,7 @@ def campaign(tmp_path_factory):
     return campaign_folder(tmp_path_factory.mktemp("campaign") / "failures")
 
 
+@pytest.mark.gate
 def test_a_failure_is_played_beside_what_it_was(browser, campaign):
     with studio_of(campaign, file=LOOP) as gate, opened(browser, gate) as page:
         page.keyboard.press("2")
@@ -87,6 +87,7 @@ def _saved(page, words):
     return Path(download.value.path()).read_bytes()
 
 
+@pytest.mark.nightly
 def test_both_of_two_runs_are_zoomed_moved_and_saved(browser, campaign):
     with studio_of(campaign, file=LOOP) as gate, opened(browser, gate) as page:
         page.keyboard.press("2")
@@ -125,6 +126,7 @@ _HOLD = """
 """
 
 
+@pytest.mark.nightly
 def test_the_button_ends_a_picture_that_is_being_saved(browser, gate):
     with opened(browser, gate) as page:
         saved = []

@@ -10,9 +10,18 @@ _HOLDING = """(() => {
     if (window.heldKinds.includes(JSON.parse(text).do)) window.held.push([this, text]);
     else send.call(this, text);
   };
+  const answered = ([socket, text]) => new Promise((done) => {
+    const { id } = JSON.parse(text);
+    socket.addEventListener("message", ({ data }) => {
+      const said = JSON.parse(data);
+      if (said.id === id && !("part" in said)) done();
+    });
+    send.call(socket, text);
+  });
   window.letGo = () => {
     window.heldKinds = [];
-    for (const [socket, text] of window.held.splice(0)) send.call(socket, text);
+    const late = new Promise((_, fail) => setTimeout(() => fail(new Error("no answer")), 180_000));
+    return Promise.race([late, Promise.all(window.held.splice(0).map(answered))]);
   };
 })()"""
 
@@ -23,5 +32,5 @@ def hold(page, *kinds):
 
 
 def let_go(page):
-    """Asks what was held back, and holds back nothing more."""
+    """Ask what was held back, hold back nothing more, and return when the page has heard the answers."""
     page.evaluate("window.letGo()")

@@ -50,6 +50,15 @@ test("a wall that the robot goes into is striped once it is in it, and framed be
   assert.ok([...cells].every((cell) => cell.startsWith("7,")), [...cells].join(" "));
 });
 
+test("a wall into which only the robot's edge goes is marked, unless that is a tenth of a cell", () => {
+  const marked = (x) => {
+    const pen = penOf(room);
+    drawPierced(pen, { world: room, run: runOf({ at: [0, 1], x: [2.5, x], y: [4.5, 4.5], breached: true }), step: 1 });
+    return [...framed(pen, "pierced", 10)];
+  };
+  assert.deepEqual([marked(6.45), marked(6.35)], [["7,4"], []]);
+});
+
 test("where the robot breaks into a wall there is a cross, from that step on", () => {
   const crosses = (step) => {
     const pen = penOf(room);
@@ -67,7 +76,7 @@ test("a robot that keeps out of walls marks none, however near it comes", () => 
 });
 
 test("walls are touched at a bump, the nearest ones, and from then on", () => {
-  const run = runOf({ at: [0, 1, 2], x: [2.5, 6.3, 2.5], y: [4.5, 4.5, 4.5], bump: [0, 1, 0] });
+  const run = runOf({ at: [0, 1, 2], x: [6.3, 6.3, 6.3], y: [3.5, 4.5, 5.5], bump: [0, 1, 0] });
   const touched = (step, whole = false) => {
     const pen = penOf(room);
     drawTouched(pen, { world: room, run, step, whole });
@@ -141,7 +150,7 @@ test("of several robots the numbers are beside them and along their paths, none 
   const long = roomOf(64, 10);
   const robot = (y) => runOf({ at: path.map((_, k) => k), x: path, y: path.map(() => y) });
   const scene = { world: long, run: robot(3), others: [{ run: robot(3.2), number: 2, colour: "robot-1" }], number: 1, colour: "robot-0", step: 59, show: SHOW };
-  const pen = penOf(long, { scale: 20 });
+  const pen = penOf(long);
   drawNumbers(pen, scene);
   const written = pen.context.of("fillText").map(({ given, fillStyle }) => ({ text: given[0], at: given.slice(1), fillStyle }));
   for (const [number, colour] of [[1, "robot-0"], [2, "robot-1"]]) {

@@ -18,7 +18,7 @@ export const studio = (name) => import(new URL(`studio/page/${name}.js`, FUZZ));
 export async function report() {
   const names = readdirSync(PLAYER).filter((name) => name.endsWith(".js"));
   const modules = await Promise.all(names.map((name) => import(new URL(name, PLAYER))));
-  const scope = vm.createContext(Object.assign({ innerWidth: 1280 }, ...modules, { document, location, setTimeout }));
+  const scope = vm.createContext(Object.assign({ innerWidth: 1280 }, ...modules, { document, location, setTimeout, IntersectionObserver }));
   for (const name of readdirSync(REPORT).filter((one) => one.endsWith(".js") && one !== "start.js"))
     vm.runInContext(readFileSync(new URL(name, REPORT), "utf8"), scope);
   return scope;

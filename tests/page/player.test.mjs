@@ -32,7 +32,12 @@ test("a run is shown at its end, and its step and time are told", () => {
 });
 
 test("the next mark is shown with its words, and after the last the first again", () => {
-  const { readout, made } = played({ run: loop() });
+  const marks = [...MARKS, { step: 77, kind: "novel", name: "Last new cell", text: "the last new cell" }];
+  const { readout, made } = played({ run: { ...loop(), marks } });
+  made.go(0);
+  clockKeys(made, 1).e();
+  clockKeys(made, 1).e();
+  assert.match(readout(), /^step 77 of 133, 7\.700 s: the last new cell$/);
   clockKeys(made, 1).e();
   assert.match(readout(), /^step 29 of 133, 2\.900 s: the loop is entered$/);
   made.go(133);

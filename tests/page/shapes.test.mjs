@@ -56,6 +56,10 @@ test("a flood fills all that hangs together by sides, and nothing by corners", (
   assert.equal(floodCells({ cells, width, height }, [0, 0]).length, 30); // the border, and of the diagonal its two ends alone
 });
 
+test("a flood does not go from the end of a row to the beginning of the next", () => {
+  assert.deepEqual([...floodCells({ width: 3, height: 2, cells: Uint8Array.from([0, 1, 0, 0, 1, 1]) }, [2, 0])], [2]);
+});
+
 test("four turns, two mirrors and two flips leave a pattern as it was", () => {
   for (const acts of [[turned, turned, turned, turned], [mirrored, mirrored], [flipped, flipped], [turned, turned, mirrored, flipped]])
     assert.deepEqual(acts.reduce((pattern, act) => act(pattern), L), L);

@@ -22,6 +22,7 @@ class Listened {
 
 export class Element_ extends Listened {
   parentElement = null;
+  nodeType = 1;
 
   constructor(tag, namespaceURI = null) {
     super();
@@ -141,6 +142,7 @@ export class Element_ extends Listened {
   // Events go up to the window, as in a browser.
   dispatchEvent(event) {
     if (event.target === null) Object.defineProperty(event, "target", { value: this });
+    Object.defineProperty(event, "currentTarget", { value: this, configurable: true });
     this.hear(event);
     if (event.stopped) return;
     if (this.parentElement) this.parentElement.dispatchEvent(event);
@@ -164,9 +166,17 @@ export class Element_ extends Listened {
     if (!this.disabled) this.dispatchEvent(new Event_("click"));
   }
 
+  // Of fields it knows one rule: what the page itself has found wrong.
+  get validity() {
+    return { customError: Boolean(this.validationMessage) };
+  }
+
+  setCustomValidity(fault) {
+    this.validationMessage = fault;
+  }
+
   setPointerCapture() {}
   scrollIntoView() {}
-  setCustomValidity() {}
 
   getBoundingClientRect() {
     return { left: 0, top: 0, right: this.clientWidth, bottom: this.clientHeight, width: this.clientWidth, height: this.clientHeight };
@@ -221,7 +231,7 @@ function fits(element, compounds) {
   return false;
 }
 
-const SIMPLE = /^(?:([a-z]+)|#([\w-]+)|\.([\w-]+)|\[([\w-]+)(?:="?([^\]"]*)"?)?\]|:not\(([^)]*)\)|:(checked|disabled))/i;
+const SIMPLE = /^(?:([a-z][a-z0-9]*)|#([\w-]+)|\.([\w-]+)|\[([\w-]+)(?:="?([^\]"]*)"?)?\]|:not\(([^)]*)\)|:(checked|disabled))/i;
 
 function isOne(element, compound) {
   let rest = compound;
@@ -388,6 +398,7 @@ Object.assign(globalThis, {
     createElement: (tag) => (tag === "canvas" ? new Canvas(300, 150) : new Element_(tag)),
     createElementNS: (space, tag) => new Element_(tag, space),
     getElementById: (id) => body.querySelector(`#${id}`),
+    querySelectorAll: (selector) => body.querySelectorAll(selector),
   },
   DOMParser: class {
     parseFromString() {
@@ -404,6 +415,10 @@ Object.assign(globalThis, {
   innerHeight: 900,
   location: { host: "studio.test", search: "", hash: "", pathname: "/" },
   getComputedStyle: () => ({ getPropertyValue: (name) => name.slice(2) }), // a colour is its own name
+  IntersectionObserver: class {
+    observe() {}
+    unobserve() {}
+  },
   matchMedia: () => ({ matches: false, addEventListener() {} }),
   requestAnimationFrame: (act) => frames.push(act),
   cancelAnimationFrame: () => frames.splice(0),

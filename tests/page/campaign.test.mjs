@@ -1,0 +1,266 @@
+// What the campaign page says of a campaign, and what its form asks for.
+
+import assert from "node:assert/strict";
+import { beforeEach, test } from "node:test";
+import { studio } from "./pages.mjs";
+import { tick, type } from "./stand_in.mjs";
+
+const { makeStatus } = await studio("campaign_status");
+const { makeForm } = await studio("campaign_form");
+const { Model, emptyWorld } = await studio("model");
+
+const RUNNING = {
+  folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, fault: "", stopped: false,
+  goal: { units: 4, seconds: null }, units: 2, sitting: null, archive: null, failures: 5,
+  met: { "loop-a": 17, "stalled-b": 4, "tunnel-c": 2 }, known: { "stalled-b": 4 },
+  lanes: [{ lane: "native", units: 1, worlds: 800, failures: 9, classes: 1 }, { lane: "trap", units: 1, worlds: 100, failures: 14, classes: 2 }],
+};
+const DONE = { ...RUNNING, running: false, units: 4 };
+const A = { class: "loop-a", width: 9, height: 3, solid: 21, verdict: "loop" };
+const SLID = { class: "loop-z", width: 7, height: 3, solid: 19, verdict: "loop" };
+
+function status() {
+  const done = [];
+  const campaign = {
+    stopping: null, beginning: new Set(), read: 5, form: { workers: () => 2 },
+    wall: { choose: (one) => done.push(one.class), only: (name) => done.push(name) },
+    stop: () => done.push("stop"), halt: (folder) => done.push(`halt ${folder}`), goOn: (asked) => done.push(asked),
+  };
+  const made = makeStatus(campaign);
+  const rows = (part) => made.element.querySelectorAll(".tables tbody")[part].children.map((row) => row.children.map((cell) => cell.textContent));
+  return { campaign, made, done, rows, line: () => made.element.querySelector("#progress-line").textContent };
+}
+
+const smallest = (...failures) => new Map(failures.map((one) => [one.class, one]));
+
+test("line and table name the same classes, and why one has no picture", () => {
+  const { made, rows, line } = status();
+  made.show(DONE);
+  made.sizes(smallest(A, SLID));
+  assert.deepEqual(rows(0), [["loop-a", "17", "9 x 3, 21 solid"], ["stalled-b", "4", "known"], ["tunnel-c", "2", "not kept"], ["loop-z", "by shrinking", "7 x 3, 19 solid"]]);
+  assert.match(line(), /23 failures met4 classes: 1 known, 1 not kept/);
+});
+
+test("while the folder is being read no class is said to wait for anything", () => {
+  const { made, rows, line, campaign } = status();
+  campaign.read = 4; // fewer failures than there are
+  made.show(DONE);
+  assert.deepEqual(rows(0).map(([, , stands]) => stands), ["…", "known", "…"]);
+  assert.doesNotMatch(line(), /class/);
+});
+
+test("while it runs what has no picture yet is to be shrunk", () => {
+  const { made, rows, line } = status();
+  made.show(RUNNING);
+  made.sizes(smallest(A));
+  assert.deepEqual(rows(0).map(([, , stands]) => stands), ["9 x 3, 21 solid", "known", "to be shrunk"]);
+  assert.match(line(), /^Running.*unit 2 of 4.*900 worlds2\.3 million steps/);
+});
+
+test("one class has the words of one", () => {
+  const { made, line } = status();
+  made.show({ ...DONE, met: { "loop-a": 1 } });
+  made.sizes(smallest(A));
+  assert.match(line(), /1 failure met1 class\d/);
+});
+
+test("how it stands is said: done, stopped, given up, stopping", () => {
+  const words = (state, stopping = null) => {
+    const { made, line, campaign } = status();
+    campaign.stopping = stopping;
+    made.show(state);
+    return line().split("turn-right")[0];
+  };
+  assert.deepEqual(
+    [DONE, { ...DONE, units: 3 }, { ...DONE, stopped: true }, { ...DONE, fault: "no memory" }].map((state) => words(state)),
+    ["Done", "Stopped", "Stopped", "Gave up"],
+  );
+  assert.equal(words(RUNNING, "mine"), "Stopping");
+});
+
+test("a campaign by the clock says how long it has, and when that is over", () => {
+  const goal = (more) => {
+    const { made, line } = status();
+    made.show({ ...RUNNING, goal: { seconds: 30, units: null }, ...more });
+    return /(seed 1)(.*?)900/.exec(line())[2];
+  };
+  assert.deepEqual([goal({ sitting: 12.4 }), goal({ sitting: 31 }), goal({ running: false, sitting: null })], ["12 of 30 s, 2 units", "the 30 s are over: ending what is under way, 2 units", "2 units"]);
+});
+
+test("the smallest failure is the best so far, and before there is one the longest way", () => {
+  const { made, done } = status();
+  const archive = { names: ["detour", "density"], edges: [[1.5, 2], [0.1]], cells: [[0, 0, 1, "reached"], [1, 1, 1, "reached"], [2, 0, 1, "loop"]] };
+  made.show({ ...RUNNING, archive });
+  const best = made.element.querySelector("#best-so-far");
+  assert.equal(best.textContent, "Best so far, no failure: a way of 1.5 to 2 times the straight line");
+  made.sizes(smallest(A, SLID));
+  assert.equal(best.textContent, "Best so far:loop-z7 x 3 cells, 19 solid");
+  best.querySelector("button").click();
+  assert.deepEqual(done, ["loop-z"]);
+});
+
+test("a lane whose counts grow is the one that works now", () => {
+  const { made, rows } = status();
+  made.show(RUNNING);
+  const [native, trap] = RUNNING.lanes;
+  made.show({ ...RUNNING, lanes: [native, { ...trap, worlds: 160 }] });
+  assert.deepEqual(rows(1).map(([name]) => name), ["trap now", "native"]); // more classes first
+});
+
+test("a campaign is stopped while it runs, resumed where it was stopped, and goes on where it was done", () => {
+  const { made, done } = status();
+  const button = () => made.actions.querySelector("button");
+  made.show(RUNNING);
+  button().click();
+  made.show({ ...DONE, units: 3 });
+  assert.equal(button().textContent, "Resume");
+  button().click();
+  made.show(DONE);
+  assert.equal(button().textContent, "Go on");
+  button().click();
+  assert.deepEqual(done, ["stop", { units: 4, known: true, workers: 2 }, { units: 8, known: true, workers: 2 }]);
+});
+
+test("one that never begins can be stopped, once", () => {
+  const { made, done, campaign } = status();
+  campaign.beginning.add("mine");
+  made.show({ ...DONE, units: 0 });
+  const button = made.actions.querySelector("button");
+  button.click();
+  button.click();
+  assert.deepEqual([done, button.textContent], [["halt mine"], "Stop"]);
+});
+
+const both = { thesis: false, lattice: true, fault: "", named: false, motion: "swept", also: "" };
+const option = { help: "What it does, or ./file.py:name.", default: 60 };
+const OFFERED = {
+  controllers: [{ ...both, name: "turn-right" }, { ...both, name: "bug1" }, { ...both, name: "./my robots/mine.py:Robot", fault: "gone" }, { ...both, name: "thesis-1", thesis: true, lattice: false, motion: "stepped" }],
+  motions: [{ name: "swept", thesis: false, about: "exact" }, { name: "stepped", thesis: true, about: "the thesis's" }],
+  lanes: ["native", "archive"], families: [{ name: "maze" }, { name: "trap" }], cores: 2, known: "known", time_step: 0.015,
+  options: Object.fromEntries(["--examples", "--epoch", "--oracle", "--detour", "--vary", "--shrink", "--baseline", "--database"].map((name) => [name, option])),
+};
+
+function form({ offered = OFFERED, folder = "/here", played = null, folders = [], states = new Map() } = {}) {
+  const begun = [];
+  const model = new Model(emptyWorld(9, 9), () => {});
+  const campaign = {
+    studio: { offered, folder, model, play: { played: () => played }, connection: { ask: async () => ({ command: "" }) } },
+    folders, states, isListed: true, listed: Promise.resolve(),
+    begin: async (message) => begun.push(message), halt() {},
+  };
+  const made = makeForm(campaign);
+  document.body.append(made.element);
+  made.refresh();
+  const field = (words) => made.element.querySelectorAll(".labelled").find((one) => one.querySelector("label").textContent.startsWith(words)).querySelector("input, select");
+  const radio = (value) => made.element.querySelector(`input[value=${value}]`);
+  const send = async () => {
+    made.element.dispatchEvent(new Event("submit", { cancelable: true }));
+    await new Promise((done) => setImmediate(done));
+    return begun.at(-1);
+  };
+  return { made, campaign, field, radio, send, begun, model };
+}
+
+beforeEach(() => {
+  localStorage.clear();
+  document.body.querySelector("form")?.remove();
+});
+
+test("an untouched form asks for what is usual", async () => {
+  const { send } = form();
+  assert.deepEqual(await send(), {
+    time_step: null, examples: null, epoch: null, detour: null, oracles: [], vary: [], baseline: [], database: null, shrink: null,
+    folder: "turn-right-swept", controller: "turn-right", motion: "swept", lanes: [], world: null, world_name: null, seed: "1", workers: 2, known: true, seconds: 30,
+  });
+});
+
+test("what was filled in is what is asked for", async () => {
+  const { field, radio, send, made } = form();
+  type(field("Controller"), "bug1");
+  tick(radio("some"));
+  tick(radio("maze"));
+  tick(radio("units"));
+  type(made.element.querySelector("#campaign-amount"), "7");
+  type(field("Seed"), " 12 ");
+  type(field("Draws a unit"), "9");
+  type(field("Oracles"), "turn  wall=3 ");
+  const { controller, lanes, units, seconds, seed, examples, oracles, folder } = await send();
+  assert.deepEqual([controller, lanes, units, seconds, seed, examples, oracles, folder], ["bug1", ["maze"], 7, undefined, "12", 9, ["turn", "wall=3"], "bug1-swept"]);
+});
+
+test("without a lane, where some were to be chosen, nothing is begun", async () => {
+  const { radio, send, begun, made } = form();
+  tick(radio("some"));
+  await send();
+  assert.equal(begun.length, 0);
+  assert.ok(made.element.querySelectorAll(".fault").some((one) => one.textContent === "Choose one at least." && !one.hidden));
+});
+
+test("the drawn map is sent with its name, if that is what is in its file", async () => {
+  const { radio, send, model } = form();
+  tick(radio("drawn"));
+  model.change("radius", { robot_radius: 0.08 });
+  let sent = await send();
+  assert.deepEqual([sent.world.robot_radius, sent.world_name], [0.08, null]);
+  model.markSaved("mine.grid", null, "digest", model.mark());
+  sent = await send();
+  assert.equal(sent.world_name, "mine.grid");
+  model.change("radius", { robot_radius: 0.09 });
+  sent = await send();
+  assert.equal(sent.world_name, null);
+});
+
+test("a folder's name is one that is not taken, and has only letters that a folder may have", () => {
+  const named = (more) => form(more).field("Folder").value;
+  assert.equal(named({ states: new Map([["turn-right-swept", {}]]), folders: [{ name: "turn-right-swept-2", worlds: 1 }] }), "turn-right-swept-3");
+  const controllers = [{ ...both, name: "./my robots/mine.py:Robot", named: true }];
+  assert.equal(named({ offered: { ...OFFERED, controllers } }), "mine.py-Robot-swept");
+});
+
+test("what was played last is what a form begins with, until something is chosen", () => {
+  const played = { controller: "thesis-1", motion: "stepped", time_step: 0.02 };
+  const { field, made, campaign } = form({ played });
+  assert.deepEqual([field("Controller").value, field("Motion model").value, field("Time step").value], ["thesis-1", "stepped", "0.02"]);
+  type(field("Motion model"), "swept");
+  campaign.studio.play.played = () => ({ ...played, controller: "bug1", motion: "swept" });
+  made.refresh();
+  assert.equal(field("Controller").value, "turn-right");
+});
+
+test("what was chosen is there again the next time, for this folder", async () => {
+  const first = form();
+  type(first.field("Controller"), "bug1");
+  tick(first.radio("some"));
+  tick(first.radio("maze"));
+  type(first.field("Seed"), "12");
+  type(first.field("Draws a unit"), "9");
+  const again = form();
+  assert.deepEqual([again.field("Controller").value, again.radio("maze").checked, again.field("Seed").value, again.field("Draws a unit").value], ["bug1", true, "12", "9"]);
+  assert.equal(form({ folder: "/elsewhere" }).field("Controller").value, "turn-right");
+});
+
+test("what was kept and is offered no more leaves the usual form", () => {
+  const none = { state: { controller: "gone", motion: "gone" }, lanes: ["gone"], more: { gone: 1 } };
+  localStorage.setItem("worldgen-studio-kept-campaign-form-/here", JSON.stringify(none));
+  const { field } = form();
+  assert.deepEqual([field("Controller").value, field("Motion model").value], ["turn-right", "swept"]);
+});
+
+test("a start that names other controllers begins with those", () => {
+  const first = form();
+  type(first.field("Controller"), "bug1");
+  const mine = { ...both, name: "mine", named: true };
+  assert.equal(form({ offered: { ...OFFERED, controllers: [mine, ...OFFERED.controllers] } }).field("Controller").value, "mine");
+});
+
+test("a controller that cannot run is not offered", () => {
+  const names = form().field("Controller").querySelectorAll("option").map((one) => one.getAttribute("value"));
+  assert.deepEqual(names, ["turn-right", "bug1"]);
+});
+
+test("begin pressed twice begins once", async () => {
+  const { made, begun } = form();
+  for (let k = 0; k < 2; k += 1) made.element.dispatchEvent(new Event("submit", { cancelable: true }));
+  await new Promise((done) => setImmediate(done));
+  assert.equal(begun.length, 1);
+});

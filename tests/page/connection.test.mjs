@@ -1,0 +1,143 @@
+// The connection to the server: answers go to their questions, and what goes wrong is told.
+
+import assert from "node:assert/strict";
+import { beforeEach, test } from "node:test";
+import { studio } from "./pages.mjs";
+
+const { Ended, Refused, makeConnection } = await studio("connection");
+
+const sockets = [];
+const waits = [];
+
+class Socket {
+  static OPEN = 1;
+  readyState = 1;
+  acts = {};
+  sent = [];
+
+  constructor(address, offered) {
+    Object.assign(this, { address, offered });
+    sockets.push(this);
+  }
+
+  addEventListener(name, act) {
+    this.acts[name] = act;
+  }
+
+  send(text) {
+    this.sent.push(JSON.parse(text));
+  }
+
+  say(message) {
+    this.acts.message({ data: JSON.stringify(message) });
+  }
+
+  close(code = 1006, reason = "") {
+    this.readyState = 3;
+    return this.acts.close({ code, reason });
+  }
+}
+
+globalThis.WebSocket = Socket;
+globalThis.fetch = async () => ({ ok: true });
+
+async function connected() {
+  const told = { begun: [], lost: [] };
+  const connection = makeConnection((said) => told.begun.push(said), (...given) => told.lost.push(given), Promise.resolve());
+  await new Promise((done) => setImmediate(done));
+  sockets.at(-1).say({ protocol: 1, folder: "/here" });
+  return { connection, told, socket: sockets.at(-1) };
+}
+
+const later = globalThis.setTimeout;
+beforeEach(() => {
+  sockets.length = waits.length = 0;
+  globalThis.setTimeout = (act, ms) => (ms > 100 ? waits.push([act, ms]) : later(act, ms)); // what comes back does so when asked
+});
+
+test("each answer goes to its question, in whatever order they come", async () => {
+  const { connection, socket } = await connected();
+  const asked = [connection.ask("files"), connection.ask("decide", { world: 1 })];
+  const [files, decide] = socket.sent;
+  assert.deepEqual([files.do, decide.do, decide.world], ["files", "decide", 1]);
+  socket.say({ id: decide.id, answer: "second" });
+  socket.say({ id: files.id, answer: "first" });
+  assert.deepEqual(await Promise.all(asked), ["first", "second"]);
+});
+
+test("parts come before the answer, each once", async () => {
+  const { connection, socket } = await connected();
+  const parts = [];
+  const asked = connection.ask("run", {}, (part) => parts.push(part));
+  const { id } = socket.sent[0];
+  for (const part of [1, 2]) socket.say({ id, part });
+  socket.say({ id, answer: {} });
+  await asked;
+  assert.deepEqual(parts, [1, 2]);
+});
+
+test("what the server objects to is told in its words, and what was replaced has ended", async () => {
+  const { connection, socket } = await connected();
+  const asked = [connection.ask("save"), connection.ask("decide")];
+  socket.say({ id: socket.sent[0].id, error: "the disk is full" });
+  socket.say({ id: socket.sent[1].id, ended: true });
+  await assert.rejects(asked[0], (error) => error instanceof Refused && error.message === "the disk is full");
+  await assert.rejects(asked[1], Ended);
+});
+
+test("what is too large for a message is refused, and the connection stays", async () => {
+  const { connection, socket } = await connected();
+  await assert.rejects(connection.ask("files", { more: "ü".repeat(17 << 20) }), (error) => error instanceof Refused && /more than 32 MiB/.test(error.message));
+  assert.equal(socket.sent.length, 0);
+  const asked = connection.ask("files");
+  socket.say({ id: socket.sent[0].id, answer: "there" });
+  assert.equal(await asked, "there");
+});
+
+test("a lost connection ends what waits, and comes back by itself, ever more slowly", async () => {
+  const { connection, told } = await connected();
+  const asked = connection.ask("run");
+  await Promise.all([assert.rejects(asked, Ended), sockets[0].close()]);
+  assert.deepEqual(told.lost, [[false, ""]]);
+  await assert.rejects(connection.ask("files"), Ended);
+  const times = [];
+  for (let k = 0; k < 8; k += 1) {
+    const [[act, ms]] = waits.splice(0);
+    times.push(ms);
+    act();
+    await sockets.at(-1).close();
+  }
+  assert.ok(times[0] === 300 && times.at(-1) === 3000 && times.every((ms, k) => k === 0 || ms >= times[k - 1]));
+});
+
+test("a server that knows the page no more is told from one that is gone", async () => {
+  const { told } = await connected();
+  await sockets[0].close();
+  waits.splice(0)[0][0]();
+  await sockets.at(-1).close(); // it was refused before a word
+  assert.deepEqual(told.lost.at(-1), [true, ""]);
+});
+
+test("a page too many is told the server's reason", async () => {
+  const { told } = await connected();
+  await sockets[0].close(4000, "1 pages are open");
+  assert.deepEqual(told.lost, [[false, "1 pages are open"]]);
+});
+
+test("a message too large for the server refuses what waited with the way out", async () => {
+  const { connection, socket } = await connected();
+  const asked = connection.ask("save");
+  await Promise.all([assert.rejects(asked, (error) => error instanceof Refused && /draw a smaller world/.test(error.message)), socket.close(1009)]);
+});
+
+test("what is stopped is asked to be, once", async () => {
+  const { connection, socket } = await connected();
+  const asked = connection.ask("run");
+  asked.stop();
+  const [run, cancel] = socket.sent;
+  assert.deepEqual([cancel.do, cancel.of], ["cancel", run.id]);
+  socket.say({ id: run.id, ended: true });
+  await assert.rejects(asked, Ended);
+  asked.stop();
+  assert.equal(socket.sent.length, 2);
+});

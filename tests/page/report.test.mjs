@@ -1,0 +1,129 @@
+// The report's list of failures and its charts.
+
+import assert from "node:assert/strict";
+import { beforeEach, test } from "node:test";
+import { report } from "./pages.mjs";
+import { element, press, type } from "./stand_in.mjs";
+
+const page = await report();
+
+function failure(id, verdict, solid, more = {}) {
+  const now = { size: "9 x 3", solid, events: 0, run: { steps: 10 * solid, loop: null }, world: null };
+  return { id, verdict, kind: `${verdict}-a`, controller: "turn-right", motion: "swept", path: `${id}.grid`, lane: "native", solid, cells: 27, size: "9 x 3", met: 1, confirmed: true, now, ...more };
+}
+
+const FAILURES = [failure("one", "loop", 20), failure("two", "tunnel", 8, { met: 30 }), failure("three", "tunnel", 12, { kind: "tunnel-b", controller: "bug1" }), failure("four", "stalled", 9, { confirmed: false })];
+
+let list;
+beforeEach(() => {
+  list = element("overview");
+  list.replaceChildren();
+  page.makeOverview(list, FAILURES);
+});
+
+const cards = () => list.querySelectorAll(".card").map((card) => card.id.slice(5));
+const set = (words, value) => type(list.querySelectorAll(".field").find((one) => one.textContent.startsWith(words)).querySelector("select"), value);
+const find = (words) => type(list.querySelector("#find"), words);
+const headings = () => list.querySelectorAll("h2").map((one) => one.textContent);
+
+test("failures are in groups by verdict, each with how many it has", () => {
+  assert.deepEqual(headings(), ["loop 1", "stalled 1", "tunnel 2"]);
+  set("Group by", "controller");
+  assert.deepEqual(headings(), ["turn-right under swept 3", "bug1 under swept 1"]);
+  set("Group by", "none");
+  assert.deepEqual(headings(), []);
+});
+
+test("verdicts and a search choose cards, and none says so", () => {
+  const chip = list.querySelectorAll(".chips button").find((one) => one.textContent === "tunnel 2");
+  chip.click();
+  assert.deepEqual(cards(), ["two", "three"]);
+  assert.equal(chip.getAttribute("aria-pressed"), "true");
+  find("BUG1 swept");
+  assert.deepEqual(cards(), ["three"]);
+  assert.match(list.textContent, /1 of 4 shown/);
+  find("zzz");
+  assert.match(list.textContent, /No failure fits/);
+  chip.click();
+  find("");
+  assert.equal(cards().length, 4);
+});
+
+test("cards are ordered as is asked for", () => {
+  set("Group by", "none");
+  const orders = { small: "two,four,three,one", large: "one,three,four,two", steps: "one,three,four,two", met: "two,one,three,four" };
+  for (const [order, names] of Object.entries(orders)) {
+    set("Order", order);
+    assert.equal(cards().join(), names, order);
+  }
+});
+
+test("a card says what it is, and that it was not confirmed here", () => {
+  const [card] = list.querySelectorAll(".card").filter((one) => one.id === "card-four");
+  assert.match(card.textContent, /stalled-a9 x 3, 9 solid90 stepsmet 1×turn-right, sweptnot confirmed here/);
+  assert.equal(card.getAttribute("href"), "#four");
+});
+
+test("names of strangers are only text", () => {
+  list.replaceChildren();
+  const hostile = "<img src=x onerror=alert(1)></script>";
+  page.makeOverview(list, [failure("one", "loop", 20, { kind: hostile })]);
+  assert.equal(list.querySelector(".kind").textContent, hostile);
+  assert.equal(list.querySelectorAll("img, script").length, 0);
+});
+
+test("arrow keys go from card to card", () => {
+  const [first, second] = list.querySelectorAll(".card");
+  first.focus();
+  assert.ok(press("ArrowRight"));
+  assert.equal(document.activeElement, second);
+  press("ArrowLeft");
+  assert.equal(document.activeElement, first);
+  press("ArrowLeft");
+  assert.equal(document.activeElement, first); // it is the first
+});
+
+const CAMPAIGN = {
+  controller: "turn-right", motion: "swept", folder: "mine", seed: "1", units: 4, worlds: 900, steps: 120_000, seconds: 3.5,
+  verdicts: { reached: 700, loop: 12 }, met: { "loop-a": 17, "tunnel-a": 2 },
+  lanes: [{ lane: "native", units: 3, worlds: 800, steps: 100_000, failures: 9, classes: 1 }, { lane: "archive", units: 1, worlds: 100, steps: 20_000, failures: 2, classes: 2 }],
+  found: [
+    { unit: 0, lane: "native", kind: "loop-a", solid_cells: 40, worlds: 12, steps: 900, seconds: 0.2 },
+    { unit: 1, lane: "archive", kind: "tunnel-a", solid_cells: 9, worlds: 300, steps: 40_000, seconds: 1.2 },
+    { unit: 2, lane: "native", kind: "loop-a", solid_cells: 4, worlds: 500, steps: 70_000, seconds: 2.5 },
+  ],
+  archive: { names: ["detour", "density"], edges: [[1.5, 2], [0.1]], cells: [[0, 0, 1.5, "reached"], [2, 1, 4, "loop"]], axes: [{ name: "detour", edges: [1.5, 2] }, { name: "density", edges: [0.1] }] },
+};
+
+function charts(campaigns = [CAMPAIGN]) {
+  const place = element("campaign");
+  place.replaceChildren();
+  page.makeCampaign(place, campaigns, [failure("one", "loop", 20, { campaign: 0 })]);
+  return place;
+}
+
+test("a campaign has its charts, each with a label and its table", () => {
+  const place = charts();
+  const titles = place.querySelectorAll("h3").map((one) => one.textContent);
+  assert.deepEqual(titles, ["Found over time", "By lane", "Archive: detour and density", "Classes, by how often they were met", "Verdicts at first look"]);
+  assert.ok(place.querySelectorAll("svg.plot").every((one) => one.getAttribute("aria-label")));
+  assert.deepEqual([place.querySelectorAll(".heat").length, place.querySelectorAll(".first").length, place.querySelectorAll(".smaller").length], [2, 2, 1]);
+});
+
+test("the curve goes up at each new class, and its words say when the last one came", () => {
+  const place = charts();
+  assert.match(place.textContent, /2 classes; the last new one after 300 of 900 worlds\./);
+  assert.match(place.textContent, /Lane archive was the first to find 2 classes\./);
+});
+
+test("a class of which the page has a failure leads to it", () => {
+  const place = charts();
+  const links = place.querySelectorAll("a").map((one) => [one.textContent, one.getAttribute("href")]);
+  assert.ok(links.length > 1 && links.every(([name, to]) => name === "loop-a" && to === "#one"));
+});
+
+test("of several campaigns each has its name", () => {
+  const place = charts([CAMPAIGN, { ...CAMPAIGN, found: [], folder: "other" }]);
+  assert.deepEqual(place.querySelectorAll("h2").map((one) => one.textContent), ["turn-right under swept, mine", "turn-right under swept, other"]);
+  assert.match(place.textContent, /Nothing was found\./);
+});
