@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from tests.helpers.tiers import some
 from worldgen.families._mazes import FIT_ANY_SHAPE, METHODS, cells_of, grow, pitch, shape_mask
 from worldgen.families._mazes.shapes import LEAST
 from worldgen.random_streams import RandomStream
@@ -19,7 +20,7 @@ def full(rows, columns):
 
 
 @every_algorithm
-@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (2, 2), (3, 40), (40, 3), (64, 65), (107, 141)])
+@pytest.mark.parametrize(("columns", "rows"), some([(3, 40), (1, 1), (64, 65), (2, 2), (40, 3), (107, 141)], 3))
 def test_a_compiled_maze_is_the_same_to_the_bit(algorithm, columns, rows):
     for seed in range(3):
         streams = RandomStream(seed), RandomStream(seed)

@@ -13,6 +13,7 @@ from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
+from tests.helpers.tiers import some
 from worldgen.grid_file import read_world
 
 WORLDS = Path(__file__).parents[1] / "data" / "faults"
@@ -22,7 +23,7 @@ def test_there_are_at_least_twenty():
     assert len(FAULTS) >= 20
 
 
-@pytest.mark.parametrize("name", FAULTS)
+@pytest.mark.parametrize("name", some(FAULTS, 4))
 def test_it_fails_as_expected_where_the_controller_without_the_fault_arrives(name):
     fault, world = FAULTS[name], read_world(WORLDS / f"{name}.grid")
     options = RunOptions.of(world.failure.motion, world.failure.seed, world.failure.parameters)
@@ -30,7 +31,7 @@ def test_it_fails_as_expected_where_the_controller_without_the_fault_arrives(nam
     assert tells(fault, world)
 
 
-@pytest.mark.parametrize("name", FAULTS)
+@pytest.mark.parametrize("name", some(FAULTS, 2))
 def test_a_command_finds_it_by_its_name(name):
     assert CONTROLLERS.get(Scenario.parse(controller_name(FAULTS[name])).controller) is FAULTS[name]
 
@@ -41,7 +42,7 @@ def test_it_says_in_one_sentence_what_is_wrong(name):
     assert fault.sentence.endswith(".") and "\n" not in fault.sentence and fault.expected and fault.base is not None
 
 
-@pytest.mark.parametrize("searcher", ["plan", "random", "genetic"])
+@pytest.mark.parametrize("searcher", some(["plan", "random", "genetic"]))
 def test_searching_finds_a_comparison_of_floats_for_equality(searcher):
     row, world = look_for(FAULTS["bug2-leaves-by-equality"], searcher, 1, Limits(200_000, 60.0))
     assert row.found and row.solid_cells[1] <= 4 and world.failure.verdict == "loop"

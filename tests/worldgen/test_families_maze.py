@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 from scipy.sparse.csgraph import shortest_path
 
+from tests.helpers.tiers import some
 from worldgen.errors import InvalidParameter
 from worldgen.families._mazes import (
     FIT_ANY_SHAPE,
@@ -59,7 +60,7 @@ def test_every_tree_is_drawn_equally_often(algorithm):
     assert chi_square(algorithm) < 257.1  # exceeded by one fair sampler in a thousand
 
 
-@pytest.mark.parametrize("algorithm", BIASED)
+@pytest.mark.parametrize("algorithm", some(BIASED, 2))
 def test_the_others_favour_some_trees(algorithm):
     assert chi_square(algorithm) > 350.0  # a fair sampler does not come so far in 10**9 tries
 
@@ -138,7 +139,7 @@ def test_a_spanning_tree_names_parents_up_to_one_root(algorithm):
     assert np.array_equal(links_of_parents(tree), grow(RandomStream(2), full(4, 5), algorithm))
 
 
-@every_algorithm
+@pytest.mark.parametrize("algorithm", some(ALGORITHMS))
 def test_a_small_maze_loads_no_compiler(algorithm):
     code = (
         "import sys; from worldgen.generation import generate; "
@@ -149,7 +150,7 @@ def test_a_small_maze_loads_no_compiler(algorithm):
     assert done.stdout == "[]\n"
 
 
-@every_algorithm
+@pytest.mark.parametrize("algorithm", some(ALGORITHMS))
 def test_a_maze_of_2000_cells_is_made_without_recursion(algorithm):
     world = layout(size=2000, algorithm=algorithm, robot_radius=0.05)
     free = ~world.walls
