@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from worldgen.interop.boxes import closing_boxes
+from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
 from worldgen.interop.gazebo_world import MAX_BYTES, OURS, grid_line, read_gazebo_world
 from worldgen.lattice import exact
@@ -135,4 +136,5 @@ barn = Format(
     holds=frozenset(HELD),
     client="Gazebo",
     most_bytes=MAX_BYTES,
+    usual_robot=FLOOR_ROBOT,
 )

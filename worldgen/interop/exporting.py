@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +13,10 @@ from worldgen.files import check_output, write_bytes
 from worldgen.interop.foreign_map import origin_of
 from worldgen.interop.format import FORMATS, HELD, Destination, Format, split_options
 from worldgen.interop.sidecar import SUFFIX, sidecar_text
-from worldgen.lattice import radius_in_cells
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_SPEED, Value, World
 
 __all__ = ["Export", "export_world", "frozen_at", "guess_format", "write_export"]
-
-_USUAL_RADIUS = Fraction(7, 10)  # cells; what import takes where nothing is said
 
 
 @dataclass(frozen=True)
@@ -100,7 +96,7 @@ def _missing(world: World, known: Format, destination: Destination) -> Iterator[
     """What the format has no room for, where ``import`` would not take the same value by itself."""
     radius, speed, cell_size = world.robot_radius, world.robot_speed, world.cell_size
     as_usual = {
-        "robot_radius": radius_in_cells(world) == _USUAL_RADIUS,
+        "robot_radius": radius == known.usual_robot.radius(cell_size),
         "robot_speed": speed == DEFAULT_ROBOT_SPEED,
         "cell_size": cell_size == DEFAULT_CELL_SIZE,
         "origin": destination.origin == (0.0, 0.0),

@@ -78,7 +78,7 @@ class ForeignMap:
         robot_radius: m, where the file has it.
         robot_speed: m/s, where the file has it.
         origin: x and y, m, of the grid's lower-left corner in the file's frame.
-        usual_robot: The robot that such maps are drawn for; its radius is taken where no other is given.
+        usual_robot: The robot that such maps are drawn for; ``read_map`` sets it to its format's.
         unread: Obstacles that the file has and ``walls`` lacks, such as ``"2 shapes of <mesh>"``. A path in such a
             map proves nothing.
     """

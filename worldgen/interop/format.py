@@ -11,7 +11,7 @@ from pathlib import PurePath
 from typing import Any
 
 from worldgen.errors import InvalidParameter
-from worldgen.interop.foreign_map import MAX_FILE_BYTES, ForeignMap, shown
+from worldgen.interop.foreign_map import MAX_FILE_BYTES, THESIS_ROBOT, ForeignMap, UsualRobot, shown
 from worldgen.lattice import exact
 from worldgen.parameters import Parameter, check_between, check_declared, parameters_of
 from worldgen.registry import Registry
@@ -133,6 +133,7 @@ class Format:
         holds: What of :data:`HELD` its files have room for.
         changes: Whether its files hold worlds that change with time.
         client: The programs that read it, in a few words.
+        usual_robot: The robot that its maps are drawn for, where neither the file nor the user names one.
         most_bytes: Of the file that ``read`` takes; ``export`` says where it writes a larger one.
     """
 
@@ -145,6 +146,7 @@ class Format:
     holds: frozenset[str] = frozenset()
     changes: bool = False
     client: str = ""
+    usual_robot: UsualRobot = THESIS_ROBOT
     most_bytes: int = MAX_FILE_BYTES
 
     def __post_init__(self) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidWorld
-from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, MAX_CELLS, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
 from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.raster import Box, Circle, Raster, natural_cell_size
 from worldgen.interop.shapes import Shapes, turned
@@ -133,7 +133,7 @@ def read_gazebo_world(path: Path, *, cell_size: float = 0.0, raster: Literal["ou
     origin = (float(frame.left), float(frame.low))
     return ForeignMap(
         walls, float(frame.cell_size), params, (*notes, *dict.fromkeys(scene.shapes.notes)), (), None,
-        start, target, radius, speed, origin, FLOOR_ROBOT, _unread(scene),
+        start, target, radius, speed, origin, unread=_unread(scene),
     )  # fmt: skip
 
 

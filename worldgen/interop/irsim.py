@@ -13,6 +13,7 @@ from typing import Literal
 
 from worldgen.family import check_between
 from worldgen.interop import raster
+from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
 from worldgen.interop.grey_image import walls_png
 from worldgen.interop.irsim_world import MAX_YAML_BYTES, read_irsim
@@ -141,4 +142,5 @@ irsim = Format(
     holds=frozenset(HELD),
     client="IR-SIM",
     most_bytes=MAX_YAML_BYTES,
+    usual_robot=FLOOR_ROBOT,
 )

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.family import check_between
 from worldgen.interop.companion import companion
-from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, MAX_CELLS, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
 from worldgen.interop.grey_image import read_grey_image
 from worldgen.interop.raster import Box, Raster, natural_cell_size
 from worldgen.interop.shapes import Shapes, turned
@@ -75,7 +75,7 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
     origin = (float(scene.corner[0]), float(scene.corner[1]))
     return ForeignMap(
         walls, size, params, (*scene.notes, *dict.fromkeys(scene.shapes.notes)), (), None, *robot,
-        origin=origin, usual_robot=FLOOR_ROBOT, unread=tuple(scene.unread),
+        origin=origin, unread=tuple(scene.unread),
     )  # fmt: skip
 
 

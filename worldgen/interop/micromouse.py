@@ -65,9 +65,7 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
     goals = len(marks["G"])
     notes = () if goals < 2 else (f"there are {goals} goals; the target is the first, row by row from the top",)
     params: dict[str, Value] = {"format": "micromouse", "source": path.name, "sha256": digest(data)}
-    return ForeignMap(
-        flip_rows(walls), cell_size, params, notes, start=places[0], target=places[1], usual_robot=GRID_AGENT
-    )
+    return ForeignMap(flip_rows(walls), cell_size, params, notes, start=places[0], target=places[1])
 
 
 def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
@@ -156,4 +154,5 @@ micromouse = Format(
     holds=frozenset({"start", "target"}),
     client="micromouse simulators",
     most_bytes=_MOST_BYTES,
+    usual_robot=GRID_AGENT,
 )

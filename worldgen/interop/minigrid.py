@@ -70,9 +70,7 @@ def read_minigrid(
     params: dict[str, Value] = {
         "format": "minigrid", "source": path.name, "sha256": digest(data), "doors": doors, "things": things,
     }  # fmt: skip
-    return ForeignMap(
-        flip_rows(solid), cell_size, params, tuple(notes), start=start, target=target, usual_robot=GRID_AGENT
-    )
+    return ForeignMap(flip_rows(solid), cell_size, params, tuple(notes), start=start, target=target)
 
 
 def _check_words(rows: list[bytes], source: str) -> None:
@@ -151,4 +149,5 @@ minigrid = Format(
     write_minigrid,
     holds=frozenset({"start", "heading", "target"}),
     client="MiniGrid",
+    usual_robot=GRID_AGENT,
 )

@@ -71,7 +71,7 @@ def read_movingai(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     data = read_bounded(path)
     walls = flip_rows(_parse(data, str(path)) != GROUND)
     params: dict[str, Value] = {"format": "movingai", "source": path.name, "sha256": digest(data)}
-    found = ForeignMap(walls, cell_size, params, usual_robot=GRID_AGENT)
+    found = ForeignMap(walls, cell_size, params)
     return _with_only_problem(found, path)
 
 
@@ -413,4 +413,5 @@ movingai = Format(
     write_movingai,
     holds=frozenset({"start", "target", "robot_radius"}),
     client="MovingAI benchmarks, HOG2",
+    usual_robot=GRID_AGENT,
 )

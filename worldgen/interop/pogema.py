@@ -63,8 +63,7 @@ def read_pogema(path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL
     notes = () if len(agents) < 2 else (f"the robot is agent {agent} of {len(agents)}; the others are not there",)
     params: dict[str, Value] = {"format": "pogema", "source": path.name, "sha256": digest(data), "agent": agent}
     return ForeignMap(
-        flip_rows(drawn == _WALL[0]), cell_size, params, notes, start=places[0], target=places[1],
-        usual_robot=GRID_AGENT,
+        flip_rows(drawn == _WALL[0]), cell_size, params, notes, start=places[0], target=places[1]
     )  # fmt: skip
 
 
@@ -115,4 +114,5 @@ pogema = Format(
     write_pogema,
     holds=frozenset({"start", "target"}),
     client="POGEMA",
+    usual_robot=GRID_AGENT,
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from worldgen.errors import FormatError, InvalidParameter
@@ -142,5 +143,5 @@ def read_map(path: Path, name: str | None = None, options: Mapping[str, Value | 
         check_between("cell_size", cell_size, *CELL_SIZES, "m")
     if known.read is None:  # find_format has refused it
         raise InvalidParameter(f"{known.name} is not read")
-    found = known.read(path, **given)
+    found = replace(known.read(path, **given), usual_robot=known.usual_robot)
     return found if sidecar is None else with_sidecar(found, sidecar)

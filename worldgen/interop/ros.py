@@ -116,7 +116,6 @@ def read_ros_map(path: Path, *, unknown: Literal["solid", "free"] = "solid") -> 
     return ForeignMap(
         flip_rows(walls), metadata.resolution, params, tuple(notes), warnings, origin=(x, y),
         start=places.start, target=places.target, robot_radius=places.robot_radius, robot_speed=places.robot_speed,
-        usual_robot=FLOOR_ROBOT,
     )  # fmt: skip
 
 
@@ -339,4 +338,5 @@ ros = Format(
     write_ros_map,
     holds=frozenset(HELD),
     client="ROS map_server, Nav2",
+    usual_robot=FLOOR_ROBOT,
 )

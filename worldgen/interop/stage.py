@@ -13,6 +13,7 @@ import numpy as np
 from worldgen.errors import InvalidParameter
 from worldgen.interop.boxes import closing_boxes
 from worldgen.interop.degrees import degrees_text
+from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
 from worldgen.interop.grey_image import walls_png
 from worldgen.interop.stage_world import RINGED, TARGET, read_stage
@@ -167,4 +168,5 @@ stage = Format(
     write_stage,
     holds=frozenset(HELD),
     client="Stage",
+    usual_robot=FLOOR_ROBOT,
 )

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
 from worldgen.interop.companion import companion
 from worldgen.interop.degrees import radians
-from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, MAX_CELLS, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
 from worldgen.interop.grey_image import read_grey_image
 from worldgen.interop.raster import Raster
 from worldgen.interop.stage_file import Entity, read_stage_file
@@ -112,7 +112,7 @@ def read_stage(path: Path, *, cell_size: float = 0.0) -> ForeignMap:
     target = _target(world, plan, unit, turn)
     return ForeignMap(
         walls, size, params, tuple(includes.notes), (), None, start, target, radius, speed, origin,
-        FLOOR_ROBOT, tuple(_unread(world, floor)),
+        unread=tuple(_unread(world, floor)),
     )  # fmt: skip
 
 

@@ -81,7 +81,7 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
         start=None if start is None else _start(start, scale, height * exact(size)),
         target=None if target is None else _target(target, scale, height * exact(size)),
         robot_radius=_above_0(said, "robot_radius"), robot_speed=_above_0(said, "robot_speed"),
-        origin=(said.get("origin_x", 0.0), said.get("origin_y", 0.0)), usual_robot=GRID_AGENT,
+        origin=(said.get("origin_x", 0.0), said.get("origin_y", 0.0)),
     )  # fmt: skip
 
 
@@ -207,4 +207,5 @@ tiled = Format(
     holds=frozenset(HELD),
     client="Tiled",
     most_bytes=_MOST_BYTES,
+    usual_robot=GRID_AGENT,
 )
