@@ -8,11 +8,13 @@ from pathlib import Path
 
 from fuzz.asked import asked_by
 from fuzz.corpus.entry import Entry, Facts
+from fuzz.crash_bucket import has_facts
 from fuzz.failure import certificate_fault, failure_by, failure_of, scenario_of
+from sim.outcome import BY_THE_CONTROLLER
 from sim.scenario import Scenario
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import read_world
-from worldgen.world import World
+from worldgen.world import FailureRecord, World
 
 __all__ = ["Baseline"]
 
@@ -52,9 +54,13 @@ class Baseline:
                 say(f"{entry.path}: {reason}, so its class {entry.facts.kind} is not known")
                 continue
             facts = Facts.of(now, str(entry.path))
-            if facts is not None:
-                if facts.kind != entry.facts.kind:
-                    say(f"{entry.path}: stored as {entry.facts.kind}, its class is {facts.kind} now")
+            if facts is None or now.failure is None:
+                continue
+            known = facts.kind == entry.facts.kind or _is_known(record, now.failure)
+            if facts.kind != entry.facts.kind:
+                unknown = "" if known else ", which is not known"
+                say(f"{entry.path}: stored as {entry.facts.kind}, its class is {facts.kind} now{unknown}")
+            if known:
                 failures.setdefault(facts.key, (entry.path, now))
         return cls(failures)
 
@@ -62,6 +68,22 @@ class Baseline:
         """Whether a failure is of a class that is known."""
         facts = Facts.of(failure, "the failure")
         return facts is not None and facts.key in self.failures
+
+
+def _is_known(stored: FailureRecord, now: FailureRecord) -> bool:
+    """Return whether a failure whose class is another today is still the one that was stored.
+
+    A robot that loops in another manner is. A controller that crashes, hangs or commands nonsense is not: that is a
+    fault of its own, which may have come into the known world with yesterday's edit. Only files from before classes
+    of crashes named a place are taken at their word, if the run is the same up to the same crash.
+    """
+    if now.verdict not in BY_THE_CONTROLLER:
+        return True
+    return not has_facts(stored.evidence) and _crash(stored) == _crash(now)
+
+
+def _crash(record: FailureRecord) -> tuple[object, ...]:
+    return record.verdict, record.trace_digest, record.evidence.get("error"), record.evidence.get("step")
 
 
 def _failure_now(world: World) -> tuple[World | None, str]:

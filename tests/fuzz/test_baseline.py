@@ -9,9 +9,11 @@ import pytest
 from fuzz.campaign import Campaign
 from fuzz.config import CampaignConfig
 from fuzz.corpus import Baseline, read_corpus
+from fuzz.failure import failure_of
+from sim.controllers import CONTROLLERS
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
-from worldgen import read_world, write_world
+from worldgen import generate, read_world, write_world
 from worldgen.world import Pose
 
 FUZZ = ("fuzz", "--controller", "turn-right", "--lane", "features", "--units", "2", "--examples", "30")
@@ -38,7 +40,7 @@ def stored(folder, path, **changes):
     """A failure's file in a folder, with another record."""
     world = read_world(path)
     folder.mkdir(exist_ok=True)
-    write_world(replace(world, failure=replace(world.failure, **changes)), folder / Path(path).name)
+    write_world(replace(world, failure=replace(world.failure, **changes)), folder / Path(path).name, force=True)
     return folder
 
 
@@ -109,3 +111,57 @@ def test_a_new_class_that_shrinks_to_a_known_one_is_shrunk_within_its_class():
     campaign = Campaign(config, units=2, is_known=lambda world: world.failure.details["class"] in known)
     list(campaign.run())
     assert campaign.state.best.keys() == slid and campaign.state.known.keys() == known & plain.state.met.keys()
+
+
+CLASS = """
+class Mine:
+    def reset(self):
+        return (0.0,)
+
+    def act(self, o, m):
+        {first}
+        if m[0] > 3.0:
+            raise KeyError("late")
+        return (1.0, 0.0), (m[0] + 1.0,)
+"""
+
+
+@pytest.fixture
+def crash(tmp_path):
+    """A controller's file, its scenario, and a folder with the one crash that is known of it."""
+    file = tmp_path / "mine.py"
+    file.write_text(CLASS.format(first="pass"))
+    scenario = Scenario.parse(f"{file}:Mine")
+    (tmp_path / "known").mkdir()
+    write_world(failure_of(generate("trap", 4, size=20), scenario), tmp_path / "known" / "crash.grid")
+    return file, scenario, tmp_path / "known"
+
+
+def edited(file, first):
+    file.write_text(CLASS.format(first=first))
+    CONTROLLERS.forget(str(file))
+
+
+def test_a_known_crash_is_known_after_an_edit_of_other_lines(crash):
+    file, scenario, known = crash
+    edited(file, "x = 1")
+    assert len(baseline_of(known, [], scenario).failures) == 1
+
+
+def test_a_new_crash_in_a_known_world_is_not_known(crash):
+    file, scenario, known = crash
+    edited(file, "1 / 0")
+    notes = []
+    assert not baseline_of(known, notes, scenario).failures
+    assert "which is not known" in notes[0]
+
+
+def test_a_crash_that_was_stored_before_classes_named_a_place_is_known_if_the_run_is_the_same(crash):
+    file, scenario, known = crash
+    path = known / "crash.grid"
+    record = read_world(path).failure
+    evidence = {name: value for name, value in record.evidence.items() if name != "frames"}
+    old = stored(known, path, evidence=evidence, details={**record.details, "class": "crash-KeyError"})
+    assert [key[2] for key in baseline_of(old, [], scenario).failures] == [record.details["class"]]
+    edited(file, "1 / 0")
+    assert not baseline_of(old, [], scenario).failures
