@@ -4,10 +4,11 @@ import re
 
 import pytest
 
-from tests.helpers.command_line import worldgen
 from tests.helpers.studio import studio_of
 from worldgen import generate
 from worldgen.grid_file import write_world
+
+pytestmark = pytest.mark.nightly
 
 
 @pytest.fixture(scope="module")
@@ -31,27 +32,6 @@ def scenario_in(folder):
     return folder / "a.map", folder / "a.map.scen"
 
 
-@pytest.mark.gate
-def test_a_pair_of_ros_is_imported_by_the_mouse_and_exported_with_options(page, folder, tmp_path):
-    assert worldgen("export", folder / "w.grid", "--to", "ros", "--out", tmp_path / "out.yaml").code == 0
-    pair = [tmp_path / "out.pgm", tmp_path / "out.yaml"]
-    page.locator("#tab-files").click()
-    page.get_by_text("Import and export").click()
-    page.locator("#import").set_input_files(pair)
-    page.get_by_text("Imported out.yaml.").wait_for()
-    page.get_by_label("Export as").select_option("ros")
-    page.locator("#export-more summary").click()
-    page.get_by_label("Mode", exact=True).select_option("scale")
-    page.locator("#export-x").fill("0.5")
-    page.locator("#export-y").fill("-2")
-    page.get_by_role("button", name="Into the folder").click()
-    page.get_by_text("Wrote world.yaml, world.pgm").wait_for()
-    assert page.complaints == []
-    assert "mode: scale" in (folder / "world.yaml").read_text()
-    assert "origin: [0.5, -2, 0.0]" in (folder / "world.yaml").read_text()
-
-
-@pytest.mark.nightly
 def test_a_map_is_imported_again_with_other_options_and_another_row_and_its_like_begins_anew(page, folder, tmp_path):
     (tmp_path / "x.bin").write_bytes(b"junk")
     pair = scenario_in(tmp_path)

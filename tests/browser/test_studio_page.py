@@ -11,9 +11,11 @@ import pytest
 
 from sim.episode import simulate
 from sim.run_options import RunOptions
+from tests.helpers.command_line import worldgen
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened, place, solid_cells
-from worldgen.grid_file import read_world
+from worldgen import generate
+from worldgen.grid_file import read_world, write_world
 
 CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 FAILURE = CONFIG_5.parents[1] / "thesis-faults/thesis-1-loop-104.grid"
@@ -364,3 +366,33 @@ def test_start_and_target_are_named_under_the_mouse(page):
         page.mouse.move(*place(page, float(x) / 0.1, float(y) / 0.1))
         page.locator(".status .place", has_text=f"{name} · cell").wait_for()
         assert page.locator("#board").get_attribute("title").startswith(name)
+
+
+@pytest.mark.gate
+def test_a_name_that_was_typed_stays_while_one_draws_on(page):
+    page.keyboard.press("Control+s")
+    page.keyboard.type("mine")
+    drag(page, (3, 3), (9, 3))
+    page.locator("#name", has_text="changed").wait_for()
+    assert page.locator("#save-name").input_value() == "mine"
+
+
+@pytest.mark.gate
+def test_a_pair_of_ros_is_imported_by_the_mouse_and_exported_with_options(page, folder, tmp_path):
+    write_world(generate("corridor", 3), tmp_path / "w.grid")
+    assert worldgen("export", tmp_path / "w.grid", "--to", "ros", "--out", tmp_path / "out.yaml").code == 0
+    pair = [tmp_path / "out.pgm", tmp_path / "out.yaml"]
+    page.locator("#tab-files").click()
+    page.get_by_text("Import and export").click()
+    page.locator("#import").set_input_files(pair)
+    page.get_by_text("Imported out.yaml.").wait_for()
+    page.get_by_label("Export as").select_option("ros")
+    page.locator("#export-more summary").click()
+    page.get_by_label("Mode", exact=True).select_option("scale")
+    page.locator("#export-x").fill("0.5")
+    page.locator("#export-y").fill("-2")
+    page.get_by_role("button", name="Into the folder").click()
+    page.get_by_text("Wrote world.yaml, world.pgm").wait_for()
+    assert page.complaints == []
+    assert "mode: scale" in (folder / "world.yaml").read_text()
+    assert "origin: [0.5, -2, 0.0]" in (folder / "world.yaml").read_text()

@@ -23,7 +23,7 @@ def gate(tmp_path_factory):
         yield gate
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_picture_film_and_page_are_saved_with_the_mouse_and_the_page_replays_by_itself(browser, gate, tmp_path):
     with opened(browser, gate) as page:
         page.keyboard.press("2")

@@ -4,9 +4,10 @@ import pytest
 
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_held import hold, let_go
-from tests.helpers.studio_page import drag, opened
 from worldgen import generate
 from worldgen.grid_file import write_world
+
+pytestmark = pytest.mark.nightly
 
 
 @pytest.fixture(scope="module")
@@ -28,17 +29,6 @@ def has_asked(page):
     page.wait_for_function("() => window.held.length > 0")
 
 
-@pytest.mark.gate
-def test_a_name_that_was_typed_stays_while_one_draws_on(browser, tmp_path):
-    with studio_of(tmp_path) as gate, opened(browser, gate) as page:
-        page.keyboard.press("Control+s")
-        page.keyboard.type("mine")
-        drag(page, (3, 3), (9, 3))
-        page.locator("#name", has_text="changed").wait_for()
-        assert page.locator("#save-name").input_value() == "mine"
-
-
-@pytest.mark.nightly
 def test_where_every_way_closes_is_known_after_saving_as_before(page):
     known = page.locator("#widest", has_text="Every way closes")
     known.wait_for()
@@ -49,7 +39,6 @@ def test_where_every_way_closes_is_known_after_saving_as_before(page):
     assert page.locator("#widest").inner_text() == words
 
 
-@pytest.mark.nightly
 def test_a_wrong_number_goes_with_the_world_for_which_it_was_typed(page):
     radius = page.get_by_role("spinbutton", name="Radius").first
     was = radius.input_value()
@@ -64,7 +53,6 @@ def test_a_wrong_number_goes_with_the_world_for_which_it_was_typed(page):
     assert radius.input_value() == was
 
 
-@pytest.mark.nightly
 def test_walls_that_were_to_change_places_and_no_more_are_to_stay_where_they_are(page):
     held(page, "shift")
     page.locator("#proof.good").wait_for()
@@ -78,7 +66,6 @@ def test_walls_that_were_to_change_places_and_no_more_are_to_stay_where_they_are
     assert "changed" not in page.locator("#name").inner_text()
 
 
-@pytest.mark.nightly
 def test_what_is_imported_while_the_page_begins_is_not_replaced_by_the_file_to_open_first(page):
     held(page, "hello")
     has_asked(page)
