@@ -26,7 +26,12 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 _OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 _compiling: list[Work] = []  # what is compiled now: one, or none
-_PARTS = {"worldgen": "the generator and its proofs", "sim": "the simulator", "fuzz": "the search"}
+_PARTS = {
+    "worldgen": "the generator and its proofs",
+    "sim": "the simulator",
+    "fuzz": "the search",
+    "worldgen_plugins": "the environments",
+}
 
 
 def cache_root() -> Path | None:

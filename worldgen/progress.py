@@ -23,6 +23,7 @@ from worldgen.plain_text import shown
 
 __all__ = ["Display", "Work", "display_on_stderr", "is_quiet", "say_once", "set_verbosity", "spoke", "working"]
 
+_clock = time.monotonic
 _LOGGER = logging.getLogger("worldgen")
 _FIRST = 2.0  # s of silence before the first line
 _EVERY = 5.0  # s between two lines in a log ...
@@ -77,6 +78,20 @@ class Work:
         rate = (done - before) / seconds
         left = "" if total is None else f", {_duration((total - done) / rate)} left"
         return f"{words} ({rate:,.0f}/s{left})" if rate >= 10.0 else f"{words} ({rate:.2g}/s{left})"
+
+
+class _LoggedWork(Work):
+    """Work in library use: its details go to the log, every few seconds at most."""
+
+    _logged = 0.0
+
+    def count(self, done: int, total: int | None = None, noun: str = "") -> None:
+        """See :meth:`Work.count`."""
+        super().count(done, total, noun)
+        now = self._clock()
+        if now - max(self._logged, self.begun) >= _EVERY:
+            self._logged = now
+            _LOGGER.info("%s", self.text())
 
 
 class Display:
@@ -173,13 +188,13 @@ class Display:
         if not due and not (terminal and self._drawn):
             return
         # Details of the innermost only: on one line there is no room for more.
-        parts = dict.fromkeys([*(shown(work.message) for work in works[:-1]), works[-1].text()])
-        line = f"{'; '.join(parts)} ({_duration(now - works[0].begun)})"
+        parts = list(dict.fromkeys([*(shown(work.message) for work in works[:-1]), works[-1].text()]))
+        took = f" ({_duration(now - works[0].begun)})"
         if terminal:
             self._drawn = True
-            self._put(_CLEAR + _cut(line, _columns() - 1))
+            self._put(_CLEAR + _fitted(parts, took, _columns() - 1))
         else:
-            self._write(f"{line}\n")
+            self._write(f"{'; '.join(parts)}{took}\n")
             self._patience = _LATER if now - works[0].begun > _LONG else _EVERY
 
     def _watch(self, over: threading.Event) -> None:
@@ -223,7 +238,7 @@ def working(message: str, *, often: bool = False) -> Iterator[Work]:
     display = _display
     if display is None:
         _LOGGER.log(logging.DEBUG if often else logging.INFO, "%s", message)
-        yield Work(message)
+        yield _LoggedWork(message, _clock) if _LOGGER.isEnabledFor(logging.INFO) else Work(message)
         return
     work = display.begin(message, often=often)
     try:
@@ -299,13 +314,13 @@ def _columns() -> int:
         return _WIDTH
 
 
-def _cut(line: str, columns: int) -> str:
-    """The beginning and the end of a line that is too long for the terminal: the end has the time."""
+def _fitted(parts: list[str], end: str, columns: int) -> str:
+    """One line for a terminal: without the outer parts if it would be too long, then cut before its end."""
     from rich.cells import cell_len, set_cell_size  # noqa: PLC0415 - only when a live line is drawn
 
-    if cell_len(line) <= columns:
-        return line
-    head, _, tail = line.rpartition(" (")
-    tail = f"... ({tail}"
-    room = columns - cell_len(tail)
-    return set_cell_size(head, room) + tail if room > 0 else set_cell_size(line, max(columns, 0))
+    for first in range(len(parts)):
+        line = "; ".join(parts[first:]) + end
+        if cell_len(line) <= columns:
+            return line
+    room = columns - cell_len(f"...{end}")
+    return set_cell_size(parts[-1], room) + f"...{end}" if room > 0 else set_cell_size(parts[-1], max(columns, 0))

@@ -186,6 +186,7 @@ def _begin(
     """A new campaign, or the same one again in its folder."""
     from fuzz.ledger import begin, stored_seed
     from fuzz.session import configure
+    from sim.commands.notes import note_unused
     from worldgen.grid_file import read_world
 
     if controller is None or out is None:
@@ -206,6 +207,7 @@ def _begin(
         seed=draw_seed(stored_seed(out) if seed is None and not force else seed),
         epoch=epoch,
     )
+    note_unused([config.scenario])
     return begin(config, out, goal, force=force)
 
 

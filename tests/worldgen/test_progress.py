@@ -68,6 +68,15 @@ def test_a_live_line_is_cut_to_the_terminal_and_keeps_the_time(clock, monkeypatc
     assert drawn.endswith("... (3.0 s)")
 
 
+def test_a_live_line_that_is_too_long_leaves_out_the_outer_work_first(clock, monkeypatch, capsys):
+    display = watched(clock, monkeypatch, terminal=True)
+    monkeypatch.setattr(progress, "_columns", lambda: 30)
+    with working("digging a hole"), working("resting in it"):
+        clock.now = 3.0
+        display.tick()
+        assert capsys.readouterr().err == "\r\x1b[Kresting in it (3.0 s)"
+
+
 def test_another_message_counts_as_said_and_takes_the_live_line_away(clock, monkeypatch, capsys):
     display = watched(clock, monkeypatch, terminal=True)
     with working("digging"):
@@ -128,6 +137,19 @@ def test_library_use_prints_nothing_and_logs(capsys, caplog):
         work.count(1, 2)
     assert caplog.messages == ["digging"]
     assert capsys.readouterr().err == ""
+
+
+def test_library_use_logs_how_far_counted_work_is_every_few_seconds(clock, monkeypatch, caplog):
+    monkeypatch.setattr(progress, "_clock", clock)
+    with caplog.at_level(logging.INFO, "worldgen"), working("digging") as work:
+        for done in range(13):
+            clock.now = float(done)
+            work.count(done, 12, "holes")
+    assert caplog.messages == [
+        "digging",
+        "digging: 5 of 12 holes (1/s, 7.0 s left)",
+        "digging: 10 of 12 holes (1/s, 2.0 s left)",
+    ]
 
 
 def test_an_error_within_work_ends_it(monkeypatch):
