@@ -211,7 +211,7 @@ FAULTS = (
         "harder", "the difficulty of a world is the published number",
         "worldgen/difficulty/model.py", "(1.0 + total / (1.0 + abs(total))) / 2.0",
         "(1.0 + total / (2.0 + abs(total))) / 2.0",
-        ("tests/worldgen/test_difficulty.py", "tests/worldgen/test_difficulty_metrics.py"),
+        ("tests/worldgen/test_difficulty_search.py",),
     ),
     # Plug-ins and pages
     Fault(

@@ -113,3 +113,11 @@ def test_what_should_make_a_world_harder_makes_it_more_difficult(name):
     tables = [{**dict.fromkeys(INPUTS, 2.0), name: value} for value in (1.0, 1.5, 3.0, 50.0)]
     scores = [difficulty(table, 0.07) for table in tables]
     assert scores == sorted(scores) and 0.0 <= scores[0] < scores[-1] <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("concavity", "detour", "radius", "number"),
+    [(0.0, 1.0, 0.1, 0.15974440894568692), (1.0, 1.5, 0.1, 0.7560708216850298), (5.0, 9.0, 0.07, 0.8776638904276601)],
+)
+def test_the_difficulty_of_known_metrics_is_the_published_number(concavity, detour, radius, number):
+    assert difficulty({"concavity": concavity, "detour": detour}, radius) == number
