@@ -149,8 +149,11 @@ FAULTS = (
         ("tests/fuzz/test_oracles.py",),
     ),
     Fault(
-        "rows-not-tried", "the check of 1-minimality tries every cell, row and column",
-        "fuzz/shrink/minimal.py", "for row in range(world.height):", "for row in range(world.height - 1):",
+        "rows-stay",
+        "a shrunk failure is 1-minimal: no cell, row or column can go",
+        "fuzz/shrink/edits.py",
+        "if world.height - count < _SMALLEST_SIDE:",
+        "if world.height - count < _SMALLEST_SIDE + 4:",
         ("tests/fuzz/test_shrink.py",),
     ),
     Fault(
@@ -225,9 +228,11 @@ FAULTS = (
         ("tests/plugins/test_pytest.py",),
     ),
     Fault(
-        "not-registered", "Hypothesis draws worlds from the type alone",
-        "worldgen_plugins/for_hypothesis.py", "sys.meta_path.insert(0, _Awaited())",
-        "sys.meta_path.append(_Awaited())",
+        "loader-left",
+        "a program that imports Hypothesis and worldgen finds the modules as they always are",
+        "worldgen_plugins/for_hypothesis.py",
+        "module.__loader__ = self._loader",
+        "module.__loader__ = self",
         ("tests/plugins/test_hypothesis.py",),
     ),
     Fault(
