@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field, replace
 
-from sim.controllers.process import is_process_name
+from sim.controllers.process import PROGRAM_OPTIONS, is_process_name
 from sim.robot_options import RobotOptions
 from sim.run_options import RunOptions, step_budget, switch_class, switch_sets
 from sim.thesis_options import REPAIRS, ThesisOptions
@@ -66,6 +66,10 @@ class Scenario:
         for variation in variations:
             name, equals, value = variation[1:].partition("=")
             said: str | None = value.strip() if equals else None
+            if name in PROGRAM_OPTIONS and not is_process_name(controller):
+                raise InvalidParameter(
+                    f"+{name} is an option of programs and stands before the colon: write 'cmd{variation}:{controller}'"
+                )
             if name == "motion":
                 motion = _said(name, said, "stepped")
             elif name in ("time_step", "time-step"):

@@ -20,6 +20,7 @@ from sim.controllers.program import Limits, Misbehaviour, Program, find_program,
 from worldgen.errors import InvalidParameter
 
 __all__ = [
+    "PROGRAM_OPTIONS",
     "PROTOCOL_VERSION",
     "ProcessController",
     "is_process_name",
@@ -28,7 +29,9 @@ __all__ = [
 ]
 
 PROTOCOL_VERSION = 1
-_OPTIONS = ("deadline", "start", "memory")
+PROGRAM_OPTIONS = ("deadline", "start", "memory")
+"""Options that only a program has."""
+
 
 _NAME = re.compile(r"cmd(?P<options>(?:\+[^:+]*)*):(?P<command>.*)", re.DOTALL)
 _SIZE = re.compile(r"(?P<number>\d+)(?P<unit>[kMGT]?)")
@@ -102,9 +105,8 @@ class ProcessController:
             elif key == "memory":
                 settings["memory_limit"] = _bytes(value)
             else:
-                raise InvalidParameter(
-                    f"controller {name!r}: no option {key!r}, but {', '.join(_OPTIONS)} and the run's; write {_EXAMPLE}"
-                )
+                known = f"{', '.join(PROGRAM_OPTIONS)} and the run's"
+                raise InvalidParameter(f"controller {name!r}: no option {key!r}, but {known}; write {_EXAMPLE}")
         return cls(_words(name, parts["command"]), **settings)
 
     def __repr__(self) -> str:

@@ -274,14 +274,18 @@ def test_where_the_smallest_no_longer_replays_the_next_one_stays(tmp_path):
     assert judged == [("small.grid", False), ("next.grid", True)]
 
 
-@pytest.mark.parametrize("body", ["raise FileNotFoundError('map.yaml')", "return None"])
-def test_prune_keeps_failures_whose_controller_now_fails_for_itself(body, tmp_path):
+@pytest.mark.parametrize(
+    ("body", "verdict"), [("raise FileNotFoundError('map.yaml')", "crash"), ("return None", "invalid-command")]
+)
+def test_prune_keeps_failures_whose_controller_now_fails_for_itself(body, verdict, tmp_path):
     (tmp_path / "mine.py").write_text(f"class R:\n def reset(self): return ()\n def act(self, o, m): {body}\n")
     world = read_world(LOOP)
     record = replace(world.failure, controller=f"{tmp_path}/mine.py:R", motion="swept")
     write_world(replace(world, failure=record), tmp_path / "f.grid")
     result = worldgen("corpus", "prune", tmp_path)
-    assert result.code == 1 and (tmp_path / "f.grid").exists() and "its controller ends in crash here" in result.out
+    assert (
+        result.code == 1 and (tmp_path / "f.grid").exists() and f"its controller ends in {verdict} here" in result.out
+    )
 
 
 def test_prune_refuses_an_archive():

@@ -11,6 +11,7 @@ import pytest
 from sim.controllers import CONTROLLERS
 from sim.controllers.program import WantsMemory
 from sim.episode import simulate
+from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import InvalidParameter, generate, write_world
 
@@ -140,3 +141,8 @@ def test_a_program_without_cmd_gets_the_hint_that_it_needs(name, words, tmp_path
     with pytest.raises(InvalidParameter) as refused:
         CONTROLLERS.get(name)
     assert words in str(refused.value)
+
+
+def test_an_option_of_programs_behind_another_controller_gets_the_hint_that_it_needs():
+    with pytest.raises(InvalidParameter, match=r"cmd\+memory=4G:\./robot"):
+        Scenario.parse("./robot+memory=4G")
