@@ -276,6 +276,8 @@ def updated(text: str, done: list[Done]) -> str:
         command = one.command
         if command.hidden or not command.shown or matches(command.shown, one.printed):
             continue
+        if one.code >= _WENT_WRONG:  # the page's command is wrong, not what it shows
+            continue
         printed = one.printed
         skips = [k for k, line in enumerate(command.shown) if line.strip() == "..."]
         if skips:

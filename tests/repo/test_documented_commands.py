@@ -88,8 +88,13 @@ def test_three_dots_and_durations_stand_for_anything(shown, printed, same):
 
 def test_an_update_writes_what_is_printed_and_keeps_what_is_left_out():
     first, second, _ = page().blocks[0].commands
-    text = updated(PAGE, [Done(first, 0, ["w.grid: other", "and more"]), Done(second, 2, ["bye", "x", "y"])])
+    text = updated(PAGE, [Done(first, 0, ["w.grid: other", "and more"]), Done(second, 0, ["bye", "x", "y"])])
     assert "\nw.grid: other\nand more\n$ worldgen show \\\n    missing.grid\nbye\n...\n$ cat" in text
+
+
+def test_an_update_shows_no_message_of_a_command_that_could_not_do_its_work():
+    first, *_ = page().blocks[0].commands
+    assert updated(PAGE, [Done(first, 2, ["worldgen: w.grid is there already"])]) == PAGE
 
 
 def test_an_update_leaves_alone_what_differs_only_in_how_long_it_took():
