@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import time
+import math
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, TypeVar
@@ -12,23 +12,36 @@ from typing import Any, Generic, TypeVar
 from fuzz.boundary import with_boundaries
 from fuzz.config import CampaignConfig
 from fuzz.crews import Crew, crew_of
+from fuzz.deadline import Deadline
 from fuzz.ledger import Ledger
 from fuzz.ledger.entry import Done
 from fuzz.result import Memory, UnitResult
+from fuzz.schedule import Schedule
 from fuzz.shrink import shrink
 from fuzz.unit import run_unit
+from sim.stopping import OutOfTime, check_time, stopping_when
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import dumps
 from worldgen.workers import LISTEN
-from worldgen.world import World
+from worldgen.world import Value, World
 
-__all__ = ["Campaign", "CampaignState", "Find", "Found", "Progress", "UnitDone", "shrunk_or_same"]
+__all__ = [
+    "Campaign",
+    "CampaignState",
+    "Find",
+    "Found",
+    "Progress",
+    "Shrinking",
+    "UnitDone",
+    "is_shrunk",
+    "shrunk_or_same",
+]
 
 T = TypeVar("T")
 
 _RESTARTS = 6  # failures of one class that are shrunk; the smallest result stays
-_SEARCH = 0.75  # share of the time after which no more is searched while failures wait to be shrunk
-_TO_SHRINK = 5.0  # s, at least, after the last unit; a quarter of the time if that is more
+GRACE = 1.0  # s after the end of the time in which work under way may still come in
+TO_HAND_IN = 3.0  # s after Ctrl-C that the units under way have to hand in what they met
 
 
 @dataclass(frozen=True)
@@ -93,9 +106,12 @@ class CampaignState:
 
     Args:
         units: Done and merged.
+        cut: Units that were cut short by the time or by Ctrl-C, beside these.
+        until: One more than the greatest number of a unit, whole or cut.
         worlds: Scenarios simulated.
         steps: Steps simulated.
         seconds: Of all sittings together.
+        times: Of this sitting, s: ``start-up``, ``search`` and ``shrinking``.
         verdicts: At first look.
         met: How often each class was met.
         known: Likewise, of the classes that are no news.
@@ -105,9 +121,12 @@ class CampaignState:
     """
 
     units: int = 0
+    cut: int = 0
+    until: int = 0
     worlds: int = 0
     steps: int = 0
     seconds: float = 0.0
+    times: dict[str, float] = field(default_factory=dict)
     verdicts: Counter[str] = field(default_factory=Counter)
     met: Counter[str] = field(default_factory=Counter)
     known: Counter[str] = field(default_factory=Counter)
@@ -127,6 +146,19 @@ class _Under(Generic[T]):
 
     future: Future[T]
     seconds: float | None = None
+
+
+@dataclass(frozen=True)
+class Shrinking:
+    """What shrinking came to.
+
+    Args:
+        world: The failure.
+        complete: Whether shrinking ended by itself, and not by the clock.
+    """
+
+    world: World
+    complete: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,12 +182,13 @@ class Campaign:
     Args:
         config: What to look for.
         units: Amount of work; the corpus then depends on the seed alone.
-        seconds: Stop handing out work after this time; ignored if ``units`` is given. What was not shrunk until then
-            is pending.
+        seconds: Time, ignored if ``units`` is given. Three quarters of it are for the search, the rest for shrinking.
+            Units under way are then cut short, and keep what they met. What was not shrunk until the end is pending.
         workers: Processes; 1 works in this one.
         crew: Who does the work, instead of processes.
         ledger: Remembers what was done, so that another campaign of the same configuration goes on with it.
         is_known: Whether a failure is of a class that is no news: those are counted, but not shrunk and not kept.
+        began: When the time began, by ``time.monotonic``; with :meth:`run` if omitted.
 
     Iterating over :meth:`run` does the work. Whatever stops it, ``state.best`` and :meth:`pending` keep all
     that was found. Whatever was stopped and when, once it has gone on to as many units the state is the same.
@@ -171,21 +204,29 @@ class Campaign:
         crew: Crew | None = None,
         ledger: Ledger | None = None,
         is_known: Callable[[World], bool] = lambda _: False,
+        began: float | None = None,
     ) -> None:
         self._is_known = is_known
         self.config, self.units, self.seconds = config, units, seconds
         self.state = CampaignState()
         self._crew: Crew = crew or crew_of(workers)
         self._ledger = ledger or Ledger()
+        self._schedule = Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began)
         self._candidates: dict[str, list[World]] = {}  # by class, those that are shrunk
         self._known_ones: dict[str, list[World]] = {}  # likewise, those that would be were their class no known one
         self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
         self._known = [Memory(), Memory()]  # by epoch
         self._jobs: list[_Job] = []  # that wait for a worker
+        self._under_way: dict[int, _Under[UnitResult]] = {}  # units
+        self._shrinks: list[tuple[_Job, _Under[Shrinking]]] = []
         self._next = 0  # unit
-        self._began: float | None = None  # this sitting, when it had gone through the ledger
-        self._searched = 0.0  # s, of this sitting, when the last unit was merged
+        self._merged = 0  # units
         self._before = 0.0  # s, of earlier sittings
+
+    @property
+    def is_ready(self) -> bool:
+        """Return True once what the first units need is loaded, and the time has begun."""
+        return self._schedule.is_ready
 
     def pending(self) -> dict[str, World]:
         """Failures by class that are proved but not shrunk yet; of use after an interruption, or when time is up."""
@@ -193,97 +234,163 @@ class Campaign:
         return {kind: min(worlds, key=_size) for kind, worlds in self._candidates.items() if kind not in best}
 
     def run(self) -> Generator[Progress, None, None]:
-        """Does the campaign, or what is left of it."""
-        merged = 0
-        units: dict[int, _Under[UnitResult]] = {}
-        shrinks: list[tuple[_Job, _Under[World]]] = []
-        with self._crew as crew:
-            while True:
-                self._hand_out(crew, units, shrinks)
-                if not units and not shrinks:
-                    self._queue(self._slid(), shrinks)
-                    if not shrinks and (not self._jobs or self._is_over()):
-                        return
-                    continue
-                self._wait(crew, [*(one.future for one in units.values()), *(one.future for _, one in shrinks)])
-                while merged in units and units[merged].future.done():
-                    self._queue(self._merge(merged, units[merged]), shrinks)
-                    yield UnitDone(merged, self.state, units.pop(merged).seconds is not None)
-                    merged += 1
-                    yield from self._kept(shrinks)
-                yield from self._kept(shrinks)
+        """Does the campaign, or what is left of it.
 
-    def _hand_out(
-        self, crew: Crew, units: dict[int, _Under[UnitResult]], shrinks: list[tuple[_Job, _Under[World]]]
-    ) -> None:
+        Raises:
+            KeyboardInterrupt: After Ctrl-C, once the units under way have handed in what they had.
+        """
+        with self._crew as crew:
+            try:
+                yield from self._run(crew)
+            except KeyboardInterrupt:
+                crew.stop()
+                self._take_what_is_there(crew)
+                raise
+
+    def _run(self, crew: Crew) -> Generator[Progress, None, None]:
+        while True:
+            self._hand_out(crew)
+            if not self._under_way and not self._shrinks:
+                self._queue(self._slid())
+                if not self._shrinks and (not self._jobs or self._schedule.is_over()):
+                    break
+                continue
+            self._wait(crew)
+            while self._merged in self._under_way and self._under_way[self._merged].future.done():
+                yield from self._merge_next()
+                yield from self._kept()
+            yield from self._kept()
+            if self._schedule.is_over(GRACE):
+                break
+        if self._under_way or self._shrinks:  # they do not answer in time, so nobody waits for them
+            crew.stop()
+        if self.units is None:
+            self._take_from_earlier()
+        if self._schedule.is_ready:
+            self.state.seconds, self.state.times = self._before + self._schedule.sat(), self._schedule.times()
+
+    def _merge_next(self) -> Iterator[Progress]:
+        unit, under = self._merged, self._under_way.pop(self._merged)
+        self._merged += 1
+        self._queue(self._merge(unit, under))
+        yield UnitDone(unit, self.state, under.seconds is not None)
+        if under.future.result().interrupted:
+            raise KeyboardInterrupt
+
+    def _take_what_is_there(self, crew: Crew) -> None:
+        """After Ctrl-C: what the units under way have found, from those that answer."""
+        if self._schedule.is_ready:
+            wait([one.future for one in self._under_way.values()], TO_HAND_IN)
+        for unit, under in sorted(self._under_way.items()):
+            if under.future.done() and not under.future.cancelled() and under.future.exception() is None:
+                self._merge(unit, under)
+        self._under_way.clear()
+        list(self._kept())
+
+    def _take_from_earlier(self) -> None:
+        """What an earlier sitting met in units that were cut short, and this one did not come to."""
+        for unit in self._ledger.units_cut():
+            if unit >= self._merged and (done := self._ledger.cut_unit(unit)) is not None:
+                self._merge(unit, _Under(_finished(done.result), done.seconds))
+
+    def _hand_out(self, crew: Crew) -> None:
         """Gives each free worker something to do.
 
-        The first failure of each class is shrunk before more is searched, the others after it, or when most of the time
-        is gone. What order it is done in changes nothing of the result, but for what an end of the time leaves.
+        The first failure of each class is shrunk before more is searched, the others after it. Where time is the
+        budget, shrinking has its share of it: during the search and after it.
         """
-        while len(units) + len(shrinks) < crew.room:
-            job, unit = self._next_job(self._is_over(_SEARCH)), None
-            if job is None:
-                unit = self._unit(crew, self._next)
-            if unit is not None:
-                units[self._next], self._next = unit, self._next + 1
-                continue
-            job = job or self._next_job(any_of_class=True)
+        while len(self._under_way) + len(self._shrinks) < crew.room:
+            search_first = self._schedule.search_comes_first
+            if not search_first:
+                self._queue(self._slid_already())
+            job, unit = self._next_job(first_only=search_first), None
+            if job is None and self._schedule.may_search:
+                if (unit := self._unit(crew, self._next)) is not None:
+                    self._under_way[self._next], self._next = unit, self._next + 1
+                    continue
+                if not self._schedule.is_ready and self._has_more_units():
+                    self._get_ready(crew)
+                    continue
+            job = job or self._next_job()
             if job is None:
                 return
-            shrinks.append((job, _Under(crew.submit(shrunk_or_same, job.failure, job.kept))))
+            if not self._schedule.is_ready:
+                self._get_ready(crew)
+            seconds, end = self._schedule.for_shrinking(self._jobs_before(job) + 1, max(crew.room - 1, 1))
+            with self._schedule.doing(0, 1):
+                self._shrinks.append(
+                    (job, _Under(crew.submit(shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end)))
+                )
 
-    def _next_job(self, any_of_class: bool) -> _Job | None:
-        """A failure to be shrunk, those first that are first of their class; ``None`` when there is no more time."""
-        if self._is_over():
+    def _get_ready(self, crew: Crew) -> None:
+        """Waits until all that is needed is loaded; the time begins when it is."""
+        loading = [] if self._schedule.is_unlimited else crew.prepare(self.config)
+        while loading and wait(loading, LISTEN).not_done:
+            crew.listen()
+        for one in loading:
+            one.result()
+        self._schedule.begin()
+
+    def _next_job(self, *, first_only: bool = False) -> _Job | None:
+        """A failure to be shrunk, the first of each class before others; ``None`` when none has its turn."""
+        if self._schedule.is_over() or (first_only and self._schedule.shrank_enough()):
             return None
-        job = min(self._jobs, key=lambda one: one.before, default=None)
-        if job is None or (job.before and not any_of_class):
+        order = _by_turn if self._schedule.is_unlimited else _by_size
+        job = min(self._jobs, key=order, default=None)
+        if job is None or (job.before and first_only):
             return None
         self._jobs.remove(job)
         return job
 
-    def _queue(self, jobs: list[_Job], shrinks: list[tuple[_Job, _Under[World]]]) -> None:
+    def _jobs_before(self, job: _Job) -> int:
+        """How many of those that wait are as urgent, with those under way."""
+        return sum(one.before <= job.before for one in self._jobs) + len(self._shrinks)
+
+    def _queue(self, jobs: list[_Job]) -> None:
         """Puts what is to be shrunk with what waits; with what is done if it needs no work."""
         for job in jobs:
             done = self._ledger.shrunk(job.failure, job.kept) if self.config.shrink else job.failure
             if done is None:
                 self._jobs.append(job)
             else:
-                shrinks.append((job, _Under(_finished(done), 0.0)))
+                self._shrinks.append((job, _Under(_finished(Shrinking(done)), 0.0)))
 
-    def _is_over(self, share: float = 1.0) -> bool:
-        """Whether so much of the time is gone; some of it is always left to shrink what the last units found."""
-        if self.units is not None or self.seconds is None:
+    def _has_more_units(self) -> bool:
+        if self.units is not None and self._next >= self.units:
             return False
-        until = share * self.seconds
-        return self._sat() >= (until if share < 1.0 else max(until, self._searched + max(_TO_SHRINK, until / 4)))
+        return self._next // self.config.epoch < len(self._known)
 
     def _unit(self, crew: Crew, unit: int) -> _Under[UnitResult] | None:
-        """Begins a unit, or takes it from the ledger; ``None`` if it knows too little yet, or there were enough."""
-        if unit // self.config.epoch >= len(self._known) or (self.units is not None and unit >= self.units):
+        """The unit under way, or as the ledger has it; ``None`` where there is none, or who does it is not ready."""
+        if not self._has_more_units():
             return None
         done = self._ledger.unit(unit)
         if done is not None:
-            self._before = max(self._before, done.seconds)
+            self._before = done.seconds
             return _Under(_finished(done.result), done.seconds)
-        if self._began is None:
-            self._began = time.monotonic()
-        if self.units is None and self.seconds is not None and self._sat() >= self.seconds:
+        if not self._schedule.is_ready or self._schedule.is_over():
             return None
-        return _Under(crew.submit(run_unit, self.config, unit, self._known[unit // self.config.epoch]))
+        known, deadline = self._known[unit // self.config.epoch], self._schedule.deadline()
+        with self._schedule.doing(1, 0):
+            return _Under(crew.submit(run_unit, self.config, unit, known, deadline))
 
-    def _wait(self, crew: Crew, under_way: list[Future[Any]]) -> None:
-        while not wait(under_way, LISTEN, return_when=FIRST_COMPLETED).done:
-            crew.listen()
+    def _wait(self, crew: Crew) -> None:
+        futures: list[Future[Any]] = [one.future for one in self._under_way.values()]
+        futures += [one.future for _, one in self._shrinks]
+        with self._schedule.doing(len(self._under_way), len(self._shrinks)):
+            while not wait(futures, LISTEN, return_when=FIRST_COMPLETED).done and not self._schedule.is_over(GRACE):
+                crew.listen()
         crew.listen()
 
     def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_Job]:
         """Adds a unit's result and remembers it; returns what is to be shrunk, the same for any timing."""
         state, result = self.state, under.future.result()
-        self._searched = self._sat()
-        state.seconds = self._before + self._searched if under.seconds is None else under.seconds
-        state.units = unit + 1
+        if result.cut and under.seconds is None:
+            result = self._more_of(unit, result)
+        state.times |= self._schedule.times()
+        state.seconds = self._before + self._schedule.sat() if under.seconds is None else under.seconds
+        state.units, state.cut = state.units + (not result.cut), state.cut + result.cut
+        state.until = max(state.until, unit + 1)
         state.worlds += result.worlds
         state.steps += result.steps
         state.verdicts += result.verdicts
@@ -313,25 +420,41 @@ class Campaign:
             self._known.append(state.memory)
         return jobs
 
-    def _sat(self) -> float:
-        """Seconds of this sitting."""
-        return 0.0 if self._began is None else time.monotonic() - self._began
+    def _more_of(self, unit: int, result: UnitResult) -> UnitResult:
+        """A unit's result, or what an earlier sitting had of the same unit, if that came further."""
+        before = self._ledger.cut_unit(unit)
+        if before is None or before.result.worlds <= result.worlds:
+            return result
+        return replace(before.result, interrupted=result.interrupted)
 
     def _slid(self) -> list[_Job]:
         """Once all else is done: of classes whose worlds all slid into other classes the smallest failure."""
-        kinds = [
-            kind for kind in sorted(self._candidates) if kind not in self.state.best and kind not in self._kept_whole
-        ]
-        self._kept_whole.update(kinds)
-        return [_Job(min(self._candidates[kind], key=_size), "class") for kind in kinds]  # each takes a second
+        return self._whole(kind for kind in self._candidates if kind not in self.state.best)
 
-    def _kept(self, shrinks: list[tuple[_Job, _Under[World]]]) -> Iterator[Found]:
+    def _slid_already(self) -> list[_Job]:
+        """The same of classes whose first world has slid, while others wait: they come before second worlds."""
+        if not self.config.shrink:
+            return []
+        waiting = {class_of(job.failure) for job in self._jobs if not job.before}
+        waiting |= {class_of(job.failure) for job, _ in self._shrinks}
+        return self._whole(kind for kind in self._candidates.keys() - waiting if kind not in self.state.best)
+
+    def _whole(self, kinds: Iterable[str]) -> list[_Job]:
+        fresh = sorted(set(kinds) - self._kept_whole)
+        self._kept_whole.update(fresh)
+        return [_Job(min(self._candidates[kind], key=_size), "class") for kind in fresh]  # each takes a second
+
+    def _kept(self) -> Iterator[Found]:
         """Takes what has been shrunk out of the list, remembers it and keeps the smallest of each class."""
-        for job, under in [one for one in shrinks if one[1].future.done()]:
-            shrinks.remove((job, under))
-            shrunk = under.future.result()
-            if under.seconds is None:
+        for job, under in [one for one in self._shrinks if one[1].future.done()]:
+            self._shrinks.remove((job, under))
+            result = under.future.result()
+            shrunk = result.world
+            if under.seconds is None and result.complete:
                 self._ledger.save_shrunk(job.failure, job.kept, shrunk)
+            self.state.times |= self._schedule.times()
+            if not result.complete and not is_shrunk(shrunk):  # no time was left for it
+                continue
             if self._is_known(shrunk):  # it slid there from a class that is news, which has its turn in the end
                 continue
             kind = class_of(shrunk)
@@ -341,28 +464,55 @@ class Campaign:
                 yield Found(kind, shrunk, before is not None)
 
 
-def shrunk_or_same(failure: World, kept: str = "verdict") -> World:
+def shrunk_or_same(
+    failure: World, kept: str = "verdict", *, seconds: float | None = None, end: float = math.inf
+) -> Shrinking:
     """The failure shrunk, with where it begins; as it was if it does not hold by shrinking's own terms.
 
     Args:
         failure: As it was found.
         kept: What shrinking keeps, as :func:`fuzz.shrink.shrink` takes it.
+        seconds: Stop after this time with the best so far.
+        end: By :func:`fuzz.deadline.now`: if even that is not proved until then, the failure stays as it was.
     """
     try:
-        return with_boundaries(shrink(failure, keep=kept).world, failure)
+        with stopping_when(Deadline(end, end).to_begin_is_over):
+            check_time()
+            made = shrink(failure, keep=kept, seconds=seconds)
+            return Shrinking(with_boundaries(made.world, failure) if made.complete else made.world, made.complete)
+    except OutOfTime:
+        return Shrinking(failure, complete=False)
     except WorldgenError:
-        return failure
+        return Shrinking(failure)
 
 
 def class_of(failure: World) -> str:
     """A failure's class."""
-    return str(failure.failure.details["class"]) if failure.failure else ""
+    return str(_details(failure).get("class", ""))
+
+
+def is_shrunk(failure: World) -> bool:
+    """Return True if a failure was shrunk, and not only found."""
+    return "shrunk_from" in _details(failure)
+
+
+def _details(failure: World) -> Mapping[str, Value]:
+    return failure.failure.details if failure.failure else {}
 
 
 def _finished(result: T) -> Future[T]:
     future: Future[T] = Future()
     future.set_result(result)
     return future
+
+
+def _by_turn(job: _Job) -> tuple[int]:
+    return (job.before,)
+
+
+def _by_size(job: _Job) -> tuple[int, int, tuple[int, int, bytes]]:
+    """The first of each class, the smallest first: so the most are done by the end of the time."""
+    return min(job.before, 1), int(job.kept == "class"), _size(job.failure)
 
 
 def _size(world: World) -> tuple[int, int, bytes]:

@@ -9,11 +9,13 @@ from typing import Any
 from fuzz.asked import Asked, Trial
 from fuzz.config import CampaignConfig
 from fuzz.crash_bucket import crash_bucket
+from fuzz.deadline import NO_DEADLINE, Deadline
 from fuzz.failure import certified, failure_by, failure_of, walled_off
 from fuzz.result import UnitResult
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.outcome import Outcome
 from sim.scenario import Scenario
+from sim.stopping import OutOfTime, check_time, stopping_when
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
@@ -30,10 +32,11 @@ class Door:
     Args:
         config: The campaign's.
         result: Of the unit; runs are counted and failures kept there.
+        deadline: Of the unit.
     """
 
-    def __init__(self, config: CampaignConfig, result: UnitResult) -> None:
-        self._config, self.result = config, result
+    def __init__(self, config: CampaignConfig, result: UnitResult, deadline: Deadline = NO_DEADLINE) -> None:
+        self._config, self.result, self._deadline = config, result, deadline
         self._asked = [Asked.parse(text) for text in config.oracles]
         self._failed: Counter[tuple[str, str]] = Counter()
         controller = CONTROLLERS.get(config.scenario.controller)
@@ -52,12 +55,16 @@ class Door:
 
         Returns:
             The class of a failure; empty if there is none.
+
+        Raises:
+            OutOfTime: If the unit's time is over, once the run is counted and, if it failed, proved.
         """
         verdict = first_look(outcome)
         self.count(verdict, outcome.steps)
         # Crashes are counted by bucket, or one that occurs in every run would keep all others from being proved.
         cause = crash_bucket(outcome.fault) if verdict == "crash" else outcome.cause
         kind = "" if verdict == "reached" else self.enter(world, scenario, verdict, cause)
+        check_time()
         return self.ask(world, scenario) or kind
 
     def enter(self, world: World, scenario: Scenario, verdict: str, cause: str = "", **details: Any) -> str:
@@ -75,6 +82,17 @@ class Door:
         """
         if not self._is_one_of_few(verdict, cause):
             return ""
+        if verdict == "undecided":  # perhaps no failure at all, and the dearest of all proofs
+            with contextlib.suppress(OutOfTime):
+                check_time()
+                return self._proved(world, scenario, verdict, details)
+            return ""
+        with stopping_when(self._deadline.to_prove_is_over):  # a failure counts when it is met
+            check_time()
+            return self._proved(world, scenario, verdict, details)
+
+    def _proved(self, world: World, scenario: Scenario, verdict: str, details: dict[str, Any]) -> str:
+        """Prove, classify and keep a run; return its class, or nothing if it is no failure."""
         details["found_by"] = self.result.lane
         if verdict == "breach":
             sealed = walled_off(world)

@@ -18,6 +18,7 @@ from scipy.special import betaincinv
 
 from fuzz.asked import Asked, Trial, asked_by
 from fuzz.crash_bucket import FACTS
+from fuzz.hazards import hazard_details
 from fuzz.oracles import object_to_breach, objection
 from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
@@ -178,7 +179,9 @@ def failure_of(
             _repeatable(episode.evidence),
         ):
             return None  # a controller that does not do the same twice: nothing that a file could replay
-    return _recorded(world, scenario, options, episode, episode.evidence, failure_class(world, episode), details)
+    kind = failure_class(world, episode)
+    details = {**hazard_details(episode.verdict, kind, scenario), **details}
+    return _recorded(world, scenario, options, episode, episode.evidence, kind, details)
 
 
 def failure_by(world: World, scenario: Scenario, asked: Asked, **details: Value) -> World | None:

@@ -39,6 +39,8 @@ class UnitResult:
         failures: The smallest failure of each class, with witness, evidence and class.
         met: How often each class was met among the failures that were classified.
         elites: By cell of the archive, what deserves to be there.
+        cut: Whether its time was over before its work was done; the rest holds what it had until then.
+        interrupted: Whether Ctrl-C did that.
     """
 
     lane: str = ""
@@ -48,6 +50,8 @@ class UnitResult:
     failures: dict[str, World] = field(default_factory=dict)
     met: Counter[str] = field(default_factory=Counter)
     elites: dict[tuple[int, ...], Elite] = field(default_factory=dict)
+    cut: bool = False
+    interrupted: bool = False
 
 
 @dataclass(frozen=True)

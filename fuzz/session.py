@@ -5,42 +5,43 @@ from __future__ import annotations
 import contextlib
 import shlex
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
-from rich.console import Console
-from rich.progress import Progress as Bar
-from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from fuzz.asked import Asked, Trial
-from fuzz.campaign import Campaign, Found, Progress
+from fuzz.campaign import Campaign, Found, Progress, UnitDone, is_shrunk
 from fuzz.ci import NO_OUTPUTS, Finding, Outputs, Report
 from fuzz.config import CampaignConfig
 from fuzz.corpus import Baseline
 from fuzz.crews import Crew, WorkersLost
 from fuzz.failure import certified
+from fuzz.hazards import is_unsensed
 from fuzz.lanes import check_lane
 from fuzz.lanes.database import DATABASE
 from fuzz.lanes.drawn import TIME_STEPS
 from fuzz.ledger import Sitting
-from fuzz.summary import lanes_in_words, summary_of
+from fuzz.summary import lanes_in_words, summary_of, times_in_words, whole_time
 from fuzz.telling import describe, replay_line
 from fuzz.variation import Variation
 from sim.motion import MOTIONS
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
+from sim.stopping import stopping_when
 from sim.try_out import EMPTY_ARENA, try_out
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError
-from worldgen.files import write_bytes
 from worldgen.grid_file import dumps
 from worldgen.plain_text import counted
+from worldgen.progress import working
 from worldgen.workers import ctrl_c_kept
 from worldgen.world import World
 
 __all__ = ["CampaignSession", "configure"]
 
 _SUMMARY_EVERY = 1.0  # s, at least, between two summaries while the search goes on
+_TO_DRAW = 2.0  # s for the runs of all pictures together
 _NO_FAILURE = ("reached", "sealed")  # verdicts at first look
 
 
@@ -76,9 +77,8 @@ def configure(
     names = [one.name for one in varied]
     if twice := {name for name in names if names.count(name) > 1}:
         raise InvalidParameter(f"--vary {min(twice)} is given twice; put all its values into one, after commas")
-    _try_out(scenario, [Asked.parse(text) for text in oracles])
     wanted = fixed_map is None if shrink is None else shrink
-    return CampaignConfig(
+    config = CampaignConfig(
         scenario,
         seed,
         families,
@@ -91,10 +91,14 @@ def configure(
         database=database,
         epoch=epoch,
     )
+    with working("loading the simulator (compiled once after an installation, for about a minute)"):
+        _try_out(config, [Asked.parse(text) for text in oracles])
+    return config
 
 
-def _try_out(scenario: Scenario, asked: list[Asked]) -> None:
+def _try_out(config: CampaignConfig, asked: list[Asked]) -> None:
     """One short run in an empty arena, judged by each oracle, so that a name or a compile error shows at once."""
+    scenario = config.scenario
     outcome = try_out(scenario)
     if outcome.verdict == "hang" and outcome.steps == 1:  # so would every run, each for the whole start-up deadline
         raise InvalidParameter(
@@ -115,6 +119,8 @@ class CampaignSession:
         quiet: Print one JSON object at the end instead of text.
         outputs: Reports to write at the end.
         baseline: Failures whose classes are known: they are counted only; none if left out.
+        count_hazards: Whether a robot burned by what its controller cannot sense makes the exit code 1, too.
+        began: When the command began, by ``time.monotonic``.
     """
 
     def __init__(
@@ -125,8 +131,10 @@ class CampaignSession:
         quiet: bool = False,
         outputs: Outputs = NO_OUTPUTS,
         baseline: Baseline | None = None,
+        count_hazards: bool = False,
+        began: float | None = None,
     ) -> None:
-        self._baseline = baseline or Baseline()
+        self._baseline, self._count_hazards = baseline or Baseline(), count_hazards
         self._config, self._folder, self._quiet, self._outputs = sitting.config, sitting.folder, quiet, outputs
         self._out = sitting.folder.out
         goal = sitting.goal
@@ -137,6 +145,7 @@ class CampaignSession:
             crew=crew,
             ledger=sitting.folder,
             is_known=self._baseline.has,
+            began=began,
         )
         self._limit = f"{goal.seconds:g} s" if goal.units is None else counted(goal.units, "unit")
         self._unsaved: set[str] = set()
@@ -153,24 +162,42 @@ class CampaignSession:
             raise OutputError(f"{error}; what was found until then is in {self._out}, and {way_on}") from error
         except OutputError as error:
             raise OutputError(f"{error}; what is there is whole: make room, and {way_on}") from error
-        self._report()
-        if self._outputs:
-            self._outputs.write(self._as_report())
+        end = time.monotonic() + _TO_DRAW  # a run of a slow controller may take longer than the budget
+        with stopping_when(lambda: time.monotonic() > end):
+            self._report()
+            if self._outputs:
+                self._outputs.write(self._as_report())
         if stopped:
             kept = counted(len(self._campaign.state.best), "failure")
             note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {way_on}")
             return 130
         self._check_that_anything_ran()
-        return 1 if self._campaign.state.best else 0
+        return 1 if self._failing() else 0
+
+    def _failing(self) -> dict[str, World]:
+        """By class, what makes the exit code 1."""
+        best = self._campaign.state.best
+        return best if self._count_hazards else {kind: one for kind, one in best.items() if not is_unsensed(one)}
+
+    def _hazards(self) -> dict[str, World]:
+        """By class, what burned the robot though its controller could not have known better."""
+        failing = self._failing()
+        return {kind: one for kind, one in self._campaign.state.best.items() if kind not in failing}
 
     def _check_that_anything_ran(self) -> None:
         """Raises if no world could be run: a build must not take that for a controller without failures."""
-        state = self._campaign.state
-        if state.worlds == 0 and state.memory.lanes.keys() - {DATABASE}:
+        state, lanes = self._campaign.state, self._campaign.state.memory.lanes.keys()
+        if state.worlds or (lanes and lanes <= {DATABASE}):
+            return
+        if state.cut or not lanes:
             raise InvalidParameter(
-                f"no world was run in {counted(state.units, 'unit')}: the robot fits none of them; give it a smaller "
-                "radius, or other families"
+                f"no world was finished within {self._limit}: the controller, or this machine, is too slow for that; "
+                "give a larger --budget, or smaller worlds"
             )
+        raise InvalidParameter(
+            f"no world was run in {counted(state.units, 'unit')}: the robot fits none of them; give it a smaller "
+            "radius, or other families"
+        )
 
     def _search(self) -> bool:
         """Does the work; returns whether Ctrl-C stopped it."""
@@ -185,38 +212,43 @@ class CampaignSession:
         return False
 
     def _watch(self) -> None:
-        console = Console(stderr=True)
-        columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
         events = self._campaign.run()
         with (
-            Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as bar,
+            working(f"searching ({self._limit})") as work,
             ctrl_c_kept() as listen,
             contextlib.closing(events),
         ):
-            task = bar.add_task(f"searching ({self._limit})", total=None)
+            work.say(self._so_far)
             for event in events:
                 listen()
                 self._see(event)
-                state = self._campaign.state
-                bar.update(
-                    task,
-                    description=f"searching ({self._limit}): {state.worlds} worlds, "
-                    f"{sum(n for verdict, n in state.verdicts.items() if verdict not in _NO_FAILURE)} failed, "
-                    f"{counted(len(state.best), 'class', 'classes')}",
-                )
         self._goes_on = False
-        if (late := len(self._save_pending())) and self._config.shrink:
-            kinds, units = len(self._campaign.state.best), self._campaign.state.units
+        if self._campaign.units is not None:
+            self._folder.remove_failures_but([self._path(kind).name for kind in self._campaign.state.best])
+        late = sum(not is_shrunk(world) for world in {**self._campaign.state.best, **self._save_pending()}.values())
+        if late and self._config.shrink:
+            state = self._campaign.state
+            kinds = counted(len(state.best), "class", "classes")
             note(
-                f"{late} of {counted(kinds, 'class', 'classes')} {'is' if late == 1 else 'are'} as found, for the time "
-                f"was over before shrinking was: worldgen fuzz --resume {shlex.quote(str(self._out))} --units {units} "
-                "does the rest"
+                f"{late} of {kinds} {'is' if late == 1 else 'are'} as found, for the time was over before shrinking "
+                f"was: worldgen fuzz --resume {shlex.quote(str(self._out))} --units {state.until} does the rest"
             )
+
+    def _so_far(self) -> str:
+        """The campaign in half a line."""
+        if not self._campaign.is_ready:
+            return "loading the simulator in each process (compiled once after an installation)"
+        state = self._campaign.state
+        failed = sum(count for verdict, count in state.verdicts.items() if verdict not in _NO_FAILURE)
+        shrunk = sum(is_shrunk(world) for world in state.best.values())
+        to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
+        classes = counted(len(state.best.keys() | self._campaign.pending().keys()), "class", "classes")
+        return f"{counted(state.worlds, 'world')}, {failed} failed, {classes}{to_shrink}"
 
     def _see(self, event: Progress) -> None:
         if isinstance(event, Found):
             self._unsaved.add(event.kind)
-        else:
+        elif isinstance(event, UnitDone):
             self._goes_on = event.again
         if not self._goes_on:
             self._save(at_least_after=_SUMMARY_EVERY)
@@ -227,7 +259,7 @@ class CampaignSession:
             data = dumps(self._campaign.state.best[kind])
             path = self._path(kind)
             if not path.is_file() or path.read_bytes() != data:  # when it was first seen stays
-                write_bytes(path, data, force=True)
+                self._folder.write_failure(path.name, data)
         self._unsaved.clear()
         if time.monotonic() - self._summarised >= at_least_after:
             self._folder.save_summary(summary_of(self._config, self._campaign.state))
@@ -247,24 +279,37 @@ class CampaignSession:
         return self._out / f"{kind}.grid"
 
     def _report(self) -> None:
-        state = self._campaign.state
+        state, hazards = self._campaign.state, self._hazards()
         if self._quiet:
-            emit_json(summary_of(self._config, state) | {"failures": self._failures()})
+            lists = {"failures": self._listed(self._failing()), "hazards": self._listed(hazards)}
+            emit_json(summary_of(self._config, state) | lists)
             return
-        for kind, world in sorted(state.best.items()):
+        for kind, world in sorted(self._failing().items()):
+            click.echo(describe(world, self._path(kind), met=state.met))
+        if hazards:
+            click.echo(f"hazards it cannot sense: {counted(len(hazards), 'class', 'classes')}\n")
+        for kind, world in sorted(hazards.items()):
             click.echo(describe(world, self._path(kind), met=state.met))
         click.echo(lanes_in_words(state))
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
+        cut = f" and {state.cut} cut short" if state.cut else ""
         click.echo(
-            f"seed {self._config.seed}: {counted(state.units, 'unit')}, {counted(state.worlds, 'world')}, "
-            f"{counted(state.steps, 'step')} in {state.seconds:.1f} s; at first look {verdicts or 'nothing'}"
+            f"seed {self._config.seed}: {counted(state.units, 'unit')}{cut}, {counted(state.worlds, 'world')}, "
+            f"{counted(state.steps, 'step')} in {whole_time(state):.1f} s; at first look {verdicts or 'nothing'}"
         )
+        if self._campaign.units is None:
+            note(times_in_words(state))
         if state.known:
             often = ", ".join(f"{shown(kind)} {counted(times, 'time')}" for kind, times in sorted(state.known.items()))
             click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")
-        if not state.best:
+        if hazards:
+            often = ", ".join(f"{shown(kind)} {counted(state.met[kind], 'time')}" for kind in sorted(hazards))
+            click.echo(f"hazards it cannot sense: met {often}; --count-hazards makes failures of them")
+        if not self._failing():
             what = "new failure" if state.known else "failure"
-            click.echo(f"no {what} of {self._config.scenario.label()} under {self._config.scenario.motion} found")
+            beside = ", but for hazards that it cannot sense" if hazards else ""
+            who = f"{self._config.scenario.label()} under {self._config.scenario.motion}"
+            click.echo(f"no {what} of {who} found{beside}")
 
     def _as_report(self) -> Report:
         """The campaign for the programs that run tests for a team."""
@@ -273,20 +318,21 @@ class CampaignSession:
         facts = {"controller": shown(scenario.label(scenario.motion, scenario.time_step)), "motion": scenario.motion}
         numbers = {"seed": self._config.seed, "units": state.units, "worlds": state.worlds, "steps": state.steps}
         facts |= {name: str(number) for name, number in numbers.items()} | {"seconds": f"{state.seconds:.1f}"}
-        new = [Finding.of(world, self._path(kind), "new") for kind, world in best]
+        failing = self._failing()
+        new = [Finding.of(world, self._path(kind), "new" if kind in failing else "hazard") for kind, world in best]
         known = sorted((key[2], path, world) for key, (path, world) in self._baseline.failures.items())
         met = [Finding.of(world, path, "known") for kind, path, world in known if state.known[kind]]
         return Report("fuzz", (*new, *met), facts)
 
-    def _failures(self) -> list[dict[str, object]]:
+    def _listed(self, failures: Mapping[str, World]) -> list[dict[str, object]]:
         return [
             {
                 "file": str(self._path(kind)),
                 "verdict": world.failure.verdict if world.failure else "",
                 "class": kind,
                 "solid_cells": world.solid_cells,
-                "shrunk": world.failure is not None and "shrunk_from" in world.failure.details,
+                "shrunk": is_shrunk(world),
                 "replay": replay_line(self._path(kind)),
             }
-            for kind, world in sorted(self._campaign.state.best.items())
+            for kind, world in sorted(failures.items())
         ]

@@ -14,6 +14,7 @@ from sim.episode import Episode, simulate
 from sim.picture import trail_of
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
+from sim.stopping import OutOfTime
 from sim.words import evidence_in_words, frames_in_words
 from worldgen.cli.output import shown
 from worldgen.plain_text import counted, shown_lines
@@ -48,7 +49,11 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     if record is None:
         return str(path)
     options = RunOptions.of(record.motion, record.seed, record.parameters)
-    episode, words = run_to_draw(world)
+    try:
+        episode, words = run_to_draw(world)
+        trail, evidence = trail_of(episode, world), episode.evidence
+    except OutOfTime:  # the controller is slow, and its run no longer needed
+        words, trail, evidence = "", None, record.evidence
     who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
     kind = str(record.details.get("class", record.verdict))
     often = f", met {counted(met[kind], 'time')}" if met and met[kind] else ""
@@ -60,11 +65,11 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     color = wants_color(sys.stdout)
     return (
         f"{shown(who)} under {record.motion}: {record.verdict}{shown(words)}\n"
-        f"{shown_lines(frames_in_words(episode.evidence))}"
+        f"{shown_lines(frames_in_words(evidence))}"
         f"  class {shown(kind)}{often}; "
         f"{world.width} x {world.height} cells, {world.solid_cells} solid{minimal}{chance}\n"
         f"{f'  {begins}{chr(10)}' if begins else ''}"
-        f"{draw_terminal(world, trail=trail_of(episode, world), color=color)}"
+        f"{draw_terminal(world, trail=trail, color=color)}"
         f"  {shown(replay_line(path))}\n"
     )
 

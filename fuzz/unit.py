@@ -3,25 +3,37 @@
 from __future__ import annotations
 
 from fuzz.config import CampaignConfig
+from fuzz.deadline import NO_DEADLINE, Deadline
 from fuzz.door import Door
 from fuzz.lanes import lane_of
 from fuzz.lanes.plan import planned_lane
 from fuzz.lanes.task import Task
 from fuzz.result import Memory, UnitResult
+from sim.stopping import OutOfTime, check_time, stopping_when
 
 __all__ = ["run_unit"]
 
 
-def run_unit(config: CampaignConfig, unit: int, memory: Memory | None = None) -> UnitResult:
-    """Does one unit: draws, runs, proves, classifies. No clock, no shared state.
+def run_unit(
+    config: CampaignConfig, unit: int, memory: Memory | None = None, deadline: Deadline = NO_DEADLINE
+) -> UnitResult:
+    """Do one unit: draw, run, prove, classify. Without a deadline it depends on nothing but its arguments.
 
     Args:
         config: What to look for.
         unit: Its number.
-        memory: What the units up to the epoch before the last one found; nothing where left out.
+        memory: What the units up to the epoch before the last one found; nothing if omitted.
+        deadline: When it ends with what it has until then, as ``cut`` in the result says.
     """
     known = Memory() if memory is None else memory
     name = planned_lane(config, unit, known)
     result = UnitResult(lane=name)
-    lane_of(name)(Task(name, config, unit, known, Door(config, result)))
+    try:
+        with stopping_when(deadline.to_begin_is_over):
+            check_time()
+            lane_of(name)(Task(name, config, unit, known, Door(config, result, deadline)))
+    except OutOfTime:
+        result.cut = True
+    except KeyboardInterrupt:
+        result.cut = result.interrupted = True
     return result

@@ -29,6 +29,7 @@ from sim.kernels import layout
 from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_motion import MOST_POINTS
 from sim.kernels.lattice_state import Arena, Room, new_robot, new_room
+from sim.stopping import OutOfTime, in_time
 from worldgen.neighbours import neighbours_of
 from worldgen.progress import working
 from worldgen.world import World
@@ -103,7 +104,7 @@ class PythonLoop:
             self._episode(memory_at_start(self._controller, world), steps, record)
         except Misbehaviour as fault:
             self.fault = fault
-        except (KeyboardInterrupt, WantsMemory):
+        except (KeyboardInterrupt, OutOfTime, WantsMemory):
             raise
         except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
@@ -121,7 +122,9 @@ class PythonLoop:
             self._path = np.zeros((MOST_POINTS * (steps + len(events)), layout.POINT_SIZE), np.int64)
         self._settings[layout.SET_STEPS] = steps
         start = np.array(memory, np.float64)
-        stops = lattice_steps(self._arena, self._settings, self._scales, start, room, robot, self._rows, self._path)
+        stops = in_time(
+            lattice_steps(self._arena, self._settings, self._scales, start, room, robot, self._rows, self._path)
+        )
         with working("running the controller", often=True) as work:
             work.say(lambda: f"step {robot.counts[layout.OUT_STEPS]:,} of at most {steps:,}")
             driver_of(self._controller)(stops, room, memory)

@@ -66,6 +66,10 @@ class Looks:
                 self._seen(look)
         return self._known[index]
 
+    def seen_at(self, index: int) -> Look | None:
+        """Return the run at a value if it was done already."""
+        return self._known.get(index)
+
     def _run(self, index: int) -> Look | None:
         value = self.axis.value(index)
         if not self.axis.low <= index <= self.axis.high:

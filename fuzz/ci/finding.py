@@ -12,6 +12,7 @@ from fuzz.failure import scenario_of
 from fuzz.telling import replay_line, run_to_draw
 from sim.picture import trail_of
 from sim.scenario import Scenario
+from sim.stopping import OutOfTime
 from sim.words import frames_in_words
 from worldgen.errors import WorldgenError
 from worldgen.grid_file.writer import world_digest
@@ -21,7 +22,7 @@ from worldgen.world import World
 
 __all__ = ["Finding", "Report", "State"]
 
-State = Literal["new", "known", "confirmed", "not confirmed"]
+State = Literal["new", "known", "hazard", "confirmed", "not confirmed"]
 _MOST_PICTURE = 20_000  # characters; a larger world is looked at in its file
 
 
@@ -30,7 +31,8 @@ class Finding:
     """A failure and what is to be said of it.
 
     Args:
-        state: ``new`` or ``known`` to a campaign; ``confirmed`` or ``not confirmed`` by a replay.
+        state: ``new`` or ``known`` to a campaign, or a ``hazard`` that the controller cannot sense; ``confirmed`` or
+            ``not confirmed`` by a replay.
         file: Where it lies.
         controller: Its name in the file, without options.
         who: Controller with options, and motion model.
@@ -84,6 +86,8 @@ class Finding:
             trail, frames = trail_of(episode, world), frames_in_words(episode.evidence)
         except WorldgenError as error:
             words, trail, frames = f", but it cannot be run here: {error}", None, ""
+        except OutOfTime:  # its controller is slow, and the time for pictures over
+            words, trail, frames = "", None, frames_in_words(record.evidence)
         said = reason if state == "not confirmed" else f"{record.verdict}{words}"
         picture = draw_terminal(replace(world, failure=None), trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
@@ -149,7 +153,10 @@ class Report:
     def conclusion(self) -> str:
         """The outcome in a few words."""
         others = len(self.findings) - self.failing
+        hazards = sum(finding.state == "hazard" for finding in self.findings)
         if self.command == "replay":
             return f"{others} of {len(self.findings)} confirmed"
         found = counted(self.failing, "new class", "new classes") if self.failing else "no new class"
-        return f"{found} of failures, {others} known" if others else f"{found} of failures"
+        known = f", {others - hazards} known" if others > hazards else ""
+        unsensed = f", {counted(hazards, 'hazard')} that it cannot sense" if hazards else ""
+        return f"{found} of failures{known}{unsensed}"

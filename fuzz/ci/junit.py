@@ -9,12 +9,18 @@ from fuzz.ci.finding import Finding, Report
 
 __all__ = ["junit"]
 
+_SKIPPED = {
+    "known": "known: the baseline has this class",
+    "hazard": "hazard: no sense of the controller shows what burned the robot",
+}
+
 
 def junit(report: Report) -> bytes:
     """A report as JUnit's XML; equal reports are equal bytes.
 
-    What makes the command end with 1 is a failure, a known class is skipped, a confirmed file passes. A campaign that
-    finds nothing new has one test case more, which passes: a report without any would read as if nothing had been done.
+    What makes the command end with 1 is a failure, a known class or a hazard is skipped, a confirmed file passes. A
+    campaign that finds nothing new has one test case more, which passes: a report without any would read as if nothing
+    had been done.
     """
     suites = Element("testsuites", name="worldgen")
     suite = SubElement(suites, "testsuite", name=f"worldgen {report.command}")
@@ -44,8 +50,8 @@ def _case(suite: Element, command: str, finding: Finding) -> None:
     if finding.fails:
         SubElement(case, "failure", type=finding.verdict, message=finding.headline).text = finding.text
     else:
-        if finding.state == "known":
-            SubElement(case, "skipped", message="known: the baseline has this class")
+        if finding.state in _SKIPPED:
+            SubElement(case, "skipped", message=_SKIPPED[finding.state])
         SubElement(case, "system-out").text = finding.text
 
 

@@ -10,7 +10,7 @@ import click
 from worldgen.cli.output import CONTROLLER_HELP, emit_json, json_option
 
 if TYPE_CHECKING:
-    from fuzz.boundary import Axis, Stretch, Subject
+    from fuzz.boundary import Axis, Look, Stretch, Subject
 
 __all__ = ["boundary"]
 
@@ -48,12 +48,16 @@ def boundary(
     """
     from fuzz.boundary import AXES, Looks, scan
     from worldgen.errors import InvalidParameter
+    from worldgen.progress import working
 
     subject, axis = _subject(path, controller, motion, time_step, seed), AXES[name]
     start = axis.index(subject)
     if start is None:
         raise InvalidParameter(f"{path} is no world of family trap with its provenance, so it has no depth to vary")
-    stretches = scan(Looks(subject, axis), _scanned(axis, start))
+    seen: list[Look] = []
+    with working(f"running it at values of {axis.name}") as work:
+        work.say(lambda: f"{len(seen)} runs, the last at {seen[-1].value:g} {axis.unit}" if seen else "")
+        stretches = scan(Looks(subject, axis, seen.append), _scanned(axis, start))
     if as_json:
         emit_json({"axis": axis.name, "unit": axis.unit, "stretches": [_plain(one) for one in stretches]})
     else:

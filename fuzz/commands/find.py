@@ -78,6 +78,7 @@ def find(
     from sim.run_options import RunOptions
     from worldgen.files import check_output
     from worldgen.grid_file import read_world
+    from worldgen.progress import working
 
     for contradiction, reason in (
         (budget is not None and units is not None, "give --budget or --units, not both"),
@@ -101,7 +102,8 @@ def find(
         leash=-1 if leash is None else leash,
         edit=not no_edit,
     )
-    _try_out(config)
+    with working("loading the simulator (compiled once after an installation, for about a minute)"):
+        _try_out(config)
     check_output(out, force)
     search = Find(
         config, units=units, seconds=None if units else budget or 30.0, workers=workers or os.cpu_count() or 1
@@ -117,11 +119,14 @@ def _watch(search: Find, out: Path, force: bool) -> bool:
 
     from worldgen.errors import OutputError
     from worldgen.grid_file import write_world
+    from worldgen.progress import working
 
     stopped, broken = False, None
     try:
-        for found in search.run():
-            note(f"unit {found.unit}: off by {found.distance:.4g}")
+        with working("searching") as work:
+            work.say(lambda: f"{search.done} units, {search.tried} worlds")
+            for found in search.run():
+                note(f"unit {found.unit}: off by {found.distance:.4g}")
     except KeyboardInterrupt:
         stopped = True
     except BrokenProcessPool as error:

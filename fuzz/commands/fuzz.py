@@ -103,6 +103,11 @@ _BEGUN = (
     help="Failures that are known: their classes are counted, but neither shrunk nor written, and only others make the "
     "exit code 1; may be repeated.",
 )
+@click.option(
+    "--count-hazards",
+    is_flag=True,
+    help="Count a robot burned by what no sense of its controller shows as a failure, too.",
+)
 @output_options
 @seed_option
 @json_option
@@ -115,6 +120,7 @@ def fuzz(
     resume: Path | None,
     report: Path | None,
     baseline: tuple[Path, ...],
+    count_hazards: bool,
     as_json: bool,
     junit: Path | None,
     sarif: Path | None,
@@ -125,11 +131,14 @@ def fuzz(
     """Search for worlds in which a controller fails; prove, shrink and save what is found.
 
     Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there is any that no
-    --baseline has, 0 if not. Ctrl-C keeps what was found. The same command again, or --resume FOLDER, goes on where a
+    --baseline has, 0 if not; a robot burned by what its controller cannot sense is listed apart. Ctrl-C keeps what was
+    found. The same command again, or --resume FOLDER, goes on where a
     campaign was interrupted, by whatever.
     """
     import os
+    import time
 
+    began = time.monotonic()
     from fuzz import ledger
     from fuzz.ci import Outputs
     from fuzz.corpus import Baseline, read_corpus
@@ -156,7 +165,16 @@ def fuzz(
         )
     was_known = Baseline.of(known, sitting.config.scenario, note)
     crew = crew_at(scheduler, sitting.config) if scheduler else crew_of(workers or os.cpu_count() or 1)
-    code = CampaignSession(sitting, crew, quiet=as_json, outputs=outputs, baseline=was_known).run()
+    session = CampaignSession(
+        sitting,
+        crew,
+        quiet=as_json,
+        outputs=outputs,
+        baseline=was_known,
+        count_hazards=count_hazards,
+        began=began,
+    )
+    code = session.run()
     if report is not None:
         write_report([sitting.folder.out], report, force=force)
         note(f"wrote {report}")

@@ -76,6 +76,13 @@ class Cluster:
         future: Future[T] = self._pool.submit(self._errand.run, work, args, kwargs)
         return future
 
+    def prepare(self, config: CampaignConfig) -> list[Future[None]]:
+        """Nothing: workers come and go, and each loads what it needs with its first work."""
+        return []
+
+    def stop(self) -> None:
+        """Nothing: what is under way is cancelled at the end."""
+
     def listen(self) -> None:
         """Raises ``KeyboardInterrupt`` if Ctrl-C came.
 

@@ -7,6 +7,7 @@ from concurrent.futures import Future
 from types import TracebackType
 from typing import ParamSpec, Protocol, Self, TypeVar
 
+from fuzz.config import CampaignConfig
 from worldgen.errors import WorldgenError
 
 __all__ = ["Crew", "WorkersLost"]
@@ -29,8 +30,14 @@ class Crew(Protocol):
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Begins a piece of work, or puts it behind what is under way."""
 
+    def prepare(self, config: CampaignConfig) -> list[Future[None]]:
+        """Begin to load, wherever work will be done, what the first units need; no budget is to be spent on that."""
+
     def listen(self) -> None:
         """Raises ``KeyboardInterrupt`` if Ctrl-C came; called often while the campaign waits."""
+
+    def stop(self) -> None:
+        """Tell whatever is under way to end with what it has; nobody waits for what does not."""
 
     def __enter__(self) -> Self:
         """Starts what is needed."""

@@ -7,10 +7,13 @@ import hashlib
 import socket
 import tempfile
 import threading
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
+
+from hypothesis.errors import HypothesisDeprecationWarning
 
 from fuzz.asked import ORACLES, Asked
 from fuzz.config import CampaignConfig
@@ -61,6 +64,8 @@ class Errand:
         Raises:
             InvalidParameter: If it is other code.
         """
+        # Dask's own threads draw from `random` while Hypothesis, in this one, looks whether a strategy did.
+        warnings.filterwarnings("ignore", "Do not use the `random` module", HypothesisDeprecationWarning)
         with _ONE:
             _be_alike(self)
             return work(*args, **kwargs)

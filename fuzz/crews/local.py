@@ -7,10 +7,14 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from multiprocessing import get_context
+from multiprocessing.synchronize import Event
 from types import TracebackType
 from typing import ParamSpec, Self, TypeVar
 
+from fuzz.config import CampaignConfig
 from fuzz.crews.crew import Crew, WorkersLost
+from fuzz.deadline import stop_when
+from fuzz.loading import load
 from worldgen.workers import begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 
 __all__ = ["Alone", "Processes", "crew_of"]
@@ -37,8 +41,15 @@ class Alone:
         future.set_result(work(*args, **kwargs))
         return future
 
+    def prepare(self, config: CampaignConfig) -> list[Future[None]]:
+        """Load it here."""
+        return [self.submit(load, config)]
+
     def listen(self) -> None:
         """Nothing: Ctrl-C is not held back."""
+
+    def stop(self) -> None:
+        """Nothing: no work is under way when somebody can call this."""
 
     def __enter__(self) -> Self:
         """Nothing to start."""
@@ -59,30 +70,42 @@ class Processes:
         self.room = workers + _WAITING
         self._workers = workers
         self._open = ExitStack()
+        self._context = get_context("spawn")
+        self._stop = self._context.Event()
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Gives it to the next process that is free."""
         with workers_begin_deaf():
             return self._pool.submit(work, *args, **kwargs)
 
+    def prepare(self, config: CampaignConfig) -> list[Future[None]]:
+        """Start all processes, and load it in each."""
+        return [self.submit(load, config) for _ in range(self._workers)]
+
     def listen(self) -> None:
         """Raises ``KeyboardInterrupt`` if Ctrl-C came."""
         self._listen()
 
+    def stop(self) -> None:
+        """Tell all processes."""
+        self._stop.set()
+
     def __enter__(self) -> Self:
         """Ready to start processes, one when it is first needed."""
-        self._pool = ProcessPoolExecutor(self._workers, mp_context=get_context("spawn"), initializer=begin_deaf)
+        self._pool = ProcessPoolExecutor(
+            self._workers, mp_context=self._context, initializer=_begin, initargs=(self._stop,)
+        )
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        """Ends the processes; if something went wrong, at once.
+        """Ends the processes; at once if something went wrong, or they were told to stop.
 
         Raises:
             WorkersLost: If one of them died.
         """
         with self._open:
-            if error is None:
+            if error is None and not self._stop.is_set():
                 self._pool.shutdown()
             else:
                 end_workers(self._pool)
@@ -90,3 +113,9 @@ class Processes:
             raise WorkersLost(
                 f"a worker process died, perhaps killed by the controller or for want of memory ({error})"
             ) from error
+
+
+def _begin(stop: Event) -> None:
+    """Do what a worker does first."""
+    begin_deaf()
+    stop_when(stop.is_set)

@@ -13,6 +13,7 @@ from multiprocessing.synchronize import Event
 from fuzz.features import LAYOUT_BYTES, decode_world
 from fuzz.find.layout import Layout
 from fuzz.find.wishes import Result, Wish
+from sim.stopping import OutOfTime, stopping_when
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.family import FAMILIES, stream_for
 from worldgen.random_streams import RandomStream
@@ -154,7 +155,12 @@ class _Unit:
         return self.best is not None and (self.best.distance == 0.0 or self._stopped())
 
     def run(self) -> Found | None:
-        """Samples, climbs, simplifies."""
+        """Sample, climb, simplify; what a slow controller is doing when the time is over is given up."""
+        with contextlib.suppress(OutOfTime), stopping_when(self._stopped):
+            self._search()
+        return self.found()
+
+    def _search(self) -> None:
         config = self.config
         for _ in range(_SAMPLES if config.begin is None else 1):
             sampled = _sample(config, self.rng)
@@ -166,7 +172,6 @@ class _Unit:
         if self.best is not None and config.edit:
             self._climb(self.best)
             self._simplify()
-        return self.found()
 
     def _climb(self, first: _Candidate) -> None:
         """Late acceptance: an edit is taken if it is no worse than what was held some steps ago.

@@ -3,6 +3,7 @@
 Other lanes leave radius, speed and time step as they are. Here half of the scenarios are failures that the campaign
 knows, in which the nearest values are looked for at which the robot arrives; half are drawn, for the nearest at which
 it does not. Two neighbouring values with different outcomes bring one failure, and its record says where it begins.
+A drawn scenario in which the robot arrives at no value brings the failure that it is.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from fuzz.boundary import AXES, Axis, Look, Looks, Subject, nearest_boundary, su
 from fuzz.failure import certified
 from fuzz.features import LAYOUT_BYTES, decode_world
 from fuzz.lanes.task import Task
+from sim.stopping import OutOfTime, check_time
 from worldgen.errors import GenerationFailed
 from worldgen.generation import generate
 from worldgen.random_streams import RandomStream
@@ -31,6 +33,7 @@ def search(task: Task) -> None:
 
     def count(look: Look) -> None:
         task.door.count(look.outcome.verdict, look.outcome.steps)
+        check_time()
 
     for _ in range(max(task.config.examples // (_DEARER * task.config.slower), 1)):
         axis = AXES[stream.choice(tuple(AXES))]
@@ -38,10 +41,29 @@ def search(task: Task) -> None:
         start = None if subject is None else axis.index(subject)
         if subject is None or start is None:
             continue
-        found = nearest_boundary(Looks(subject, axis, count, _SPARE), start)
-        if found is not None:
-            fails, outcome = found.fails.subject, found.fails.outcome
-            task.door.enter(fails.world, fails.scenario, outcome.verdict, outcome.cause, boundaries=[found.record()])
+        _bring(task, Looks(subject, axis, count, _SPARE), start, is_known=any(subject is one for one in known))
+
+
+def _bring(task: Task, looks: Looks, start: int, *, is_known: bool) -> None:
+    """Hand in the failing end of the nearest boundary, or what fails at all values that were tried."""
+    try:
+        found = nearest_boundary(looks, start)
+    except OutOfTime:
+        if not is_known:
+            _bring_whole(task, looks.seen_at(start))
+        raise
+    if found is not None:
+        fails, outcome = found.fails.subject, found.fails.outcome
+        task.door.enter(fails.world, fails.scenario, outcome.verdict, outcome.cause, boundaries=[found.record()])
+    elif not is_known:
+        _bring_whole(task, looks.seen_at(start))
+
+
+def _bring_whole(task: Task, look: Look | None) -> None:
+    """Hand in a run if it failed."""
+    if look is not None and not look.arrives:
+        subject, outcome = look.subject, look.outcome
+        task.door.enter(subject.world, subject.scenario, outcome.verdict, outcome.cause)
 
 
 def _subject(task: Task, stream: RandomStream, known: list[Subject], axis: Axis) -> Subject | None:

@@ -28,6 +28,7 @@ from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.run_options import step_budget
 from sim.scenario import Scenario
+from sim.stopping import OutOfTime, check_time
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import lattice_to_metres
 from worldgen.random_streams import RandomStream
@@ -90,14 +91,21 @@ def search_again(task: Task, lanes: Iterable[str]) -> None:
 
 def _repeat(strategy: st.SearchStrategy[tuple[World, Scenario]], visit: Visit, database: ExampleDatabase) -> None:
     """Visits every example of a database; deletes none, as Hypothesis would if it did not fail any more."""
+    ended: list[BaseException] = []
 
     @settings(_SETTINGS, database=ReadOnlyDatabase(database), phases=[Phase.reuse], max_examples=_MOST_AGAIN)
     @given(strategy)
     def example(draw: tuple[World, Scenario]) -> None:
-        visit(*draw)
+        try:
+            if not ended:
+                visit(*draw)
+        except (KeyboardInterrupt, OutOfTime) as end:
+            ended.append(end)
 
     with contextlib.suppress(SkipTest):  # so Hypothesis says that there was no example
         example()
+    if ended:
+        raise ended[0]
 
 
 def visit_of(task: Task, lane: str) -> Visit:
@@ -139,12 +147,21 @@ def explore(
 
     Left to itself, Hypothesis mixes constants of every loaded module into its draws, and with ``CI`` set it
     would derandomise. A failure is raised only for Hypothesis to keep it, so a round goes through all its examples.
+
+    Raises:
+        OutOfTime: As ``visit`` does, but not through Hypothesis, which would keep that for a failure.
     """
+    ended: list[BaseException] = []
 
     @settings(_SETTINGS, database=database)
     @given(strategy)
     def example(draw: tuple[World, Scenario]) -> None:
-        if kind := visit(*draw):
+        try:
+            kind = visit(*draw)
+        except (KeyboardInterrupt, OutOfTime) as end:
+            ended.append(end)
+            return
+        if kind:
             raise exception_of(kind)
 
     feed: Callable[[bytes], Any] = cast(Any, example).hypothesis.fuzz_one_input
@@ -152,6 +169,9 @@ def explore(
     for _ in range(examples):
         with contextlib.suppress(Failed):
             feed(stream.bits(_EXAMPLE_WORDS).astype("<u8").tobytes())
+        if ended:
+            raise ended[0]
+        check_time()
 
 
 def lane_scenarios(config: CampaignConfig, lane: str) -> st.SearchStrategy[tuple[World, Scenario]]:

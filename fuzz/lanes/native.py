@@ -17,6 +17,7 @@ from fuzz.variation import applied
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController
 from sim.controllers.base import robot_for
 from sim.kernels.layout import LIMIT
+from sim.stopping import check_time, is_out_of_time
 from worldgen.random_streams import RandomStream
 from worldgen.world import DEFAULT_CELL_SIZE
 
@@ -117,7 +118,9 @@ def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
             asked += [(looks, n) for n in _most_winding(looks, pace.asked)]
     for looks, n in few.in_order(pace):
         task.door.enter(looks.world(n), looks.scenario_of(n), str(looks.verdict[n]), f"key {looks.key[n]}")
+    check_time()
     for looks, n in asked:
+        check_time()
         task.door.ask(looks.world(n), looks.scenario_of(n))
 
 
@@ -176,6 +179,8 @@ def _looks(task: Task, draw: Draw, pace: Pace) -> Iterator[Looks]:
         steps = times[(numbers >> np.uint64(32)) % np.uint64(len(times))]
         looks = evaluate(drawn, scenario, numbers & np.uint64(2**32 - 1), steps, **robot)
         yield looks
+        if is_out_of_time():
+            return
         work, count = work + looks.simulated * step, count + len(drawn) * pace.scene
 
 

@@ -12,6 +12,8 @@ import json
 import os
 import re
 import shutil
+from collections.abc import Collection
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,8 @@ __all__ = ["CampaignFolder", "Ledger"]
 _NAME = ".campaign"
 _VERSION = 1
 _SHRUNK = re.compile(rf"(?P<key>[0-9a-f]{{{ID_DIGITS}}}-[a-z]+)-(?P<content>[0-9a-f]{{{ID_DIGITS}}})\.grid")
+_CUT = ".cut.json"
+_WRITTEN = "written.json"
 _PARTS = ("units", "failures", "shrunk")
 
 
@@ -43,8 +47,16 @@ class Ledger:
         """A unit that was done before; ``None`` if it is to be done."""
         return None
 
+    def cut_unit(self, unit: int) -> Done | None:
+        """What a unit had met when it was cut short; ``None`` if there is nothing of it, or it was done since."""
+        return None
+
+    def units_cut(self) -> list[int]:
+        """Numbers of the units that were cut short and not done since."""
+        return []
+
     def save_unit(self, unit: int, done: Done) -> None:
-        """Keeps a unit."""
+        """Keeps a unit; one that was cut short apart from those that are done."""
 
     def shrunk(self, failure: World, kept: str) -> World | None:
         """What a failure was shrunk to before; ``None`` if it is to be shrunk."""
@@ -133,13 +145,26 @@ class CampaignFolder(Ledger):
         with _told(self._path):
             (self._path / "campaign.json").unlink(missing_ok=True)  # first: what is left is then no campaign
             (self._path / "summary.json").unlink(missing_ok=True)
+            (self._path / _WRITTEN).unlink(missing_ok=True)
             for part in _PARTS:
                 if (self._path / part).exists():
                     shutil.rmtree(self._path / part)
 
     def unit(self, unit: int) -> Done | None:
         """A unit that was done before; ``None`` if it is to be done, or its entry is not whole."""
-        file = self._unit_file(unit)
+        return self._read_unit(unit, self._unit_file(unit))
+
+    def cut_unit(self, unit: int) -> Done | None:
+        """What a unit had met when it was cut short; ``None`` if there is nothing of it, or it was done since."""
+        done = self._read_unit(unit, self._cut_file(unit))
+        return done and replace(done, result=replace(done.result, cut=True))
+
+    def units_cut(self) -> list[int]:
+        """Numbers of the units that were cut short and not done since."""
+        names = [file.name.removesuffix(_CUT) for file in (self._path / "units").glob(f"*{_CUT}")]
+        return sorted(int(name) for name in names if name.isdecimal())
+
+    def _read_unit(self, unit: int, file: Path) -> Done | None:
         if not file.is_file():
             return None
         try:
@@ -148,7 +173,7 @@ class CampaignFolder(Ledger):
             return None
 
     def save_unit(self, unit: int, done: Done) -> None:
-        """Keeps a unit: its failures first, then its entry.
+        """Keeps a unit: its failures first, then its entry. One that was cut short is begun again by who goes on.
 
         Raises:
             OutputError: If it cannot be written.
@@ -157,7 +182,10 @@ class CampaignFolder(Ledger):
         for kind, failure in done.result.failures.items():
             names[kind] = failure_id(failure)
             self._save(f"failures/{names[kind]}.grid", dumps(failure))
-        write_bytes(self._unit_file(unit), write_entry(unit, done, self._setup, names), force=True)
+        file = self._cut_file(unit) if done.result.cut else self._unit_file(unit)
+        write_bytes(file, write_entry(unit, done, self._setup, names), force=True)
+        if not done.result.cut:
+            self._cut_file(unit).unlink(missing_ok=True)
 
     def shrunk(self, failure: World, kept: str) -> World | None:
         """What a failure was shrunk to before; ``None`` if it is to be shrunk, or the file is not whole."""
@@ -183,6 +211,35 @@ class CampaignFolder(Ledger):
         data = dumps(shrunk)
         self._save(f"shrunk/{failure_id(failure)}-{kept}-{_content_name(data)}.grid", data)
 
+    def written(self) -> dict[str, str]:
+        """Names of the failures that this campaign wrote into its folder, with a digest of each one's content."""
+        try:
+            said = json.loads(read_text(self._path / _WRITTEN))
+            return {str(name): str(digest) for name, digest in said.items() if Path(str(name)).name == name}
+        except (AttributeError, OSError, RecursionError, ValueError, WorldgenError):
+            return {}
+
+    def write_failure(self, name: str, data: bytes) -> None:
+        """Write a failure into the campaign's folder; it is noted first, so that no file is there that nobody knows.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        self._save(_WRITTEN, (json.dumps(self.written() | {name: _content_name(data)}, indent=1) + "\n").encode())
+        write_bytes(self.out / name, data, force=True)
+
+    def remove_failures_but(self, names: Collection[str]) -> None:
+        """Remove what this campaign wrote and nobody changed, except for these: what cut units met beyond its end.
+
+        Raises:
+            OutputError: If a file cannot be removed.
+        """
+        with _told(self.out):
+            for name, content in self.written().items():
+                file = self.out / name
+                if name not in names and file.is_file() and _content_name(file.read_bytes()) == content:
+                    file.unlink()
+
     def save_summary(self, summary: dict[str, Any]) -> None:
         """Writes what reports read.
 
@@ -193,6 +250,9 @@ class CampaignFolder(Ledger):
 
     def _unit_file(self, unit: int) -> Path:
         return self._path / "units" / f"{unit:06}.json"
+
+    def _cut_file(self, unit: int) -> Path:
+        return self._path / "units" / f"{unit:06}{_CUT}"
 
     def _failure(self, name: str) -> World:
         return _whole_world(self._path / "failures" / f"{name}.grid", name)

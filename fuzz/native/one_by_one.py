@@ -18,6 +18,7 @@ from sim.kernels import layout
 from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_state import Arena, Robot, Room, new_robot, new_room
 from sim.python_loop import driver_of, memory_at_start, plans
+from sim.stopping import OutOfTime, in_time, is_out_of_time
 from worldgen.world import World
 
 __all__ = ["CRASH", "HANG", "OneByOne"]
@@ -62,13 +63,19 @@ class OneByOne:
         self._hangs = 0
 
     def run(self) -> None:
-        """Run all; what the controller prints goes to stderr, and whatever it raises ends its run as a crash."""
-        with contextlib.redirect_stdout(sys.stderr):
-            while self._hangs < _MOST_HANGS and (n := next_look(self._batch, self._desk)) >= 0:
+        """Run all; what the controller prints goes to stderr, and whatever it raises ends its run as a crash.
+
+        Once the time is over (:mod:`sim.stopping`), the rest is not run.
+        """
+        with contextlib.redirect_stdout(sys.stderr), contextlib.suppress(OutOfTime):
+            while not self._is_enough() and (n := next_look(self._batch, self._desk)) >= 0:
                 self._look(n)
                 self._batch.at[0] = n + 1
         left = self._batch.looks[self._batch.at[0] :]
         left[:, looks.LOOK_DISTANCE], left[:, layout.OUT_ENDING] = -1, looks.NOT_RUN
+
+    def _is_enough(self) -> bool:
+        return self._hangs >= _MOST_HANGS or is_out_of_time()
 
     def _look(self, n: int) -> None:
         """Run the controller in the world that the desk holds, and watch it for a while where that says more."""
@@ -81,7 +88,7 @@ class OneByOne:
             self._robot, self._room = self._made(len(memory))
             surroundings = (self._arena(n), self._desk.settings, self._desk.scales)
             memory = self._drive(self._steps(surroundings, memory), self._room, memory)
-        except (KeyboardInterrupt, WantsMemory):
+        except (KeyboardInterrupt, OutOfTime, WantsMemory):
             raise
         except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
             self._fail(n, error)
@@ -90,7 +97,10 @@ class OneByOne:
         if self._batch.looks[n, layout.OUT_ENDING] not in (layout.LOOP, layout.LIMIT):
             return
         try:
-            self._drive(watch_steps(*surroundings, self._room, self._robot, self._batch, n), self._room, memory)
+            stops = in_time(watch_steps(*surroundings, self._room, self._robot, self._batch, n))
+            self._drive(stops, self._room, memory)
+        except OutOfTime:  # how it ended is known already
+            return
         except (KeyboardInterrupt, WantsMemory):
             raise
         except BaseException as error:  # noqa: BLE001 - what it does after its budget is no finding
@@ -99,7 +109,8 @@ class OneByOne:
     def _steps(self, surroundings: tuple[Arena, Ints, Floats], memory: Memory) -> Iterable[int]:
         """The run, step by step."""
         nothing = self._desk.nothing
-        return lattice_steps(*surroundings, np.array(memory, np.float64), self._room, self._robot, nothing, nothing)
+        start = np.array(memory, np.float64)
+        return in_time(lattice_steps(*surroundings, start, self._room, self._robot, nothing, nothing))
 
     def _fail(self, n: int, error: BaseException) -> None:
         """Note a run in which the controller failed."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from fuzz.chance import chance_details
 from fuzz.failure import failure_by, failure_id, failure_of, judge, scenario_of
+from fuzz.hazards import HAZARD
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.order import Case, simplicity
@@ -18,6 +20,7 @@ from fuzz.signature import failure_class
 from sim.episode import simulate
 from sim.run_options import MAX_STEPS, RunOptions
 from sim.scenario import Scenario
+from sim.stopping import OutOfTime, stopping_when
 from worldgen.errors import InvalidParameter
 from worldgen.grid_file import world_digest
 from worldgen.world import Value, World
@@ -30,7 +33,7 @@ KEEP = ("verdict", "class")
 # A simpler world may need longer until it fails than the one that it came from.
 _MORE_STEPS, _FEWEST_STEPS = 4, 2_000
 # Details that do not hold of the new world.
-_OF_THE_OLD_WORLD = ("boundaries", "chance", "states", "failing_seeds", "failing_share_at_least")
+_OF_THE_OLD_WORLD = ("boundaries", "chance", "states", "failing_seeds", "failing_share_at_least", HAZARD)
 _NOT_CHECKED: tuple[str, ...] = ("not checked: stopped early",)
 
 Progress = Callable[[World], None]
@@ -151,7 +154,7 @@ class _Reducer:
 
     def run(self) -> None:
         """Passes, and the check of what they left; once more with care, should what was judged quickly not hold."""
-        try:
+        with contextlib.suppress(TimeoutError, OutOfTime), self._stopping():
             for careful in (False, True):
                 self._trying.careful = careful
                 self._reduce()
@@ -159,8 +162,11 @@ class _Reducer:
                     self._complete, self._left = True, ()
                     return
                 self._best = self._begin
-        except TimeoutError:
-            return
+
+    def _stopping(self) -> contextlib.AbstractContextManager[None]:
+        """Let the clock end even the trial under way, which may take long where the controller is slow."""
+        end = self._deadline
+        return contextlib.nullcontext() if end is None else stopping_when(lambda: time.monotonic() > end)
 
     def _reduce(self) -> None:
         """Passes until none makes the failure simpler, nor the check finds what could go."""

@@ -101,7 +101,7 @@ def test_only_a_trap_has_a_depth():
 def test_a_shrunk_failure_says_where_it_begins_in_its_own_world():
     world = generate("trap", 7)
     proved = failure_of(world, Scenario("turn-right"))
-    small = shrunk_or_same(proved)
+    small = shrunk_or_same(proved).world
     said = next(one for one in small.failure.details["boundaries"] if one["axis"] == "speed")
     for at, arrives in ((said["passes_at"], True), (said["fails_at"], False)):
         run = AXES["speed"].at(Subject(small, Scenario("turn-right")), at)

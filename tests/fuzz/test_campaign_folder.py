@@ -17,12 +17,13 @@ from types import SimpleNamespace
 import pytest
 
 import fuzz.ledger.folder
-from fuzz.campaign import Campaign
+from fuzz.campaign import Campaign, Shrinking
 from fuzz.config import CampaignConfig
 from fuzz.crews import Alone
 from fuzz.ledger import CampaignFolder, Goal, begin, resume, setup_of, stored_seed
 from fuzz.ledger.setup import config_of, digest_of_sources
 from fuzz.session import CampaignSession
+from fuzz.unit import run_unit
 from fuzz.variation import Variation
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
@@ -47,7 +48,8 @@ def run(sitting):
 
 def left_in(out):
     """All that a campaign left, except times."""
-    summary = re.sub(r'"seconds": [0-9.]+', "", (out / ".campaign" / "summary.json").read_text())
+    text = (out / ".campaign" / "summary.json").read_text()
+    summary = re.sub(r'"seconds": [0-9.]+|"times": {[^}]*}', "", text)
     return {file.name: file.read_bytes() for file in out.glob("*.grid")}, summary
 
 
@@ -165,26 +167,70 @@ def test_a_campaign_whose_seed_was_drawn_is_found_again_by_the_same_command(copi
     assert worldgen(*without_seed, "--units", UNITS, "--out", copied, "--json").code == 1
 
 
+def ticking(patch, start=0):
+    """A clock that goes on by a second with each look at it."""
+    clock = count(start).__next__
+    patch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=clock))
+    patch.setattr("fuzz.deadline.time", SimpleNamespace(time=clock))
+
+
 def test_a_time_counts_anew(copied, monkeypatch, capsys):
-    monkeypatch.setattr("fuzz.campaign.time", SimpleNamespace(monotonic=count().__next__))  # a second for each look
-    assert run(resume(copied, Goal(seconds=6.0))) == 1
-    assert json.loads(capsys.readouterr().out)["units"] > UNITS
+    ticking(monkeypatch, start=10_000)
+    run(resume(copied, Goal(seconds=100.0)))
+    said = json.loads(capsys.readouterr().out)
+    assert said["units"] + said["units_cut"] > UNITS
 
 
 def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_later(
     whole, tmp_path, monkeypatch, capsys
 ):
-    clock = SimpleNamespace(monotonic=count().__next__)  # a second for each look at it
     with monkeypatch.context() as at_once:
-        at_once.setattr("fuzz.campaign.time", clock)
-        at_once.setattr("fuzz.campaign._TO_SHRINK", 0.0)
-        run(begin(CONFIG, tmp_path / "out", Goal(seconds=6.0)))
+        ticking(at_once)
+        at_once.setattr("fuzz.campaign.shrunk_or_same", lambda failure, *_, **__: Shrinking(failure, complete=False))
+        run(begin(CONFIG, tmp_path / "out", Goal(seconds=40.0)))
     said = capsys.readouterr()
     failures = json.loads(said.out)["failures"]
-    assert failures and not all(one["shrunk"] for one in failures)
-    assert "as found, for the time was over" in said.err and "--units 2 does the rest" in said.err
+    assert failures and not any(one["shrunk"] for one in failures)
+    assert "as found, for the time was over" in said.err and re.search("--units [1-3] does the rest", said.err)
     run(resume(tmp_path / "out", Goal(units=UNITS)))
     assert left_in(tmp_path / "out") == left_in(whole)
+
+
+def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_later(
+    whole, tmp_path, monkeypatch, capsys
+):
+    out, entries, at = tmp_path / "out", tmp_path / "out" / ".campaign" / "units", SimpleNamespace(now=0.0)
+
+    def cut_where_it_failed(config, unit, known, _):
+        result = run_unit(config, unit, known)
+        if result.failures:
+            at.now = 1_000.0
+        return replace(result, cut=bool(result.failures))
+
+    with monkeypatch.context() as at_once:
+        at_once.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+        at_once.setattr("fuzz.campaign.run_unit", cut_where_it_failed)
+        assert run(begin(CONFIG, out, Goal(seconds=60.0))) == 1
+    said = json.loads(capsys.readouterr().out)
+    assert said["units_cut"] == 1 and said["failures"] and list(out.glob("*.grid"))
+    assert [file.name for file in entries.glob("*.cut.json")] == [f"{said['units']:06}.cut.json"]
+    run(resume(out, Goal(units=UNITS)))
+    assert left_in(out) == left_in(whole) and not list(entries.glob("*.cut.json"))
+
+
+def test_what_a_cut_unit_met_beyond_the_units_that_are_wanted_later_goes_but_no_file_of_somebody_else(
+    whole, tmp_path, monkeypatch
+):
+    out = tmp_path / "out"
+    run(begin(CONFIG, out, Goal(units=UNITS)))
+    known = next(iter(sorted(out.glob("*.grid"))))
+    with contextlib.closing(CampaignFolder(out)) as folder:
+        folder.write_failure("beyond.grid", known.read_bytes())
+        folder.write_failure("changed.grid", known.read_bytes())
+    (out / "changed.grid").write_bytes(b"mine")
+    (out / "mine.grid").write_bytes(known.read_bytes())
+    run(resume(out))
+    assert {file.name for file in out.glob("*.grid")} == {*left_in(whole)[0], "changed.grid", "mine.grid"}
 
 
 def test_the_seconds_of_all_sittings_are_added_up(copied):

@@ -1,13 +1,18 @@
 """A real Dask scheduler and real workers in processes of their own; one is killed in mid-campaign."""
 
+import itertools
 import json
+import random
 import re
 import subprocess
 import sys
 import time
+import warnings
 from importlib.util import find_spec
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from fuzz.campaign import Campaign, UnitDone
 from fuzz.config import CampaignConfig
@@ -118,6 +123,20 @@ def test_a_worker_whose_code_is_another_refuses_the_work_and_says_what_differs(d
     crew._errand = errand
     with pytest.raises(InvalidParameter, match=r"has other code: hypothesis was 1.0 and is .*; install the same"):
         corpus(Campaign(CONFIG, units=1, crew=crew))
+
+
+def test_work_on_a_worker_hears_no_warning_of_hypothesis_about_dasks_own_threads():
+    seeds = itertools.count()
+
+    @settings(database=None, max_examples=2)
+    @given(st.integers().map(lambda _: random.seed(next(seeds))))
+    def draws_while_dask_draws(_):
+        pass
+
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        Errand.of(CONFIG).run(draws_while_dask_draws, (), {})
+    assert not heard
 
 
 def test_a_scheduler_that_is_killed_ends_the_campaign_in_one_sentence(tmp_path):

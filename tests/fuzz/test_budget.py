@@ -1,0 +1,177 @@
+"""Budgets bound: units end at worlds, long runs between steps, and what was met until then counts."""
+
+import json
+from dataclasses import replace
+from itertools import count
+from types import SimpleNamespace
+
+import pytest
+
+from fuzz.campaign import Campaign, shrunk_or_same
+from fuzz.config import CampaignConfig
+from fuzz.crews import Alone
+from fuzz.deadline import Deadline
+from fuzz.door import Door
+from fuzz.failure import failure_of
+from fuzz.result import UnitResult
+from fuzz.schedule import Schedule
+from fuzz.shrink import shrink
+from fuzz.unit import run_unit
+from sim import Command, simulate
+from sim.episode import prepare
+from sim.scenario import Scenario
+from sim.stopping import OutOfTime, stopping_when
+from tests.helpers.command_line import worldgen
+from worldgen import generate
+from worldgen.grid_file import dumps
+
+CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, families=("features",), examples=8)
+
+
+class Spins:
+    """Turns on the spot, and counts how often it was asked."""
+
+    senses = ("time",)
+
+    def __init__(self):
+        self.asked = 0
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        self.asked += 1
+        return Command(0.0, 1.0), memory
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that goes on by a second with each look at it."""
+    looks = count()
+    now = looks.__next__
+    monkeypatch.setattr("fuzz.deadline.time", SimpleNamespace(time=now))
+    monkeypatch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=now))
+    return looks
+
+
+def test_a_unit_ends_at_the_world_at_which_its_time_is_over(clock):
+    cut, whole = run_unit(CONFIG, 0, deadline=Deadline(begin=4, prove=1e9)), run_unit(CONFIG, 0)
+    assert cut.cut and 0 < cut.worlds < whole.worlds and not whole.cut
+
+
+@pytest.mark.parametrize("lane", ["native", "archive", "boundary", "trap"])
+def test_a_unit_of_any_lane_whose_time_is_over_does_nothing(lane):
+    result = run_unit(replace(CONFIG, families=(lane,)), 0, deadline=Deadline(0.0, 0.0))
+    assert result.cut and result.worlds == 0 and result.lane == lane
+
+
+def test_a_long_run_of_a_slow_controller_ends_between_two_steps():
+    controller, looks = Spins(), count()
+    with pytest.raises(OutOfTime), stopping_when(lambda: next(looks) >= 3):
+        simulate(generate("trap", 7), controller, steps=5_000)
+    assert controller.asked == 3 * 16
+
+
+def test_a_run_in_time_is_the_same_as_one_that_nobody_stops():
+    world = generate("trap", 7)
+    with stopping_when(lambda: False):
+        watched = simulate(world, Spins(), steps=100)
+    assert watched == simulate(world, Spins(), steps=100)
+
+
+def test_a_failure_that_was_met_counts_though_the_time_is_over():
+    world, scenario, result = generate("trap", 7), Scenario("turn-right"), UnitResult(lane="trap")
+    options = scenario.options(world)
+    outcome = prepare(world, "turn-right", options).run(options.steps, find_loop=True, record=False)
+    with pytest.raises(OutOfTime), stopping_when(lambda: True):
+        Door(CONFIG, result, Deadline(begin=0.0)).look(world, scenario, outcome)
+    assert result.worlds == 1 and [kind for kind in result.failures if kind.startswith("loop")]
+
+
+def test_ctrl_c_in_a_unit_keeps_what_it_met(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "from sim import Command\n"
+        "from itertools import count\n"
+        "EPISODES = count()\n"
+        "class Mine:\n"
+        "    def reset(self):\n"
+        "        if next(EPISODES) == 30: raise KeyboardInterrupt\n"
+        "        return ()\n"
+        "    def act(self, observation, memory): return Command(0.0, 0.0), memory\n"
+    )
+    config = replace(CONFIG, scenario=Scenario(f"{tmp_path}/mine.py:Mine"), examples=80, shrink=False)
+    campaign = Campaign(config, units=2, crew=Alone())
+    with pytest.raises(KeyboardInterrupt):
+        for _ in campaign.run():
+            pass
+    assert campaign.state.cut == 1 and campaign.state.worlds and campaign.state.met
+
+
+def test_shrinking_that_runs_out_of_time_keeps_the_failure_as_it_was_found():
+    failure = failure_of(generate("trap", 7), Scenario("turn-right"))
+    made = shrunk_or_same(failure, seconds=5.0, end=0.0)
+    assert not made.complete and dumps(made.world) == dumps(failure)
+
+
+def test_shrinking_that_is_cut_short_gives_its_best_so_far(monkeypatch):
+    monkeypatch.setattr("fuzz.shrink.run.time", SimpleNamespace(monotonic=count().__next__))
+    monkeypatch.setattr("fuzz.shrink.trying.time", SimpleNamespace(monotonic=count().__next__))
+    made = shrink(failure_of(generate("trap", 7), Scenario("turn-right")), seconds=4.0)
+    assert not made.complete and made.world.failure.details["one_minimal"] is False
+
+
+def test_a_quarter_of_the_time_is_for_shrinking_and_the_search_goes_on_where_nothing_is_to_be_shrunk(monkeypatch):
+    at = SimpleNamespace(now=0.0)
+    monkeypatch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+    monkeypatch.setattr("fuzz.deadline.time", SimpleNamespace(time=lambda: 1000.0 + at.now))
+    schedule = Schedule(100.0)
+    schedule.begin()
+    assert schedule.deadline() == Deadline(1075.0, 1087.5)
+    at.now = 76.0
+    assert schedule.deadline() == Deadline(1090.0, 1095.0)
+    assert not schedule.search_comes_first and schedule.may_search
+    assert schedule.for_shrinking(failures=8, workers=2) == (pytest.approx(4.2), pytest.approx(1082.0))
+    at.now = 100.0
+    assert schedule.is_over() and not schedule.is_over(grace=1.0)
+
+
+@pytest.mark.parametrize(("start_up", "left"), [(2.0, 98.0), (60.0, 97.0)])
+def test_what_start_up_takes_counts_up_to_three_seconds(start_up, left, monkeypatch):
+    at = SimpleNamespace(now=0.0)
+    monkeypatch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+    schedule = Schedule(100.0, began=0.0)
+    at.now = start_up
+    schedule.begin()
+    at.now = start_up + left - 0.01
+    assert not schedule.is_over()
+    at.now = start_up + left
+    assert schedule.is_over() and schedule.times()["start-up"] == start_up
+
+
+def test_a_campaign_tells_start_up_search_and_shrinking_apart(clock):
+    campaign = Campaign(CONFIG, seconds=60.0)
+    for _ in campaign.run():
+        pass
+    times = campaign.state.times
+    assert list(times) == ["start-up", "search", "shrinking"]
+    assert times["search"] > 0.0
+    assert times["search"] + times["shrinking"] == pytest.approx(campaign.state.seconds, abs=3.0)
+
+
+def test_failures_at_every_value_of_an_axis_are_failures(tmp_path):
+    (tmp_path / "still.py").write_text(
+        "from sim import Command\n"
+        "class Still:\n"
+        "    def reset(self): return ()\n"
+        "    def act(self, observation, memory): return Command(), memory\n"
+    )
+    config = replace(CONFIG, scenario=Scenario(f"{tmp_path}/still.py:Still"), families=("boundary",), examples=128)
+    result = run_unit(config, 1)
+    assert result.verdicts["loop"] and result.failures
+
+
+def test_json_of_a_campaign_says_how_long_each_part_took(tmp_path):
+    found = worldgen("fuzz", "--controller", "turn-right", "--family", "features", "--examples", 4, "--units", 1,
+                         "--workers", 1, "--seed", 1, "--out", tmp_path / "out", "--json")  # fmt: skip
+    said = json.loads(found.out)
+    assert set(said["times"]) == {"start-up", "search", "shrinking"} and said["units_cut"] == 0

@@ -1,0 +1,103 @@
+"""Hazards that a controller cannot sense are told apart from failures, and make no build fail unless asked to."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fuzz.failure import certified, failure_of, replay
+from fuzz.hazards import can_sense, is_unsensed
+from fuzz.shrink import shrink
+from sim.controllers import CONTROLLERS
+from sim.robot_options import RobotOptions
+from sim.scenario import Scenario
+from tests.helpers.command_line import worldgen
+from worldgen import Pose, Target, World
+from worldgen.grid_file import dumps, loads, read_world
+from worldgen.timeline import CellState, Timeline
+
+AHEAD = """
+from sim import Command
+class Ahead:
+    def reset(self): return ()
+    def act(self, observation, memory): return Command(observation.top_speed, 0.0), memory
+class Planner(Ahead):
+    def reset(self, world): return ()
+"""
+
+
+@pytest.fixture
+def mine(tmp_path):
+    (tmp_path / "mine.py").write_text(AHEAD)
+    return f"{tmp_path}/mine.py"
+
+
+def burning_world():
+    """A hall whose middle burns before the robot is there; there is room to go around it."""
+    walls = np.zeros((12, 20), bool)
+    cells = [(ix, iy) for ix in (9, 10) for iy in (4, 5, 6)]
+    timeline = Timeline.of([(0.1, ix, iy, CellState.BURNING) for ix, iy in cells])
+    return World(walls, Pose(0.25, 0.55, 0.0), Target(1.75, 0.55, 0.05), timeline=timeline)
+
+
+@pytest.mark.parametrize(
+    ("robot", "state", "how", "sensed"),
+    [
+        (RobotOptions(), "burning", "entered", False),
+        (RobotOptions(beams=36), "burning", "entered", False),
+        (RobotOptions(smoke=0.2), "burning", "entered", True),
+        (RobotOptions(smoke=0.2), "burning", "caught", True),
+        (RobotOptions(beams=36), "solid", "entered", True),
+        (RobotOptions(beams=36), "solid", "caught", False),
+    ],
+)
+def test_only_what_a_sense_shows_can_be_known(robot, state, how, sensed, mine):
+    assert can_sense(CONTROLLERS.get(f"{mine}:Ahead"), robot, state, how) is sensed
+
+
+def test_a_controller_that_declares_other_senses_does_not_see_smoke():
+    assert not can_sense(CONTROLLERS.get("wall-left"), RobotOptions(smoke=0.2), "burning", "entered")
+
+
+def test_a_controller_that_plans_on_the_world_knows_when_it_burns(mine):
+    assert can_sense(CONTROLLERS.get(f"{mine}:Planner"), RobotOptions(), "solid", "caught")
+
+
+@pytest.mark.parametrize(("name", "unsensed"), [("Ahead", True), ("Planner", False)])
+def test_a_failure_says_whether_its_controller_could_have_known_better(name, unsensed, mine):
+    world = burning_world()
+    failure = failure_of(certified(world), Scenario(f"{mine}:{name}"))
+    assert failure.failure.verdict == "burned" and is_unsensed(failure) is unsensed
+    assert replay(loads(dumps(failure))).confirmed
+
+
+def test_a_hazard_that_is_shrunk_stays_one(mine):
+    world = burning_world()
+    failure = failure_of(certified(world), Scenario(f"{mine}:Ahead"))
+    assert is_unsensed(shrink(failure, seconds=1.0).world)
+
+
+@pytest.fixture(scope="module")
+def met(tmp_path_factory):
+    """A campaign of a controller that arrives wherever nothing burns."""
+    out = tmp_path_factory.mktemp("hazards") / "out"
+    options = ("--controller", "mapper", "--family", "fire", "--units", 1, "--examples", 48, "--seed", 1)
+    return out, worldgen("fuzz", *options, "--workers", 1, "--no-shrink", "--out", out, "--json")
+
+
+def test_hazards_alone_do_not_make_a_build_fail_and_are_listed_apart(met):
+    said = json.loads(met[1].out)
+    assert said["hazards"] and not said["failures"] and met[1].code == 0
+    assert all(one["verdict"] == "burned" and is_unsensed(read_world(one["file"])) for one in said["hazards"])
+
+
+def test_hazards_count_where_that_is_asked_for(met):
+    again = worldgen("fuzz", "--resume", met[0], "--workers", 1, "--count-hazards", "--json")
+    said = json.loads(again.out)
+    assert again.code == 1 and said["failures"] and not said["hazards"]
+
+
+def test_the_summary_says_that_there_are_no_failures_but_hazards(met):
+    again = worldgen("fuzz", "--resume", met[0], "--workers", 1)
+    assert again.code == 0 and "hazards it cannot sense: met burned-" in again.out
+    assert "no failure of mapper under swept found, but for hazards that it cannot sense" in again.out
