@@ -61,6 +61,7 @@ def test_a_unit_of_the_archive_lane_is_the_same_again(epochs):
     assert {k: dumps(w) for k, w in again.failures.items()} == {k: dumps(w) for k, w in epochs[0][2].failures.items()}
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("lane", ["archive", "boundary"])
 def test_another_process_does_a_unit_to_the_same_end(epochs, lane):
     config = replace(CONFIG, families=(lane,))

@@ -101,6 +101,7 @@ def test_failures_of_other_controllers_and_motion_models_are_passed_over(found):
     assert not notes
 
 
+@pytest.mark.gate
 def test_a_new_class_that_shrinks_to_a_known_one_is_shrunk_within_its_class():
     config = CampaignConfig(TURN_RIGHT, seed=5, families=("features",), examples=30)
     plain = Campaign(config, units=2)
