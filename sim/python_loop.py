@@ -34,7 +34,7 @@ from worldgen.neighbours import neighbours_of
 from worldgen.progress import working
 from worldgen.world import World
 
-__all__ = ["PythonLoop", "driver_of", "hidden_state", "memory_at_start", "plans"]
+__all__ = ["PythonLoop", "crash_of", "driver_of", "hidden_state", "memory_at_start", "plans"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -107,9 +107,7 @@ class PythonLoop:
         except (KeyboardInterrupt, OutOfTime, WantsMemory):
             raise
         except BaseException as error:  # noqa: BLE001 - a controller may raise anything; it is the finding
-            text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
-            text = text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
-            self.fault = Misbehaviour("crash", text, crash_facts(error, self._controller))
+            self.fault = crash_of(error, self._controller)
 
     def _episode(self, memory: Memory, steps: int, record: bool) -> None:
         """Lets the kernel stop in each step, and the controller act."""
@@ -128,6 +126,13 @@ class PythonLoop:
         with working("running the controller", often=True) as work:
             work.say(lambda: f"step {robot.counts[layout.OUT_STEPS]:,} of at most {steps:,}")
             driver_of(self._controller)(stops, room, memory)
+
+
+def crash_of(error: BaseException, controller: object) -> Misbehaviour:
+    """Return the finding that a controller raised, with where it did."""
+    text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
+    text = text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
+    return Misbehaviour("crash", text, crash_facts(error, controller))
 
 
 def plans(controller: PythonController | VectorController) -> bool:

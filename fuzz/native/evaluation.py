@@ -40,6 +40,7 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
+_MOST_KEYS = 1 << 16  # more than the facts of a run without a crash can make
 _LARGEST = layout_bytes.SMALLEST_SIDE + layout_bytes.SPREAD_OF_SIDES - 1
 
 # Patience of first looks: as long as a witness's budget, so that who spends it has failed, but for the longest ways.
@@ -195,6 +196,9 @@ class Looks:
         )
         for fact, kinds in facts:
             made = made * kinds + fact
+        # OneByOne tells crashes apart by a number here; compiled controllers leave 0.
+        crashed = np.where(self.ending == CRASH, np.maximum(raw[:, layout.OUT_HIT_IX], 0), 0)
+        made += crashed * _MOST_KEYS
         return np.where(self.failed, made, 0)
 
     @property

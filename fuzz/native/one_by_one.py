@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import zlib
 from collections.abc import Callable, Iterable
 
 import numpy as np
 import numpy.typing as npt
 
+from fuzz.crash_bucket import crash_bucket
 from fuzz.kernels import looks
 from fuzz.kernels.looks import Batch, Desk, close_look, masks_do, next_look, watch_steps
 from sim.controllers import ProcessController, PythonController, VectorController
@@ -17,7 +19,7 @@ from sim.controllers.program import Misbehaviour, WantsMemory
 from sim.kernels import layout
 from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_state import Arena, Robot, Room, new_robot, new_room
-from sim.python_loop import driver_of, memory_at_start, plans
+from sim.python_loop import crash_of, driver_of, memory_at_start, plans
 from sim.stopping import OutOfTime, in_time, is_out_of_time
 from worldgen.world import World
 
@@ -33,6 +35,7 @@ HANG = CRASH + 1
 """The same for a program that gave no answer in time."""
 
 _ENDINGS = {"crash": CRASH, "hang": HANG, "invalid-command": layout.INVALID_COMMAND}
+_NUMBERS = (1 << 24) - 1  # that a crash can have
 _MOST_HANGS = 2  # of a batch: each takes a whole deadline, and no door proves more of a unit
 
 
@@ -118,8 +121,17 @@ class OneByOne:
         ended[: layout.OUT_SIZE] = self._robot.counts
         ended[layout.OUT_ENDING] = ending
         ended[layout.OUT_OVERLAP_STEP] = -1
+        if ending == CRASH:
+            ended[layout.OUT_HIT_IX] = self._number_of(error)
         self._batch.sums[n] = self._robot.sums
         self._hangs += ending == HANG
+
+    def _number_of(self, error: BaseException) -> int:
+        """Return a number for what crashed, so that a frequent one does not keep others from being proved."""
+        fault = error if isinstance(error, Misbehaviour) else crash_of(error, self._controller)
+        step = int(self._robot.counts[layout.OUT_STEPS])
+        bucket = crash_bucket({"error": fault.error, **fault.evidence, "step": step})
+        return zlib.crc32(bucket.encode()) & _NUMBERS
 
     def _made(self, memory: int) -> tuple[Robot, Room]:
         """A robot and a room for so many numbers of memory, made once."""

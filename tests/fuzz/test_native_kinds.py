@@ -76,6 +76,17 @@ class Fragile(Homing):
         return super().act(observation, memory)
 
 
+class TwiceFragile(Homing):
+    """Raises where it touches a wall, in the right half of a large world in another place."""
+
+    def act(self, observation, memory):
+        if observation.bump and observation.x > 1.0:
+            raise KeyError("seldom")
+        if observation.bump:
+            raise ValueError("often")
+        return super().act(observation, memory)
+
+
 class Mistaken(Homing):
     """Asks for nan where it touches a wall in the right half of a large world."""
 
@@ -147,6 +158,11 @@ def test_a_look_at_a_program_is_its_run_in_the_decoded_world():
 @pytest.mark.parametrize(("name", "verdict"), [("Fragile", "crash"), ("Mistaken", "invalid-command")])
 def test_a_class_that_fails_ends_only_its_own_run(name, verdict):
     assert {verdict, "reached"} <= set(look(named(name), 60, budget=300).verdict.tolist())
+
+
+def test_crashes_in_two_places_have_two_keys():
+    looks = look(named("TwiceFragile"), 200, budget=300)
+    assert len(set(looks.key[looks.verdict == "crash"].tolist())) == 2
 
 
 def test_after_two_hangs_of_a_program_the_rest_is_not_run():
