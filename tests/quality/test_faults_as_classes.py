@@ -7,7 +7,7 @@ from fuzz.faults import FAULTS
 from fuzz.faults.as_classes import AsClass
 from sim import simulate
 from sim.controllers import CONTROLLERS
-from worldgen import generate
+from worldgen import InvalidParameter, generate
 
 
 @pytest.mark.parametrize("fault", ["bug1_keeps_the_last_place", "vfh_turn_sign", "q_learning_last_turn_lost"])
@@ -19,7 +19,7 @@ def test_a_fault_runs_the_same_compiled_and_interpreted(fault):
 
 
 def test_a_class_without_its_attribute_is_none_of_them():
-    with pytest.raises(AttributeError, match="no_such_fault"):
+    with pytest.raises(InvalidParameter, match="has no 'no_such_fault'"):
         CONTROLLERS.get("fuzz.faults.as_classes:no_such_fault")
 
 
