@@ -127,7 +127,7 @@ def measure(name: str, controller: str, seconds: float) -> Row:
     short, _ = _looks(scenario, SHORT, clock)
     looks, steps = _looks(scenario, None, clock)
     lane, features = (_units(scenario, which, seconds, clock) for which in ("native", "features"))
-    return Row(name, short, looks, steps, _share_of_user(scenario, clock), lane, features)
+    return Row(name, short, looks, steps, _share_of_user(scenario), lane, features)
 
 
 def _looks(scenario: Scenario, budget: int | None, clock: Callable[[], float]) -> tuple[float, float]:
@@ -158,13 +158,12 @@ def _units(scenario: Scenario, lane: str, seconds: float, clock: Callable[[], fl
     return worlds / spent
 
 
-def _share_of_user(scenario: Scenario, clock: Callable[[], float]) -> float:
+def _share_of_user(scenario: Scenario) -> float:
     """Share of the time of first looks that passes in the controller's own code, or in waiting for its program."""
     controller = CONTROLLERS.get(scenario.controller)
-    owner, method = {
-        True: (Program, "ask"),
-        False: (type(controller), "act_many" if isinstance(controller, VectorController) else "act"),
-    }[isinstance(controller, ProcessController)]
+    is_program = isinstance(controller, ProcessController)
+    owner: type = Program if is_program else type(controller)
+    method = "ask" if is_program else "act_many" if isinstance(controller, VectorController) else "act"
     act, spent = getattr(owner, method), [0.0]
 
     def timed(*given: Any) -> Any:
@@ -174,14 +173,14 @@ def _share_of_user(scenario: Scenario, clock: Callable[[], float]) -> float:
         finally:
             spent[0] += time.perf_counter() - begin
 
-    count = 20 if isinstance(controller, ProcessController) else 400
-    begin, waited = clock(), time.perf_counter()
+    count = 20 if is_program else 400
+    begin = time.perf_counter()
     setattr(owner, method, timed)
     try:
         _look(scenario, count, None)
     finally:
         setattr(owner, method, act)
-    return spent[0] / (time.perf_counter() - waited) if clock() > begin else 0.0
+    return spent[0] / (time.perf_counter() - begin)
 
 
 def _markdown(rows: list[Row]) -> str:

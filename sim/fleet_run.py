@@ -20,7 +20,7 @@ from sim.lattice_run import LatticeRun
 from sim.python_loop import hidden_state
 from worldgen.lattice import UNIT
 
-__all__ = ["FleetRun"]
+__all__ = ["ControllerRaised", "FleetRun", "its_own_fault"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -60,10 +60,10 @@ class FleetRun:
             return None
         with contextlib.redirect_stdout(sys.stderr):
             try:
-                with _its_own_fault():
+                with its_own_fault():
                     self._memory = np.array(flat_memory(self._controller.reset()))
                 found = self._run(digest)
-            except _Raised:
+            except ControllerRaised:
                 return None
         return found if hidden_state(self._controller) == before else None
 
@@ -105,7 +105,7 @@ class FleetRun:
     def _step(self, fleet: Fleet, count: int, over: npt.NDArray[np.bool_]) -> int:
         fleet_move(fleet, count)
         after = np.empty((count, self._memory.size))
-        with _its_own_fault():
+        with its_own_fault():
             ask(self._controller, fleet.observation[:count], fleet.memory[:count], fleet.command[:count], after)
         return int(fleet_act(fleet, count, after, over))
 
@@ -126,13 +126,15 @@ class FleetRun:
         n, beams = len(robots), runs[0].options.robot.beams
         memory, search = np.zeros((n, size)), new_search(layout.STATE_MEMORY + size, 0)
         log = np.where(find_loop == layout.SEEK_LOOP, steps, 0)
+        height, width = arenas[0].cells.shape
         fleet = Fleet(
-            cells=np.stack([arenas[index].cells for index in pages]),
-            near=np.stack([arenas[index].near for index in pages]),
-            clearance=np.stack([arena.clearance for arena in arenas]),
+            shape=np.array([(height, width, arena.clearance.size > 0) for arena in arenas], np.int64),
+            cells=np.stack([arenas[index].cells.ravel() for index in pages]),
+            near=np.stack([arenas[index].near.ravel() for index in pages]),
+            clearance=np.stack([arena.clearance.ravel() for arena in arenas]),
             events=np.concatenate(counts),
             headings=arenas[0].headings,
-            visited=np.zeros((n, *arenas[0].visited.shape), np.uint8),
+            visited=np.zeros((n, height * width), np.uint8),
             page=np.arange(n) if pages is world else world.copy(),
             world=world.copy(),
             span=np.stack([ends - [len(rows) for rows in counts], ends], axis=1),
@@ -155,29 +157,35 @@ class FleetRun:
             command=np.zeros((n, layout.CMD_SIZE)),
             nothing=np.zeros((0, 1), np.int64),
         )
-        settings, height, width = fleet.settings, *fleet.visited.shape[1:]
+        settings = fleet.settings
         settings[:, layout.SET_X : layout.SET_HEADING + 1] = self._starts[robots]
         settings[:, layout.SET_SEED] = self._seeds[robots].view(np.int64)
         settings[:, layout.SET_STEPS], settings[:, layout.SET_FIND_LOOP] = steps, find_loop
         settings[:, layout.SET_ENTRY] = 0 if entries is None else entries
         column = np.minimum(settings[:, layout.SET_X] // UNIT, width - 1)
-        fleet.visited[np.arange(n), np.minimum(settings[:, layout.SET_Y] // UNIT, height - 1), column] = 1
+        line = np.minimum(settings[:, layout.SET_Y] // UNIT, height - 1)
+        fleet.visited[np.arange(n), line * width + column] = 1
         fleet_set_out(fleet, n, self._memory)
         return fleet
 
 
-class _Raised(Exception):
+class ControllerRaised(Exception):
     """The controller raised."""
 
 
 @contextlib.contextmanager
-def _its_own_fault() -> Iterator[None]:
+def its_own_fault() -> Iterator[None]:
+    """Tell what a controller raises from what is raised elsewhere.
+
+    Raises:
+        ControllerRaised: If anything but ``KeyboardInterrupt`` is raised inside.
+    """
     try:
         yield
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        raise _Raised from error
+        raise ControllerRaised from error
 
 
 def _keep(fleet: Fleet, wanted: npt.NDArray[np.bool_]) -> int:

@@ -66,9 +66,9 @@ class Pace:
 
 
 _COMPILED = Pace()
-_VECTOR = Pace(at_once=100, generation=100, scene=16, step=200, proved=8, undecided=2, asked=1)
+_VECTOR = Pace(at_once=16_000, generation=4_000, step=4, proved=8, undecided=2)
 _PYTHON = Pace(at_once=100, generation=100, scene=16, step=24, proved=8, undecided=2, asked=1)
-_PROCESS = Pace(at_once=20, generation=20, scene=160, step=400, proved=4, asked=1)
+_PROCESS = Pace(at_once=100, generation=100, scene=160, step=400, proved=4, asked=1)
 
 
 def pace_of(config: CampaignConfig) -> Pace:

@@ -16,8 +16,9 @@ from fuzz.features import RADII, TARGET_RADII, decode_scene, decode_world
 from fuzz.kernels import layout_bytes, looks
 from fuzz.kernels.layouts import ROWS
 from fuzz.kernels.looks import Batch, Desk, look_at_layouts
+from fuzz.native.in_lockstep import look_in_batch, look_in_lockstep
 from fuzz.native.one_by_one import CRASH, OneByOne
-from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController
+from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController, VectorController
 from sim.controllers.base import compiled_act, numba_config
 from sim.kernel_types import episode_types, typed_kernel
 from sim.kernels import layout
@@ -330,8 +331,21 @@ class _Packed:
         beams = max((run.options.robot.beams for run in self.runs), default=0)
         if isinstance(self.controller, CompiledController):
             _run_compiled(self.controller, batch, beams)
-        else:
-            OneByOne(self.controller, batch, _desk(), beams, world).run()
+            return
+        desk = _desk()
+        alone = OneByOne(self.controller, batch, desk, beams, world)
+        if isinstance(self.controller, ProcessController):
+            if self.controller.offer is None:
+                alone.run(1)  # its first answer may make an offer
+            begun = int(batch.at[0])
+            if look_in_batch(self.controller, batch, desk, beams):
+                return
+            batch.at[0] = begun
+        elif isinstance(self.controller, VectorController):
+            if look_in_lockstep(self.controller, batch, desk, beams):
+                return
+            batch.at[0] = 0
+        alone.run(len(batch.seeds))
 
 
 def _run_compiled(controller: CompiledController, batch: Batch, beams: int) -> None:

@@ -65,13 +65,19 @@ class OneByOne:
         self._robot, self._room = self._made(0)
         self._hangs = 0
 
-    def run(self) -> None:
-        """Run all; what the controller prints goes to stderr, and whatever it raises ends its run as a crash.
+    def run(self, worlds: int) -> None:
+        """Run in the next worlds; what the controller prints goes to stderr, and what it raises ends a run as a crash.
 
         Once the time is over (:mod:`sim.stopping`), the rest is not run.
+
+        Args:
+            worlds: How many, at most; what is left of the batch is marked as not run.
         """
         with contextlib.redirect_stdout(sys.stderr), contextlib.suppress(OutOfTime):
-            while not self._is_enough() and (n := next_look(self._batch, self._desk)) >= 0:
+            for _ in range(worlds):
+                n = -1 if self._is_enough() else next_look(self._batch, self._desk)
+                if n < 0:
+                    break
                 self._look(n)
                 self._batch.at[0] = n + 1
         left = self._batch.looks[self._batch.at[0] :]

@@ -15,8 +15,12 @@ import weakref
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, BinaryIO
 
+import numpy as np
+import numpy.typing as npt
+
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.program import Limits, Misbehaviour, Program, find_program, shown
+from sim.controllers.program_batch import Offer, batch_line, fill_commands, read_offer, reset_batch_line
 from worldgen.errors import InvalidParameter
 
 __all__ = [
@@ -25,8 +29,12 @@ __all__ = [
     "ProcessController",
     "is_process_name",
     "observation_line",
+    "read_answer",
     "read_command",
 ]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
 
 PROTOCOL_VERSION = 1
 PROGRAM_OPTIONS = ("deadline", "start", "memory")
@@ -85,6 +93,8 @@ class ProcessController:
         self._stop: Callable[[], object] = _nothing
         self._first = True  # the next observation is the first of its episode
         self._served = False  # whether the program has answered before
+        self._batch_reset = b""  # the line with which a batch begins
+        self.offer: Offer | None = None  # to drive many robots at once, made by the program in its last first answer
         self._transcript: BinaryIO | None = None
 
     @classmethod
@@ -180,13 +190,13 @@ class ProcessController:
         self._write_down(lines)
         served, self._served = self._served, True
         try:
-            return self._ask(lines, self.limits.start_deadline)
+            return self._ask(lines, self.limits.start_deadline, is_first=True)
         except Misbehaviour as found:
             if not served or found.verdict != "crash":
                 raise
         self._start()  # one that serves a single episode and ends; afresh it shows whether it does crash
         self._served = True
-        return self._ask(lines, self.limits.start_deadline)
+        return self._ask(lines, self.limits.start_deadline, is_first=True)
 
     def _write_down(self, lines: bytes) -> None:
         if self._transcript is not None:
@@ -200,11 +210,47 @@ class ProcessController:
         self._stop = weakref.finalize(self, _stop_own, program, self._owner)
         return program
 
-    def _ask(self, lines: bytes, seconds: float) -> Command:
+    def _ask(self, lines: bytes, seconds: float, *, is_first: bool = False) -> Command:
         program = self._program or self._start()
         answer = program.ask(lines, seconds)
         try:
-            return read_command(answer)
+            if not is_first:
+                return read_command(answer)
+            command, self.offer = read_answer(answer)
+            return command
+        except Misbehaviour as found:
+            raise program.ended_by(found) from None
+
+    def begin_batch(self, robots: int) -> None:
+        """Begin to drive many robots at once; the program hears of it with the first observations.
+
+        Args:
+            robots: How many at most; they are numbered from 0.
+        """
+        self.start()
+        self._first, self._batch_reset = True, reset_batch_line(PROTOCOL_VERSION, robots)
+
+    def act_in_batch(self, offer: Offer, robots: Ints, fresh: Ints, seen: Floats, command: Floats) -> None:
+        """Ask the program for the commands of some robots of the batch.
+
+        Args:
+            offer: What the program offered.
+            robots: (n,) their numbers.
+            fresh: Those of them that begin an episode.
+            seen: (n, OBS_SIZE + beams) what kernels observed.
+            command: (n, CMD_SIZE), filled.
+
+        Raises:
+            Misbehaviour: If it crashes, hangs, or answers with no commands.
+        """
+        program = self._program or self._start()
+        lines, seconds = batch_line(offer, robots, fresh, seen), self.limits.deadline
+        if self._first:
+            lines, seconds = self._batch_reset + lines, self.limits.start_deadline
+            self._first, self._served = False, True
+        answer = program.ask(lines, seconds)
+        try:
+            fill_commands(answer, command)
         except Misbehaviour as found:
             raise program.ended_by(found) from None
 
@@ -241,17 +287,36 @@ def _reset_line(observation: Observation) -> bytes:
 
 
 def read_command(answer: bytes) -> Command:
-    """Reads an answer.
+    """Read an answer.
 
     Raises:
         Misbehaviour: If it is no command.
     """
+    return _command(_object(answer), answer)
+
+
+def read_answer(answer: bytes) -> tuple[Command, Offer | None]:
+    """Read the first answer of an episode, which may offer to drive many robots at once.
+
+    Raises:
+        Misbehaviour: If it is no command, or the offer is none.
+    """
+    found = _object(answer)
+    offer = read_offer(found.pop("batch"), answer) if "batch" in found else None
+    return _command(found, answer), offer
+
+
+def _object(answer: bytes) -> dict[str, Any]:
     try:
         found = _decode(answer.decode())
     except (ValueError, RecursionError):
         raise _no_command("not JSON", answer) from None
     if not isinstance(found, dict):
         raise _no_command("no object", answer)
+    return found
+
+
+def _command(found: dict[str, Any], answer: bytes) -> Command:
     for key in ("speed", "turn_rate"):
         if key not in found:
             raise _no_command(f"no {key}", answer)

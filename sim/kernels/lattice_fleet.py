@@ -1,4 +1,4 @@
-"""Many robots in lockstep: all move, then one call of their controller acts for all of them."""
+"""Many robots in lockstep, in worlds of any size: all move, then one call of their controller acts for all of them."""
 
 from __future__ import annotations
 
@@ -9,13 +9,29 @@ import numpy.typing as npt
 
 from sim.kernels import layout
 from sim.kernels._jit import kernel, rare_kernel
-from sim.kernels._views import part, row
+from sim.kernels._views import page, part, row
 from sim.kernels.lattice_episode import is_over
 from sim.kernels.lattice_state import Arena, Robot, Room, last_event, set_out
 from sim.kernels.lattice_step import is_inside, move_and_sense, obey, remember
 from sim.kernels.recurrence import Search, entry_of_loop
 
-__all__ = ["CLOCK_SIZE", "CLOCK_STEP", "Fleet", "fleet_act", "fleet_entries", "fleet_move", "fleet_set_out"]
+__all__ = [
+    "CLOCK_SIZE",
+    "CLOCK_STEP",
+    "SHAPE_HEIGHT",
+    "SHAPE_SIZE",
+    "SHAPE_TABLE",
+    "SHAPE_WIDTH",
+    "Fleet",
+    "arena_of",
+    "fleet_act",
+    "fleet_begin",
+    "fleet_entries",
+    "fleet_move",
+    "fleet_set_out",
+    "robot_of",
+    "room_of",
+]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -24,17 +40,23 @@ CLOCK_STEP, CLOCK_EVENT = 0, 1  # steps done; index of the next event
 CLOCK_POINTS, CLOCK_BUMP = 2, 3  # of the last step: points of its path, and whether a wall was touched
 CLOCK_SIZE = 4
 
+SHAPE_HEIGHT, SHAPE_WIDTH = 0, 1  # of a world, cells
+SHAPE_TABLE = 2  # 1 if there is a table of distances
+SHAPE_SIZE = 3
+
 
 class Fleet(NamedTuple):
-    """n robots in w worlds of one shape; what stands in ``order`` moves, the controller's numbers are in that order.
+    """n robots in w worlds; what stands in ``order`` moves, the controller's numbers are in that order.
 
     Args:
-        cells: (p, height, width) uint8, pages of cell states: one for each world, or for each robot if worlds change.
-        near: (p, height, width) int32, as in :class:`sim.kernels.lattice_state.Arena`.
-        clearance: (w, height or 0, width or 0) int32, likewise.
+        shape: (w, SHAPE_SIZE) int64, of each world.
+        cells: (p, cells) uint8, pages of cell states, row by row, as many as the largest world has: one page for each
+            world, or for each robot if worlds change.
+        near: (p, cells) int32, as in :class:`sim.kernels.lattice_state.Arena`.
+        clearance: (w, cells or 0) int32, likewise.
         events: (e, EVENT_SIZE) int64, of all worlds.
         headings: (131072,) int64.
-        visited: (n, height, width) uint8.
+        visited: (n, cells) uint8.
         page: (n,) int64, a robot's page.
         world: (n,) int64, a robot's world.
         span: (w, 2) int64, a world's first event, and the one after its last.
@@ -59,6 +81,7 @@ class Fleet(NamedTuple):
         nothing: (0, 1) int64.
     """
 
+    shape: Ints
     cells: npt.NDArray[np.uint8]
     near: npt.NDArray[np.int32]
     clearance: npt.NDArray[np.int32]
@@ -89,20 +112,24 @@ class Fleet(NamedTuple):
 
 
 @kernel
-def _arena(fleet: Fleet, robot: int) -> Arena:
-    page, world = fleet.page[robot], fleet.world[robot]
+def arena_of(fleet: Fleet, robot: int) -> Arena:
+    """What surrounds a robot."""
+    number, world = fleet.page[robot], fleet.world[robot]
+    height, width = fleet.shape[world, SHAPE_HEIGHT], fleet.shape[world, SHAPE_WIDTH]
+    table = fleet.shape[world, SHAPE_TABLE]
     return Arena(
-        row(fleet.cells, page),
-        row(fleet.near, page),
-        row(fleet.clearance, world),
+        page(row(fleet.cells, number), height, width),
+        page(row(fleet.near, number), height, width),
+        page(row(fleet.clearance, world), table * height, table * width),
         part(fleet.events, fleet.span[world, 0], fleet.span[world, 1]),
         fleet.headings,
-        row(fleet.visited, robot),
+        page(row(fleet.visited, robot), height, width),
     )
 
 
 @kernel
-def _robot(fleet: Fleet, robot: int) -> Robot:
+def robot_of(fleet: Fleet, robot: int) -> Robot:
+    """A robot and what is reported of it."""
     return Robot(
         row(fleet.state, robot),
         row(fleet.odometry, robot),
@@ -113,7 +140,8 @@ def _robot(fleet: Fleet, robot: int) -> Robot:
 
 
 @kernel
-def _room(fleet: Fleet, robot: int, slot: int) -> Room:
+def room_of(fleet: Fleet, robot: int, slot: int) -> Room:
+    """The room of a robot in a slot."""
     return Room(
         row(fleet.memory, slot),
         row(fleet.words, slot),
@@ -124,15 +152,21 @@ def _room(fleet: Fleet, robot: int, slot: int) -> Room:
 
 
 @rare_kernel
+def fleet_begin(fleet: Fleet, slot: int, memory: Floats) -> None:
+    """Puts the robot in a slot at its start, with its memory at reset."""
+    robot = fleet.order[slot]
+    settings, scales = row(fleet.settings, robot), row(fleet.scales, fleet.world[robot])
+    quiet = last_event(arena_of(fleet, robot))
+    set_out(settings, scales, memory, room_of(fleet, robot, slot), robot_of(fleet, robot), quiet)
+    for k in range(CLOCK_SIZE):
+        fleet.clock[robot, k] = 0
+
+
+@rare_kernel
 def fleet_set_out(fleet: Fleet, count: int, memory: Floats) -> None:
     """Puts the robots in the first ``count`` slots at their starts, with their memory at reset."""
     for slot in range(count):
-        robot = fleet.order[slot]
-        settings, scales = row(fleet.settings, robot), row(fleet.scales, fleet.world[robot])
-        quiet = last_event(_arena(fleet, robot))
-        set_out(settings, scales, memory, _room(fleet, robot, slot), _robot(fleet, robot), quiet)
-        for k in range(CLOCK_SIZE):
-            fleet.clock[robot, k] = 0
+        fleet_begin(fleet, slot, memory)
 
 
 @rare_kernel
@@ -144,7 +178,7 @@ def fleet_move(fleet: Fleet, count: int) -> None:
         clock = row(fleet.clock, robot)
         clock[CLOCK_STEP] += 1
         event, points, nx, ny = move_and_sense(
-            _arena(fleet, robot), settings, scales, _room(fleet, robot, slot), _robot(fleet, robot),
+            arena_of(fleet, robot), settings, scales, room_of(fleet, robot, slot), robot_of(fleet, robot),
             clock[CLOCK_STEP], clock[CLOCK_EVENT],
         )  # fmt: skip
         clock[CLOCK_EVENT], clock[CLOCK_POINTS] = event, points
@@ -168,7 +202,7 @@ def fleet_act(fleet: Fleet, count: int, after: Floats, over: npt.NDArray[np.bool
     for slot in range(count):
         robot = fleet.order[slot]
         settings, scales = row(fleet.settings, robot), row(fleet.scales, fleet.world[robot])
-        arena, room, driver = _arena(fleet, robot), _room(fleet, robot, slot), _robot(fleet, robot)
+        arena, room, driver = arena_of(fleet, robot), room_of(fleet, robot, slot), robot_of(fleet, robot)
         clock = row(fleet.clock, robot)
         step = clock[CLOCK_STEP]
         if driver.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, driver):
@@ -189,6 +223,6 @@ def fleet_entries(fleet: Fleet, robots: Ints, entries: Ints) -> None:
     """Fills in, for robots whose run ended as a loop, the step in which the loop begins."""
     for k in range(robots.size):
         robot = robots[k]
-        counts, quiet = row(fleet.counts, robot), last_event(_arena(fleet, robot))
+        counts, quiet = row(fleet.counts, robot), last_event(arena_of(fleet, robot))
         log, end = row(fleet.log, robot), counts[layout.OUT_STEPS]
         entries[k] = entry_of_loop(log, quiet, end, counts[layout.OUT_PERIOD])

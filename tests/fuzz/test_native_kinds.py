@@ -12,8 +12,11 @@ from fuzz.failure import replay
 from fuzz.faults.as_classes import AsClass
 from fuzz.lanes.native import scenes as drawn
 from fuzz.native import evaluate
+from fuzz.native.one_by_one import OneByOne
 from fuzz.unit import run_unit
-from sim import Command
+from sim import Command, Commands
+from sim.controllers import CONTROLLERS
+from sim.controllers.program_batch import Offer
 from sim.episode import prepare
 from sim.kernels import layout
 from sim.scenario import Scenario
@@ -120,6 +123,73 @@ for line in sys.stdin:
 """
 
 
+PROGRAM_OF_MANY = """
+import json, sys
+left = {}
+
+def turn_of(place, bump, target, heading, time_step):
+    left[place] = 20 if bump else max(left.get(place, 0) - 1, 0)
+    return (1.0 if bump else 0.0 if left[place] else target - heading) / time_step
+
+for line in sys.stdin:
+    seen = json.loads(line)
+    if "worldgen" in seen:
+        left.clear()
+        first = "reset" in seen
+        continue
+    if "robots" in seen:
+        for place in seen["reset"]:
+            left[place] = 0
+        columns = zip(seen["robots"], seen["bump"], seen["target_heading"], seen["heading"], seen["time_step"])
+        turns = [turn_of(*one) for one in columns]
+        answer = {"speed": [2.0] * len(turns), "turn_rate": turns}
+    else:
+        turn = turn_of(0, seen["bump"], seen["target_heading"], seen["heading"], seen["time_step"])
+        answer = {"speed": 2.0, "turn_rate": turn}
+        if first and OFFER:
+            answer["batch"] = {"robots": 8, "senses": ["bump", "target_heading", "heading", "time_step"]}
+    first = False
+    print(json.dumps(answer), flush=True)
+"""
+
+
+class Many:
+    """Homing for many robots at once, without random numbers."""
+
+    def reset(self):
+        return (0.0,)
+
+    def act_many(self, observation, memory):
+        bump, left = observation.bump, memory[:, 0]
+        ahead = np.arctan2(
+            np.sin(observation.target_heading - observation.heading),
+            np.cos(observation.target_heading - observation.heading),
+        )
+        turn = np.where(bump, 1.3, np.where(left > 0.0, 0.0, ahead))
+        left = np.where(bump, 15.0, np.maximum(left - 1.0, 0.0))
+        return Commands(observation.top_speed, turn / observation.time_step), left[:, np.newaxis]
+
+
+class ManyFragile(Many):
+    """Raises where any robot touches a wall in the right half of a large world."""
+
+    def act_many(self, observation, memory):
+        if (observation.bump & (observation.x > 1.5)).any():
+            raise ValueError("a wall")
+        return super().act_many(observation, memory)
+
+
+class ManyCounting(Many):
+    """Counts its calls, and drives the slower the more they are."""
+
+    calls = 0
+
+    def act_many(self, observation, memory):
+        ManyCounting.calls += 1
+        commands, memory = super().act_many(observation, memory)
+        return commands._replace(speed=observation.top_speed / (1 + ManyCounting.calls)), memory
+
+
 def named(name):
     return Scenario.parse(f"{HERE}:{name}")
 
@@ -153,6 +223,43 @@ def test_a_look_at_a_class_is_its_run_in_the_decoded_world(name):
 
 def test_a_look_at_a_program_is_its_run_in_the_decoded_world():
     assert_looks_are_runs(look(program(PROGRAM), 12, budget=60))
+
+
+@pytest.mark.parametrize("name", ["Many", "Many+motion=endpoint", "ManyFragile"])
+def test_a_look_at_a_vector_class_is_its_run_alone_in_the_decoded_world(name, monkeypatch):
+    monkeypatch.setattr("fuzz.native.in_lockstep.PLACES", 16)
+    looks = look(named(name), 100, budget=300)
+    assert_looks_are_runs(looks)
+    assert {"crash" if name == "ManyFragile" else "undecided", "reached"} <= set(looks.verdict)
+
+
+def test_a_vector_class_looks_the_same_for_any_number_of_places(monkeypatch):
+    few = look(named("Many"), 200)
+    monkeypatch.setattr("fuzz.native.in_lockstep.PLACES", 3)
+    assert (look(named("Many"), 200).raw == few.raw).all()
+
+
+def test_a_vector_class_that_remembers_outside_its_memory_is_run_alone(monkeypatch):
+    alone = []
+    run = OneByOne.run
+    monkeypatch.setattr(OneByOne, "run", lambda self, worlds: alone.append(worlds) or run(self, worlds))
+    look(named("ManyCounting"), 12, budget=30)
+    look(named("Many"), 12, budget=30)
+    assert alone == [12]
+
+
+def test_a_program_that_offers_it_drives_many_robots_at_once():
+    offering = program(PROGRAM_OF_MANY.replace("OFFER", "True"))
+    one, many = look(program(PROGRAM_OF_MANY.replace("OFFER", "False")), 40, 60), look(offering, 40, 60)
+    assert CONTROLLERS.get(offering.controller).offer == Offer(8, ("bump", "target_heading", "heading", "time_step"))
+    assert (one.raw == many.raw).all()
+    assert {"reached", "undecided"} <= set(many.verdict)
+
+
+def test_a_program_that_fails_among_others_is_run_alone():
+    text = PROGRAM_OF_MANY.replace("OFFER", "True").replace('answer = {"speed": [2.0]', 'answer = {"sped": [2.0]')
+    alone = look(program(PROGRAM_OF_MANY.replace("OFFER", "False")), 12, 30)
+    assert (look(program(text), 12, 30).raw == alone.raw).all()
 
 
 @pytest.mark.parametrize(("name", "verdict"), [("Fragile", "crash"), ("Mistaken", "invalid-command")])
