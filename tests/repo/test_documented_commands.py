@@ -15,7 +15,7 @@ from tests.repo.documented_commands import (
     updated,
 )
 
-AT_EVERY_RUN = ("README.md",)  # the others take minutes
+TIERS = {"README.md": ()}  # the others take minutes
 PAGE = """\
 # A page
 
@@ -43,7 +43,7 @@ def page(text=PAGE):
 @pytest.mark.parametrize(
     "path",
     [
-        pytest.param(path, id=path.name, marks=() if path.name in AT_EVERY_RUN else pytest.mark.nightly)
+        pytest.param(path, id=path.name, marks=TIERS.get(path.name, pytest.mark.nightly))
         for path in PAGES
         if any(block.not_run is None for block in read_page(path).blocks)
     ],
