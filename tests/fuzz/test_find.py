@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -135,12 +136,22 @@ def test_mine_fails_and_theirs_succeeds(mine, tmp_path):
     assert run(tmp_path / "w.grid", "turn-left", 20_000)[0] == "reached"
 
 
-def test_a_loop_of_a_controller_that_hides_memory_is_not_claimed(mine, tmp_path):
+def test_a_loop_of_a_controller_that_hides_memory_is_not_claimed(mine, tmp_path, monkeypatch):
+    monkeypatch.setattr("fuzz.find.search.time", SimpleNamespace(monotonic=count().__next__))  # a second for each look
     result = worldgen(
-        "find", "--outcome", f"{mine}:Forgets=loop", "--from", SKETCH, "--leash", 0, "--keep-target", "--budget", "1s",
+        "find", "--outcome", f"{mine}:Forgets=loop", "--from", SKETCH, "--leash", 0, "--keep-target", "--budget", "2h",
         "--seed", 1, "--workers", 1, "--out", tmp_path / "w.grid",
     )  # fmt: skip
     assert result.code == 1 and "wanted loop, got stalled in 20000 steps: off by 2" in result.out
+
+
+def test_a_budget_ends_the_run_of_a_slow_controller_that_is_under_way(mine, tmp_path, monkeypatch):
+    monkeypatch.setattr("fuzz.find.search.time", SimpleNamespace(monotonic=count().__next__))
+    result = worldgen(
+        "find", "--outcome", f"{mine}:Forgets=loop", "--from", SKETCH, "--leash", 0, "--budget", "100s", "--seed", 1,
+        "--workers", 1, "--out", tmp_path / "w.grid",
+    )  # fmt: skip
+    assert result.code == 1 and "no world with a reachable target was met; give more time" in result.err
 
 
 def test_what_cannot_be_had_comes_as_near_as_it_does_and_ends_with_1(tmp_path):
