@@ -4,6 +4,7 @@ import contextlib
 
 import pytest
 
+from tests.helpers.browser import WAIT
 from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened, solid_cells
 
@@ -57,7 +58,6 @@ def gate(folder):
 
 @pytest.fixture
 def page(page):
-    page.set_default_timeout(60_000)
     page.evaluate(HOLDING)
     return page
 
@@ -77,7 +77,7 @@ def reconnect(page):
 
 def another_tab(page, address=None):
     other = page.context.new_page()
-    other.set_default_timeout(90_000)  # the server that has just begun starts its processes
+    other.set_default_timeout(WAIT)  # the server that has just begun starts its processes
     other.complaints = []
     other.on("pageerror", lambda error: other.complaints.append(str(error)))
     other.goto(address or page.url)

@@ -4,7 +4,7 @@ import contextlib
 import shutil
 from importlib.util import find_spec
 
-WAIT = 120_000  # ms until a wait is given up; far off, because the machine may be busy
+WAIT = 180_000  # ms until a wait is given up; far off, because the machine may be busy
 _WINDOW = {"viewport": {"width": 1280, "height": 900}}
 
 
