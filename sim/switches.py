@@ -67,8 +67,8 @@ class Switches:
                 raise InvalidParameter(f"option {name!r} is unknown; known: {', '.join(known)}")
             default = known[name]
             if isinstance(default, tuple):
-                if not isinstance(value, list) or not all(type(number) in (int, float) for number in value):
-                    raise InvalidParameter(f"option {name} must be a list of numbers")
+                if not isinstance(value, list | tuple) or not all(_is_plain_number(number) for number in value):
+                    raise InvalidParameter(f"option {name}={value!r} must be a list or tuple of numbers")
             elif type(value) is not type(default) and not (isinstance(default, float) and type(value) is int):
                 raise InvalidParameter(f"option {name}={value!r} must be a {type(default).__name__}")
         return cls(**{name: _as_type(known[name], value) for name, value in values.items()})
@@ -112,6 +112,10 @@ class Switches:
 
 def _is_number(value: object, kind: type) -> bool:
     return isinstance(value, int | float | np.integer | np.floating) and not (kind is int and value % 1)
+
+
+def _is_plain_number(value: Any) -> bool:
+    return _is_number(value, float) and not isinstance(value, bool)
 
 
 def _as_type(default: Any, value: Any) -> Any:

@@ -36,7 +36,8 @@ class ThesisOptions(Switches):
         repair_back_off: Stay at a wall instead of backing off without looking.
         repair_corner: Stop where only the corner of a cell is touched.
         keep_going: Let walls that the robot enters neither end the run nor decide its verdict, as the program did.
-        acceleration: Greatest gain of speed, m/s2; 0 means at once.
+        acceleration: Greatest gain of speed, m/s2; 0 means at once. Like all forces it acts on the speed, while moves
+            are whole pixels, a tenth of a cell: a robot that makes no more than one a tick stands still.
         friction: Loss of speed once the wheels stand, m/s2; 0 means at once.
         wall_friction: Share of a slide along a wall that friction takes, 0 to 1.
         slip: Largest share of a tick's way that is lost on the floor, 0 to 1, another in each tick.

@@ -9,7 +9,7 @@ from sim.run_options import switch_class
 from sim.scenario import Scenario
 from sim.thesis_options import ThesisOptions
 
-__all__ = ["random_run", "unused_options"]
+__all__ = ["coarse_forces", "random_run", "unused_options"]
 
 _SIGNAL = ("signal", "signal_heading")
 _SENSOR = ("sensor_cells", "sensor_range", "sensor_field", "sensor_noise", "signal", "smoke", "smoke_reach")
@@ -47,6 +47,21 @@ def unused_options(scenario: Scenario) -> list[str]:
         elif senses is not None and needed and not set(needed) & set(senses):
             sentences.append(f"+{name} has no effect: {scenario.controller} does not read {' or '.join(needed)}")
     return sentences
+
+
+def coarse_forces(scenario: Scenario) -> list[str]:
+    """Return a sentence about forces under a motion model that rounds every move to whole pixels; else nothing."""
+    if switch_class(scenario.motion) is not ThesisOptions:
+        return []
+    forces = [name for name in scenario.thesis.changed() if name in ThesisOptions.GROUPS["Forces"]]
+    if not forces:
+        return []
+    options = ", ".join(f"+{name}" for name in forces)
+    return [
+        f"{options}: {scenario.motion} moves by whole pixels (a tenth of a cell) and drops the rest of each tick's "
+        "way, so a robot that makes no more than a pixel a tick stands still: with cells of 0.1 m and ticks of 15 ms, "
+        "one below 0.67 m/s"
+    ]
 
 
 def random_run(scenario: Scenario) -> bool:

@@ -17,16 +17,17 @@ __all__ = ["note_unused"]
 
 
 def note_unused(scenarios: Iterable[Scenario], *, seeds: Collection[str] = ()) -> None:
-    """Say on standard error which options of these runs have no effect.
+    """Say on standard error which options of these runs have no effect, or less than one would think.
 
     Args:
         scenarios: What is run.
         seeds: Names of the command's options for seeds of the runs; said to be idle if typed and no run draws numbers.
     """
-    from sim.unused_options import random_run, unused_options
+    from sim.unused_options import coarse_forces, random_run, unused_options
 
     runs = tuple(scenarios)
-    for sentence in dict.fromkeys(sentence for scenario in runs for sentence in unused_options(scenario)):
+    sentences = (one for scenario in runs for one in (*unused_options(scenario), *coarse_forces(scenario)))
+    for sentence in dict.fromkeys(sentences):
         note(f"note: {sentence}")
     source = click.get_current_context().get_parameter_source
     typed = [name for name in seeds if source(name) is ParameterSource.COMMANDLINE]

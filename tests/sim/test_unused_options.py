@@ -2,11 +2,14 @@
 
 import json
 
+import numpy as np
 import pytest
 
+from sim import simulate
 from sim.scenario import Scenario
-from sim.unused_options import random_run, unused_options
+from sim.unused_options import coarse_forces, random_run, unused_options
 from tests.helpers.command_line import worldgen
+from worldgen.world import Pose, Target, World
 
 
 @pytest.mark.parametrize(
@@ -40,6 +43,25 @@ def test_an_option_that_changes_nothing_is_named_with_the_reason(text, motion, r
 )
 def test_an_option_that_matters_is_not_named(text, motion):
     assert unused_options(Scenario.parse(text, motion=motion)) == []
+
+
+@pytest.mark.parametrize("force", ["acceleration=2", "friction=1", "wall_friction=0.5", "slip=0.1"])
+def test_forces_under_stepped_are_said_to_move_whole_pixels(force):
+    (sentence,) = coarse_forces(Scenario.parse(f"thesis-1+{force}", motion="stepped"))
+    assert "whole pixels" in sentence
+    assert "0.67 m/s" in sentence
+    assert coarse_forces(Scenario.parse(f"turn-left+{force}", motion="swept")) == []
+
+
+def test_a_robot_below_a_pixel_a_tick_stands_still_under_stepped():
+    cells = np.zeros((30, 30), bool)
+    slow, fast = (
+        simulate(
+            World(cells, Pose(1.5, 1.5, 0.0), Target(0.3, 0.3, 0.05), robot_speed=speed), "thesis-1", motion="stepped"
+        )
+        for speed in (0.66, 0.68)
+    )
+    assert slow.path_length == 0.0 < fast.path_length
 
 
 def test_a_class_that_does_not_declare_its_senses_may_read_everything(tmp_path):
