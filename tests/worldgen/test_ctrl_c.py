@@ -22,14 +22,35 @@ def usual():
     signal.signal(signal.SIGINT, before)
 
 
+@pytest.fixture(autouse=True)
+def until_nobody_repeats_it(usual, monkeypatch):
+    """Waits for the threads that press Ctrl-C again, if there are any; ``threading`` does not know them."""
+    ends = []
+
+    def start(function, arguments):
+        end = threading.Event()
+
+        def run():
+            try:
+                function(*arguments)
+            finally:
+                end.set()
+
+        ends.append(end)
+        _thread.start_new_thread(run, ())
+
+    def wait():
+        for end in ends:
+            end.wait()
+
+    started = SimpleNamespace(start_new_thread=start, interrupt_main=_thread.interrupt_main)
+    monkeypatch.setattr("worldgen.cli.ctrl_c._thread", started)
+    yield wait
+    wait()
+
+
 def ctrl_c():
     signal.raise_signal(signal.SIGINT)
-
-
-def until_nobody_repeats_it():
-    """Wait for the thread that presses Ctrl-C again, if there is one; ``threading`` does not know it."""
-    while _thread._count() > threading.active_count() - 1:
-        time.sleep(0.01)
 
 
 def test_it_is_heard_at_once():
@@ -65,7 +86,7 @@ FALLS = [in_callback_of_the_collection, in_callback_of_a_weak_reference, in_a_fi
 
 
 @pytest.mark.parametrize("fall", FALLS)
-def test_one_that_falls_where_nobody_can_catch_it_is_heard_once_after_it(fall):
+def test_one_that_falls_where_nobody_can_catch_it_is_heard_once_after_it(fall, until_nobody_repeats_it):
     happened = []
 
     def press():
@@ -100,7 +121,7 @@ def test_none_is_lost_beside_a_busy_thread():
         thread.join()
 
 
-def test_whoever_handles_it_by_then_gets_it_once(monkeypatch):
+def test_whoever_handles_it_by_then_gets_it_once(monkeypatch, until_nobody_repeats_it):
     other_is_there = threading.Event()
     monkeypatch.setattr("worldgen.cli.ctrl_c.time", SimpleNamespace(sleep=lambda _: other_is_there.wait()))
     heard = []
@@ -120,7 +141,7 @@ def test_afterwards_all_is_as_it_was():
 
 
 @pytest.mark.parametrize("raised", [ValueError("no Ctrl-C"), KeyboardInterrupt("of a program's own")])
-def test_what_else_is_dropped_is_told_as_ever(monkeypatch, raised):
+def test_what_else_is_dropped_is_told_as_ever(monkeypatch, raised, until_nobody_repeats_it):
     told = []
     monkeypatch.setattr(sys, "unraisablehook", lambda dropped: told.append(dropped.exc_value))
 
