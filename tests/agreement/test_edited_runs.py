@@ -50,6 +50,7 @@ def plain(world, edit, controller, motion, step):
 ENDINGS = {"loop": layout.LOOP, "tunnel": layout.TUNNEL, "burned": layout.BURNED, "limit": layout.LIMIT}
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("dynamic", [False, True], ids=["still", "changing"])
 @pytest.mark.parametrize(("motion", "step"), [("swept", 0.015), ("endpoint", 0.08)])
 @pytest.mark.parametrize("ending", ENDINGS)

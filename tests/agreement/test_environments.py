@@ -40,6 +40,7 @@ class Plays:
         return Command(speed * self.top_speed, turn * self.turn_rate), (memory[0] + 1.0,)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("name", WORLDS)
 def test_an_episode_is_the_simulators_run_of_its_actions(name, robot):
@@ -72,6 +73,7 @@ def told_by(begin_many, step, options, worlds, moves):
     return [part.tobytes() for one in (*told[1:], fleet.crew._replace(search=fleet.crew.state)) for part in one]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("distance", ["straight", "way"])
 def test_the_kernel_is_its_python_twin(distance):
     worlds = [replace(WORLDS["trap"], robot_speed=9.0), WORLDS["maze"], *([WORLDS["fire"]] * (distance == "straight"))]

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -35,6 +36,7 @@ def test_heading_of_turns_with_its_vector(dx, dy):
         assert lattice_sense.heading_of(-dy, dx, 0) == (lattice_sense.heading_of(dx, dy, 0) + TURN // 4) % TURN
 
 
+@pytest.mark.gate
 @given(st.integers(0, TURN - 1), st.integers(-5000, 5000))
 def test_displacement_turns_with_its_heading(heading, distance):
     table = lattice_sense.heading_table()

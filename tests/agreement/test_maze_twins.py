@@ -19,6 +19,7 @@ def full(rows, columns):
     return np.ones((rows, columns), bool)
 
 
+@pytest.mark.gate
 @every_algorithm
 @pytest.mark.parametrize(("columns", "rows"), some([(3, 40), (1, 1), (64, 65), (2, 2), (40, 3), (107, 141)], 3))
 def test_a_compiled_maze_is_the_same_to_the_bit(algorithm, columns, rows):

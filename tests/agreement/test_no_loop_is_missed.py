@@ -63,6 +63,7 @@ def compare(families, seeds, names, steps):
     return repeated
 
 
+@pytest.mark.gate
 def test_every_repetition_in_a_dictionary_of_states_is_found():
     assert compare(FEW_FAMILIES, range(1, 6), ["turn-left", "turn-random", "q-learning"], 500) > 20
 
@@ -131,6 +132,7 @@ def test_a_state_that_comes_back_in_the_last_step_of_the_budget_is_found_and_one
         assert found_in(simulate(room(), make(entry, end), steps=end - 1)) is None
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("make", [counter, ManyCount], ids=["compiled", "vector"])
 def test_many_runs_at_once_find_the_same_loops(make):
     for entry, end in CASES:

@@ -33,6 +33,7 @@ def boxes(cells):
     return [shapely.box((ix - 1) * UNIT, (iy - 1) * UNIT, ix * UNIT, iy * UNIT) for iy, ix in np.argwhere(padded)]
 
 
+@pytest.mark.gate
 @settings(max_examples=200)
 @given(rooms(), FREE_PLACE, ROUND, st.floats(0.5, 12.0))
 def test_a_beam_is_as_long_as_shapely_says(cells, place, heading, cells_far):

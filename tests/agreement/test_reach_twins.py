@@ -43,6 +43,7 @@ def both_ways(world, monkeypatch):
     return plain, decide(world)
 
 
+@pytest.mark.gate
 @given(world=still_worlds())
 def test_a_compiled_decision_is_the_same_to_the_bit(world, monkeypatch):
     plain, compiled = both_ways(world, monkeypatch)
@@ -55,6 +56,7 @@ def test_a_compiled_decision_about_a_tight_world_is_the_same_to_the_bit(world, m
     assert plain == compiled
 
 
+@pytest.mark.gate
 @given(maps, radii, st.sampled_from([2, 4]))
 def test_compiled_rasters_are_the_same(walls, radius, k):
     plain, compiled = build_graph(walls, radius, k), build_graph(walls, radius, k, compiled=True)
@@ -92,6 +94,7 @@ def test_a_search_with_buckets_finds_the_path_of_the_search_with_a_heap(asked):
     assert find_path(*asked, compiled=True) == find_path(*asked)
 
 
+@pytest.mark.gate
 @given(graphs())
 def test_a_search_that_is_stopped_looks_first_whether_there_is_a_way(asked):
     with pytest.MonkeyPatch.context() as patch:
@@ -193,6 +196,7 @@ def chain_exists(world, radius, points):
     return bool((part[:, 0] == part[:, 1]).any())
 
 
+@pytest.mark.gate
 @given(still_worlds())
 def test_a_chain_is_found_exactly_where_a_look_at_every_link_finds_one(world):
     radius = Fraction(str(world.robot_radius))
@@ -229,6 +233,7 @@ def test_thousands_of_worlds_are_decided_by_compiled_code_from_the_first_on():
     assert expecting.pays_to_compile(3600)
 
 
+@pytest.mark.gate
 @given(world=still_worlds())
 def test_a_way_over_whole_cells_is_a_proof_and_what_it_does_not_find_is_found_among_half_cells(world, monkeypatch):
     usual = decide(world)

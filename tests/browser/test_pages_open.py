@@ -1,5 +1,7 @@
 """What the default tier checks in a browser: a report and the studio open and do their main job."""
 
+import pytest
+
 from fuzz.report import write_report
 from tests.helpers.browser import page_in
 from tests.helpers.campaign_folder import campaign_folder
@@ -7,6 +9,7 @@ from tests.helpers.studio import studio_of
 from tests.helpers.studio_page import drag, opened, solid_cells
 
 
+@pytest.mark.gate
 def test_a_report_opens_from_disk_and_plays(browser, tmp_path):
     write_report([campaign_folder(tmp_path / "failures")], tmp_path / "report.html")
     with page_in(browser) as page:
@@ -20,6 +23,7 @@ def test_a_report_opens_from_disk_and_plays(browser, tmp_path):
         assert page.complaints == []
 
 
+@pytest.mark.gate
 def test_the_studio_opens_draws_and_proves(browser, tmp_path):
     with studio_of(tmp_path) as gate, opened(browser, gate) as page:
         page.keyboard.press("l")

@@ -100,12 +100,14 @@ every_shape = pytest.mark.parametrize(("name", "shape"), [pytest.param(*one.valu
 every_family = pytest.mark.parametrize("name", FAMILIES.names())
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("check", CHECKS, ids=str)
 @an_example_of_every_family
 def test_every_shape_keeps_what_every_family_promises(name, shape, check):
     check(FAMILIES.get(name), shape)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("check", FAMILY_CHECKS, ids=str)
 @every_family
 def test_every_family_keeps_what_every_family_promises(name, check):
@@ -151,6 +153,7 @@ def test_the_independent_checker_accepts_the_witness(name, shape, cell_size, rob
         assert isinstance(world.certificate, Witness) and report.valid, report.reason
 
 
+@pytest.mark.gate
 @an_example_of_every_constructed_family
 def test_layouts_are_solvable_by_construction(name, shape):
     for seed in range(20):
@@ -211,6 +214,7 @@ def test_numbers_out_of_range_are_refused(name, params, message):
         generate(name, **params)
 
 
+@pytest.mark.gate
 def test_a_family_that_never_solves_gives_up_and_names_its_parameters():
     @family("walled-in", version=1)
     def walled_in(rng, *, size: int = 12) -> World:

@@ -32,6 +32,7 @@ def epochs():
     return results, memories
 
 
+@pytest.mark.gate
 def test_the_archive_grows_from_epoch_to_epoch(epochs):
     filled = [len(memory.elites) for memory in epochs[1]]
     assert filled[0] == 0 and filled[1] > 50 and filled == sorted(set(filled))
@@ -42,6 +43,7 @@ def test_no_cell_of_the_archive_gets_worse(epochs):
         assert all(after.elites[cell].quality >= elite.quality for cell, elite in before.elites.items())
 
 
+@pytest.mark.gate
 def test_children_of_an_archive_behave_in_more_ways_than_what_is_drawn_afresh(epochs):
     afresh = [run_unit(CONFIG, unit).elites for unit in (1, 2)]
     assert len(epochs[1][3].elites) > len({**epochs[0][0].elites, **afresh[0], **afresh[1]})

@@ -239,6 +239,7 @@ def test_walls_far_from_a_robot_that_feels_its_way_change_nothing(motion):
     assert Asked.parse("wall").objection(trial) is None
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("controller", ["vfh", "three-layer", "turn-right+signal=blocked", "vfh+beam_dropout=0.5"])
 def test_walls_that_beams_or_a_signal_would_notice_are_not_added(controller):
     scenario, hall = Scenario.parse(controller), generate("maze", seed=4)

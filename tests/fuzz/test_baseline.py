@@ -52,6 +52,7 @@ def a_loop(found):
     return next(file for file in sorted(found[0].glob("*.grid")) if read_world(file).failure.verdict == "loop")
 
 
+@pytest.mark.gate
 def test_known_classes_are_counted_but_neither_written_nor_a_failure(found, tmp_path):
     result, summary = again(tmp_path / "out", found[0])
     assert result.code == 0 and not summary["failures"] and not list((tmp_path / "out").glob("*.grid"))

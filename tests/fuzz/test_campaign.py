@@ -48,11 +48,13 @@ def test_a_unit_does_not_depend_on_what_else_is_loaded(tmp_path, monkeypatch):
     assert (before.steps, before.verdicts) == (after.steps, after.verdicts)
 
 
+@pytest.mark.gate
 def test_other_units_and_other_seeds_draw_other_worlds():
     steps = {run_unit(replace(CONFIG, seed=seed), unit).steps for seed in (5, 6) for unit in (0, 1)}
     assert len(steps) == 4
 
 
+@pytest.mark.gate
 def test_the_thesis_robot_is_found_to_loop(found):
     campaign, files = found
     assert files and all(kind.startswith(("loop", "stalled", "timeout")) for kind in files)

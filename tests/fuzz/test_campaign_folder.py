@@ -131,6 +131,7 @@ def test_ctrl_c_leaves_a_campaign_that_goes_on_to_the_same_corpus(whole, tmp_pat
     assert left_in(out) == left_in(whole)
 
 
+@pytest.mark.gate
 def test_a_finished_campaign_goes_on_to_more_units_as_if_it_had_never_stopped(copied, tmp_path):
     run(begin(CONFIG, tmp_path / "all", Goal(units=UNITS + 1)))
     result = worldgen("fuzz", "--resume", copied, "--units", UNITS + 1, "--workers", 1, "--json")
@@ -197,6 +198,7 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
     assert left_in(tmp_path / "out") == left_in(whole)
 
 
+@pytest.mark.gate
 def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_later(
     whole, tmp_path, monkeypatch, capsys
 ):
@@ -219,6 +221,7 @@ def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_lat
     assert left_in(out) == left_in(whole) and not list(entries.glob("*.cut.json"))
 
 
+@pytest.mark.gate
 def test_what_a_cut_unit_met_beyond_the_units_that_are_wanted_later_goes_but_no_file_of_somebody_else(
     whole, tmp_path, monkeypatch
 ):
@@ -234,6 +237,7 @@ def test_what_a_cut_unit_met_beyond_the_units_that_are_wanted_later_goes_but_no_
     assert {file.name for file in out.glob("*.grid")} == {*left_in(whole)[0], "changed.grid", "mine.grid"}
 
 
+@pytest.mark.gate
 def test_the_seconds_of_all_sittings_are_added_up(copied):
     file = copied / ".campaign" / "summary.json"
     before = json.loads(file.read_text())["seconds"]
@@ -271,6 +275,7 @@ def without_seconds(text):
     return {name: entry[name] for name in entry if name not in ("seconds", "digest")}
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("part", ["failures", "shrunk"])
 @pytest.mark.parametrize("spoil", [Path.unlink, spoil_text])
 def test_a_failure_that_is_not_whole_is_found_and_shrunk_again(part, spoil, copied, whole):

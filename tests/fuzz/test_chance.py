@@ -289,6 +289,7 @@ def test_a_failures_record_says_what_chance_there_was():
     assert list(chance_details(hall(), Scenario(f"{HERE}:free"))) == ["failing_seeds", "failing_share_at_least"]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("controller", "code", "keys"),
     [

@@ -47,6 +47,7 @@ def failures(tmp_path_factory):
     return folder, result
 
 
+@pytest.mark.gate
 def test_fuzz_writes_a_file_a_failure_and_says_how_to_replay_it(failures):
     folder, result = failures
     files = sorted(folder.glob("*.grid"))
@@ -64,6 +65,7 @@ def again(tmp_path_factory):
     return folder, worldgen(*FUZZ, "--out", folder, "--json")
 
 
+@pytest.mark.gate
 def test_fuzz_prints_one_json_object(again):
     summary = json.loads(again[1].out)
     assert {"seed", "worlds", "steps", "seconds", "failures"} <= set(summary) and again[1].code == 1
@@ -141,6 +143,7 @@ def test_fuzz_of_a_controller_that_always_arrives_finds_nothing_and_ends_with_0(
     assert result.code == 0 and "no failure of" in result.out and not list((tmp_path / "none").glob("*.grid"))
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("body", "kind"),
     [("raise SystemExit(7)", "SystemExit"), ("1 / 0", "ZeroDivisionError")],

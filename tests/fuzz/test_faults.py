@@ -23,6 +23,7 @@ def test_there_are_at_least_twenty():
     assert len(FAULTS) >= 20
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", some(FAULTS, 4))
 def test_it_fails_as_expected_where_the_controller_without_the_fault_arrives(name):
     fault, world = FAULTS[name], read_world(WORLDS / f"{name}.grid")
@@ -42,6 +43,7 @@ def test_it_says_in_one_sentence_what_is_wrong(name):
     assert fault.sentence.endswith(".") and "\n" not in fault.sentence and fault.expected and fault.base is not None
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("searcher", some(["plan", "random", "genetic"]))
 def test_searching_finds_a_comparison_of_floats_for_equality(searcher):
     row, world = look_for(FAULTS["bug2-leaves-by-equality"], searcher, 1, Limits(200_000, 60.0))

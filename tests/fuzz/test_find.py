@@ -114,12 +114,14 @@ def test_outcomes_are_told_in_the_order_in_which_they_were_wished(tmp_path):
     assert [line.split(":")[0] for line in result.out.splitlines()[:2]] == ["turn-random", "turn-left"]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("workers", [1, 2])
 def test_equal_seeds_find_equal_worlds_with_any_workers(found, workers, tmp_path):
     worldgen("find", "--outcome", WANTED, *QUICK[:-1], workers, "--out", tmp_path / "again.grid")
     assert (tmp_path / "again.grid").read_bytes() == found[0].read_bytes()
 
 
+@pytest.mark.gate
 def test_a_number_of_steps_is_met_exactly(tmp_path):
     result = worldgen(
         "find", "--outcome", "thesis-1=reached@3s", "--motion", "stepped", "--units", 8, "--seed", 1, "--workers", 1,
@@ -165,6 +167,7 @@ def test_what_cannot_be_had_comes_as_near_as_it_does_and_ends_with_1(tmp_path):
     assert summary["distance"] == pytest.approx((steps - 100) / 100 + (200 - steps) / 200)
 
 
+@pytest.mark.gate
 def test_how_near_it_comes_is_printed(tmp_path):
     wanted = "turn-left=reached, turn-left=loop"
     result = worldgen("find", "--outcome", wanted, "--units", 1, *QUICK[2:], "--out", tmp_path / "w.grid")
@@ -199,6 +202,7 @@ def test_keep_target_leaves_the_target_where_it_is(tmp_path):
     assert found.target == read_world(SKETCH).target and (found.walls != read_world(SKETCH).walls).any()
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("source", [("--from", SKETCHES / "config-02.grid"), ("--family", "trap")])
 def test_symmetric_makes_walls_symmetric_about_the_diagonal(source, tmp_path):
     options = ("--motion", "stepped", *source, "--symmetric", *QUICK)

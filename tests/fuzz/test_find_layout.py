@@ -41,6 +41,7 @@ def test_boxes_stand_for_the_world_that_they_are_of(world):
     assert (Layout.of(world).world().walls == world.walls).all()
 
 
+@pytest.mark.gate
 @given(worlds())
 def test_the_mirror_of_a_symmetric_world_is_that_world(world):
     both = replace(world, walls=world.walls | world.walls[::-1, ::-1].T)

@@ -85,6 +85,7 @@ def met(tmp_path_factory):
     return out, worldgen("fuzz", *options, "--workers", 1, "--no-shrink", "--out", out, "--json")
 
 
+@pytest.mark.gate
 def test_hazards_alone_do_not_make_a_build_fail_and_are_listed_apart(met):
     said = json.loads(met[1].out)
     assert said["hazards"] and not said["failures"] and met[1].code == 0

@@ -216,6 +216,7 @@ def assert_looks_are_runs(looks):
         assert looks.raw[n, layout.OUT_LAST_NEW_CELL] == run.last_new_cell
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", CLASSES)
 def test_a_look_at_a_class_is_its_run_in_the_decoded_world(name):
     assert_looks_are_runs(look(named(name), 60, budget=300))
@@ -225,6 +226,7 @@ def test_a_look_at_a_program_is_its_run_in_the_decoded_world():
     assert_looks_are_runs(look(program(PROGRAM), 12, budget=60))
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", ["Many", "Many+motion=endpoint", "ManyFragile"])
 def test_a_look_at_a_vector_class_is_its_run_alone_in_the_decoded_world(name, monkeypatch):
     monkeypatch.setattr("fuzz.native.in_lockstep.PLACES", 16)
@@ -286,6 +288,7 @@ def test_looks_at_a_class_are_those_at_the_compiled_controller_that_it_is():
     assert {"reached", "loop"} <= set(compiled.verdict)
 
 
+@pytest.mark.gate
 def test_a_unit_of_a_class_is_a_function_of_its_number_and_replays():
     config = CampaignConfig(named("WallLeft"), seed=2, examples=60, families=("native",))
     one, two = run_unit(config, 1), run_unit(config, 1)

@@ -27,6 +27,7 @@ def varied(*texts):
     )
 
 
+@pytest.mark.gate
 def test_a_unit_is_a_function_of_its_number():
     one, two, other = run_unit(CONFIG, 3), run_unit(CONFIG, 3), run_unit(CONFIG, 4)
     assert [dumps(world) for world in one.failures.values()] == [dumps(world) for world in two.failures.values()]
@@ -82,6 +83,7 @@ def test_the_lane_works_where_its_kernel_runs(config, expected):
     assert fits(config) is expected
 
 
+@pytest.mark.gate
 def test_what_a_campaign_varies_is_one_thing_for_a_unit():
     config = varied("wall_friction=0.1,0.3", "time_step=0.02,0.04", "robot_speed=1,2")
     seen: set[tuple[object, ...]] = set()

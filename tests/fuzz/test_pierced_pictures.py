@@ -68,6 +68,7 @@ def test_an_svg_has_stripes_a_frame_for_each_wall_and_a_cross(run):
     assert "a wall that it went into" in text
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("run", [slide, fast])
 def test_a_gif_s_walls_turn_red_when_the_robot_goes_in(run):
     world, episode = run()

@@ -29,6 +29,7 @@ def driven(*, lean, steps=2000):
     return episode, drawn_run(episode, world.cell_size, controller=CONTROLLERS.get("mapper"))
 
 
+@pytest.mark.gate
 def test_a_lean_recording_is_the_whole_one_without_its_memory(little):
     (whole, _), (lean, _) = driven(lean=False), driven(lean=True)
     assert whole.trace.states.shape[1] > 1000 and lean.trace.states.shape[1] == 5

@@ -169,6 +169,7 @@ def fails_alike(world, failure):
     )  # fmt: skip
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("controller", "motion", "family"), [*((*one, "features") for one in SCENARIOS),
                                                                ("turn-right", "swept", "fire")])  # fmt: skip
 def test_results_are_one_minimal_by_brute_force(controller, motion, family):
@@ -178,6 +179,7 @@ def test_results_are_one_minimal_by_brute_force(controller, motion, family):
         assert not any(fails_alike(near, result.world) for near in plain_neighbours(result.world))
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("controller", "motion"), SCENARIOS)
 def test_what_is_shrunk_keeps_verdict_and_cause_and_replays(controller, motion):
     for before, after in zip(found(controller, motion), shrunk_found(controller, motion), strict=True):
@@ -186,6 +188,7 @@ def test_what_is_shrunk_keeps_verdict_and_cause_and_replays(controller, motion):
         assert replay(after.world).confirmed
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("controller", "motion"), SCENARIOS[:3])
 def test_the_class_stays_where_it_is_to_be_kept(controller, motion):
     for before in found(controller, motion)[:2]:

@@ -118,6 +118,7 @@ NAMES = [
 ]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("controller", NAMES)
 @pytest.mark.parametrize("parameters", [{}, {"slip": 0.125, "beams": 36, "sensor_range": 0.25, "friction": 0.5}])
 def test_a_module_is_as_a_formatter_leaves_it_whatever_its_lines_are_allowed(controller, parameters, tmp_path):

@@ -222,6 +222,7 @@ def test_links_hidden_files_and_what_is_no_map_are_not_listed(folder):
     assert "mine.py" in [entry["name"] for entry in Folder(folder).files((".py",))]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("do", ["open", "save", "bring", "export"])
 def test_no_question_leads_out_of_the_folder(page, folder, do):
     said = page.ask(do, name="outside/new.grid", world=world(), overwrite=True, keep=True, format="thesis")
@@ -286,6 +287,7 @@ def test_an_edited_world_is_saved_with_a_proof_of_its_own(page, folder):
     (folder / "sub.grid").unlink()
 
 
+@pytest.mark.gate
 def test_a_proof_comes_with_its_way_or_its_cut(page):
     free = page.ask("decide", world=world())["answer"]
     wide = page.ask("decide", world=world(robot_radius=1.0))["answer"]
@@ -293,6 +295,7 @@ def test_a_proof_comes_with_its_way_or_its_cut(page):
     assert wide["result"] == "blocked" and wide["cut"]
 
 
+@pytest.mark.gate
 def test_the_widest_robot_just_passes(page):
     widest = page.ask("widest", world=world())["answer"]["widest"]
     assert page.ask("decide", world=world(robot_radius=widest))["answer"]["result"] == "reachable"
@@ -300,11 +303,13 @@ def test_the_widest_robot_just_passes(page):
     assert page.ask("decide", world=world(robot_radius=wider))["answer"]["result"] == "blocked"
 
 
+@pytest.mark.gate
 def test_a_generated_world_is_the_command_line_s(page):
     made = page.ask("generate", family="maze", seed="7", parameters={"size": 20})["answer"]
     assert made["world"]["source"] == dumps(generate("maze", 7, size=20)).decode()
 
 
+@pytest.mark.gate
 def test_a_run_is_the_library_s_to_the_digest(page):
     said = page.ask("run", **run_message(controllers=["turn-left", "turn-right"]))
     digests = [part["digest"] for part in said["parts"] if "digest" in part]
@@ -491,6 +496,7 @@ def test_port_0_is_one_that_is_free():
         assert len(ports) == 2 and not ports & {0, USUAL_PORT}
 
 
+@pytest.mark.gate
 def test_the_command_prints_the_port_that_it_has_found(tmp_path):
     command = [sys.executable, "-m", "worldgen", "studio", str(tmp_path), "--no-browser", "--port", "0"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:

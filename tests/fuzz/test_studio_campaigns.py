@@ -84,6 +84,7 @@ def written(out):
     return whole | {name: said | {"seconds": 0, "digest": ""} for name, said in units.items()}
 
 
+@pytest.mark.gate
 def test_no_command_names_a_map_that_is_in_no_file(page):
     message = SHORT | {"lanes": [], "world": message_of(generate("trap", 2)), "units": 1}
     assert "save it first" in page.ask("command", folder="x", **message, world_name=None)["error"]
@@ -96,6 +97,7 @@ def test_a_campaign_that_is_done_says_so(done, page):
     assert listed == done
 
 
+@pytest.mark.gate
 def test_a_failure_is_looked_at_with_its_run_and_the_line_that_replays_it(done, page, folder):
     first = failures(page, "done")[0]
     seen = page.ask("look", name=first["name"])["answer"]
@@ -121,6 +123,7 @@ def test_a_failure_s_test_is_that_of_the_command_line(done, page, folder):
     assert page.ask("snippet", name=name)["answer"]["text"] == snippet(read_world(folder / name))
 
 
+@pytest.mark.gate
 def test_what_is_marked_as_known_is_counted_and_not_kept_by_the_next_campaign(done, page, folder):
     first = next(one for one in failures(page, "done") if one["class"] in done["met"])
     page.ask("know", name=first["name"], known=True)
@@ -155,6 +158,7 @@ def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(
         assert not watch(page, "long")["running"]
 
 
+@pytest.mark.gate
 def test_a_campaign_that_has_yet_to_begin_is_stopped_and_leaves_nothing(tmp_path):
     (tmp_path / "mine.py").write_text(HANGS)
     label = f"{tmp_path}/mine.py:Robot"
@@ -171,6 +175,7 @@ def test_a_campaign_that_has_yet_to_begin_is_stopped_and_leaves_nothing(tmp_path
         assert begin(page, "a/b", units=1)["answer"]["state"]["folder"] == "a/b"
 
 
+@pytest.mark.gate
 def test_what_goes_on_is_stopped_before_it_does_and_keeps_what_it_had(tmp_path):
     mine, label = tmp_path / "mine.py", f"{tmp_path}/mine.py:Robot"
     mine.write_text(HANGS)
@@ -193,6 +198,7 @@ def test_what_is_no_campaign_is_not_stopped(page):
     assert "holds no campaign" in page.ask("stop", folder="nothing")["error"]
 
 
+@pytest.mark.gate
 def test_on_the_drawn_map_only_the_poses_vary(page, folder):
     drawn = generate("trap", 1)
     begin(page, "drawn", units=1, lanes=[], world=message_of(drawn))
@@ -221,6 +227,7 @@ def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, f
 # What is not run.
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("changes", "why"),
     [({"controller": "./mine.py:Robot"}, "was not named"), ({"lanes": ["./mine.py:family"]}, "is not registered"),
@@ -312,6 +319,7 @@ def test_a_lock_that_names_another_s_process_stops_nothing(page, folder):
     assert signal.getsignal(signal.SIGINT) == before
 
 
+@pytest.mark.nightly
 def test_every_lane_that_the_form_offers_may_be_asked_for(page):
     lanes = [
         lane for lane in page.ask("hello")["answer"]["lanes"] if lane != "sealed"
@@ -321,6 +329,7 @@ def test_every_lane_that_the_form_offers_may_be_asked_for(page):
     assert {lane["lane"] for lane in watch(page, "of lanes")["lanes"]} <= set(lanes)
 
 
+@pytest.mark.gate
 def test_a_campaign_by_the_clock_that_was_stopped_says_so(done, page):
     begin(page, "by the clock", seconds=600)
     watched(page, "by the clock", 0)

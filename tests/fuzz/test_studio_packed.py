@@ -74,6 +74,7 @@ def failures(asked, folder):
     return asked.ask("failures", folder=folder)["answer"]
 
 
+@pytest.mark.nightly
 def test_archives_are_offered_beside_folders(asked):
     said = asked.ask("campaigns")["answer"]
     assert said["archives"] == list(PACKERS)
@@ -88,6 +89,7 @@ def test_an_archive_holds_the_failures_that_its_folder_held(asked, name):
     assert {one["name"] for one in packed["failures"]} == {f"{name}/deep/{file.name}" for file in FAILURES}
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", PACKERS)
 def test_a_failure_in_an_archive_is_looked_at_opened_replayed_and_copied(asked, folder, name):
     one = failures(asked, name)["failures"][0]["name"]

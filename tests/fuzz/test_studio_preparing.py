@@ -6,11 +6,14 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 from fuzz.studio import Folder, Gate, Studio, serving
 from fuzz.studio.preparing import _RUNS, prepare_beside
 from sim.motion import MOTIONS
 
 
+@pytest.mark.gate
 def test_it_is_done_once_and_in_a_process_that_ends(tmp_path):
     done = tmp_path / "done"
     process = prepare_beside(done)

@@ -38,6 +38,7 @@ def digest(label):
     return simulate(world, scenario.controller, scenario.options(world, 500)).trace_digest
 
 
+@pytest.mark.gate
 def test_robots_with_and_without_options_of_their_own_drive_at_once(gate):
     labels = ["thesis-1", "thesis-1+repaired", "thesis-1+slip=0.2"]
     with page_of(gate) as page:
@@ -66,6 +67,7 @@ def test_options_bring_no_code_of_a_file_along(gate, folder, name):
     assert "error" in part and "run" not in part and not (folder / "ran").exists()
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("wrong", ["nope", "thesis-1+foo=3", "./evil.py:X", "thesis-1+motion=./evil.py:X"])
 def test_what_is_no_robot_is_refused_when_it_is_added(gate, wrong):
     ask = {"motion": "stepped", "time_step": 0.015, "seed": 0, "options": {}}

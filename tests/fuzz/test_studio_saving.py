@@ -32,6 +32,7 @@ def ask(page, **changes):
     return page.ask("picture", **(message | changes))
 
 
+@pytest.mark.gate
 def test_runs_are_saved_as_animation_drawing_and_page(gate):
     with page_of(gate) as page:
         gif, svg, html = (base64.b64decode(ask(page, kind=kind)["answer"]["data"]) for kind in ("gif", "svg", "html"))
@@ -68,6 +69,7 @@ def campaign(tmp_path_factory):
     return campaign_folder(tmp_path_factory.mktemp("campaign") / "failures")
 
 
+@pytest.mark.gate
 def test_a_failure_is_answered_with_what_it_was_before_shrinking(campaign):
     with studio_of(campaign) as gate, page_of(gate) as page:
         before = page.ask("before", name=LOOP)["answer"]["before"]
@@ -75,6 +77,7 @@ def test_a_failure_is_answered_with_what_it_was_before_shrinking(campaign):
         assert page.ask("before", name=TUNNEL)["answer"]["before"] is None
 
 
+@pytest.mark.gate
 def test_what_was_before_is_not_run_by_a_controller_that_nobody_has_named(campaign, tmp_path):
     shutil.copytree(campaign, tmp_path / "copy")
     (original,) = (tmp_path / "copy/.campaign/failures").glob("*.grid")

@@ -62,6 +62,7 @@ def test_a_way_out_that_nobody_has_thought_of_says_where_it_is():
     assert on_the_page("two - one -- and three") == "two - one -- and three"
 
 
+@pytest.mark.gate
 def test_a_file_of_no_known_format_is_opened_by_naming_its_format(tmp_path):
     (tmp_path / "map.odd").write_text("import this\n")
     with studio_of(tmp_path) as gate, page_of(gate) as page:
@@ -69,6 +70,7 @@ def test_a_file_of_no_known_format_is_opened_by_naming_its_format(tmp_path):
     assert "say which in Options of the import" in said and "--" not in said
 
 
+@pytest.mark.nightly
 def test_a_folder_with_another_campaign_and_one_with_worlds_are_refused_by_what_the_page_has(tmp_path):
     (tmp_path / "mine").mkdir()
     write_world(generate("corridor", 1), tmp_path / "mine/w.grid")

@@ -21,6 +21,7 @@ def gate(tmp_path_factory):
         yield gate
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("seed", ["-1", "x", "9" * 5000, "0" * 5000])
 def test_a_seed_that_is_none_is_refused(gate, seed):
     with page_of(gate) as page:

@@ -72,6 +72,7 @@ def test_a_campaign_that_varies_nothing_draws_what_it_always_drew():
     assert (one.worlds, one.steps, one.verdicts) == (two.worlds, two.steps, two.verdicts)
 
 
+@pytest.mark.gate
 def test_failures_store_what_was_drawn_and_replay():
     config = CampaignConfig(SCENARIO, seed=5, vary=(NOISE, Variation("robot_radius", (0.07, 0.05))), examples=60)
     campaign = Campaign(config, units=1)
@@ -89,6 +90,7 @@ def test_scenarios_are_reachable_for_the_drawn_robot(drawn):
     assert world.robot_radius in (0.07, 0.04) and scenario.robot.sensor_noise in (0.0, 0.1)
 
 
+@pytest.mark.gate
 def test_the_command_line_varies_and_its_failures_replay(tmp_path):
     varied = ("--controller", "turn-right", "--vary", "robot_speed=2,0.7", "--vary", "slip=0,0.1")
     found = worldgen("fuzz", *varied, "--units", 1, "--examples", 60, "--seed", 4, "--workers", 1, "--out", tmp_path)

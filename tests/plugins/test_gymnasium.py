@@ -52,6 +52,7 @@ def test_the_checker_has_nothing_to_say(options):
         check_env(make(pool=3, **options).unwrapped)
 
 
+@pytest.mark.gate
 def test_the_name_alone_finds_the_module():
     code = "import gymnasium as g; print(g.make('worldgen.gym:worldgen/Navigate-v0').spec.max_episode_steps)"
     done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False)
@@ -214,6 +215,7 @@ def test_a_reset_option_that_is_none_says_nothing(options):
     assert env.world == before
 
 
+@pytest.mark.gate
 def test_a_curriculum_asks_for_harder_worlds():
     env = NavigateEnv(family="trap", params={"size": 20}, difficulty=(0.1, 0.3), pool=2, sensors=PLAIN)
     for low, high in ((0.1, 0.3), (0.5, 0.9)):

@@ -109,6 +109,7 @@ WRONG = {
 }
 
 
+@pytest.mark.gate
 def test_a_wrong_mark_is_answered_by_one_sentence(project):
     for number, test in enumerate(WRONG):
         Path(f"test_{number}.py").write_text(f"import pytest\n@pytest.{test}\n")
@@ -117,6 +118,7 @@ def test_a_wrong_mark_is_answered_by_one_sentence(project):
     done.stdout.no_fnmatch_line("*Traceback*")
 
 
+@pytest.mark.gate
 def test_wrong_settings_are_usage_errors(project):
     done = pytest_run(project, "--worldgen-corpus", "nowhere")
     assert done.ret == pytest.ExitCode.USAGE_ERROR
@@ -125,6 +127,7 @@ def test_wrong_settings_are_usage_errors(project):
     assert "'maybe' is neither fixed nor confirmed" in pytest_run(project).stderr.str()
 
 
+@pytest.mark.gate
 def test_a_broken_file_in_a_corpus_fails_as_a_test_with_one_sentence(project):
     (project.mkdir("failures") / "broken.grid").write_text("no world\n")
     done = pytest_run(project, "failures/broken.grid")

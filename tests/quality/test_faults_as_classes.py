@@ -10,6 +10,7 @@ from sim.controllers import CONTROLLERS
 from worldgen import InvalidParameter, generate
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("fault", ["bug1_keeps_the_last_place", "vfh_turn_sign", "q_learning_last_turn_lost"])
 def test_a_fault_runs_the_same_compiled_and_interpreted(fault):
     world = generate("forest", 3)

@@ -20,6 +20,7 @@ def campaign(controller, motion, time_steps=(0.015,)):
     return made.state
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("controller", ["turn-left", "turn-right"])
 @pytest.mark.parametrize("motion", ["swept", "stepped"])
 def test_a_deterministic_robot_is_caught_in_a_proved_loop_of_few_cells(controller, motion):
@@ -27,23 +28,27 @@ def test_a_deterministic_robot_is_caught_in_a_proved_loop_of_few_cells(controlle
     assert loops and min(world.solid_cells for world in loops) <= 4
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("controller", ["turn-left", "turn-right", "turn-random"])
 def test_the_thesis_model_is_caught_going_through_walls(controller):
     verdicts = {world.failure.verdict for world in campaign(controller, "stepped").best.values()}
     assert verdicts & {"tunnel", "overlap"}
 
 
+@pytest.mark.gate
 def test_fast_robots_tunnel_under_endpoint():
     verdicts = {world.failure.verdict for world in campaign("turn-right", "endpoint", (0.15,)).best.values()}
     assert "tunnel" in verdicts
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("controller", ["turn-left", "turn-right", "turn-random"])
 def test_nothing_tunnels_or_overlaps_under_swept(controller):
     state = campaign(controller, "swept")
     assert state.verdicts["tunnel"] == state.verdicts["overlap"] == 0 and state.worlds >= 300
 
 
+@pytest.mark.gate
 def test_every_finding_is_one_minimal_by_its_file_alone():
     for world in campaign("turn-right", "stepped").best.values():
         assert removable(world, StillFails.of(world)) == []

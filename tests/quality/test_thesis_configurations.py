@@ -35,6 +35,7 @@ def beside(table):
     return agreement(table, read_figures(PUBLISHED, "published.csv"))
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("first_seed", [100, 1000, 77_777])
 def test_ranks_and_never_do_not_hang_on_the_seeds(first_seed):
     worlds = [NamedWorld(name, read_world(FOLDER / f"{name}.grid"), name) for name in NAMES]
@@ -52,6 +53,7 @@ def test_the_published_table_is_whole_and_in_whole_ticks():
     assert all(abs(tick - round(tick)) < 1e-9 for tick in ticks)
 
 
+@pytest.mark.gate
 def test_the_robots_rank_as_in_the_thesis(beside):
     assert beside.rankings == (10, 10)
 
@@ -112,6 +114,7 @@ def test_the_command_prints_both_tables_side_by_side():
     assert result.out.count("  published") == 10 and "8.355 (+0.000); 10.590 (-2.235)" in result.out
 
 
+@pytest.mark.gate
 def test_a_configuration_is_found_again_by_the_command_in_its_folder(tmp_path):
     outcome = "thesis-1=reached@2554, thesis-2=loop@104"
     sketch = FOLDER / "sketches" / "config-05.grid"
@@ -123,6 +126,7 @@ def test_a_configuration_is_found_again_by_the_command_in_its_folder(tmp_path):
     assert (tmp_path / "again.grid").read_bytes() == (FOLDER / "config-05.grid").read_bytes()
 
 
+@pytest.mark.gate
 def test_the_table_of_the_readme_is_what_the_command_prints():
     readme = (FOLDER.parents[1] / "README.md").read_text(encoding="utf-8")
     printed = worldgen("compare", FOLDER, "--controllers", ",".join(ROBOTS)).out

@@ -107,12 +107,14 @@ def test_with_all_repairs_no_wall_is_entered_and_no_closed_target_reached(name):
     assert healed.verdict != "reached" or isinstance(world_of(name).certificate, Witness)
 
 
+@pytest.mark.gate
 def test_a_short_campaign_finds_all_three_causes():
     met = search("thesis-2", ("features",), 400).met
     found = {cause for cause in CAUSES for kind in met if kind.startswith((f"tunnel-{cause}", f"overlap-{cause}"))}
     assert found == set(CAUSES)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_a_campaign_with_all_repairs_finds_no_way_into_a_wall(robot):
     state = search(f"{robot}+repaired", ("features", "sealed", "trap"), 150)
@@ -125,6 +127,7 @@ def sample(kind):
     return list(draw_worlds(kind, 150, seed=2))
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("kind", KINDS)
 def test_slide_and_back_off_repaired_leave_no_overlap_of_a_pixel(kind):
     for robot in ROBOTS:
@@ -159,6 +162,7 @@ def console():
             yield pytest.param(command, shown, id=command)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("command", "shown"), list(console()))
 def test_the_page_shows_what_its_commands_print(command, shown, monkeypatch):
     monkeypatch.chdir(ROOT)

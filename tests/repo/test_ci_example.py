@@ -70,6 +70,7 @@ def outputs(done, *names):
     return [done.known[f"steps.worldgen.outputs.{name}"] for name in names]
 
 
+@pytest.mark.gate
 def test_a_good_robot_passes(project):
     done = job(project, "pull-request", **QUICK)
     assert not done.failed, done.log
@@ -77,6 +78,7 @@ def test_a_good_robot_passes(project):
     assert read_sarif(Path("worldgen-failures/worldgen.sarif").read_bytes())["results"] == []
 
 
+@pytest.mark.gate
 def test_a_pull_request_that_breaks_the_robot_shows_the_world_that_breaks_it(broken, monkeypatch):
     monkeypatch.chdir(broken.folder)
     rows, folds = read_markdown(broken.summary)

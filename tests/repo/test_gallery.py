@@ -43,6 +43,7 @@ def test_every_recipe_is_shown(script):
         assert f"`worldgen compose examples/recipes/{file.name} " in section(script.RECIPES)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("family", [*FAMILIES.names(), "recipes"])
 def test_the_commands_make_the_worlds_of_the_picture(script, family, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -29,6 +29,7 @@ def few(line):
     return ("--examples", "40", "--workers", "1") if line.startswith("fuzz") else ()
 
 
+@pytest.mark.gate
 def test_its_campaigns_find_failures_that_replay(done):
     codes = [(line.split()[0], result.code) for line, result in done[1]]
     assert codes == [("fuzz", 1), ("replay", 0)] * 2

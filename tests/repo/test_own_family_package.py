@@ -35,6 +35,7 @@ def run(installed, *args):
     return subprocess.run([python, *args], cwd=package.parent, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.gate
 def test_an_installed_family_is_a_command_like_any_other(installed):
     made = run(installed, "-m", "worldgen", "warehouse", "--layout", "fishbone", "--seed", "7", "--out", "w.grid")
     assert made.returncode == 0, made.stderr
@@ -43,6 +44,7 @@ def test_an_installed_family_is_a_command_like_any_other(installed):
     assert "warehouse" in run(installed, "-m", "worldgen", "--help").stdout
 
 
+@pytest.mark.gate
 def test_the_packages_own_test_passes(installed):
     _, package = installed
     done = run(installed, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(package / "tests"))

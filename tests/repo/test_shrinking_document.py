@@ -21,6 +21,7 @@ def test_the_page_lists_what_the_shrinker_has_in_the_same_order(title, listed):
     assert rows == [(one.name, one.says) for one in listed]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("line", re.findall(r"^\$ worldgen (shrink.*?)(?: *#.*| > .*)?$", PAGE, re.M))
 def test_a_command_of_the_page_works(line, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -320,6 +320,7 @@ def test_what_numba_does_not_know_is_named():
 PINNED = (1500, "8bbf36a0d28ce3da")
 
 
+@pytest.mark.gate
 def test_a_compiled_controller_sees_what_it_asks_for_and_nan_for_the_rest():
     def act(observation, memory, command):
         memory[:] = observation
@@ -346,6 +347,7 @@ def test_a_run_without_digest_is_the_same_run(motion):
     assert replace(without, digest=with_it.digest) == with_it and without.digest != with_it.digest
 
 
+@pytest.mark.gate
 def test_a_loop_too_long_to_record_is_proved_all_the_same():
     def act(observation, memory, command):
         memory[0] = memory[0] + 1.0 if memory[0] < 4_500_000.0 else 8.0

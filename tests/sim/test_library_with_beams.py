@@ -22,6 +22,7 @@ ALL = [potential_field, vfh, dynamic_window, three_layer]
 POST = (14, 16, 2, 3)  # a post off the straight way
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("controller", ALL, ids=lambda controller: controller.name)
 def test_an_empty_hall_is_crossed_without_a_bump(controller):
     episode = simulate(hall(), controller)
@@ -53,6 +54,7 @@ def test_vfh_drives_through_generated_corridors():
     assert verdicts.count("reached") >= 4
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("controller", ALL, ids=lambda controller: controller.name)
 @pytest.mark.parametrize("motion", ["swept", "endpoint"])
 def test_compiled_and_interpreted_drive_bit_for_bit_alike(controller, motion):

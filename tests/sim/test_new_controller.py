@@ -49,6 +49,7 @@ def test_all_kinds_drive_the_same_way(tmp_path):
     assert shortest > 100 and len({way.states[:shortest, :4].tobytes() for way in ways}) == 1
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_lines_that_are_printed_work_as_they_are(kind, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -121,6 +122,7 @@ def test_a_hosted_class_that_hangs_has_a_verdict_and_its_prints_are_no_commands(
     assert (episode.verdict, episode.steps, episode.evidence["stderr"][-1]) == ("hang", 5, "step 4.0")
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -75,6 +75,7 @@ def ends(process_id):
     return waits_for(lambda: not is_running(process_id), 30.0)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("do", "error"),
     [
@@ -103,6 +104,7 @@ def test_a_crash_keeps_the_last_lines_of_stderr_as_plain_text():
     assert said[:4] == ["line 8996", "line 8997", "line 8998", "line 8999"] and said[4] == 200 * "x"
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("step", [1, 3])
 def test_a_program_that_does_not_answer_hangs(step):
     first = 0.5 if step == 1 else 30.0
@@ -420,6 +422,7 @@ def faulty(folder, fault, limits=""):
     return f"cmd{limits}:{path}"
 
 
+@pytest.mark.gate
 def test_a_campaign_finds_shrinks_and_replays_the_crash_of_a_program(tmp_path):
     options = ("--units", 1, "--examples", 80, "--seed", 1, "--workers", 1, "--out", tmp_path / "out", "--json")
     result = worldgen("fuzz", "--controller", faulty(tmp_path, "1 / 0"), "--family", "features", *options)
@@ -448,6 +451,7 @@ def test_failures_of_a_controller_are_classed_by_what_it_did(verdict, evidence, 
     assert failure_class(arena(), Episode(verdict, 1, 0.015, 0.0, 0, "", evidence)) == kind
 
 
+@pytest.mark.gate
 def test_a_hang_is_found_and_replayed(tmp_path):
     controller = faulty(tmp_path, "import time; time.sleep(60)", "+deadline=0.3")
     options = ("--units", 1, "--examples", 8, "--seed", 1, "--workers", 1, "--no-shrink", "--family", "features")
@@ -470,6 +474,7 @@ def test_a_program_that_never_answers_is_told_before_the_search(tmp_path):
     assert result.code == 2 and "does it flush its output after each line?" in result.err
 
 
+@pytest.mark.gate
 def test_ctrl_c_in_a_campaign_leaves_no_program(tmp_path):
     note = f"open({str(tmp_path / 'pids')!r}, 'a').write(str(__import__('os').getpid()) + chr(10))"
     command = [sys.executable, "-c", "from worldgen.cli.main import main; main()", "fuzz", "--workers", "2"]

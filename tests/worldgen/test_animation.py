@@ -74,6 +74,7 @@ def test_a_loop_that_is_over_goes_round_again():
     assert eastwards().moment(65.0) == 40.0
 
 
+@pytest.mark.gate
 def test_a_short_loop_after_a_long_way_is_shown_once_more_in_a_third_of_the_frames():
     shown = list(frames(draw_gif(world(), [eastwards(4000, loop_from=3900)])))
     robot = mix(FLOOR, LOOP, 0.35)

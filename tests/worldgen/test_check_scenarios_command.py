@@ -35,6 +35,7 @@ def check(tmp_path):
     return run
 
 
+@pytest.mark.gate
 def test_every_problem_of_a_shipped_benchmark_map_agrees():
     done = worldgen("check-scenarios", str(MAPS))
     assert done.code == 0

@@ -95,6 +95,7 @@ _parts = st.sampled_from(
 )
 
 
+@pytest.mark.gate
 @given(st.text(max_size=40) | st.lists(_parts, max_size=12).map(" ".join) | st.lists(_parts, max_size=12).map("".join))
 def test_any_text_is_a_wish_or_refused(text):
     try:

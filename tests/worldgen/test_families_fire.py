@@ -184,6 +184,7 @@ def test_what_is_left_in_the_end_lets_the_robot_through(seed, over, robot_radius
     assert decide(in_the_end(world)).result == REACHABLE
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("robot_radius", [0.05, 0.15, 0.2])
 def test_debris_never_shuts_the_target_in(robot_radius):
     """A robot as wide as whole cells has nothing to spare; its target may lie between two cells."""
@@ -202,6 +203,7 @@ def test_every_hole_joins_floor_to_floor(seed, over):
         assert not across[0].any() or not across[1].any()
 
 
+@pytest.mark.gate
 @every_ground
 def test_fire_is_in_the_way_of_most_robots(over):
     """The witness takes longer than it would without fire: it waits, or goes round."""

@@ -104,6 +104,7 @@ def test_the_witness_may_begin_as_late_as_was_asked_for(seed, over, monotone, ma
         assert report.valid, report.reason
 
 
+@pytest.mark.gate
 @given(SEEDS, GROUNDS, st.sampled_from([0.0, 2.0]))
 @settings(max_examples=30)
 def test_a_fire_race_can_be_won_by_construction(seed, over, margin):

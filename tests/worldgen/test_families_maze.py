@@ -55,11 +55,13 @@ def chi_square(algorithm, draws=40 * SPANNING_TREES_OF_3_BY_3):
     return sum((count - expected) ** 2 / expected for count in counts.values()) + unseen * expected
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("algorithm", ["wilson", "aldous-broder"])
 def test_every_tree_is_drawn_equally_often(algorithm):
     assert chi_square(algorithm) < 257.1  # exceeded by one fair sampler in a thousand
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("algorithm", some(BIASED, 2))
 def test_the_others_favour_some_trees(algorithm):
     assert chi_square(algorithm) > 350.0  # a fair sampler does not come so far in 10**9 tries

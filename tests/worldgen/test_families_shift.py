@@ -87,6 +87,7 @@ def test_without_chance_or_time_nothing_changes(params):
     assert not any(layout(seed, **params).is_dynamic for seed in range(10))
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("over", "interval"), [("trap", 0.02), ("corridor", 0.2), ("maze", 0.1)])
 def test_often_enough_swaps_are_in_the_way_of_a_robot_that_knows_nothing_of_them(over, interval):
     """The witness of the world as it is at first does not hold; the one that is given does."""
@@ -99,6 +100,7 @@ def test_often_enough_swaps_are_in_the_way_of_a_robot_that_knows_nothing_of_them
     assert struck >= 1
 
 
+@pytest.mark.gate
 def test_a_layout_that_swaps_shut_the_way_is_left_out():
     params = {"over": "corridor", "size": 20, "interval": 0.2, "chance": 1.0, "duration": 20.0}
     left_out = [seed for seed in range(12) if decide(layout(seed, **params)).result != REACHABLE]

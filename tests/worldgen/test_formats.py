@@ -74,6 +74,7 @@ def back(folder, world, name, **options):
     return import_world(path).world, read_map(path)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", BOTH_WAYS)
 @settings(max_examples=20)
 @given(family_worlds(), origins)
@@ -162,6 +163,7 @@ def world_of_the_page(tmp_path_factory):
     return folder / "w.grid"
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", FORMATS.names())
 def test_the_tables_command_works_on_the_world_of_the_page(name, world_of_the_page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

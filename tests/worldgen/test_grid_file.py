@@ -149,6 +149,7 @@ def test_any_text_behind_the_magic_gives_a_world_or_a_complaint_with_a_line(piec
     world_or_complaint("\n".join(["%worldgen-grid 1", *pieces, ""]).encode())
 
 
+@pytest.mark.gate
 @settings(max_examples=400)
 @given(damaged_files())
 def test_a_damaged_file_gives_a_world_or_a_complaint_with_a_line(data):
@@ -432,6 +433,7 @@ def test_a_world_of_2000_cells_a_side_survives():
     assert np.array_equal(loads(dumps(small(walls=walls))).walls, walls)
 
 
+@pytest.mark.gate
 def test_many_events_and_points_survive_in_pieces():
     count = 120_000  # 2.5 MB of lines, more than one piece
     times = np.arange(count) / 7

@@ -297,6 +297,7 @@ _SLOW_FOR_TOML = {
 _IN_LINEAR_TIME = {"quotes", "open strings", "deep keys", "many tables"}  # these tomllib may read
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", _SLOW_FOR_TOML)
 def test_a_header_that_takes_tomllib_quadratic_time_is_refused_before_tomllib_reads_it(name, monkeypatch):
     read = []

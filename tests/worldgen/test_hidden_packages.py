@@ -9,6 +9,7 @@ import sys
 import pytest
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("hiding", ["sim/__init__.py", "fuzz/planner.py", "sim.py"])
 @pytest.mark.parametrize("by_path", [False, True], ids=["folder", "PYTHONPATH"])
 def test_what_hides_a_package_is_named(hiding, by_path, tmp_path):

@@ -228,6 +228,7 @@ def test_a_million_obstacles_as_large_as_the_world_are_refused_in_time(found):
         )
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("corners", "message"),
     [(500, "an outline of 500 corners crosses itself; draw it anew"), (20_000, "the obstacles take too many cells")],

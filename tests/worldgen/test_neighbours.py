@@ -117,6 +117,7 @@ def test_state_in_a_neighbour_is_noticed(tmp_path):
     assert before is not None and hidden_state(robot) != before
 
 
+@pytest.mark.gate
 def test_plain_pytest_finds_the_neighbours_of_a_controller(tmp_path):
     (tmp_path / "robots").mkdir()
     (tmp_path / "robots" / "beside_mine.py").write_text("SPEED = 1.0\n")

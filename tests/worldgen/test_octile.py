@@ -35,6 +35,7 @@ def test_the_path_is_as_long_as_a_plain_searchs(question):
     assert solve(*question) == octile_length(*question)
 
 
+@pytest.mark.gate
 @settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.1, 0.25, 0.35, 0.45]))
 def test_many_questions_on_noise_are_answered_as_one_by_one(seed, density):

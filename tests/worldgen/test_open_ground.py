@@ -27,6 +27,7 @@ def hardness(seed, side=40):
     return hard
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("seed", range(4))
 def test_compiled_searches_are_the_same_to_the_bit(monkeypatch, seed):
     windows, results = ~ground(seed), []

@@ -134,6 +134,7 @@ def test_a_straight_way_in_haste_is_faster_than_the_steps_it_replaced():
     assert answer(world, early).certificate.duration <= early
 
 
+@pytest.mark.gate
 @given(changing_worlds(), st.sampled_from([1, 2, 3, 4, 8]))
 @settings(max_examples=40)
 def test_nothing_confines_a_robot_that_has_arrived(world, k):
@@ -150,6 +151,7 @@ def test_what_is_blocked_for_a_deadline_is_for_an_earlier_one(world, deadline):
         assert answer(world, deadline / 2).result == BLOCKED
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("over", ["maze", "rooms", "cave", "forest"])
 def test_fire_is_proved_to_leave_too_little_time(over):
     for seed in range(2):

@@ -21,6 +21,7 @@ def points(world, seed, *, outside):
             yield bool(solid[iy + 1, ix + 1]), ix + x, iy + y
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", PLANS)
 @settings(max_examples=15)
 @given(any_worlds(), st.integers(0, 99))

@@ -99,6 +99,7 @@ def test_an_archive_holds_what_the_folder_does(whole, out):
         assert held == contents(whole / "set")
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("out", ["set", "set.zip"])
 def test_equal_commands_make_equal_bytes_with_any_workers(whole, tmp_path, out):
     assert run(*TRAPS, "--workers", 3, "--out", tmp_path / out).code == 0
@@ -118,6 +119,7 @@ def test_every_set_is_what_its_manifest_says(whole, out):
     assert result.code == 0 and json.loads(result.out)["differences"] == []
 
 
+@pytest.mark.gate
 @pytest.mark.skipif(os.name == "nt", reason="sends SIGKILL")
 @pytest.mark.parametrize("out", ["set", "set.zip"])
 def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
@@ -136,6 +138,7 @@ def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([out, f"whole-{out}"])
 
 
+@pytest.mark.gate
 @pytest.mark.skipif(os.name == "nt", reason="sends SIGKILL")
 def test_workers_of_a_command_that_is_killed_end_too(tmp_path):
     command = ["maze", "--seed", 1, "--count", 5000, "--workers", 2, "--out", tmp_path / "set"]

@@ -190,12 +190,14 @@ def test_a_fault_is_one_sentence_with_its_line(found, text, message):
         found(text)
 
 
+@pytest.mark.gate
 def test_six_hundred_robots_of_a_definition_of_500_words_are_read(found):
     robot = "define robot position ( " + "ranger ( pose [ 0 0 0 30 ] ) " * 50 + ")\n"
     notes = found(OTHERS.format(unit="m") + robot + "robot ( )\n" * 600).notes
     assert "the file has 602 robots; the first was taken, the others left out" in notes
 
 
+@pytest.mark.gate
 def test_definitions_that_grow_without_end_are_refused(found):
     lines = ["define a0 model ( color 1 )"]
     lines += [f"define a{n} model ( {f'a{n - 1} ( ) ' * 30} )" for n in range(1, 6)]
