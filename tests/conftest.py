@@ -14,7 +14,7 @@ from tests.helpers import kernels
 # should fail to land by luck. New examples are tried at night, and those that failed are kept: --hypothesis-profile.
 settings.register_profile(
     "worldgen",
-    max_examples=25,
+    max_examples=12,
     derandomize=True,
     deadline=None,
     database=None,

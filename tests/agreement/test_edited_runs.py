@@ -75,6 +75,7 @@ def test_the_first_of_many_edits_is_found_and_the_rest_goes_on_from_there():
     assert hits == alone and 0 < len(alone) < len(edits)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("radius", [0.03, 0.05, 0.07, 0.11])
 def test_a_way_that_the_flood_sees_is_one(radius):
     seen = 0

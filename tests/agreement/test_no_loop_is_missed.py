@@ -124,6 +124,7 @@ def counter(entry, end):
 CASES = [(0, 1), (0, 40), (1, 41), (17, 300), (255, 256), (256, 512), (299, 300), (100, 311), (300, 311)]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("make", [counter, Counts, ManyCount], ids=["compiled", "class", "vector"])
 @pytest.mark.parametrize(("entry", "end"), CASES)
 def test_a_state_that_comes_back_in_the_last_step_of_the_budget_is_found_and_one_later_is_not(make, entry, end):

@@ -1,6 +1,7 @@
 """The thesis's signal is written twice, for files and for runs: both give the same numbers."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -25,6 +26,7 @@ def maps(draw):
     return walls, target
 
 
+@pytest.mark.gate
 @given(maps())
 def test_signal_and_noise_of_files_are_those_of_runs(drawn):
     walls, target = drawn

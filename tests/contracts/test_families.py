@@ -126,6 +126,7 @@ def made(name, seed, size, shape):
     return generate(name, seed, size=size, **shape)
 
 
+@pytest.mark.gate
 @an_example_of_every_family
 @pytest.mark.parametrize("size", [10, 11, 37, 60])
 def test_size_is_the_number_of_cells_a_side(name, shape, size):
@@ -144,6 +145,7 @@ def test_the_border_is_solid_for_ever(name, shape, size):
     assert ((line.ix > 0) & (line.ix < size - 1) & (line.iy > 0) & (line.iy < size - 1)).all()
 
 
+@pytest.mark.gate
 @an_example_of_every_family
 @pytest.mark.parametrize(("cell_size", "robot_radius"), [(0.1, 0.07), (0.1, 0.1), (0.25, 0.1), (0.05, 0.074)])
 def test_the_independent_checker_accepts_the_witness(name, shape, cell_size, robot_radius):

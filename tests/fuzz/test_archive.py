@@ -38,6 +38,7 @@ def test_the_archive_grows_from_epoch_to_epoch(epochs):
     assert filled[0] == 0 and filled[1] > 50 and filled == sorted(set(filled))
 
 
+@pytest.mark.gate
 def test_no_cell_of_the_archive_gets_worse(epochs):
     for before, after in pairwise(epochs[1]):
         assert all(after.elites[cell].quality >= elite.quality for cell, elite in before.elites.items())
@@ -57,6 +58,7 @@ def test_an_elite_is_what_its_world_shows(epochs):
     assert evaluate(layouts, CONFIG.scenario, np.zeros(len(elites), np.uint64), 0.015).ran.all()
 
 
+@pytest.mark.gate
 def test_a_unit_of_the_archive_lane_is_the_same_again(epochs):
     again = run_unit(CONFIG, 2, epochs[1][2])
     assert again.elites == epochs[0][2].elites and again.steps == epochs[0][2].steps

@@ -59,6 +59,7 @@ def test_known_classes_are_counted_but_neither_written_nor_a_failure(found, tmp_
     assert set(found[1]) <= set(summary["known"]) and min(summary["known"].values()) > 0
 
 
+@pytest.mark.gate
 def test_a_class_that_the_baseline_has_not_is_found_still(found, tmp_path):
     kept = sorted(found[0].glob("*.grid"))[1:]
     result, summary = again(tmp_path / "out", *kept, more=["--no-shrink"])
@@ -144,6 +145,7 @@ def edited(file, first):
     CONTROLLERS.forget(str(file))
 
 
+@pytest.mark.gate
 def test_a_known_crash_is_known_after_an_edit_of_other_lines(crash):
     file, scenario, known = crash
     edited(file, "x = 1")

@@ -61,6 +61,7 @@ def test_the_thesis_robot_is_found_to_loop(found):
     assert campaign.state.worlds >= 30 and campaign.state.verdicts["loop"] > 0
 
 
+@pytest.mark.gate
 def test_every_failure_replays_and_carries_a_valid_witness(found):
     for world in found[0].state.best.values():
         assert replay(world).confirmed and check_certificate(world).valid

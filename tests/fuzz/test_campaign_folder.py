@@ -365,6 +365,7 @@ def test_a_second_writer_is_refused(copied):
     assert result.code == 2 and "another worldgen fuzz is writing" in result.err
 
 
+@pytest.mark.gate
 def test_a_folder_is_free_again_when_its_writer_is_killed(copied):
     script = (
         f"import time; from pathlib import Path; from fuzz.ledger import CampaignFolder as F\nF(Path({str(copied)!r}))"

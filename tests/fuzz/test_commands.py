@@ -54,6 +54,7 @@ def test_fuzz_writes_a_file_a_failure_and_says_how_to_replay_it(failures):
     assert files and all(f"worldgen replay {file}" in result.out for file in files)
 
 
+@pytest.mark.gate
 def test_fuzz_draws_each_failure_and_prints_its_seed(failures):
     assert "S start  G target" in failures[1].out and "seed 5: 2 units" in failures[1].out
 
@@ -72,6 +73,7 @@ def test_fuzz_prints_one_json_object(again):
     assert set(summary["failures"][0]) == {"file", "verdict", "class", "solid_cells", "shrunk", "replay"}
 
 
+@pytest.mark.gate
 def test_equal_seeds_and_units_give_equal_files(failures, again):
     one, other = ({file.name: file.read_bytes() for file in folder.glob("*.grid")} for folder, _ in (failures, again))
     assert one == other and one

@@ -302,6 +302,7 @@ def test_equal_failures_are_an_equal_archive(ending, tmp_path):
     assert (tmp_path / f"one{ending}").read_bytes() == (tmp_path / f"two{ending}").read_bytes()
 
 
+@pytest.mark.gate
 def test_an_archive_is_a_corpus_like_the_folder_it_came_from(tmp_path):
     worldgen("corpus", "export", FAULTS, "--class", "*-slide-*", "--out", tmp_path / "f.zip")
     listed = read(tmp_path / "f.zip")

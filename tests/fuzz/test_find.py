@@ -175,6 +175,7 @@ def test_how_near_it_comes_is_printed(tmp_path):
     assert "unit 0: off by" in result.err
 
 
+@pytest.mark.gate
 def test_a_leash_keeps_walls_and_target_near_where_they_were(tmp_path):
     out = tmp_path / "w.grid"
     worldgen(
@@ -195,6 +196,7 @@ def grown(walls, cells):
     return np.any([padded[dy : dy + height, dx : dx + width] for dy in shifts for dx in shifts], axis=0)
 
 
+@pytest.mark.gate
 def test_keep_target_leaves_the_target_where_it_is(tmp_path):
     options = ("--motion", "stepped", "--from", SKETCH, "--keep-target", *QUICK)
     worldgen("find", "--outcome", "thesis-1=reached@300", *options, "--out", tmp_path / "w.grid")

@@ -92,6 +92,7 @@ def test_hazards_alone_do_not_make_a_build_fail_and_are_listed_apart(met):
     assert all(one["verdict"] == "burned" and is_unsensed(read_world(one["file"])) for one in said["hazards"])
 
 
+@pytest.mark.gate
 def test_hazards_count_where_that_is_asked_for(met):
     again = worldgen("fuzz", "--resume", met[0], "--workers", 1, "--count-hazards", "--json")
     said = json.loads(again.out)

@@ -91,6 +91,7 @@ def test_where_a_look_runs_the_target_can_be_reached_by_no_longer_a_way(data):
         assert proved.certificate.duration * proved.robot_speed <= looks.way[0] * proved.cell_size
 
 
+@pytest.mark.gate
 def test_most_layouts_with_a_witness_are_looked_at():
     looks = evaluate(scenes(200), Scenario("turn-left"), np.zeros(200, np.uint64), 0.015, 1)
     reachable = [certified(looks.world(n)) is not None for n in range(200)]
@@ -109,6 +110,7 @@ def test_what_is_said_of_a_world_is_so():
         assert looks.straight[n] == pytest.approx(apart)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("controller", ["turn-right", "wall-left"])
 def test_loops_of_one_key_reach_as_far_and_come_as_near(controller):
     looks = evaluate(scenes(400), Scenario(controller), np.zeros(400, np.uint64), 0.015)

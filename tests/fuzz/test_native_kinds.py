@@ -222,6 +222,7 @@ def test_a_look_at_a_class_is_its_run_in_the_decoded_world(name):
     assert_looks_are_runs(look(named(name), 60, budget=300))
 
 
+@pytest.mark.gate
 def test_a_look_at_a_program_is_its_run_in_the_decoded_world():
     assert_looks_are_runs(look(program(PROGRAM), 12, budget=60))
 
@@ -235,6 +236,7 @@ def test_a_look_at_a_vector_class_is_its_run_alone_in_the_decoded_world(name, mo
     assert {"crash" if name == "ManyFragile" else "undecided", "reached"} <= set(looks.verdict)
 
 
+@pytest.mark.gate
 def test_a_vector_class_looks_the_same_for_any_number_of_places(monkeypatch):
     few = look(named("Many"), 200)
     monkeypatch.setattr("fuzz.native.in_lockstep.PLACES", 3)

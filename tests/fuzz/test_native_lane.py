@@ -35,6 +35,7 @@ def test_a_unit_is_a_function_of_its_number():
     assert one.steps != other.steps
 
 
+@pytest.mark.gate
 def test_what_a_unit_reports_replays():
     result = run_unit(CONFIG, 0)
     assert result.worlds == result.verdicts.total() > 500 and len(result.failures) > 5
@@ -97,6 +98,7 @@ def test_what_a_campaign_varies_is_one_thing_for_a_unit():
     assert len(seen) > 1
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("controller", ["turn-random", "random-walk"])
 def test_a_robot_that_wanders_until_after_its_budget_has_failed(controller):
     result = run_unit(CampaignConfig(Scenario(controller), seed=1, examples=25, families=("native",)), 0)
@@ -104,6 +106,7 @@ def test_a_robot_that_wanders_until_after_its_budget_has_failed(controller):
     assert all(replay(failure).confirmed for failure in result.failures.values())
 
 
+@pytest.mark.gate
 def test_a_unit_does_less_for_a_controller_that_says_it_is_slow(monkeypatch):
     quick, slow = (CampaignConfig(Scenario(name)) for name in ("turn-right", "dynamic-window"))
     assert (quick.slower, slow.slower) == (1, 8)

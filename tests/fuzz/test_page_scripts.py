@@ -72,6 +72,7 @@ def test_the_robot_is_drawn_where_it_was():
         assert (place["x"], place["y"]) == pytest.approx((x, y), abs=1 / 512)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("family", ["cave", "fire"])
 def test_a_world_that_the_page_sends_back_is_the_one_that_it_got(family):
     message = message_of(generate(family, 3))

@@ -44,6 +44,7 @@ def red(pixels):
     return np.argwhere(np.abs(pixels - rgb(PIERCED)).max(axis=2) < 12)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("run", [slide, fast])
 def test_a_png_s_red_is_in_and_around_the_cell_that_the_verdict_names(run):
     world, episode = run()

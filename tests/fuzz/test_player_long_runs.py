@@ -38,6 +38,7 @@ def test_a_lean_recording_is_the_whole_one_without_its_memory(little):
     assert lean.trace_digest == whole.trace.digest()
 
 
+@pytest.mark.gate
 def test_a_lean_recording_recalls_the_memory_of_any_step(little):
     (whole, _), (lean, _) = driven(lean=False), driven(lean=True)
     for step in (0, 1, 777, lean.steps):

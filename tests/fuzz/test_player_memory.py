@@ -36,6 +36,7 @@ def shapes(run, kind, step=None):
     return [row for row in table if row["kind"] == kind and (step is None or row["since"] <= step < row["until"])]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", ["mapper", "mapper-small", "three-layer"])
 def test_a_map_holds_walls_where_there_are_some_and_nothing_at_the_start(name):
     world = room()

@@ -49,6 +49,7 @@ def test_layouts_draw_many_different_walls_and_headings():
     assert len({world.start.heading for world in worlds}) > 40
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("form", range(16))
 def test_verify_says_blocked_for_walls_of_every_form(form, tmp_path):
     data = bytearray(SEALED_BYTES)

@@ -197,6 +197,7 @@ def test_the_class_stays_where_it_is_to_be_kept(controller, motion):
         assert result.left == () and removable(result.world, StillFails.of(result.world)) == []
 
 
+@pytest.mark.gate
 def test_each_edit_that_is_taken_makes_the_failure_simpler():
     for before in found("turn-right", "swept"):
         seen = [before]

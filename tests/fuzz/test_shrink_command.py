@@ -29,6 +29,7 @@ def test_passes_lists_every_pass_and_every_measure():
     assert all(f"  {one.name} " in result.out and one.says in result.out for one in (*PASSES, *ORDER))
 
 
+@pytest.mark.gate
 def test_keep_class_keeps_the_class_and_says_so(big, tmp_path):
     result = worldgen("shrink", big, "--out", tmp_path / "small.grid", "--keep", "class", "--json")
     small = read_world(tmp_path / "small.grid")

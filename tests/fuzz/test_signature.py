@@ -92,6 +92,7 @@ def failures(controller, motion):
     return drawn.filter(lambda pair: pair is not None and pair[1].verdict != "reached")
 
 
+@pytest.mark.gate
 @given(st.one_of(failures("turn-right", "swept"), failures("turn-right", "stepped")))
 def test_a_run_seen_turned_mirrored_or_shifted_is_of_the_same_class(failure):
     world, episode = failure
@@ -102,6 +103,7 @@ def test_a_run_seen_turned_mirrored_or_shifted_is_of_the_same_class(failure):
         assert failure_class(see_world(world), there) == kind
 
 
+@pytest.mark.gate
 @given(failures("wall-right", "swept").filter(lambda pair: pair[1].verdict == "loop"))
 def test_a_robot_that_cannot_tell_where_it_is_runs_into_the_same_class(failure):
     world, episode = failure

@@ -230,6 +230,7 @@ def test_no_question_leads_out_of_the_folder(page, folder, do):
     assert not (folder.parent / "new.grid").exists()
 
 
+@pytest.mark.gate
 def test_a_file_is_overwritten_only_if_that_is_asked_for(page, folder):
     assert "is there already" in page.ask("save", name="w.grid", world=world(), overwrite=False)["error"]
 
@@ -241,6 +242,7 @@ def test_it_says_first_what_is_open(page, folder):
     assert page.begins == {"protocol": 1, "folder": str(folder), "file": "w.grid"}
 
 
+@pytest.mark.gate
 def test_it_offers_what_is_registered_and_what_was_named(page, folder):
     offered = page.ask("hello")["answer"]
     assert offered["controllers"][0]["name"] == f"{folder}/mine.py:Robot"
@@ -257,6 +259,7 @@ def test_a_named_controller_stands_first_with_the_motion_model_it_drives_in():
     assert [one["name"] for one in offered[:2]] == labels
 
 
+@pytest.mark.gate
 def test_a_controller_that_took_long_to_fail_is_tried_again_when_its_file_is_mended(tmp_path, monkeypatch):
     monkeypatch.setattr("fuzz.studio.catalogue._SLOW", -1.0)
     (tmp_path / "mine.py").write_text(f"print('tried')\nraise OSError({'x' * 50!r})\n")
@@ -317,6 +320,7 @@ def test_a_run_is_the_library_s_to_the_digest(page):
     assert digests == wanted
 
 
+@pytest.mark.gate
 def test_a_controller_named_at_the_start_may_run_and_its_fault_is_told(page, folder):
     said = page.ask("run", **run_message(controllers=[f"{folder}/mine.py:Robot", "turn-left"]))
     assert ["error" in part or part["verdict"] for part in said["parts"][1:]][1]
@@ -329,6 +333,7 @@ def test_no_other_controller_runs(page, name):
     assert "was not named when the studio was started" in part["error"]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("do", "message"), [("generate", {"family": "./mine.py:Robot"}), ("bring", {"format": "./x:y"})]
 )
@@ -358,6 +363,7 @@ def test_a_document_type_in_a_dropped_file_is_said_once(page):
     assert error.startswith("e.world:1: a document type ('sdf') is declared") and "/" not in error
 
 
+@pytest.mark.gate
 def test_a_newer_question_replaces_an_older_one(gate):
     with page_of(gate) as page:
         first = page.send("decide", world=world())
@@ -616,6 +622,7 @@ def test_the_signal_is_the_one_that_the_thesis_s_robot_reads(page):
     assert plain != noisy
 
 
+@pytest.mark.gate
 def test_a_wished_world_is_searched_for_and_measured(page):
     said = page.ask("generate", family="trap", seed="1", parameters={"size": 20}, where="detour > 1.2")
     metrics = page.ask("measure", world=said["answer"]["world"])["answer"]["metrics"]

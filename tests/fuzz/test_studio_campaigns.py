@@ -118,6 +118,7 @@ def test_what_is_copied_finds_a_controller_s_file_wherever_it_is_pasted(tmp_path
         subprocess.run(f"worldgen() {{ test -f ./mine.py; }}\n{one}", shell=True, cwd="/", check=True)
 
 
+@pytest.mark.gate
 def test_a_failure_s_test_is_that_of_the_command_line(done, page, folder):
     name = failures(page, "done")[0]["name"]
     assert page.ask("snippet", name=name)["answer"]["text"] == snippet(read_world(folder / name))

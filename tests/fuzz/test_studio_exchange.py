@@ -48,6 +48,7 @@ def by_command(out, world, name, *words):
     return {path.name: path.read_bytes() for path in out.iterdir()}
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", WRITTEN)
 def test_every_format_s_export_is_the_command_line_s(answers, folder, tmp_path, name):
     asked = {"at": 1.5, "origin": [0.5, -2], "sidecar": True}

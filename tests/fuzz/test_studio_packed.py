@@ -81,6 +81,7 @@ def test_archives_are_offered_beside_folders(asked):
     assert not {one["name"] for one in said["folders"]} & set(said["archives"])
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", PACKERS)
 def test_an_archive_holds_the_failures_that_its_folder_held(asked, name):
     packed, plain = failures(asked, name), failures(asked, "plain")
@@ -129,6 +130,7 @@ def test_what_cannot_be_read_in_an_archive_is_told_and_hides_nothing_else(asked,
     (folder / "bad.zip").unlink()
 
 
+@pytest.mark.gate
 def test_each_kind_of_the_archive_opens_the_world_that_it_tells_of(asked, folder):
     cells = json.loads((folder / "kinds/.campaign/summary.json").read_text())["archive"]["cells"]
     assert len(cells) > 5

@@ -52,6 +52,7 @@ def told_and_waiting():
         time.sleep(1)
 
 
+@pytest.mark.gate
 def test_what_runs_beside_a_server_ends_with_it_also_when_that_is_killed(tmp_path):
     (tmp_path / "server.py").write_text(SERVER)
     started = [sys.executable, tmp_path / "server.py"]

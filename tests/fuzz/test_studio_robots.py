@@ -46,6 +46,7 @@ def test_robots_with_and_without_options_of_their_own_drive_at_once(gate):
     assert found == [digest(label) for label in labels] and len(set(found)) > 1
 
 
+@pytest.mark.gate
 def test_a_robot_s_own_option_counts_more_than_that_of_all(gate):
     with page_of(gate) as page:
         parts = run(page, ["thesis-1", "thesis-1+slip=0.3"], options={"slip": 0.2})

@@ -137,6 +137,7 @@ def test_a_file_that_names_code_is_opened_and_its_code_is_never_loaded(page, fol
     assert not (folder / "pwned").exists()
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("do", ["run", "picture"])
 def test_no_file_s_code_is_run_as_a_motion_model(page, folder, do):
     said = page.ask(do, **run_message(motion=f"{folder}/evil.py:Motion", kind="svg"))
@@ -147,6 +148,7 @@ def test_no_file_s_code_is_run_as_a_motion_model(page, folder, do):
 # The folder.
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("do", ["open", "look", "save", "bring"])
 def test_a_pipe_in_the_folder_is_not_waited_for(page, do):
     message = {"name": "pipe.grid", "world": message_of(generate("corridor", 3)), "overwrite": True}
@@ -338,6 +340,7 @@ def test_a_campaign_runs_no_code_of_files_that_lie_in_its_folder(page, folder):
     assert not (folder / "pwned").exists()
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("do", ["watch", "stop", "resume"])
 def test_a_campaign_s_memory_is_neither_a_link_nor_does_it_hold_a_pipe(page, folder, tmp_path, do):
     memories = [folder / name / ".campaign" for name in ("linked", "piped")]

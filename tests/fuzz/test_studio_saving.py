@@ -42,6 +42,7 @@ def test_runs_are_saved_as_animation_drawing_and_page(gate):
     assert b"<title>five</title>" in html and b"thesis-2" in html
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("changes", [{"kind": "exe"}, {"kind": "svg", "looked": 2}, {"kind": "gif", "looked": -1}])
 def test_a_picture_of_another_kind_or_of_nobody_is_refused(gate, changes):
     with page_of(gate) as page:

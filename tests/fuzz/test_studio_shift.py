@@ -28,6 +28,7 @@ def test_a_seed_that_is_none_is_refused(gate, seed):
         assert "no whole number" in page.ask("shift", world=message_of(read_world(CONFIG_5)), seed=seed)["error"]
 
 
+@pytest.mark.gate
 def test_a_world_that_is_not_square_or_changes_already_is_not_shifted(gate):
     still = read_world(CONFIG_5)
     with page_of(gate) as page:

@@ -71,6 +71,7 @@ def test_without_gymnasium_the_import_says_how_to_get_it():
     assert done.stderr.endswith(f"which is not installed; {pip_install('gym')}\n")
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("block", [0, 2, 3], ids=["single", "vector", "policy"])
 def test_an_example_of_the_guide_works(block):
     names = {"gymnasium": gymnasium, "best_action": lambda seen: 0}
@@ -136,6 +137,7 @@ def files(tmp_path):
     return str(tmp_path)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 @pytest.mark.parametrize("actions", ["continuous", "discrete"])
 def test_the_vector_environment_is_the_single_ones_to_the_bit(mode, actions, tmp_path):

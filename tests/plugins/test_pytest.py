@@ -148,6 +148,7 @@ def test_words_of_a_stranger_cannot_steer_the_terminal(project, failure):
         ElementTree.parse(project.path / "out.xml")
 
 
+@pytest.mark.gate
 def test_where_the_plugin_is_not_used_it_imports_and_writes_nothing(project):
     project.makepyfile("""
         import sys
@@ -174,6 +175,7 @@ def test_the_plugin_can_be_left_out(project, corpus):
     assert pytest_run(project, "-p", "no:worldgen", "--co").ret == pytest.ExitCode.NO_TESTS_COLLECTED
 
 
+@pytest.mark.gate
 def test_the_document_names_every_setting(project):
     named = set(
         re.findall(r"--worldgen-[a-z]+|worldgen_(?!world|episode)[a-z]+", pytest_run(project, "--help").stdout.str())

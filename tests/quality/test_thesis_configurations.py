@@ -58,6 +58,7 @@ def test_the_robots_rank_as_in_the_thesis(beside):
     assert beside.rankings == (10, 10)
 
 
+@pytest.mark.gate
 def test_never_comes_where_the_thesis_says_so_and_nowhere_else(beside):
     assert beside.never == (5, 5)
 
@@ -80,6 +81,7 @@ def test_every_published_time_of_the_random_rule_lies_in_the_middle_of_our_seeds
     assert beside.within[0] >= beside.within[1] - 1 and beside.within[1] == 9
 
 
+@pytest.mark.gate
 def test_the_random_rule_is_lost_in_configuration_5_for_a_million_ticks():
     world, lost = read_world(FOLDER / "config-05.grid"), 0
     for seed in range(10):

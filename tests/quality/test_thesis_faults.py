@@ -134,11 +134,13 @@ def test_slide_and_back_off_repaired_leave_no_overlap_of_a_pixel(kind):
         assert tally(sample(kind), f"{robot}+repair_slide+repair_back_off", 10_000)["overlap"] == 0
 
 
+@pytest.mark.gate
 def test_faults_are_frequent_for_the_random_rule_among_traps():
     assert tally(sample("four Us"), "thesis-3")["tunnel"] > 20
     assert tally(sample("four Us"), "thesis-3+repaired")["tunnel"] == 0
 
 
+@pytest.mark.gate
 def test_the_faults_help_the_random_rule_out_of_traps():
     worlds = sample("four Us")
     assert tally(worlds, "thesis-3+keep_going")["reached"] > tally(worlds, "thesis-3+repaired")["reached"]

@@ -87,6 +87,7 @@ def test_a_pull_request_that_breaks_the_robot_shows_the_world_that_breaks_it(bro
     assert worldgen(*re.search("^replay: worldgen (.*)$", folds[0], re.MULTILINE)[1].split()).code == 0
 
 
+@pytest.mark.gate
 def test_its_reports_lead_to_the_class_that_broke(broken):
     failures = broken.folder / "worldgen-failures"
     [new, *_] = read_sarif((failures / "worldgen.sarif").read_bytes())["results"]
@@ -150,6 +151,7 @@ CHECKS = {
 }
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("check", CHECKS)
 def test_linters_have_nothing_to_say(check):
     name, *options = CHECKS[check]

@@ -24,12 +24,14 @@ def modules_after(*args):
     return set(done.stdout.rpartition("MODULES ")[2].split())
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("args", [["--help"], ["--version"], ["fuzz", "--help"], ["run", "--help"]])
 def test_help_imports_nothing_heavy(args):
     allowed = {"sim", "fuzz"} if len(args) > 1 else set()
     assert not modules_after(*args) & (set(HEAVY) - allowed)
 
 
+@pytest.mark.gate
 def test_a_small_maze_imports_neither_numba_nor_scipy_nor_shapely(tmp_path):
     assert not modules_after("maze", "--size", 60, "--seed", 1, "--out", tmp_path / "w.grid") & {
         "numba", "scipy", "shapely", "trimesh", "hypothesis", "sim", "fuzz",

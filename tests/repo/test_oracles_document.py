@@ -35,6 +35,7 @@ def test_its_campaigns_find_failures_that_replay(done):
     assert codes == [("fuzz", 1), ("replay", 0)] * 2
 
 
+@pytest.mark.gate
 def test_its_own_oracle_finds_a_class_of_its_own(done):
     record = read_world(done[0] / "clumsy" / "clumsy.grid").failure
     assert record.evidence["oracle"] == "./clumsy.py:clumsy=3" and record.evidence["objection"]["touches"] > 3

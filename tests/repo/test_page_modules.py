@@ -89,6 +89,7 @@ def test_no_name_is_there_twice_in_what_becomes_one_script(page):
     assert sorted({name for name in names if names.count(name) > 1}) == []
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("style", sorted(FUZZ.rglob("*.css")), ids=lambda path: f"{path.parts[-3]}/{path.name}")
 def test_every_class_in_a_style_is_on_some_element(style):
     makers = [path for path in sorted(FUZZ.rglob("*")) if path.suffix in (".js", ".html")]

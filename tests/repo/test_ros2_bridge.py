@@ -269,6 +269,7 @@ def test_a_stamped_command_without_a_stamp_counts_as_of_now(bridge, node_module)
     assert json.loads(answers[1])["speed"] == 0.9
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("text", "message"),
     [(None, "No such file"), ("%worldgen-grid 1\n%cells\n..\n", "cell_size is missing"), ("type octile", "this is no")],

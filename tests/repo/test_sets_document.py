@@ -12,6 +12,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "sets.md").read_text(encoding="utf-
 FEWER = ("--count 10000", "--count 8 --size 20")
 
 
+@pytest.mark.gate
 def test_the_commands_of_the_page_work_one_after_another(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     lines = re.findall(r"^\$ worldgen (.*)$", PAGE, re.MULTILINE)

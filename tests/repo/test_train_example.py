@@ -25,6 +25,7 @@ def test_what_traps_the_policy_replays_as_the_guide_shows(project):
     assert (result.code, result.out) == (0, shown.group(1))
 
 
+@pytest.mark.gate
 def test_the_policy_arrives_in_most_worlds_that_it_was_not_trained_in(project):
     worlds = [generate("trap", seed=1_000_000 + k, size=20) for k in range(30)]
     runs = simulate_many(worlds, "./policy.py:Policy", steps=1000)

@@ -105,6 +105,7 @@ def test_clearance_and_depths_are_those_that_shapely_measures(recording):
         assert found == 0.0 or depth > 0.9e-6
 
 
+@pytest.mark.gate
 @given(recordings(still_worlds() | changing_worlds()))
 def test_every_move_that_shapely_sees_inside_a_wall_is_in_a_finding(recording):
     world, trajectory = recording
@@ -254,6 +255,7 @@ def test_an_overlap_begins_and_ends_where_the_disc_meets_the_wall():
     assert (found.begin, found.end) == pytest.approx((2.5 - reach, 3.5 + reach), abs=1e-6)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("count", [3, 200_000])
 def test_a_long_slide_along_a_wall_is_one_finding(count):
     world = room(walls=[(ix, 3) for ix in range(9)])
@@ -328,6 +330,7 @@ def test_figures_are_length_duration_and_arrival():
     assert result.reached == pytest.approx(3.0) and result.clearance == pytest.approx(3.5)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("family", ["maze", "trap", "corridor"])
 @pytest.mark.parametrize("controller", ["turn-left", "turn-random"])
 def test_what_swept_drives_is_possible(family, controller):
@@ -471,6 +474,7 @@ def test_a_minus_reads_from_stdin(files, monkeypatch):
     assert worldgen("audit", files / "w.grid", "-").code == 1
 
 
+@pytest.mark.gate
 def test_the_picture_marks_the_tunnel(files):
     out = files / "a.png"
     result = worldgen("audit", files / "w.grid", files / "bad.csv", "--picture", out)

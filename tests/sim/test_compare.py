@@ -252,6 +252,7 @@ def test_worlds_of_one_name_in_two_folders_are_told_apart(folder, tmp_path):
     assert names == [str(folder / "empty"), str(other / "empty")]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

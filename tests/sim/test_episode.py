@@ -396,6 +396,7 @@ def test_a_cell_that_shuts_and_opens_again_stops_a_robot_of_any_speed():
         assert trace.x.max() == pytest.approx(1.1 - 0.07, abs=1e-3)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("error", [AssertionError, RuntimeError, MemoryError])
 def test_a_compiled_controller_may_raise_anything(error):
     def act(observation, memory, command):

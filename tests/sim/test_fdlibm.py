@@ -74,6 +74,7 @@ def taylor(x, first):
     return total
 
 
+@pytest.mark.gate
 @given(ANGLES)
 def test_sine_is_within_one_unit_in_the_last_place(x):
     true = taylor(x, 1)

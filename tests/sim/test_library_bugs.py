@@ -121,6 +121,7 @@ def test_the_two_wall_followers_keep_the_wall_on_opposite_sides():
     assert turning(wall_left) > 1.0 and turning(wall_right) < -1.0
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("controller", [*BUGS, *FOLLOWERS, tangent_bug], ids=name)
 def test_who_follows_a_wall_that_goes_away_drives_on_to_the_target(controller):
     world = drawn("...........\n.........G.\n...........\n" + 3 * "....#......\n" + ".S.........\n...........")

@@ -12,6 +12,7 @@ from tests.helpers.interpreted import Interpreted
 from worldgen import InvalidParameter, Target, generate
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("family", ["maze", "trap", "corridor"])
 @pytest.mark.parametrize("time_step", [0.015, 0.15])
 def test_it_reaches_every_target(family, time_step):

@@ -64,12 +64,14 @@ def radius_seen(world, **options):
     return simulate(world, eyes, steps=1, record=True, **options).trace.states[1, layout.STATE_MEMORY :].view(float)[0]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("radius", [0.02, 0.07, 0.14])
 @pytest.mark.parametrize("motion", ["swept", "endpoint"])
 def test_a_controller_is_told_the_robot_s_radius(radius, motion):
     assert radius_seen(drawn("....\n.S..\n....\n...G", radius=radius), motion=motion) == radius
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", ["bug1", "bug2", "tangent-bug", "mapper", "three-layer"])
 @pytest.mark.parametrize("radius", [0.035, 0.14])
 @pytest.mark.parametrize("family", ["trap", "corridor"])

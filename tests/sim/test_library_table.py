@@ -31,6 +31,7 @@ def test_a_row_counts_every_run_and_measures_those_that_arrived():
     assert sum(left.verdicts.values()) == 4 and left.verdicts["loop"] > 0
 
 
+@pytest.mark.gate
 def test_it_prints_a_table_for_the_corpus_and_for_every_family(monkeypatch, capsys):
     out = printed(monkeypatch, capsys, "--worlds", "1", "--steps", "300", "--controller", "bug2")
     assert re.findall(r"^(\S+), (\d+) worlds?:$", out, flags=re.MULTILINE) == [

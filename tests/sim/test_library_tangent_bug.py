@@ -23,6 +23,7 @@ ISLAND = """
 """
 
 
+@pytest.mark.gate
 def test_it_turns_aside_before_it_gets_to_an_island():
     seeing, touching = (simulate(drawn(ISLAND), one) for one in (tangent_bug, bug2))
     assert seeing.verdict == touching.verdict == "reached"
@@ -34,6 +35,7 @@ def test_it_gets_out_of_traps():
     assert [simulate(world, tangent_bug).verdict for world in worlds].count("reached") >= 19
 
 
+@pytest.mark.gate
 def test_it_reaches_the_end_of_nearly_every_corridor():
     verdicts = [simulate(generate("corridor", seed, size=20), tangent_bug).verdict for seed in range(20)]
     assert verdicts.count("reached") >= 17
@@ -50,6 +52,7 @@ def test_it_is_run_with_the_beams_that_it_needs():
     assert with_more.trace_digest != simulate(generate("trap", 1, size=24), tangent_bug).trace_digest
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("seed", [2, 3])
 def test_a_run_is_the_same_compiled_and_interpreted(seed):
     world = generate("trap", seed, size=20)

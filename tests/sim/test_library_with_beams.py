@@ -29,6 +29,7 @@ def test_an_empty_hall_is_crossed_without_a_bump(controller):
     assert (episode.verdict, episode.collisions) == ("reached", 0)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("controller", ALL, ids=lambda controller: controller.name)
 def test_a_post_beside_the_way_is_passed(controller):
     assert simulate(hall(POST), controller).verdict == "reached"
@@ -39,6 +40,7 @@ def test_a_cup_holds_who_has_no_map_for_ever(controller):
     assert simulate(cup(), controller, steps=60_000).verdict == "loop"
 
 
+@pytest.mark.gate
 def test_a_cup_does_not_hold_the_dynamic_window_still_but_it_never_arrives():
     assert simulate(cup(14), dynamic_window, steps=20_000).verdict in ("loop", "stalled", "timeout")
 
@@ -70,6 +72,7 @@ def test_a_mirrored_world_gives_a_mirrored_potential_field():
     assert np.abs(above.y[:40] + below.y[:40] - 3.1).max() < 0.01
 
 
+@pytest.mark.gate
 def test_a_stronger_push_keeps_further_away():
     def nearest(push):
         trace = simulate(hall(POST), potential_field_robot(PotentialField(push=push)), record=True).trace
@@ -78,6 +81,7 @@ def test_a_stronger_push_keeps_further_away():
     assert nearest(1e-3) > nearest(1e-5)
 
 
+@pytest.mark.gate
 def test_a_robot_that_cannot_turn_on_the_spot_takes_wider_turns():
     world = hall((9, 1, 1, 8), start=(0.5, 0.5, math.pi), target=(2.5, 0.5))
     agile, stiff = (simulate(world, vfh_robot(VfhPlus(turning_radius=r)), steps=4000) for r in (0.0, 0.2))
@@ -100,6 +104,7 @@ def test_directions_are_those_of_atan2(x, y):
     assert abs(wrap(angle_of(x, y) - math.atan2(y, x))) < 1e-12 or (x, y) == (0.0, 0.0)
 
 
+@pytest.mark.gate
 @given(places, places, st.floats(0.1, 2), st.floats(-8, 8), st.floats(0.05, 0.3))
 @settings(max_examples=200)
 def test_an_arc_meets_a_point_where_small_steps_meet_it(x, y, speed, turn_rate, radius):

@@ -95,6 +95,7 @@ def test_ctrl_c_while_a_file_is_loaded_is_let_through(tmp_path):
         CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mine")
 
 
+@pytest.mark.gate
 def test_a_command_does_not_end_well_because_a_controller_exits(tmp_path):
     (tmp_path / "mine.py").write_text("raise SystemExit(0)\n")
     write_world(generate("trap", 4, size=20), tmp_path / "w.grid")

@@ -106,6 +106,7 @@ def hosted(*arguments):
     return [sys.executable, "-m", "sim.host", *map(str, arguments)]
 
 
+@pytest.mark.gate
 def test_a_hosted_class_drives_as_it_does_here(tmp_path):
     name, world = made(tmp_path, "python")["controller"], generate("maze", 7, size=20)
     with ProcessController(hosted(name)) as there:
@@ -115,6 +116,7 @@ def test_a_hosted_class_drives_as_it_does_here(tmp_path):
     assert shortest > 100 and np.array_equal(here.states[:shortest, :4], found.states[:shortest, :4])
 
 
+@pytest.mark.gate
 def test_a_hosted_class_that_hangs_has_a_verdict_and_its_prints_are_no_commands(tmp_path):
     (tmp_path / "mine.py").write_text(HANGS)
     with ProcessController(hosted(tmp_path / "mine.py:Hangs"), deadline=0.5) as controller:

@@ -146,6 +146,7 @@ def test_an_answer_in_drips_that_is_there_in_time_counts():
     assert run(program(do)).verdict in ("stalled", "timeout")
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("said", "error"),
     [
@@ -227,6 +228,7 @@ def test_a_grandchild_that_holds_the_pipes_keeps_nobody_and_is_ended(tmp_path):
     assert ends((tmp_path / "pid").read_text())
 
 
+@pytest.mark.gate
 def test_a_program_ends_with_this_process_even_if_that_is_killed(tmp_path):
     do = f"open({str(tmp_path / 'pid')!r}, 'w').write(str(os.getpid()))\nanswer('')\nwhile True: time.sleep(60)"
     stubborn = program(do, at=1)

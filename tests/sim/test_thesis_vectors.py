@@ -16,6 +16,7 @@ DATA = Path(__file__).parents[1] / "data" / "thesis"
 VECTORS = {f"{v['id']}": v for name in ("vectors", "demos") for _, v in read_vectors(DATA / f"{name}.jsonl.gz")}
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", VECTORS)
 def test_a_recorded_run_comes_out_to_the_last_bit(name):
     assert mismatches(VECTORS[name]) == []

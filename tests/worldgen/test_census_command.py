@@ -252,6 +252,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("args", "message"), WRONG, ids=[" ".join(args) for args, _ in WRONG])
 def test_wrong_input_is_one_sentence_and_code_2(tmp_path, generator, args, message):
     folder = tmp_path / "empty"

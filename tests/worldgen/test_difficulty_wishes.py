@@ -117,6 +117,7 @@ _conditions = st.recursive(
 )
 
 
+@pytest.mark.gate
 @given(_conditions, st.integers(-3, 3), st.integers(-3, 3))
 def test_a_wish_means_what_python_takes_it_for(text, detour, length):
     wish = parse(text)

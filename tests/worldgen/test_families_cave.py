@@ -86,6 +86,7 @@ def test_start_and_target_are_out_of_sight(shape):
         assert not in_sight(world.walls, *ends)
 
 
+@pytest.mark.gate
 def test_a_small_cave_loads_nothing_heavy():
     code = (
         "import sys; from worldgen.generation import generate; generate('cave', 1, size=60); "

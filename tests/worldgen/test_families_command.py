@@ -37,6 +37,7 @@ def test_every_number_has_bounds_which_its_default_keeps_and_generate_too(name):
                 generate(name, 1, **{known.name: low})
 
 
+@pytest.mark.gate
 @every_family
 def test_options_left_out_are_the_defaults_of_the_library(name, tmp_path):
     result = run(name, "--seed", 4, "--out", tmp_path / "w.grid")
@@ -168,6 +169,7 @@ def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, erro
     assert sorted(path.name for path in tmp_path.iterdir()) == ["manifest.jsonl", "maze-8.grid", "maze-9.grid"]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -202,6 +204,7 @@ def test_a_full_disk_is_told():
     assert result.code == 2 and "No space left on device" in result.err
 
 
+@pytest.mark.gate
 def test_the_command_loads_nothing_heavy():
     code = (
         "import sys; from tests.helpers.command_line import worldgen; "

@@ -128,6 +128,7 @@ def test_walls_burn_open_and_never_fall_shut(seed, over, debris):
     assert all(out[place][1] == CellState.FREE for place in caught if world.walls[place])
 
 
+@pytest.mark.gate
 @every_ground
 def test_ways_close_and_open(over):
     closed = opened = 0
@@ -154,6 +155,7 @@ def test_without_burn_through_no_wall_changes():
         assert not world.walls[world.timeline.iy, world.timeline.ix].any()
 
 
+@pytest.mark.gate
 @every_ground
 def test_burn_through_opens_ways_that_the_disc_fits_through(over):
     """Holes alone, without debris: some of them make the way from start to target shorter."""

@@ -112,6 +112,7 @@ def test_a_fire_race_can_be_won_by_construction(seed, over, margin):
     assert decide(world, margin=margin).result == REACHABLE
 
 
+@pytest.mark.gate
 def test_a_witness_does_not_hold_longer_than_its_margin():
     tight = 0
     for seed in range(12):

@@ -72,6 +72,7 @@ def test_there_are_as_many_trees_as_kirchhoff_counts():
     assert len(seen) == SPANNING_TREES_OF_3_BY_3
 
 
+@pytest.mark.gate
 @every_algorithm
 @given(seed=st.integers(0, 2**64 - 1), columns=st.integers(1, 12), rows=st.integers(1, 12))
 @settings(max_examples=30)

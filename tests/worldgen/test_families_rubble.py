@@ -91,6 +91,7 @@ def test_undamaged_parts_are_as_they_were():
         assert 0.0 < away(layout(seed, size=60, damage=0.2), seed).mean() < 0.2
 
 
+@pytest.mark.gate
 def test_a_blast_ruins_one_place_and_a_quake_many():
     def extent(collapse):
         parts = []
@@ -123,6 +124,7 @@ def test_the_robot_starts_where_the_building_stands_and_the_survivor_lies_where_
     assert standing >= 15
 
 
+@pytest.mark.gate
 def test_a_small_collapse_loads_nothing_heavy():
     code = (
         "import sys; from worldgen.generation import generate; generate('rubble', 1, size=60); "

@@ -82,6 +82,7 @@ def test_a_slanted_wall_has_no_hole(seed, shape, angle, thickness):
     assert pieces[0] <= 6
 
 
+@pytest.mark.gate
 @given(SEEDS, SHAPES, st.integers(1, 89), st.sampled_from([0.02, 0.07, 0.13, 0.2]))
 def test_a_robot_in_a_slanted_hollow_gets_out(seed, shape, angle, robot_radius):
     params = {"size": 90, "shape": shape, "angle": angle, "robot_radius": robot_radius, "inside": True}
@@ -95,6 +96,7 @@ def test_the_obstacle_bars_the_straight_way(seed, shape, faces, angle, inside):
     assert not in_sight(world.walls, *halves(world))
 
 
+@pytest.mark.gate
 @given(SEEDS, SHAPES, FACES, ANGLES, st.integers(20, 50), st.sampled_from([0.02, 0.07, 0.1]))
 @settings(max_examples=80)
 def test_no_slanted_trap_needs_a_second_attempt(seed, shape, faces, angle, size, robot_radius):

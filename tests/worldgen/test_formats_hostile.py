@@ -82,6 +82,7 @@ def write(folder, files):
     return folder / next(iter(files))
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", READABLE)
 def test_every_format_has_samples_and_they_are_read(name, tmp_path):
     assert samples(name), "add one to tests/helpers/foreign_samples.py"
@@ -115,6 +116,7 @@ def test_many_damaged_files_are_read_or_refused_in_one_sentence(name, tmp_path, 
     read_or_sentence(write(tmp_path, files), name)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("name", READABLE)
 def test_a_file_that_ends_too_early_is_read_or_refused_in_one_sentence(name, tmp_path):
     for files in samples(name)[:1]:

@@ -58,6 +58,7 @@ def played(tmp_path, name, command="ign"):
     return done, json.loads(state.read_text())[1], json.loads(files[f"{name}_events.json"])["events"]
 
 
+@pytest.mark.gate
 @pytest.mark.skipif(os.name != "posix", reason="the stand-in is a script with a first line that names its interpreter")
 @pytest.mark.parametrize("command", ["ign", "gz"])
 def test_models_are_moved_at_the_simulated_times_of_the_changes(tmp_path, command):

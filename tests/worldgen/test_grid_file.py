@@ -88,6 +88,7 @@ def test_reading_what_was_written_gives_an_equal_world(world):
     assert loads(dumps(world)) == world
 
 
+@pytest.mark.gate
 @given(worlds_with_everything())
 def test_writing_what_was_read_gives_the_same_bytes(world):
     assert dumps(loads(dumps(world))) == dumps(world)
@@ -143,6 +144,7 @@ _PIECES = [
 ]
 
 
+@pytest.mark.gate
 @settings(max_examples=300)
 @given(st.lists(st.sampled_from(_PIECES) | st.text(max_size=6), max_size=14))
 def test_any_text_behind_the_magic_gives_a_world_or_a_complaint_with_a_line(pieces):
@@ -203,6 +205,7 @@ def test_the_top_row_is_written_first():
     assert b"%cells\n...\n#..\n%end\n" in dumps(world)
 
 
+@pytest.mark.gate
 @given(worlds_with_everything())
 def test_flipping_rows_twice_changes_nothing(world):
     assert np.array_equal(flip_rows(flip_rows(world.walls)), world.walls)
@@ -408,6 +411,7 @@ def test_unsound_gzip_is_a_sentence(tmp_path, data, message):
         read_world(tmp_path / "w.grid.gz")
 
 
+@pytest.mark.gate
 def test_a_gzip_bomb_is_stopped(tmp_path):
     bomb = gzip.compress(b"." * (EXPANSION_FLOOR + 1), 9)
     (tmp_path / "w.grid.gz").write_bytes(bomb)

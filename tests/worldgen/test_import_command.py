@@ -245,6 +245,7 @@ REFUSED = [
 ]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("args", "kind", "message"), REFUSED, ids=range(len(REFUSED)))
 def test_what_cannot_be_imported_is_refused_and_nothing_is_written(tmp_path, monkeypatch, run, args, kind, message):
     monkeypatch.chdir(tmp_path)
@@ -270,6 +271,7 @@ def test_an_existing_file_is_kept_unless_forced(tmp_path):
     assert out.read_text() == "mine"
 
 
+@pytest.mark.gate
 def test_the_program_ends_with_2_and_one_line(tmp_path):
     (tmp_path / "a.map").write_bytes(b"type octile\nheight 9\n")
     command = [

@@ -147,6 +147,7 @@ def kernel_files(tmp_path, kind="nb?"):
     return files
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 @pytest.mark.parametrize(
     "damage",

@@ -95,6 +95,7 @@ def test_a_glb_file_has_start_and_target_as_nodes_and_the_rest_as_extras():
     assert document["nodes"][nodes["start"]["children"][0]]["name"] == "start_disc"
 
 
+@pytest.mark.gate
 @given(st.floats(-6.3, 6.3))
 def test_sine_and_cosine_are_those_of_the_math_library_to_its_last_bit(angle):
     assert _sine_cosine(angle) == pytest.approx((math.sin(angle), math.cos(angle)), abs=1.2e-16)

@@ -217,6 +217,7 @@ def joins(world, clear, neighbours, slack):
     return bool(home and (parts[near] == home).any())
 
 
+@pytest.mark.gate
 @given(still_worlds())
 def test_what_a_wider_disc_reaches_on_a_fine_lattice_is_reachable(world):
     clear = distances(world)[0] >= world.robot_radius + 1 / 16 + 1e-9  # then no step of 1/8 comes too near
@@ -301,6 +302,7 @@ def test_two_clear_poses_have_either_a_path_or_a_cut_and_never_both(world, data)
     assert decided(world).result == (BLOCKED if parted else REACHABLE)
 
 
+@pytest.mark.gate
 @given(worlds_with_everything())
 def test_any_legal_world_gets_an_answer_and_any_certificate_a_report(world):
     decision = decide(world)

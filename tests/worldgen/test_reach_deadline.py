@@ -101,6 +101,7 @@ def test_a_deadline_holds_in_a_world_that_stands_still():
     assert answer(world, arrival).result == REACHABLE and answer(world, 0.8 * arrival).confinement is not None
 
 
+@pytest.mark.gate
 @given(changing_worlds(), DEADLINES)
 def test_no_world_is_both_reached_in_time_and_blocked(world, deadline):
     decision = answer(world, deadline)
@@ -111,6 +112,7 @@ def test_no_world_is_both_reached_in_time_and_blocked(world, deadline):
         assert decision.result == REACHABLE
 
 
+@pytest.mark.gate
 @given(changing_worlds())
 def test_a_witness_in_haste_arrives_no_later_and_holds(world):
     decision = decide(world)
@@ -121,6 +123,7 @@ def test_a_witness_in_haste_arrives_no_later_and_holds(world):
     assert report.valid and hasty.duration <= decision.certificate.duration, report.reason
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize("seed", [0, 2, 5])
 def test_a_witness_that_arrives_in_time_is_found_whatever_is_left_out_after_the_deadline(seed):
     for over in ("rooms", "cave", "maze", "forest"):
@@ -181,6 +184,7 @@ def refusal(world, proof, **changes):
     return report.reason
 
 
+@pytest.mark.gate
 def test_a_confinement_without_one_of_its_stays_is_refused(confined):
     world, proof = confined
     for index in range(0, len(proof.stays), max(1, len(proof.stays) // 6)):
@@ -216,6 +220,7 @@ def test_a_robot_may_wait_until_the_gate_shuts_less_its_way():
     assert latest_start(changing(GATE, (7.0, 2, 1, SOLID))) is None
 
 
+@pytest.mark.gate
 @given(changing_worlds(), st.integers(1, 60).map(lambda n: n / 20))
 @settings(max_examples=60)
 def test_the_latest_start_is_what_trying_every_start_finds(world, start):
@@ -245,6 +250,7 @@ def begun_at(world, start):
     return dataclasses.replace(world, walls=walls == SOLID, timeline=Timeline.of(burning + later))
 
 
+@pytest.mark.gate
 @given(st.integers(0, 10**6), st.sampled_from(["maze", "rooms", "forest", "trap"]), st.booleans())
 @settings(max_examples=15)
 def test_no_witness_may_begin_much_later_than_the_robot(seed, over, monotone):
@@ -259,6 +265,7 @@ def test_a_deadline_that_is_none_is_refused(deadline):
         decide_in_time(drawn(OPEN), deadline)
 
 
+@pytest.mark.gate
 @given(worlds_with_everything(), st.floats(1e-300, 1e300) | st.floats(0.01, 5.0))
 @settings(max_examples=15)
 def test_any_legal_world_gets_an_answer_in_time_and_any_proof_a_report(world, deadline):

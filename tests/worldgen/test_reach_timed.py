@@ -71,6 +71,7 @@ def test_a_start_that_burns_at_once_is_blocked_by_that_cell():
     assert decision.certificate.cells.tolist() == [[0, 1]]
 
 
+@pytest.mark.gate
 def test_walls_that_never_open_are_a_cut_whatever_burns_elsewhere():
     decision = decided(changing(GATE, (1.0, 2, 1, BURNING), (2.0, 2, 1, FREE)))
     assert decision.result == BLOCKED
@@ -103,6 +104,7 @@ def test_every_timed_certificate_is_accepted_by_the_checker(world):
     assert decision.certificate is None or check_certificate(world, decision.certificate).valid
 
 
+@pytest.mark.gate
 @given(changing_worlds())
 def test_changes_after_the_arrival_change_nothing(world):
     decision = decide(world)

@@ -57,12 +57,14 @@ GOLDEN = {
 }
 
 
+@pytest.mark.gate
 @every_example
 def test_an_example_makes_a_world_that_the_independent_checker_accepts(path):
     for seed in range(3):
         assert check_certificate(generate(str(path), seed)).valid
 
 
+@pytest.mark.gate
 @every_example
 def test_a_recipes_world_is_made_again_from_its_file_alone(path):
     world = loads(dumps(generate(str(path), 5)))
@@ -256,6 +258,7 @@ UNFIT = {
 }  # fmt: skip
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("old", "new", "message"), UNFIT.values(), ids=UNFIT)
 def test_what_does_not_fit_is_said_with_its_place(old, new, message):
     with pytest.raises(InvalidParameter, match=message):

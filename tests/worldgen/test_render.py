@@ -69,6 +69,7 @@ def test_the_map_stands_in_a_wall_for_outside_everything_is_solid():
     assert near(picture[frame.bottom + 2, frame.left - 2], WALL)
 
 
+@pytest.mark.gate
 def test_the_floor_is_bluer_near_the_target_and_clear_far_away():
     world = small_world()
     red = [pixel(world, x, 0.95, witness=False)[0] for x in (1.62, 1.38, 0.73, 0.02)]
@@ -178,6 +179,7 @@ def test_the_map_keeps_its_aspect(width, height):
     assert 800 <= max(frame.width, frame.height) <= 900
 
 
+@pytest.mark.gate
 def test_twice_the_pixels_is_twice_the_picture():
     small, large = (decoded(draw_png(small_world(), pixels=pixels)).shape for pixels in (900, 1800))
     assert (large[0], large[1]) == pytest.approx((2 * small[0], 2 * small[1]), abs=4)
@@ -189,6 +191,7 @@ def test_absurd_sizes_are_refused(pixels):
         draw_png(small_world(), pixels=pixels)
 
 
+@pytest.mark.gate
 def test_two_thousand_cells_a_side_give_a_picture_of_the_usual_size():
     walls = np.zeros((2000, 2000), bool)
     walls[500] = True
@@ -295,6 +298,7 @@ def test_a_mark_that_makes_no_sense_is_refused(x, kind, message):
         Mark(x, 0.0, kind)
 
 
+@pytest.mark.gate
 def test_a_trail_outside_the_map_and_one_of_one_point_are_drawn():
     for trail in (Trail([-5.0, 9.0], [-5.0, 9.0]), Trail([0.35], [0.35]), Trail([0.35], [0.35], 0)):
         draw_png(small_world(), trail=trail)

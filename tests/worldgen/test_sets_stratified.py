@@ -31,6 +31,7 @@ def spread(tmp_path_factory):
     return out, result.err
 
 
+@pytest.mark.gate
 def test_every_stratum_has_its_share(spread):
     out, said = spread
     manifest = manifest_of(out)
@@ -39,6 +40,7 @@ def test_every_stratum_has_its_share(spread):
     assert said.count("difficulty 0.") == 10 and "\n  difficulty 0.26 to 0.32: 2\n" in said
 
 
+@pytest.mark.gate
 def test_each_world_is_as_hard_as_the_manifest_says_and_lies_in_its_stratum(spread):
     out, _ = spread
     for entry in manifest_of(out).entries:
@@ -52,6 +54,7 @@ def test_all_worlds_differ_and_the_parameter_given_stays(spread):
     assert len({entry.digest for entry in entries}) == 20 and {entry.params["size"] for entry in entries} == {20}
 
 
+@pytest.mark.gate
 def test_equal_seeds_give_equal_sets_and_the_manifest_makes_them_again(spread, tmp_path):
     out, _ = spread
     assert worldgen(*SPREAD, "--count", 20, "--out", tmp_path / "a.zip").code == 0
@@ -81,6 +84,7 @@ def test_a_search_that_was_interrupted_goes_on_to_the_same_set(spread, tmp_path)
     assert (part / "manifest.jsonl").read_bytes() == (whole / "manifest.jsonl").read_bytes()
 
 
+@pytest.mark.gate
 def test_a_stratum_that_the_family_cannot_fill_leaves_its_worlds_to_its_neighbours(tmp_path):
     plan = plan_stratified_set("maze", 1, 8, {"size": 12}, difficulty=(0.75, 1.0), tries=20, metrics=False)
     make_set(plan, tmp_path / "set")

@@ -308,6 +308,7 @@ FAULTS = [
 ]
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(("data", "message"), FAULTS, ids=range(len(FAULTS)))
 def test_a_damaged_file_is_refused_in_one_line(write, tmp_path, data, message):
     path = write(data)

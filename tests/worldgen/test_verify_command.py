@@ -109,6 +109,7 @@ def test_a_negative_radius_is_refused(save):
     assert isinstance(run(save("w.grid", ROOM), "--radius", "-1").exception, InvalidParameter)
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("text", "largest"),
     [
