@@ -91,7 +91,7 @@ def summary_in_words(states: list[State]) -> str:
         for state, one, many in (
             (State.FAILS, "still fails", "still fail"),
             (State.ARRIVES, "arrives now", "arrive now"),
-            (State.UNPROVED, "proves nothing", "prove nothing"),
+            (State.UNPROVED, "cannot be judged", "cannot be judged"),
         )
         if counts[state]
     ]

@@ -114,7 +114,7 @@ class CampaignState:
         times: Of this sitting, s: ``start-up``, ``search`` and ``shrinking``.
         verdicts: At first look.
         met: How often each class was met.
-        known: Likewise, of the classes that are no news.
+        known: The same, for classes that the baseline has.
         best: By class, the smallest failure, shrunk.
         memory: What the lanes brought, and what later units know of it.
         finds: In the order of units.

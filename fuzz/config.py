@@ -17,7 +17,7 @@ _SLOWER = 8  # a step in Python takes microseconds
 
 @dataclass(frozen=True)
 class CampaignConfig:
-    """What a campaign looks for; with a unit's number and its memory all that a unit hangs on.
+    """What a campaign looks for; together with a unit's number and memory, all that the unit depends on.
 
     Args:
         scenario: Controller, motion model and switches; each draw has its own seed and time step.
@@ -30,7 +30,7 @@ class CampaignConfig:
         shrink: Whether failures are shrunk; on a user's own map they are more useful where they are.
         oracles: Oracles to ask about each run beside its verdict, as ``--oracle`` takes them.
         database: Folder of a Hypothesis database: what failed before is tried again first, what fails is kept there.
-            What a campaign finds then hangs on the folder, too. Empty for none.
+            What a campaign finds then depends on the folder, too. Empty for none.
         epoch: Units in an epoch: what they found, the units of the epoch after the next one know.
     """
 

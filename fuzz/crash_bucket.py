@@ -126,7 +126,7 @@ def _plain(text: str) -> str:
     """Return a text without what differs from run to run: addresses, numbers, folders."""
     text = re.sub(r"0x[0-9a-fA-F]+", "", text)
     text = re.sub(r"(?:/[^\s/:]+)+/", "", text)
-    return re.sub(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?", "", text)
+    return re.sub(r"[-+]?(?:\d+(?:\.\d+)?(?:[eE][-+]?\d+)?|\b(?:nan|inf(?:inity)?)\b)", "", text)
 
 
 def _word(text: str) -> str:

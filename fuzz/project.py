@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.resources
 import json
 import shlex
@@ -76,6 +77,8 @@ class Project:
             FormatError: If ``pyproject.toml`` is not valid TOML.
             InvalidParameter: If the controller's name cannot be part of a CI file.
         """
+        if not self.controller:
+            raise InvalidParameter("the controller has no name; give --controller ./file.py:name, for one")
         if "${{" in self.controller or not self.controller.isprintable():
             raise InvalidParameter(
                 f"controller={self.controller!r} cannot be written into a CI file, where ${{{{ begins an expression; "
@@ -115,9 +118,18 @@ class Project:
     @property
     def runs_fixed_failures(self) -> bool:
         """Whether pytest will run ``fixed/``: not where the project keeps pytest's settings in another place."""
-        others = [name for name in ("pytest.toml", "pytest.ini", ".pytest.ini") if (self.folder / name).exists()]
         pytest: dict[str, Any] = self._settings().get("tool", {}).get("pytest", {})
-        return not others and (not pytest or "worldgen_corpus" in pytest.get("ini_options", pytest))
+        return not self._has_other_settings() and (not pytest or "worldgen_corpus" in pytest.get("ini_options", pytest))
+
+    def _has_other_settings(self) -> bool:
+        """Return True if a file that a table in ``pyproject.toml`` might disable holds pytest's settings."""
+        if any((self.folder / name).exists() for name in ("pytest.toml", ".pytest.toml", "pytest.ini", ".pytest.ini")):
+            return True
+        for name, table in (("tox.ini", "[pytest]"), ("setup.cfg", "[tool:pytest]")):
+            with contextlib.suppress(OSError):
+                if table in (self.folder / name).read_text(encoding="utf-8", errors="replace"):
+                    return True
+        return False
 
     def _settings(self) -> dict[str, Any]:
         try:
@@ -134,7 +146,10 @@ class Project:
             f"controller = {json.dumps(self.controller, ensure_ascii=False)}",
             f'motion = "{self.motion}"',
             f'baseline = ["{KNOWN}"] # open failures, which are not new',
+            f"units = {self.units} # the search of each pull request",
+            f"seed = {SEED}",
         ]
+        lines += [f"family = {json.dumps(self.families)}"] if self.families else []
         if self.runs_fixed_failures and "pytest" not in self._settings().get("tool", {}):
             lines += ["", "[tool.pytest.ini_options]", f'worldgen_corpus = ["{FIXED}"] # failures that must stay fixed']
         return "\n".join(lines) + "\n"

@@ -12,7 +12,7 @@ from fuzz.deadline import NO_DEADLINE, Deadline, now
 __all__ = ["Schedule"]
 
 _SEARCH = 0.75  # share of the time after which shrinking comes first
-_SEARCH_ON = 0.9  # share after which no more is searched, though nothing be left to shrink
+_SEARCH_ON = 0.9  # share after which no more is searched, even if nothing is left to shrink
 _PROVE = 0.5  # share of what is then left in which a failure that was met is still proved
 _UNSHRUNK = 0.97  # share of the time for the search where nothing is shrunk
 _SHRINKING = 0.25  # share of the work during the search that goes to the first failure of each class

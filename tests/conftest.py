@@ -29,7 +29,7 @@ settings.register_profile(
     derandomize=False,
     database=DirectoryBasedExampleDatabase(EXAMPLES),
 )
-# For who only wants to know whether a test fails.
+# For planted faults: it matters only whether a test fails, not how small its example is.
 settings.register_profile("unshrunk", settings.get_profile("worldgen"), phases=(Phase.explicit, Phase.generate))
 settings.load_profile("worldgen")
 

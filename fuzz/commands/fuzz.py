@@ -132,8 +132,7 @@ def fuzz(
 
     Writes one .grid file for each class of failure, the smallest world of it. Exit code 1 if there is any that no
     --baseline has, 0 if not; a robot burned by what its controller cannot sense is listed apart. Ctrl-C keeps what was
-    found. The same command again, or --resume FOLDER, goes on where a
-    campaign was interrupted, by whatever.
+    found. The same command again, or --resume FOLDER, continues an interrupted campaign.
     """
     import os
     import time

@@ -38,7 +38,7 @@ def replay(
     """Run saved failures again: does each still fail, how, or does the robot arrive now.
 
     A failure is confirmed if it is the same, bit for bit: verdict, evidence, trace digest and certificate. Exit code 0
-    if every one is, 1 if one is not, be it that the robot arrives now, else 2 if a file holds no failure.
+    if every one is, 1 if one is not (also if the robot arrives now), 2 if a file holds no failure.
     """
     from fuzz.answer import State as Now
     from fuzz.answer import answer, summary_in_words

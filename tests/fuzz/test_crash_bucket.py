@@ -101,6 +101,12 @@ def test_the_last_words_of_a_program_that_aborts_are_in_its_bucket_without_their
     assert crash_bucket(first) == crash_bucket(second) == "SIGABRT-fatal-no-plan-at-step"
 
 
+@pytest.mark.parametrize("value", ["-3.5", "nan", "-inf", "1e-5"])
+def test_neither_signs_nor_what_is_no_number_make_another_bucket(value):
+    said = "terminate called after throwing an instance of 'std::out_of_range'\n  what():  x out of range: {}\n"
+    assert crash_bucket(aborted(said.format(value))) == crash_bucket(aborted(said.format("3.5")))
+
+
 def test_what_a_program_said_before_a_signal_that_it_did_not_raise_is_not_in_its_bucket():
     assert crash_bucket({"error": "killed by SIGSEGV", "step": 5, "stderr": ["turning left"]}) == "SIGSEGV"
 

@@ -63,7 +63,13 @@ def test_the_tables_follow_what_the_file_holds(tmp_path):
     text = (tmp_path / "pyproject.toml").read_text()
     tool = tomllib.loads(text)["tool"]
     assert text.startswith(before)
-    assert tool["worldgen"]["fuzz"] == {"controller": ROBOT, "motion": "endpoint", "baseline": [str(KNOWN)]}
+    assert tool["worldgen"]["fuzz"] == {
+        "controller": ROBOT,
+        "motion": "endpoint",
+        "baseline": [str(KNOWN)],
+        "units": 6,
+        "seed": 1,
+    }
     assert tool["pytest"]["ini_options"] == {"worldgen_corpus": [str(FIXED)]}
 
 
@@ -75,6 +81,32 @@ def test_pytest_settings_of_the_user_s_own_are_left_alone(tmp_path):
     assert tomllib.loads((tmp_path / "pyproject.toml").read_text())["tool"]["pytest"] == {
         "ini_options": {"testpaths": ["tests"]}
     }
+
+
+@pytest.mark.parametrize(
+    ("name", "table"), [("tox.ini", "[pytest]"), ("setup.cfg", "[tool:pytest]"), ("pytest.ini", "")]
+)
+def test_pytest_settings_in_another_file_stay_in_force(name, table, tmp_path):
+    (tmp_path / name).write_text(f"{table}\naddopts = -q\n")
+    project = Project(tmp_path, ROBOT)
+    project.write(force=False)
+    assert not project.runs_fixed_failures
+    assert "pytest" not in tomllib.loads((tmp_path / "pyproject.toml").read_text())["tool"]
+
+
+def test_every_job_installs_the_project_s_own_requirements(tmp_path):
+    (tmp_path / "requirements.txt").write_text("numpy\n")
+    (tmp_path / "pyproject.toml").write_text('[build-system]\nrequires = ["setuptools"]\n')
+    Project(tmp_path, ROBOT).write(force=False)
+    plan = yaml.safe_load((tmp_path / ".github" / "workflows" / "worldgen.yml").read_text())
+    for job in plan["jobs"].values():
+        [install] = [step["run"] for step in job["steps"] if step.get("name") == "Install"]
+        assert install.endswith("pytest ./.worldgen -r requirements.txt -e .")
+
+
+def test_a_controller_without_a_name_is_refused(tmp_path):
+    with pytest.raises(InvalidParameter, match="has no name"):
+        Project(tmp_path, "").check(force=False)
 
 
 def test_a_project_that_is_set_up_is_left_alone(tmp_path):

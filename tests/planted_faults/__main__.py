@@ -68,7 +68,9 @@ def _caught(fault: Fault, copy: Path, *, expected_only: bool) -> tuple[str, str]
                     test = _first_that_fails(copy, marks, paths, failing_anyway)
                 if not test:
                     break
-                if "::" not in test or not _first_that_fails(copy, "", (test,)):
+                if "::" not in test:  # a run that could not begin catches nothing
+                    return "none", test
+                if not _first_that_fails(copy, "", (test,)):
                     return tier, test
                 failing_anyway.append(test)
     return "none", "-"
