@@ -479,7 +479,12 @@ def shrunk_or_same(
         with stopping_when(Deadline(end, end).to_begin_is_over):
             check_time()
             made = shrink(failure, keep=kept, seconds=seconds)
-            return Shrinking(with_boundaries(made.world, failure) if made.complete else made.world, made.complete)
+            if not made.complete:
+                return Shrinking(made.world, complete=False)
+            try:
+                return Shrinking(with_boundaries(made.world, failure))
+            except OutOfTime:  # it is shrunk and proved all the same; a later sitting measures where it begins
+                return Shrinking(made.world, complete=False)
     except OutOfTime:
         return Shrinking(failure, complete=False)
     except WorldgenError:

@@ -7,9 +7,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-__all__ = ["NO_DEADLINE", "Deadline", "now", "stop_when"]
+__all__ = ["NO_DEADLINE", "Deadline", "now", "stop_from"]
 
-_stopped: list[Callable[[], bool]] = []  # what this process asks besides the clock: did somebody press Ctrl-C?
+_TO_PROVE = 2.0  # s after a stop in which failures met before it are still proved; less than the driver waits for them
+
+_stops: list[Callable[[], float]] = []  # what this process asks besides the clock: when did somebody press Ctrl-C?
 
 
 def now() -> float:
@@ -17,9 +19,13 @@ def now() -> float:
     return time.time()
 
 
-def stop_when(stopped: Callable[[], bool]) -> None:
-    """End all work of this process, whatever its deadline, once ``stopped`` says so."""
-    _stopped[:] = [stopped]
+def stop_from(stopped_at: Callable[[], float]) -> None:
+    """End all work of this process at a time that is not known yet, whatever its deadline.
+
+    Args:
+        stopped_at: Returns that time, by :func:`now`; infinity until it is known.
+    """
+    _stops[:] = [stopped_at]
 
 
 @dataclass(frozen=True)
@@ -36,15 +42,24 @@ class Deadline:
 
     def to_begin_is_over(self) -> bool:
         """Return whether nothing more is to be begun."""
-        return _is_over(self.begin)
+        return _is_over(min(self.begin, _stopped_at()))
 
     def to_prove_is_over(self) -> bool:
         """Return whether no proof is to go on."""
-        return _is_over(self.prove)
+        return _is_over(min(self.prove, _stopped_at() + _TO_PROVE))
+
+    def stopped_now(self) -> Deadline:
+        """Return the deadline of work that is stopped: nothing more is begun, and proofs get a short time."""
+        at = now()
+        return Deadline(min(self.begin, at), min(self.prove, at + _TO_PROVE))
 
 
 NO_DEADLINE = Deadline()
 
 
 def _is_over(end: float) -> bool:
-    return (end < math.inf and now() >= end) or any(stopped() for stopped in _stopped)
+    return end < math.inf and now() >= end
+
+
+def _stopped_at() -> float:
+    return min((stopped_at() for stopped_at in _stops), default=math.inf)

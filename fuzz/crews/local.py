@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
+from ctypes import c_double
 from multiprocessing import get_context
-from multiprocessing.synchronize import Event
 from types import TracebackType
 from typing import ParamSpec, Self, TypeVar
 
 from fuzz.config import CampaignConfig
 from fuzz.crews.crew import Crew, WorkersLost
-from fuzz.deadline import stop_when
+from fuzz.deadline import now, stop_from
 from fuzz.loading import load
 from worldgen.workers import begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 
@@ -71,7 +72,7 @@ class Processes:
         self._workers = workers
         self._open = ExitStack()
         self._context = get_context("spawn")
-        self._stop = self._context.Event()
+        self._stopped_at = self._context.RawValue(c_double, math.inf)  # one word, so it needs no lock
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Gives it to the next process that is free."""
@@ -88,12 +89,12 @@ class Processes:
 
     def stop(self) -> None:
         """Tell all processes."""
-        self._stop.set()
+        self._stopped_at.value = now()
 
     def __enter__(self) -> Self:
         """Ready to start processes, one when it is first needed."""
         self._pool = ProcessPoolExecutor(
-            self._workers, mp_context=self._context, initializer=_begin, initargs=(self._stop,)
+            self._workers, mp_context=self._context, initializer=_begin, initargs=(self._stopped_at,)
         )
         self._listen = self._open.enter_context(ctrl_c_held_back())
         return self
@@ -105,7 +106,7 @@ class Processes:
             WorkersLost: If one of them died.
         """
         with self._open:
-            if error is None and not self._stop.is_set():
+            if error is None and self._stopped_at.value == math.inf:
                 self._pool.shutdown()
             else:
                 end_workers(self._pool)
@@ -115,7 +116,7 @@ class Processes:
             ) from error
 
 
-def _begin(stop: Event) -> None:
+def _begin(stopped_at: c_double) -> None:
     """Do what a worker does first."""
     begin_deaf()
-    stop_when(stop.is_set)
+    stop_from(lambda: stopped_at.value)

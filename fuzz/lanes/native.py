@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -17,7 +19,7 @@ from fuzz.variation import applied
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController
 from sim.controllers.base import robot_for
 from sim.kernels.layout import LIMIT
-from sim.stopping import check_time, is_out_of_time
+from sim.stopping import OutOfTime, check_time, is_out_of_time, stopping_when
 from worldgen.random_streams import RandomStream
 from worldgen.world import DEFAULT_CELL_SIZE
 
@@ -104,8 +106,27 @@ def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
         draw: Gives the next scenes from the unit's random numbers.
         seen: Called with what came of them, before the next are drawn.
     """
-    result, few, pace = task.door.result, Few(), pace_of(task.config)
-    asked: list[tuple[Looks, int]] = []
+    few, pace = Few(), pace_of(task.config)
+    to_prove: deque[tuple[Looks, int]] | None = None
+    try:
+        asked = _look(task, draw, seen, few, pace)
+        to_prove = deque(few.in_order(pace))
+        _prove(task, to_prove)
+    except KeyboardInterrupt:
+        # Nothing was proved while the unit looked, so all that it met is still to be proved.
+        task.door.stop()
+        with contextlib.suppress(OutOfTime), stopping_when(lambda: True):
+            _prove(task, deque(few.in_order(pace)) if to_prove is None else to_prove)
+        raise
+    check_time()
+    for looks, n in asked:
+        check_time()
+        task.door.ask(looks.world(n), looks.scenario_of(n))
+
+
+def _look(task: Task, draw: Draw, seen: Seen | None, few: Few, pace: Pace) -> list[tuple[Looks, int]]:
+    """Look at the unit's scenes and give ``few`` the failures; return the runs that oracles are to judge."""
+    result, asked = task.door.result, list[tuple[Looks, int]]()
     for looks in _looks(task, draw, pace):
         if seen is not None:
             seen(looks)
@@ -116,12 +137,14 @@ def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
         few.add(looks)
         if task.config.oracles:
             asked += [(looks, n) for n in _most_winding(looks, pace.asked)]
-    for looks, n in few.in_order(pace):
+    return asked
+
+
+def _prove(task: Task, failed: deque[tuple[Looks, int]]) -> None:
+    """Hand failures to the door, and take each out of the queue as its turn comes."""
+    while failed:
+        looks, n = failed.popleft()
         task.door.enter(looks.world(n), looks.scenario_of(n), str(looks.verdict[n]), f"key {looks.key[n]}")
-    check_time()
-    for looks, n in asked:
-        check_time()
-        task.door.ask(looks.world(n), looks.scenario_of(n))
 
 
 def _most_winding(looks: Looks, most: int) -> list[int]:

@@ -1,18 +1,20 @@
 """Budgets bound: units end at worlds, long runs between steps, and what was met until then counts."""
 
 import json
+import math
 from dataclasses import replace
 from itertools import count
 from types import SimpleNamespace
 
 import pytest
 
-from fuzz.campaign import Campaign, shrunk_or_same
+from fuzz.campaign import TO_HAND_IN, Campaign, is_shrunk, shrunk_or_same
 from fuzz.config import CampaignConfig
 from fuzz.crews import Alone
 from fuzz.deadline import Deadline
 from fuzz.door import Door
 from fuzz.failure import failure_of
+from fuzz.native import evaluate
 from fuzz.result import UnitResult
 from fuzz.schedule import Schedule
 from fuzz.shrink import shrink
@@ -105,6 +107,63 @@ def test_ctrl_c_in_a_unit_keeps_what_it_met(tmp_path):
         for _ in campaign.run():
             pass
     assert campaign.state.cut == 1 and campaign.state.worlds and campaign.state.met
+
+
+@pytest.fixture
+def stopped(monkeypatch):
+    """Ctrl-C at the time 0, which a worker sees at its second look at the clock; the clock itself stands still."""
+    at, looks = SimpleNamespace(now=0.0), count()
+    monkeypatch.setattr("fuzz.deadline.time", SimpleNamespace(time=lambda: at.now))
+    monkeypatch.setattr("fuzz.deadline._stops", [lambda: 0.0 if next(looks) else math.inf])
+    return at
+
+
+@pytest.mark.parametrize("lane", ["native", "archive"])
+def test_a_worker_that_ctrl_c_stops_proves_what_its_unit_met(stopped, lane):
+    result = run_unit(replace(CONFIG, families=(lane,), examples=100), 0)
+    assert result.cut and result.worlds and result.failures
+
+
+def test_a_worker_that_ctrl_c_stops_does_not_prove_for_longer_than_anybody_waits(stopped):
+    stopped.now = TO_HAND_IN
+    result = run_unit(replace(CONFIG, families=("native",), examples=100), 0)
+    assert result.cut and result.worlds and not result.failures
+
+
+@pytest.mark.parametrize("lane", ["native", "archive"])
+def test_ctrl_c_in_a_unit_that_proves_at_its_end_keeps_what_it_met(lane, monkeypatch):
+    calls, whole = count(), evaluate
+
+    def evaluate_or_stop(*args, **kwargs):
+        if next(calls):
+            raise KeyboardInterrupt
+        return whole(*args, **kwargs)
+
+    monkeypatch.setattr("fuzz.lanes.native.evaluate", evaluate_or_stop)
+    result = run_unit(replace(CONFIG, families=(lane,), examples=1_000), 0)
+    assert result.interrupted and result.worlds and result.failures
+
+
+def test_ctrl_c_in_a_proof_of_a_native_unit_keeps_the_other_proofs(monkeypatch):
+    config, calls, enter = replace(CONFIG, families=("native",)), count(), Door.enter
+
+    def enter_or_stop(*args, **kwargs):
+        if next(calls) == 1:
+            raise KeyboardInterrupt
+        return enter(*args, **kwargs)
+
+    monkeypatch.setattr(Door, "enter", enter_or_stop)
+    result = run_unit(config, 0)
+    assert result.interrupted and result.met.total() > 1
+
+
+def test_a_shrunk_failure_stays_shrunk_though_there_is_no_time_to_measure_where_it_begins(monkeypatch):
+    def no_time(*_):
+        raise OutOfTime
+
+    monkeypatch.setattr("fuzz.campaign.with_boundaries", no_time)
+    made = shrunk_or_same(failure_of(generate("trap", 7), Scenario("turn-right")))
+    assert not made.complete and is_shrunk(made.world)
 
 
 def test_shrinking_that_runs_out_of_time_keeps_the_failure_as_it_was_found():
