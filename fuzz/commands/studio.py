@@ -66,4 +66,6 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
     if not ipaddress.ip_address(address).is_loopback:
         note(f"warning: whoever can reach {gate.host} and learns the address can read and write the folder")
     folder, file = (path, None) if path.is_dir() else (path.parent, path.name)
-    serve(Studio(Folder(folder), gate, controllers, file), listener, browse=browser, said=note)
+    shared = Folder(folder)
+    note(f"studio of {shared.root}: open {gate.address}", always=True)  # without it nobody finds the page
+    serve(Studio(shared, gate, controllers, file), listener, browse=browser, said=note)

@@ -3,7 +3,7 @@
 Other lanes leave radius, speed and time step as they are. Here half of the scenarios are failures that the campaign
 knows, in which the nearest values are looked for at which the robot arrives; half are drawn, for the nearest at which
 it does not. Two neighbouring values with different outcomes bring one failure, and its record says where it begins.
-A drawn scenario in which the robot arrives at no value brings the failure that it is.
+A drawn scenario that fails and of which no such values are found brings the failure that it is.
 """
 
 from __future__ import annotations

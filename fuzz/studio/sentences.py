@@ -39,6 +39,8 @@ _SAID = (  # what is said, and what the page says instead; the first that fit ar
     (r"take --motion (\w+) or (\w+) for", r"take the motion model \1 or \2 for"),
     (r"(take|with) --motion (\w+)", r"\1 the motion model \2"),
     (r"give a smaller --steps", "give fewer steps"),
+    (r"give a larger --budget", "give more seconds"),
+    (r"; --count-hazards makes failures of them", ""),  # on the page they hang on the wall with the failures
     (r"--time-step", "time step"),
     (r"write --oracle (\S+)", r"write \1"),
     (r"--vary (\S+)", r"\1"),

@@ -87,7 +87,6 @@ def serve(studio: Studio, listener: socket.socket, *, browse: bool, said: Callab
         timeout_graceful_shutdown=1,
         lifespan="on",
     )
-    said(f"studio of {studio.folder.root}: open {studio.gate.address}")
     said("Ctrl-C ends it; what you have saved stays.")
     if browse:
         with contextlib.suppress(webbrowser.Error):

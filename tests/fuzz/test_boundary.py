@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzz.boundary import AXES, Looks, Subject, boundaries_in_words, nearest_boundary, scan
+from fuzz.boundary import AXES, Looks, Subject, boundaries_in_words, nearest_boundary, scan, subject_of
 from fuzz.boundary.axes import index_of, three_digits
 from fuzz.campaign import shrunk_or_same
 from fuzz.config import CampaignConfig
@@ -123,14 +123,31 @@ def found():
     return first, run_unit(CONFIG, 1, Memory().after(first))
 
 
-def test_every_failure_of_the_boundary_lane_says_where_it_begins_and_replays(found):
+def failures_of(found, *, bounded):
+    """Failures of the units whose record says where they begin, or those whose record does not."""
     failures = [failure for result in found for failure in result.failures.values()]
-    assert failures and all(replay(failure).confirmed for failure in failures)
-    assert all(failure.failure.details["boundaries"][0]["axis"] in AXES for failure in failures)
+    chosen = [failure for failure in failures if ("boundaries" in failure.failure.details) is bounded]
+    assert chosen
+    return chosen
+
+
+def test_every_failure_of_the_boundary_lane_replays(found):
+    for bounded in (True, False):
+        assert all(replay(failure).confirmed for failure in failures_of(found, bounded=bounded))
+
+
+def test_a_failure_of_the_boundary_lane_that_does_not_say_where_it_begins_has_no_boundary_on_some_axis(found):
+    for failure in failures_of(found, bounded=False):
+        subject = subject_of(failure)
+        starts = {axis: axis.index(subject) for axis in AXES.values()}
+        assert any(
+            start is not None and nearest_boundary(Looks(subject, axis, spare=0.05), start) is None
+            for axis, start in starts.items()
+        )
 
 
 def test_at_the_value_that_passes_the_robot_arrives(found):
-    for failure in found[0].failures.values():
+    for failure in failures_of(found, bounded=True):
         said, record = failure.failure.details["boundaries"][0], failure.failure
         subject = Subject(failure, Scenario("turn-right", time_step=record.parameters["time_step"], seed=record.seed))
         before = AXES[said["axis"]].at(subject, said["passes_at"])

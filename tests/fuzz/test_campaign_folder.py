@@ -186,10 +186,24 @@ def test_a_time_counts_anew(copied, monkeypatch, capsys):
 def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_later(
     whole, tmp_path, monkeypatch, capsys
 ):
-    with monkeypatch.context() as at_once:
-        ticking(at_once)
-        at_once.setattr("fuzz.campaign.shrunk_or_same", lambda failure, *_, **__: Shrinking(failure, complete=False))
+    at = SimpleNamespace(now=0.0)
+
+    def unit_of_15_s(*given):
+        result = run_unit(*given)
+        at.now += 15.0
+        return result
+
+    def endless_shrinking(failure, *_, **__):
+        at.now = 1_000.0
+        return Shrinking(failure, complete=False)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+        patch.setattr("fuzz.deadline.time", SimpleNamespace(time=lambda: at.now))
+        patch.setattr("fuzz.campaign.run_unit", unit_of_15_s)
+        patch.setattr("fuzz.campaign.shrunk_or_same", endless_shrinking)
         run(begin(CONFIG, tmp_path / "out", Goal(seconds=40.0)))
+    assert at.now == 1_000.0
     said = capsys.readouterr()
     failures = json.loads(said.out)["failures"]
     assert failures and not any(one["shrunk"] for one in failures)

@@ -13,6 +13,7 @@ from fuzz.corpus import Selection, differences, export, judge_all, merge, read_c
 from fuzz.corpus.index import INDEX_FOLDER
 from tests.helpers.command_line import worldgen
 from worldgen import read_world, write_world
+from worldgen.installation import pip_install
 
 FAULTS = Path(__file__).parents[2] / "corpora" / "thesis-faults"
 LOOP = FAULTS / "thesis-1-loop-104.grid"
@@ -341,7 +342,7 @@ def test_a_parquet_table_holds_texts_and_pictures(tmp_path):
 def test_a_parquet_table_without_pyarrow_is_refused_with_the_way_out(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     result = worldgen("corpus", "export", LOOP, "--out", tmp_path / "t.parquet")
-    assert result.code == 2 and "worldgen[parquet]" in result.err
+    assert result.code == 2 and f"needs pyarrow; {pip_install('parquet')}, or write .csv" in result.err
 
 
 @pytest.mark.parametrize(("name", "message"), [("f.xls", "no known kind"), ("there.csv", "is there already")])

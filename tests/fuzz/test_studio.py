@@ -503,8 +503,9 @@ def test_port_0_is_one_that_is_free():
 
 
 @pytest.mark.gate
-def test_the_command_prints_the_port_that_it_has_found(tmp_path):
-    command = [sys.executable, "-m", "worldgen", "studio", str(tmp_path), "--no-browser", "--port", "0"]
+@pytest.mark.parametrize("quiet", [(), ("--quiet",)])
+def test_the_command_prints_the_port_that_it_has_found(tmp_path, quiet):
+    command = [sys.executable, "-m", "worldgen", "studio", str(tmp_path), "--no-browser", "--port", "0", *quiet]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
         host, port, token = re.search(r"http://(.*):(\d+)/\?token=(.*)", server.stderr.readline()).groups()
         with page_of(Gate(host, int(port), token)) as page:

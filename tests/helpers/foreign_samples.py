@@ -16,7 +16,7 @@ READABLE = [name for name in FORMATS if FORMATS.get(name).read is not None]
 _WALLS = np.ones((5, 7), np.bool_)
 _WALLS[1:-1, 1:-1] = _WALLS[0, 0] = False
 _YAML = (
-    b"image: %b\nresolution: 0.05\norigin: [-1.5, 2.25, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    b"image: %b\nresolution: 0.25\norigin: [-1.5, 2.25, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
 )
 
 

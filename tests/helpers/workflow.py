@@ -9,6 +9,7 @@ from pathlib import Path
 
 import yaml
 
+ROOT = Path(__file__).parents[2]
 NAME = re.compile(r"'[^']*'|[a-z_]+(?:\.[\w-]+)+")
 BASH = ("bash", "--noprofile", "--norc", "-eo", "pipefail", "-c")
 
@@ -24,7 +25,7 @@ class Job:
 
     Args:
         folder: The workspace.
-        action: The composite action that ``uses: ./.worldgen`` stands for.
+        action: The composite action that ``uses: ./.worldgen`` stands for; it lies in the root of this repository.
         known: Values of contexts by name: ``github.event_name``.
         env: Variables for every step that hide what the workflow sets.
     """
@@ -73,7 +74,11 @@ class Job:
         outputs.write_text("")
         files = {"GITHUB_OUTPUT": outputs, "GITHUB_STEP_SUMMARY": self.folder / ".summary.md"}
         env = os.environ | {name: self.filled(str(text)) for name, text in step.get("env", {}).items()} | self.env
-        env |= {name: str(path) for name, path in files.items()} | {"GITHUB_WORKSPACE": str(self.folder)}
+        temporary = self.folder.with_name("runner-temp")
+        temporary.mkdir(exist_ok=True)
+        places = {"GITHUB_WORKSPACE": self.folder, "GITHUB_ACTION_PATH": ROOT, "RUNNER_TEMP": temporary}
+        env |= {name: str(path) for name, path in (files | places).items()}
+        env |= {"RUNNER_OS": "Linux", "RUNNER_ARCH": "X64"}
         env["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{env['PATH']}"
         done = subprocess.run(
             [*BASH, step["run"]], cwd=self.folder, env=env, capture_output=True, text=True, check=False

@@ -419,6 +419,12 @@ def test_a_foreign_map_given_to_another_command_gets_the_command_that_imports_it
     assert done.code == 2 and f"\n  worldgen import {MAZE} --out maze-32-32-2.grid\n" in done.err
 
 
-def test_what_is_no_map_gets_no_such_hint(tmp_path):
-    (tmp_path / "notes.txt").write_text("hello, this is a letter\n")
-    assert "worldgen import" not in worldgen("verify", tmp_path / "notes.txt").err
+@pytest.mark.parametrize("name", ["notes.txt", "notes.grid"])
+def test_what_is_no_map_gets_no_such_hint(tmp_path, name):
+    (tmp_path / name).write_text("hello, this is a letter\n")
+    assert "worldgen import" not in worldgen("verify", tmp_path / name).err
+
+
+def test_the_command_that_imports_a_map_called_grid_writes_another_file(tmp_path):
+    (tmp_path / "maze.grid").write_bytes(Path(MAZE).read_bytes())
+    assert worldgen("verify", tmp_path / "maze.grid").err.endswith("maze.grid --out maze-imported.grid\n")

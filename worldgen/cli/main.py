@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import shlex
@@ -125,15 +126,17 @@ def cli() -> None:
 
 def _say_how_to_import(error: NotAGrid) -> None:
     """Print the command that makes a world of another program's map, if the file is one."""
-    from worldgen.interop.recognising import looks_like_a_map
+    from worldgen.interop.recognising import find_format, looks_like_a_map
 
     path = Path(error.source or "")
-    if path.is_file() and looks_like_a_map(path):
-        command = shlex.join(["worldgen", "import", str(path), "--out", path.with_suffix(".grid").name])
-        note(
-            f"it looks like a map of another program; make a world of it first:\n  {command}",
-            always=True,
-        )
+    if not path.is_file() or not looks_like_a_map(path):
+        return
+    with contextlib.suppress(WorldgenError):  # of several formats: import says so
+        if find_format(path).name == "grid":  # by its name alone: import would say the same again
+            return
+    out = f"{path.stem}{'-imported' if path.suffix == '.grid' else ''}.grid"
+    command = shlex.join(["worldgen", "import", str(path), "--out", out])
+    note(f"it looks like a map of another program; make a world of it first:\n  {command}", always=True)
 
 
 def main() -> NoReturn:
