@@ -41,6 +41,7 @@ T = TypeVar("T")
 
 _RESTARTS = 6  # failures of one class that are shrunk; the smallest result stays
 GRACE = 1.0  # s after the end of the time in which work under way may still come in
+_AHEAD = 64  # units that may be done while the one before them is not
 TO_HAND_IN = 3.0  # s after Ctrl-C that the units under way have to hand in what they met
 
 
@@ -244,7 +245,9 @@ class Campaign:
                 yield from self._run(crew)
             except KeyboardInterrupt:
                 crew.stop()
-                self._take_what_is_there(crew)
+                if self._schedule.is_ready:
+                    wait([one.future for one in self._under_way.values()], TO_HAND_IN)
+                list(self._take_what_is_done())
                 raise
 
     def _run(self, crew: Crew) -> Generator[Progress, None, None]:
@@ -262,6 +265,7 @@ class Campaign:
             yield from self._kept()
             if self._schedule.is_over(GRACE):
                 break
+        yield from self._take_what_is_done()
         if self._under_way or self._shrinks:  # they do not answer in time, so nobody waits for them
             crew.stop()
         if self.units is None:
@@ -277,15 +281,14 @@ class Campaign:
         if under.future.result().interrupted:
             raise KeyboardInterrupt
 
-    def _take_what_is_there(self, crew: Crew) -> None:
-        """After Ctrl-C: what the units under way have found, from those that answer."""
-        if self._schedule.is_ready:
-            wait([one.future for one in self._under_way.values()], TO_HAND_IN)
+    def _take_what_is_done(self) -> Iterator[Found]:
+        """At the end: merge the units that are done, also those behind a unit that is not, which has lost its turn."""
         for unit, under in sorted(self._under_way.items()):
-            if under.future.done() and not under.future.cancelled() and under.future.exception() is None:
-                self._merge(unit, under)
-        self._under_way.clear()
-        list(self._kept())
+            if under.future.done():
+                del self._under_way[unit]
+                if not under.future.cancelled() and under.future.exception() is None:
+                    self._queue(self._merge(unit, under))
+        yield from self._kept()
 
     def _take_from_earlier(self) -> None:
         """What an earlier sitting met in units that were cut short, and this one did not come to."""
@@ -299,7 +302,7 @@ class Campaign:
         The first failure of each class is shrunk before more is searched, the others after it. Where time is the
         budget, shrinking has its share of it: during the search and after it.
         """
-        while len(self._under_way) + len(self._shrinks) < crew.room:
+        while self._occupied() < crew.room and len(self._under_way) < crew.room + _AHEAD:
             search_first = self._schedule.search_comes_first
             if not search_first:
                 self._queue(self._slid_already())
@@ -321,6 +324,16 @@ class Campaign:
                 self._shrinks.append(
                     (job, _Under(crew.submit(shrunk_or_same, job.failure, job.kept, seconds=seconds, end=end)))
                 )
+
+    def _occupied(self) -> int:
+        """How many workers have something to do, or a result that is merged before they get more.
+
+        Units are merged in order. Those that are done behind one that is not keep nobody busy.
+        """
+        units = list(self._under_way.values())
+        if self._merged in self._under_way and not self._under_way[self._merged].future.done():
+            units = [one for one in units if not one.future.done()]
+        return len(units) + len(self._shrinks)
 
     def _get_ready(self, crew: Crew) -> None:
         """Waits until all that is needed is loaded; the time begins when it is."""
@@ -375,9 +388,11 @@ class Campaign:
             return _Under(crew.submit(run_unit, self.config, unit, known, deadline))
 
     def _wait(self, crew: Crew) -> None:
-        futures: list[Future[Any]] = [one.future for one in self._under_way.values()]
+        # Units that are done behind the next one to be merged are no reason to wake up.
+        units = [one for unit, one in self._under_way.items() if unit == self._merged or not one.future.done()]
+        futures: list[Future[Any]] = [one.future for one in units]
         futures += [one.future for _, one in self._shrinks]
-        with self._schedule.doing(len(self._under_way), len(self._shrinks)):
+        with self._schedule.doing(len(units), len(self._shrinks)):
             while not wait(futures, LISTEN, return_when=FIRST_COMPLETED).done and not self._schedule.is_over(GRACE):
                 crew.listen()
         crew.listen()

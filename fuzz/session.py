@@ -271,7 +271,7 @@ class CampaignSession:
             return {}
         pending = self._campaign.pending()
         self._campaign.state.best |= pending
-        self._unsaved |= pending.keys()
+        self._unsaved |= self._campaign.state.best.keys()  # also what came in when no event could say so any more
         self._save()
         return pending
 

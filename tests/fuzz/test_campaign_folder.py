@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections import deque
+from concurrent.futures import Future
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -236,6 +237,45 @@ def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_lat
 
 
 @pytest.mark.gate
+class StuckInTheFirst(Alone):
+    """Two workers, one of which never comes back from the first unit; then the time is over."""
+
+    room = 2
+
+    def __init__(self, at):
+        self.at = at
+
+    def submit(self, work, /, *args, **kwargs):
+        return Future() if work is run_unit and args[1] == 0 else super().submit(work, *args, **kwargs)
+
+    def listen(self):
+        self.at.now = 1_000.0
+
+
+@pytest.fixture
+def stuck(monkeypatch):
+    at = SimpleNamespace(now=0.0)
+    monkeypatch.setattr("fuzz.schedule.time", SimpleNamespace(monotonic=lambda: at.now))
+    monkeypatch.setattr("fuzz.deadline.time", SimpleNamespace(time=lambda: at.now))
+    monkeypatch.setattr("fuzz.campaign.LISTEN", 0.0)
+    return StuckInTheFirst(at)
+
+
+@pytest.mark.gate
+def test_units_that_are_done_behind_one_that_is_stuck_are_kept(stuck, whole, tmp_path):
+    out = tmp_path / "out"
+    CampaignSession(begin(CONFIG, out, Goal(seconds=60.0)), stuck, quiet=True).run()
+    assert [file.name for file in (out / ".campaign" / "units").iterdir()] == ["000001.json"]
+    run(resume(out, Goal(units=UNITS)))
+    assert left_in(out) == left_in(whole)
+
+
+def test_a_worker_beside_one_that_is_stuck_goes_on(stuck):
+    campaign = Campaign(replace(CONFIG, examples=1, epoch=5, shrink=False), seconds=60.0, crew=stuck)
+    deque(campaign.run(), maxlen=0)
+    assert campaign.state.units == 9  # of two epochs all but the first; more would need to know what that one met
+
+
 def test_what_a_cut_unit_met_beyond_the_units_that_are_wanted_later_goes_but_no_file_of_somebody_else(
     whole, tmp_path, monkeypatch
 ):
