@@ -58,9 +58,8 @@ class Layout:
         border = np.zeros_like(world.walls)
         border[[0, -1], :] = border[:, [0, -1]] = True
         empty = replace(world, walls=world.walls & border, certificate=None, provenance=None, failure=None)
-        boxes = _boxes(world.walls & ~border)
-        if mirror:
-            boxes = [box for box in boxes if box <= _mirrored(box, world.width)]
+        inner = world.walls & ~border
+        boxes = _half(inner) if mirror else _boxes(inner)
         home = cls(empty, tuple(boxes), mirror, fixed_target)
         return home if leash < 0 else replace(home, leash=leash, home=home)
 
@@ -161,6 +160,21 @@ class Layout:
 def _mirrored(box: Box, side: int) -> Box:
     x0, y0, x1, y1 = box
     return side - y1, side - x1, side - y0, side - x0
+
+
+def _half(walls: Walls) -> list[Box]:
+    """Boxes that with their mirror images are all of a symmetric world's solid cells.
+
+    Boxes on the diagonal stay whole. The box of a cell's mirror image may be another than the box's mirror image, so
+    that both are left out; the cells that are missing then come in boxes of their own.
+    """
+    side = len(walls)
+    boxes = [box for box in _boxes(walls) if box <= _mirrored(box, side)]
+    missing = walls & (np.add.outer(np.arange(side), np.arange(side)) < side)
+    for box in boxes:
+        for x0, y0, x1, y1 in (box, _mirrored(box, side)):
+            missing[y0:y1, x0:x1] = False
+    return boxes + _boxes(missing)
 
 
 def _boxes(walls: Walls) -> list[Box]:

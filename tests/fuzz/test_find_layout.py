@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from fuzz.find.layout import Layout
@@ -42,9 +42,18 @@ def test_boxes_stand_for_the_world_that_they_are_of(world):
 
 
 @pytest.mark.gate
+def a_wall_that_crosses_its_mirror_image():
+    walls = np.zeros((SIDE, SIDE), bool)
+    walls[[0, -1]] = walls[:, [0, -1]] = True
+    walls[SIDE - 5, :6] = True
+    return World(walls, Pose(0.25, (SIDE - 2.5) / 10, 0.0), Target((SIDE - 2.5) / 10, 0.25, 0.05))
+
+
 @given(worlds())
+@example(a_wall_that_crosses_its_mirror_image())
 def test_the_mirror_of_a_symmetric_world_is_that_world(world):
     both = replace(world, walls=world.walls | world.walls[::-1, ::-1].T)
+    assert (both.walls == both.walls[::-1, ::-1].T).all()
     assert (Layout.of(both, mirror=True).world().walls == both.walls).all()
 
 
