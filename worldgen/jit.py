@@ -1,8 +1,8 @@
 """Compiles kernels with numba and keeps the result between runs.
 
 Numba's own cache keeps stale code when a helper in another file changes. So the cache folder of a kernel
-is named by a digest of every source file beside it, of the package's folder of kernels, and of what it says it is
-built on.
+is named by a digest of every source file beside it, of the package's folder of kernels, of what it says it is
+built on, and of the compiler's versions.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import stat
 import tempfile
 import types
 from collections.abc import Callable, Iterator
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -110,12 +111,14 @@ def _fault_of(folder: Path, *, private: bool = False) -> str:
 def cache_folder(source_folder: Path, built_on: Path | None = None) -> Path | None:
     """Return where the compiled kernels of a folder of sources are kept: another place whenever one of them changes.
 
+    Another numba or llvmlite gets another place too, because one need not be able to read what the other wrote.
+
     None means that they are not kept: no folder is safe from other users.
     """
     root = cache_root()
     if root is None:
         return None
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(f"numba {version('numba')}, llvmlite {version('llvmlite')}".encode())
     others = () if built_on is None else built_on.glob("*.py")
     for source in sorted({*source_folder.glob("*.py"), *_shared(source_folder), *others}):
         digest.update(source.name.encode() + b"\0" + source.read_bytes())

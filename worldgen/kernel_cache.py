@@ -58,7 +58,8 @@ class KernelCache(FunctionCache):
         super().__init__(function)
         self._missed = missed
         # Numba falls back to folders that nobody has checked, and names them by where the source lies. The digest in
-        # the name of ours stands for all sources, so two installations of the same worldgen share what is compiled.
+        # the name of ours stands for all sources and for the compiler, so two installations of the same worldgen and
+        # the same numba share what is compiled.
         self._cache_path = str(folder / function.__module__)
         self._cache_file = _CheckedFiles(self._cache_path, f"{self._impl.filename_base}.checked", "")
 
@@ -89,7 +90,12 @@ def _unpickled(path: Path) -> Any:
     except OSError:
         return None
     digest, content = data[:_DIGEST], data[_DIGEST:]
-    return pickle.loads(content) if hashlib.sha256(content).digest() == digest else None
+    if hashlib.sha256(content).digest() != digest:
+        return None
+    try:
+        return pickle.loads(content)
+    except Exception:  # noqa: BLE001 - it is our own, but written by a numba whose classes are no longer there
+        return None
 
 
 def _is_our_own(status: os.stat_result) -> bool:

@@ -18,9 +18,13 @@ __all__ = ["report_of"]
 _MOST_FRAMES = 6
 _LONGEST = 160  # characters of a reason or a statement
 _LARGEST_SOURCE = 4 << 20  # bytes of a source file that is looked into
+_LINE_BEGIN, _LINE_END = 700, 300  # characters of a longer line that are read; what is between them is left out
+_LONGEST_NUMBER = 9  # digits of the number of a line
 
+# What a program writes may be anything, so no pattern may take longer than in proportion to it. A file's name is
+# looked for only where one can begin, and white space before a frame ends with its line.
 _SANITIZER = re.compile(r"(?:ERROR|WARNING): \w+Sanitizer: ?([\w-]+(?: [\w-]+)?)")
-_UNDEFINED = re.compile(r"(?P<file>[^\s:]+):(?P<line>\d+):\d+: runtime error: (?P<reason>.*)")
+_UNDEFINED = re.compile(r"(?<![^\s:])(?P<file>[^\s:]+):(?P<line>\d+):\d+: runtime error: (?P<reason>.*)")
 _SANITIZER_FRAME = re.compile(
     r"\s*#\d+ 0x[0-9a-f]+ (?:in (?P<function>.+?) )?"
     r"(?:(?P<file>[^\s()]+?):(?P<line>\d+)(?::\d+)?|\((?P<object>\S+)\+0x.*)$"
@@ -31,7 +35,9 @@ _RUNTIME_FRAME = re.compile(
 )
 _ASSERTIONS = (
     re.compile(  # glibc
-        r"^.*?(?P<file>[^\s:]+):(?P<line>\d+): (?P<function>.+): Assertion [`'](?P<code>.*)' failed\.?$", re.MULTILINE
+        r"^(?=.*: Assertion [`'].*' failed\.?$).*?(?<![^\s:])(?P<file>[^\s:]+):(?P<line>\d+): (?P<function>.+)"
+        r": Assertion [`'](?P<code>.*)' failed\.?$",
+        re.MULTILINE,
     ),
     re.compile(  # macOS
         r"^Assertion failed: \((?P<code>.*)\), function (?P<function>.+), file (?P<file>.+), line (?P<line>\d+)\.?$",
@@ -53,7 +59,7 @@ _RUST = re.compile(
     r"thread '[^'\n]*'(?: \(\d+\))? panicked at (?:'(?P<old>.*?)', )?"
     r"(?P<file>[^\s:]+):(?P<line>\d+):\d+:?(?:\n(?P<new>.*))?"
 )
-_RUST_FRAME = re.compile(r"^\s*\d+: (?P<function>\S+)\n\s+at (?P<file>\S+?):(?P<line>\d+)(?::\d+)?$", re.MULTILINE)
+_RUST_FRAME = re.compile(r"^[ \t]*\d+: (?P<function>\S+)\n\s+at (?P<file>\S+?):(?P<line>\d+)(?::\d+)?$", re.MULTILINE)
 _RUST_LIBRARY = re.compile(r"/rustc/|/library/(?:std|core|alloc)/|^(?:std|core|alloc|rust_begin_unwind)\b|<")
 _GO = re.compile(r"^(?:panic|fatal error): (?P<reason>.*)$", re.MULTILINE)
 _GO_FRAME = re.compile(r"^(?P<function>[\w./*()-]+)\(.*\)\n\s+(?P<file>\S+\.go):(?P<line>\d+)", re.MULTILINE)
@@ -68,7 +74,7 @@ _SCRIPT = re.compile(
     re.MULTILINE,
 )
 _SCRIPT_FRAME = re.compile(
-    r"^\s+at (?:(?:async |new )?(?P<function>[\w.$<>]+) ?\()?(?P<file>[^\s()]+?):(?P<line>\d+)(?::\d+)?\)?$",
+    r"^[ \t]+at (?:(?:async |new )?(?P<function>[\w.$<>]+) ?\()?(?P<file>[^\s()]+?):(?P<line>\d+)(?::\d+)?\)?$",
     re.MULTILINE,
 )
 _SCRIPT_LIBRARY = re.compile(r"^(?:node:|internal/)|/node_modules/")
@@ -85,11 +91,17 @@ def report_of(said: str, sources: Iterable[Path] = ()) -> dict[str, Value]:
         ``reason``, such as ``heap-buffer-overflow`` or ``ZeroDivisionError``, and ``frames``, as of
         :func:`sim.crash_frames.crash_facts`; empty where it says nothing that is understood.
     """
+    said = "\n".join(map(_without_its_middle, said.split("\n")))
     for reader in (_sanitizer, _assertion, _thrown, _rust, _go, _python, _script, _allocator, _undefined):
         found = reader(said)
         if found:
             return _with_code(found, said, tuple(sources))
     return {}
+
+
+def _without_its_middle(line: str) -> str:
+    """Return a line without the middle of it if it is very long: what it reports is at its two ends."""
+    return line if len(line) <= _LINE_BEGIN + _LINE_END else line[:_LINE_BEGIN] + line[-_LINE_END:]
 
 
 def _with_code(report: dict[str, Value], said: str, folders: tuple[Path, ...]) -> dict[str, Value]:
@@ -99,7 +111,7 @@ def _with_code(report: dict[str, Value], said: str, folders: tuple[Path, ...]) -
     if not isinstance(frame, dict) or "code" in frame or not {"file", "line"} <= frame.keys():
         return report
     name, line = str(frame["file"]), int(str(frame["line"]))
-    written = re.search(rf"[^\s()\"']*{re.escape(name)}(?=:{line}\b)", said)
+    written = re.search(rf"(?<![^\s()\"'])[^\s()\"']*{re.escape(name)}(?=:{line}\b)", said)
     for folder in folders if written else ():
         source = (folder / written[0]).resolve() if written else folder
         if source.is_relative_to(folder.resolve()) and (text := _line_of(source, line)):
@@ -239,7 +251,7 @@ def _report(reason: str, frames: list[Value]) -> dict[str, Value]:
 
 def _frame(file: str, line: str | None, function: str | None = None, code: str | None = None) -> Value:
     found: dict[str, Value] = {"file": PurePath(file).name} if file else {}
-    if line:
+    if line and len(line) <= _LONGEST_NUMBER:
         found["line"] = int(line)
     if function:
         found["function"] = _short(_without_arguments(function))

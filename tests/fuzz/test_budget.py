@@ -69,9 +69,27 @@ def test_a_unit_of_any_lane_whose_time_is_over_does_nothing(lane):
 
 def test_a_long_run_of_a_slow_controller_ends_between_two_steps():
     controller, looks = Spins(), count()
-    with pytest.raises(OutOfTime), stopping_when(lambda: next(looks) >= 3):
+    with pytest.raises(OutOfTime), stopping_when(lambda: next(looks) >= 6, clock=lambda: 0.0):
         simulate(generate("trap", 7), controller, steps=5_000)
-    assert controller.asked == 3 * 16
+    assert controller.asked == 1 + 2 + 4 + 8 + 16 + 16
+
+
+def test_each_step_that_takes_a_second_is_followed_by_a_look_at_the_clock():
+    controller = Spins()
+    with pytest.raises(OutOfTime), stopping_when(lambda: controller.asked >= 5, clock=lambda: float(controller.asked)):
+        simulate(generate("trap", 7), controller, steps=5_000)
+    assert controller.asked == 5
+
+
+def test_steps_that_become_slow_are_looked_at_one_by_one_after_their_batch():
+    controller, looked_at = Spins(), []
+    clock = lambda: max(0.0, controller.asked - 20.0)  # noqa: E731 - a second for each step after the twentieth
+    with (
+        pytest.raises(OutOfTime),
+        stopping_when(lambda: looked_at.append(controller.asked) or controller.asked >= 34, clock),
+    ):
+        simulate(generate("trap", 7), controller, steps=5_000)
+    assert looked_at == [0, 1, 3, 7, 15, 31, 32, 33, 34]
 
 
 def test_a_run_in_time_is_the_same_as_one_that_nobody_stops():

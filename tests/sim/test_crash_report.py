@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from sim.controllers import crash_report
 from sim.controllers.crash_report import report_of
 
 ADDRESS_SANITIZER = """\
@@ -140,3 +141,43 @@ def test_a_source_outside_the_program_s_folders_is_not_read(tmp_path):
     (tmp_path / "robot.c").write_text("\n" * 10 + "    p[step] = 1;\n")
     said = ADDRESS_SANITIZER.replace("/home/ann", str(tmp_path))
     assert "code" not in report_of(said, [tmp_path / "elsewhere"])["frames"][-1]
+
+
+def test_no_line_that_is_read_is_long(monkeypatch):
+    read = []
+    monkeypatch.setattr(crash_report, "_sanitizer", lambda said: read.append(said) or {})
+    report_of("a" * 65_536 + "\nshort\n" + "a:1: " * 13_000)
+    assert [len(line) for line in read[0].split("\n")] == [1_000, 5, 1_000]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        pytest.param("a" * 65_536, id="one-word"),
+        pytest.param("a:1: " * 13_000, id="one-line-of-places"),
+        pytest.param(("a:1: " * 199 + "\n") * 65, id="lines-of-places"),
+        pytest.param(("a:1: : Assertion `" * 55 + "\n") * 65, id="assertions-without-an-end"),
+        pytest.param("9" * 65_536 + ":1: runtime error: ", id="one-number"),
+    ],
+)
+def test_what_only_begins_like_a_report_says_nothing_or_no_more_than_a_reason(said):
+    assert len(str(report_of(said))) < 2_000
+
+
+def test_a_search_for_a_file_begins_only_where_a_name_can():
+    places = (crash_report._UNDEFINED, crash_report._ASSERTIONS[0])
+    assert all(pattern.search("x" * 50, 1) is None for pattern in places)
+    assert crash_report._UNDEFINED.search("robot.c:15:9: runtime error: no", 1) is None
+
+
+def test_a_long_line_is_read_at_both_its_ends():
+    said = f"robot: robot.cpp:12: int act({'const Plan&, ' * 1_000}int): Assertion `gap > 0' failed.\n"
+    assert report_of(said) == {
+        "reason": "assertion",
+        "frames": [{"file": "robot.cpp", "line": 12, "function": "act", "code": "gap > 0"}],
+    }
+
+
+def test_a_number_that_no_line_has_is_left_out():
+    said = f"robot.c:{'1' * 5_000}:9: runtime error: division by zero\n"
+    assert all("line" not in frame for frame in report_of(said).get("frames", []))

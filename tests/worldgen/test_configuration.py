@@ -8,8 +8,9 @@ import click
 import pytest
 
 from tests.helpers.command_line import worldgen
-from worldgen.cli import configuration
+from worldgen.cli import configuration, main, output
 from worldgen.cli.main import cli
+from worldgen.errors import InvalidParameter
 
 BLIND = """
 class Robot:
@@ -123,6 +124,49 @@ def test_a_file_that_a_stranger_put_above_the_folder_is_not_read(project, monkey
     assert worldgen("trap", "--json").out.find('"seed": 5,') < 0
 
 
+@pytest.fixture
+def stranger(monkeypatch):
+    """Another user, to whom everything belongs whose name begins with pyproject."""
+    strange = os.geteuid() + 1
+
+    def owned(status):
+        def seen(path, **options):
+            found = status(path, **options)
+            return os.stat_result((*found[:4], strange, *found[5:10])) if path.name.startswith("pyproject") else found
+
+        return seen
+
+    monkeypatch.setattr(configuration.Path, "stat", owned(configuration.Path.stat))
+    monkeypatch.setattr(configuration.Path, "lstat", owned(configuration.Path.lstat))
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners are checked on POSIX")
+@pytest.mark.parametrize("text", ["[tool.worldgen.trap]\nseed = 5\n", "[tool.worldgen.trap\nseed = 5\n"])
+def test_a_file_that_a_stranger_put_into_the_folder_itself_is_not_read(project, stranger, text):
+    folder = project(text)
+    assert made("--seed", 1)["seed"] == 1
+    assert configuration._project(folder) is None
+    assert configuration._has_same_owner(folder / "robot.py", folder)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="owners are checked on POSIX")
+def test_a_link_that_a_stranger_put_into_the_folder_is_not_followed(project, monkeypatch):
+    folder = project("[tool.worldgen.trap]\nseed = 5\n")
+    mine, strange = os.stat_result, os.geteuid() + 1
+    found = (folder / "pyproject.toml").lstat()
+    monkeypatch.setattr(configuration.Path, "lstat", lambda path: mine((*found[:4], strange, *found[5:10])))
+    assert not configuration._has_same_owner(folder / "pyproject.toml", folder)
+
+
+def test_every_controller_of_several_in_one_value_is_relative_to_the_file(project, monkeypatch):
+    folder = project('[tool.worldgen.compare]\ncontroller = "./robot.py:Robot,turn-left,./other.py:Robot"\n')
+    (folder / "below").mkdir()
+    monkeypatch.chdir(folder / "below")
+    option = click.Option(["--controller", "controllers"], multiple=True)
+    values = configuration.configured([option], ("compare",), (), ("compare",))
+    assert values == {"controllers": ["../robot.py:Robot,turn-left,../other.py:Robot"]}
+
+
 @pytest.mark.parametrize("flags", [("--seed", "1", "--seed", "2"), ("--metrics", "--no-metrics")])
 def test_an_option_that_is_given_twice_is_refused(flags):
     result = worldgen("trap", *flags)
@@ -150,6 +194,16 @@ def test_a_quiet_command_prints_results_only(tmp_path):
 def test_a_quiet_command_still_prints_errors_and_the_drawn_seed(tmp_path):
     assert worldgen("trap", "-q", "--out", tmp_path / "w.grid").err.startswith("seed ")
     assert "already" in worldgen("trap", "-q", "--seed", 1, "--out", tmp_path / "w.grid").err
+
+
+def test_a_hidden_package_is_an_error_even_if_quiet(monkeypatch, capsys):
+    def hidden():
+        raise InvalidParameter("./numpy.py hides the package numpy; rename it")
+
+    monkeypatch.setattr(main, "check_hidden", hidden)
+    monkeypatch.setattr(output, "is_quiet", lambda: True)
+    assert main._our_fault(AttributeError("numpy has no array")) == 2
+    assert "rename it" in capsys.readouterr().err
 
 
 def commands(group, *names):

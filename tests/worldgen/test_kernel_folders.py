@@ -1,5 +1,6 @@
 """Compiled kernels are pickles: none that others can have written is read, a damaged one is compiled again."""
 
+import hashlib
 import importlib.util
 import os
 import pickle
@@ -147,6 +148,19 @@ def kernel_files(tmp_path, kind="nb?"):
     return files
 
 
+def signed(content):
+    """A file as the cache writes it, with its digest before it."""
+    return hashlib.sha256(content).digest() + content
+
+
+@pytest.mark.parametrize("package", ["numba", "llvmlite"])
+def test_another_version_of_the_compiler_has_a_folder_of_its_own(tmp_path, monkeypatch, package):
+    before, installed = jit.cache_folder(tmp_path), jit.version
+    monkeypatch.setattr(jit, "version", lambda name: "999" if name == package else installed(name))
+    jit.cache_folder.cache_clear()
+    assert jit.cache_folder(tmp_path) != before
+
+
 @pytest.mark.gate
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 @pytest.mark.parametrize(
@@ -157,6 +171,7 @@ def kernel_files(tmp_path, kind="nb?"):
         pytest.param(lambda data: data[: len(data) // 2], id="cut"),
         pytest.param(lambda data: data[:-100] + bytes(100), id="zeros-at-the-end"),
         pytest.param(lambda data: pickle.dumps("something else"), id="another-pickle"),
+        pytest.param(lambda data: signed(b"cno_such_module\nSignature\n."), id="of-another-numba"),
     ],
 )
 def test_a_damaged_kernel_is_compiled_again(tmp_path, kind, damage):

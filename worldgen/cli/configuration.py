@@ -19,7 +19,8 @@ __all__ = ["FILE", "configured"]
 
 FILE = "pyproject.toml"
 # Options that name code in a file, such as ./robot.py:Robot, beside those that are paths.
-_CODE = ("controller", "controllers", "families", "oracles")
+_CODE = ("controller", "families", "oracles")
+_SEVERAL = "controllers"  # of compare, which takes several in one value, with commas between them
 # Of these at most one can be given; one on the command line puts the others' configured values aside.
 _EITHER = (
     ("budget", "units"),
@@ -101,6 +102,8 @@ def _value_of(
         values = [_from_here(str(one), folder) for one in values]
     elif option.name in _CODE:
         values = [_code_from_here(str(one), folder) for one in values]
+    elif option.name == _SEVERAL:
+        values = [",".join(_code_from_here(part, folder) for part in str(one).split(",")) for one in values]
     return option.name, values if option.multiple else values[0]
 
 
@@ -126,6 +129,15 @@ def _project(folder: Path) -> _Project | None:
             continue
         if "worldgen" not in text:
             continue
+        if not _has_same_owner(file, folder):
+            # Not even a fault in it is our user's business: in /tmp anybody could stop every command with one.
+            if "tool.worldgen" in text:
+                say_once(
+                    f"{file} belongs to another user and is not read, because it names code to run; "
+                    "copy its [tool.worldgen] into a file in a folder of your own"
+                )
+                return None
+            continue
         try:
             table = tomllib.loads(text).get("tool", {}).get("worldgen")
         except tomllib.TOMLDecodeError as error:
@@ -133,15 +145,14 @@ def _project(folder: Path) -> _Project | None:
                 raise InvalidParameter(f"{file} is not TOML: {error}; mend it") from None
             continue
         if isinstance(table, dict):
-            if place != folder and not _has_same_owner(file, folder):
-                say_once(f"{file} belongs to another user and is not read; copy its [tool.worldgen] into {folder}")
-                return None
             return _Project(file, table)
     return None
 
 
 def _has_same_owner(file: Path, folder: Path) -> bool:
-    """Return True if nobody else could have put this file above our folder: what it names is run."""
+    """Return True if nobody else could have put this file where it is: what it names is run."""
     if not hasattr(os, "geteuid"):
         return True
-    return file.stat().st_uid in (0, os.geteuid(), folder.stat().st_uid)
+    trusted = (0, os.geteuid(), folder.stat().st_uid)
+    # Another user's link to a file of ours counts too: the code is looked for next to the link.
+    return file.lstat().st_uid in trusted and file.stat().st_uid in trusted

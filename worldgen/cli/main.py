@@ -180,7 +180,7 @@ def _our_fault(error: BaseException) -> int:
     try:
         check_hidden()
     except WorldgenError as hidden:  # then what went wrong is no fault of ours
-        note(f"worldgen: {hidden}")
+        note(f"worldgen: {hidden}", always=True)
         return 2
     if os.environ.get("WORLDGEN_DEBUG"):
         import traceback
