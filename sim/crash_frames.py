@@ -9,7 +9,7 @@ from __future__ import annotations
 import linecache
 import sysconfig
 from collections.abc import Iterator
-from pathlib import Path
+from pathlib import Path, PurePath
 from types import TracebackType
 
 from worldgen.plain_text import shown
@@ -21,6 +21,7 @@ MOST_FRAMES = 6
 """Frames that are kept, the innermost ones."""
 
 _LONGEST_CODE = 160  # characters of a statement that are kept
+_INSTALLED = frozenset(("site-packages", "dist-packages"))  # folders of libraries; the second one is Debian's
 _OURS = Path(__file__).resolve().parent.parent
 _OUR_PACKAGES = tuple(f"{_OURS / name}/" for name in ("sim", "fuzz", "worldgen", "worldgen_plugins"))
 _LIBRARIES = tuple(
@@ -64,7 +65,9 @@ def _is_the_users(call: TracebackType, own_file: str) -> bool:
     file = call.tb_frame.f_code.co_filename
     if file == own_file:
         return True
-    return not file.startswith(("<frozen", *_OUR_PACKAGES, *_LIBRARIES))
+    if file.startswith(("<frozen", *_OUR_PACKAGES, *_LIBRARIES)):
+        return False
+    return _INSTALLED.isdisjoint(PurePath(file).parts)
 
 
 def _without_repetitions(calls: list[TracebackType]) -> list[TracebackType]:

@@ -30,7 +30,7 @@ from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_time, start_overlaps, target_sq
 from sim.python_loop import PythonLoop
 from sim.robot_options import SIGNALS
-from sim.run_options import RunOptions, check_recordable, check_step_length
+from sim.run_options import MAX_RECORDED, RunOptions, check_recordable, check_step_length
 from sim.trace import Trace, Words
 from worldgen.lattice import (
     TURN,
@@ -212,7 +212,10 @@ class LatticeRun:
         return (outcome, room.search.known.view(np.uint64)) if outcome.ending == "loop" else None
 
     def _prove_by_recording(self, entry: int, period: int, record: bool) -> tuple[Outcome, Words] | None:
-        check_recordable(entry + 2 * period)
+        if record:
+            check_recordable(entry + 2 * period)
+        elif entry + 2 * period > MAX_RECORDED:
+            return None  # too long to be proved; nobody asked for a recording, so the budget decides
         whole = self.run(entry + 2 * period, find_loop=False, record=True)
         if whole.trace is None or not whole.complete or whole.trace.steps < entry + 2 * period:
             return None

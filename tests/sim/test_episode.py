@@ -73,6 +73,12 @@ def test_the_loop_entry_is_the_first_repeated_state():
     assert entry == 0 or not np.array_equal(episode.trace.states[entry - 1], episode.trace.states[entry + period - 1])
 
 
+def test_a_loop_that_is_too_long_to_be_recorded_is_not_proved_and_no_error(monkeypatch):
+    proved = simulate(arena(), Circle(), steps=3000)
+    monkeypatch.setattr("sim.lattice_run.MAX_RECORDED", proved.evidence["period"])
+    assert (proved.verdict, simulate(arena(), Circle(), steps=3000).verdict) == ("loop", "stalled")
+
+
 def test_a_controller_that_hides_memory_is_never_called_a_loop():
     class Hidden(Circle):
         def __init__(self):

@@ -132,3 +132,22 @@ def test_one_world_may_be_wanted_anywhere_in_a_range():
 def test_a_difficulty_that_cannot_be_read_is_refused(text):
     done = worldgen("maze", "--difficulty", text, "--count", 2, "--out", "set")
     assert done.code == 2 and "is neither a difficulty, such as 0.8, nor a range of it" in done.err
+
+
+@pytest.mark.parametrize("high", [0.5000001, 0.5009])
+def test_a_range_that_is_too_narrow_for_strata_is_refused(high):
+    with pytest.raises(InvalidParameter, match=rf"difficulty=0.5..{high} is narrower than 0.001; widen it, or ask for"):
+        edges_of(0.5, high, 10)
+
+
+def test_the_narrowest_range_has_strata_that_differ():
+    assert len(set(edges_of(0.3, 0.301, 10))) == 11
+
+
+def test_a_set_that_is_not_found_is_an_error_even_if_quiet_and_one_object_of_json(tmp_path):
+    done = worldgen(
+        "maze", "--size", 12, "--difficulty", "0.99..1", "--seed", 1, "--count", 2, "--tries", 2, "--no-metrics",
+        "--out", tmp_path / "set", "-q", "--json",
+    )  # fmt: skip
+    assert done.code == 1 and "only 0 of 2 worlds were found" in done.err
+    assert json.loads(done.out)["wish"] == "0.99 <= difficulty <= 1"

@@ -165,7 +165,9 @@ def _make_stratified(
     try:
         make_many(plan, seed, out, workers=1, force=force, as_json=as_json)
     except GenerationFailed as failure:
-        note(f"worldgen: {failure}")
+        note(f"worldgen: {failure}", always=True)
+        if as_json:
+            emit_json({"wish": plan.header.wish, "count": count, "out": str(out), "error": str(failure)})
         raise click.exceptions.Exit(1) from failure
     for stratum in strata_of(manifest_of(out)):
         missing = stratum.share - stratum.worlds

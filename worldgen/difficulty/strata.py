@@ -28,6 +28,7 @@ from worldgen.world import Value, World
 __all__ = ["MOST_STRATA", "InStratum", "StrataSearch", "check_range", "edges_of"]
 
 MOST_STRATA = 10
+_NARROWEST = 1e-3  # of a range: its strata's edges are rounded to a millionth and must differ
 _PARENTS = 12  # of each stratum, the latest
 _REFUSED = 5  # times as many proposals as tries: what a family refuses takes no time
 _SEED_BITS = 32  # short enough to be read and typed
@@ -77,10 +78,15 @@ def check_range(low: float, high: float) -> None:
     """Refuse what is not a range of difficulty.
 
     Raises:
-        InvalidParameter: If an end is outside 0 to 1, or the lower one is not below the upper one.
+        InvalidParameter: If an end is outside 0 to 1, or the lower one is not below the upper one by 0.001 or more.
     """
     if not 0.0 <= low < high <= 1.0:
         raise InvalidParameter(f"difficulty={low:g}..{high:g} is not a range inside 0 to 1; write 0.1..0.9")
+    if high - low < _NARROWEST * (1 - 1e-9):
+        raise InvalidParameter(
+            f"difficulty={low!r}..{high!r} is narrower than {_NARROWEST:g}; widen it, or ask for a single difficulty, "
+            f"such as {low:g}"
+        )
 
 
 def edges_of(low: float, high: float, count: int) -> tuple[float, ...]:
