@@ -126,7 +126,7 @@ def test_a_flood_of_stderr_does_not_put_off_the_deadline():
 
 def test_an_answer_that_is_there_when_we_look_late_counts(monkeypatch):
     now = [0.0]
-    monkeypatch.setattr("sim.controllers.program.time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr("sim.controllers.program.time", SimpleNamespace(monotonic=lambda: now[0], sleep=time.sleep))
 
     def send_and_look_late(*order):
         send(*order)
