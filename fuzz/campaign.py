@@ -107,7 +107,8 @@ class CampaignState:
 
     Args:
         units: Done and merged.
-        cut: Units that were cut short by the time or by Ctrl-C, beside these.
+        cut: Units that were cut short by the time or by Ctrl-C, beside these; also those that knew too little, since
+            an earlier unit was cut short.
         until: One more than the greatest number of a unit, whole or cut.
         worlds: Scenarios simulated.
         steps: Steps simulated.
@@ -216,7 +217,12 @@ class Campaign:
         self._candidates: dict[str, list[World]] = {}  # by class, those that are shrunk
         self._known_ones: dict[str, list[World]] = {}  # likewise, those that would be were their class no known one
         self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
+        # What cut units met is kept and shown. What later units know and what is stored of them depends on whole ones
+        # alone, or a campaign would go on to something else than one that nobody stopped.
+        self._memory = Memory()
+        self._met_whole: Counter[tuple[str, bool]] = Counter()  # units that met a class, by class and whether no news
         self._known = [Memory(), Memory()]  # by epoch
+        self._knows_too_little = math.inf  # the first epoch whose memory lacks what a cut unit would have met
         self._jobs: list[_Job] = []  # that wait for a worker
         self._under_way: dict[int, _Under[UnitResult]] = {}  # units
         self._shrinks: list[tuple[_Job, _Under[Shrinking]]] = []
@@ -402,6 +408,8 @@ class Campaign:
         state, result = self.state, under.future.result()
         if result.cut and under.seconds is None:
             result = self._more_of(unit, result)
+        if under.seconds is None and unit // self.config.epoch >= self._knows_too_little:
+            result = replace(result, cut=True)
         state.times |= self._schedule.times()
         state.seconds = self._before + self._schedule.sat() if under.seconds is None else under.seconds
         state.units, state.cut = state.units + (not result.cut), state.cut + result.cut
@@ -419,20 +427,26 @@ class Campaign:
             if is_news:
                 totals = (state.worlds, state.steps, state.seconds)
                 state.finds.append(Find(unit, result.lane, kind, failure, *totals))
-            if is_news or (few and self.config.shrink):
+            few_whole = self.config.shrink and self._met_whole[kind, is_known] < _RESTARTS
+            if few_whole or self._memory.is_news(kind, failure):
                 kept[kind] = failure
+            self._met_whole[kind, is_known] += not result.cut
             if is_known:
                 state.known[kind] += result.met[kind]
             if few if self.config.shrink else is_news:
                 jobs += [] if is_known else [_Job(failure, before=len(candidates.get(kind, ())))]
                 candidates.setdefault(kind, []).append(failure)
-        elites = {cell: elite for cell, elite in result.elites.items() if state.memory.is_better(cell, elite)}
+        elites = {cell: elite for cell, elite in result.elites.items() if self._memory.is_better(cell, elite)}
         result = replace(result, failures=kept, elites=elites)  # so that the memory is in the ledger's order, too
         if under.seconds is None:
             self._ledger.save_unit(unit, Done(result, state.seconds))
         state.memory = state.memory.after(result)
+        if result.cut:
+            self._knows_too_little = min(self._knows_too_little, unit // self.config.epoch + 2)
+        else:
+            self._memory = self._memory.after(result)
         if (unit + 1) % self.config.epoch == 0:
-            self._known.append(state.memory)
+            self._known.append(self._memory)
         return jobs
 
     def _more_of(self, unit: int, result: UnitResult) -> UnitResult:

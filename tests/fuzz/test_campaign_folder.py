@@ -21,6 +21,8 @@ import fuzz.ledger.folder
 from fuzz.campaign import Campaign, Shrinking
 from fuzz.config import CampaignConfig
 from fuzz.crews import Alone
+from fuzz.deadline import Deadline
+from fuzz.lanes.native import Pace
 from fuzz.ledger import CampaignFolder, Goal, begin, resume, setup_of, stored_seed
 from fuzz.ledger.setup import config_of, digest_of_sources
 from fuzz.session import CampaignSession
@@ -31,6 +33,7 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.tiers import some
 from worldgen import generate
 from worldgen.errors import FormatError, OutputError
+from worldgen.grid_file import dumps
 
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, families=("features",), examples=4, epoch=1)
 UNITS = 3
@@ -237,6 +240,38 @@ def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_lat
 
 
 @pytest.mark.gate
+def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped(tmp_path, monkeypatch):
+    config = replace(CONFIG, families=("archive",), examples=4, shrink=False)
+    for lane in ("archive", "native"):
+        monkeypatch.setattr(f"fuzz.lanes.{lane}.pace_of", lambda _: Pace(generation=50, proved=6))
+
+    def left(name):
+        sitting = begin(config, tmp_path / name, Goal(units=4))
+        campaign = Campaign(config, units=4, ledger=sitting.folder)
+        with contextlib.closing(sitting.folder):
+            deque(campaign.run(), maxlen=0)
+        entries = sorted((tmp_path / name / ".campaign" / "units").iterdir())
+        return campaign.state, {file.name: without_seconds(file.read_text()) for file in entries}
+
+    def cut_in_the_second(config, unit, known, deadline):
+        return run_unit(config, unit, known, Deadline(begin=1.0) if unit == 1 else deadline)
+
+    with monkeypatch.context() as once:
+        once.setattr("fuzz.deadline.time", SimpleNamespace(time=count().__next__))
+        once.setattr("fuzz.campaign.run_unit", cut_in_the_second)
+        cut, entries = left("stopped")
+    # The unit 3 knows what the unit 1 met.
+    whole, again = ["000000.json", "000002.json"], [f"00000{unit}.cut.json" for unit in (1, 3)]
+    assert sorted(entries) == sorted(whole + again) and (cut.units, cut.cut) == (2, 2)
+    (stopped, _), (state, _) = left("stopped"), left("never")
+    assert (stopped.worlds, stopped.met, stopped.cut) == (state.worlds, state.met, 0)
+    assert stopped.memory.elites == state.memory.elites and dumped(stopped.best) == dumped(state.best)
+
+
+def dumped(worlds):
+    return {kind: dumps(world) for kind, world in worlds.items()}
+
+
 class StuckInTheFirst(Alone):
     """Two workers, one of which never comes back from the first unit; then the time is over."""
 
@@ -276,6 +311,7 @@ def test_a_worker_beside_one_that_is_stuck_goes_on(stuck):
     assert campaign.state.units == 9  # of two epochs all but the first; more would need to know what that one met
 
 
+@pytest.mark.gate
 def test_what_a_cut_unit_met_beyond_the_units_that_are_wanted_later_goes_but_no_file_of_somebody_else(
     whole, tmp_path, monkeypatch
 ):
