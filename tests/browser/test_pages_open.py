@@ -23,7 +23,7 @@ def test_a_report_opens_from_disk_and_plays(browser, tmp_path):
         assert page.complaints == []
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_studio_opens_draws_and_proves(browser, tmp_path):
     with studio_of(tmp_path) as gate, opened(browser, gate) as page:
         page.keyboard.press("l")

@@ -55,7 +55,7 @@ def test_a_brush_that_is_taken_while_a_line_is_drawn_by_keys_does_not_paint_by_i
     assert solid_cells(page) == BORDER
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_two_fingers_leave_the_selection_and_what_had_been_undone(tablet):
     for x in (5, 10):
         tablet.touchscreen.tap(*place(tablet, x + 0.5, 20.5))

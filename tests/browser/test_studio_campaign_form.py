@@ -38,6 +38,7 @@ def page(browser, gate):
         yield page
 
 
+@pytest.mark.nightly
 def test_the_form_says_at_the_field_what_is_wrong_and_gives_the_line_for_a_terminal(page, folder):
     page.keyboard.press("3")
     page.locator("#begin").wait_for()
@@ -68,6 +69,7 @@ def test_of_many_failures_only_those_in_sight_are_drawn_and_damaged_files_are_to
     assert page.locator(".card").count() == 240 and page.locator("#name").inner_text() == "mine"
 
 
+@pytest.mark.nightly
 def test_the_page_has_words_and_the_form_before_the_folder_has_been_read(page):
     hold(page, "campaigns")
     page.keyboard.press("3")

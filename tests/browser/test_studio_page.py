@@ -73,7 +73,7 @@ def test_configuration_5_drawn_by_hand_loops_is_saved_and_replays_the_same_diges
     assert page.complaints == []
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_right_button_erases(page):
     drag(page, (5, 5), (9, 5))
     drag(page, (6, 5), (8, 5), button="right")
@@ -101,7 +101,7 @@ def test_saving_a_nameless_world_while_playing_leads_at_once_to_its_name(page):
     assert focused == "save-name"
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_radius_slider_shows_where_the_way_closes(page):
     page.locator("#widest", has_text="closes for a radius above").wait_for()
     page.locator("#radius").focus()

@@ -85,7 +85,7 @@ def another_tab(page, address=None):
     return other
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_numbers_of_a_world_that_has_changed_meanwhile_are_not_shown(page):
     page.evaluate("window.held = []")
     page.locator("#measure").click()

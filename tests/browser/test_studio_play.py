@@ -96,7 +96,7 @@ def test_with_six_robots_and_settings_open_the_results_keep_their_place(page):
     assert page.get_by_label("Collide ticks").bounding_box()["y"] < box["y"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_behaviours_settings_are_those_of_the_command_line(page):
     play(page)
     page.keyboard.press("Control+b")
@@ -211,7 +211,7 @@ _LOOK_AT = """async ([film, times]) => {
 }"""
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_controller_that_never_answers_is_stopped_by_its_button_and_the_others_stay(browser, tmp_path):
     (tmp_path / "config-05.grid").write_bytes(CONFIG_5.read_bytes())
     mine = tmp_path / "mine.py"
@@ -234,7 +234,7 @@ def test_a_controller_that_never_answers_is_stopped_by_its_button_and_the_others
         assert page.complaints == []
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_robot_with_options_is_added_by_its_words(browser, gate):
     with opened(browser, gate) as page:
         page.keyboard.press("2")

@@ -58,7 +58,7 @@ def campaign(tmp_path_factory):
     return campaign_folder(tmp_path_factory.mktemp("campaign") / "failures")
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_failure_is_played_beside_what_it_was(browser, campaign):
     with studio_of(campaign, file=LOOP) as gate, opened(browser, gate) as page:
         page.keyboard.press("2")

@@ -12,6 +12,7 @@ pytestmark = pytest.mark.gate
 WALK = (Path(__file__).parents[2] / "docs/studio-walk.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.nightly
 def test_the_walk_goes_as_it_is_written(browser, tmp_path):
     (make, nothing), (studio, _), (line, says) = commands(WALK)
     assert answered(make, tmp_path) == nothing

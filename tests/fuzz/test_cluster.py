@@ -88,6 +88,7 @@ def corpus(campaign, each=lambda event: None):
     return {kind: dumps(world) for kind, world in campaign.state.best.items()}, campaign.state.finds[-1].steps
 
 
+@pytest.mark.nightly
 def test_a_cluster_one_of_whose_workers_is_killed_finds_the_same_as_one_process(dask):
     doomed = dask.worker()
     from distributed import Client  # three seconds, in each process that collects these tests

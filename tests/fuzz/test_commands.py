@@ -66,7 +66,7 @@ def again(tmp_path_factory):
     return folder, worldgen(*FUZZ, "--out", folder, "--json")
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_fuzz_prints_one_json_object(again):
     summary = json.loads(again[1].out)
     assert {"seed", "worlds", "steps", "seconds", "failures"} <= set(summary) and again[1].code == 1
@@ -240,7 +240,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_search(tmp_path):
     assert result.code == 2 and "cannot be written" in result.err
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_ctrl_c_keeps_what_was_found(tmp_path):
     folder = tmp_path / "failures"
     command = [sys.executable, "-c", "from worldgen.cli.main import main; main()", "fuzz", "--controller", "turn-left"]

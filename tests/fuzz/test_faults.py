@@ -23,7 +23,7 @@ def test_there_are_at_least_twenty():
     assert len(FAULTS) >= 20
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", some(FAULTS, 4))
 def test_it_fails_as_expected_where_the_controller_without_the_fault_arrives(name):
     fault, world = FAULTS[name], read_world(WORLDS / f"{name}.grid")

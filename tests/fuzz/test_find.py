@@ -114,7 +114,7 @@ def test_outcomes_are_told_in_the_order_in_which_they_were_wished(tmp_path):
     assert [line.split(":")[0] for line in result.out.splitlines()[:2]] == ["turn-random", "turn-left"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("workers", [1, 2])
 def test_equal_seeds_find_equal_worlds_with_any_workers(found, workers, tmp_path):
     worldgen("find", "--outcome", WANTED, *QUICK[:-1], workers, "--out", tmp_path / "again.grid")
@@ -167,7 +167,7 @@ def test_what_cannot_be_had_comes_as_near_as_it_does_and_ends_with_1(tmp_path):
     assert summary["distance"] == pytest.approx((steps - 100) / 100 + (200 - steps) / 200)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_how_near_it_comes_is_printed(tmp_path):
     wanted = "turn-left=reached, turn-left=loop"
     result = worldgen("find", "--outcome", wanted, "--units", 1, *QUICK[2:], "--out", tmp_path / "w.grid")
@@ -204,7 +204,7 @@ def test_keep_target_leaves_the_target_where_it_is(tmp_path):
     assert found.target == read_world(SKETCH).target and (found.walls != read_world(SKETCH).walls).any()
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("source", [("--from", SKETCHES / "config-02.grid"), ("--family", "trap")])
 def test_symmetric_makes_walls_symmetric_about_the_diagonal(source, tmp_path):
     options = ("--motion", "stepped", *source, "--symmetric", *QUICK)
@@ -270,7 +270,7 @@ def test_bad_options_are_one_line_and_code_2(args, message, tmp_path):
     assert not (tmp_path / "w.grid").exists()
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_worker_that_dies_is_one_line_and_code_2(tmp_path):
     (tmp_path / "mine.py").write_text(MINE.replace("PARENT", str(os.getpid())))
     wanted = f"{tmp_path}/mine.py:Dies=reached"
@@ -311,7 +311,7 @@ def ended(group):
     return False
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("workers", [1, 2])
 def test_ctrl_c_writes_the_nearest_until_then_and_leaves_no_process(workers, tmp_path):
     wanted, path = "thesis-1=reached@331, thesis-2=reached@9388", tmp_path / "w.grid"

@@ -130,7 +130,7 @@ def test_gitlab_s_own_file_is_not_touched(tmp_path):
     assert (tmp_path / ".gitlab-ci.yml").read_text() == "build: {script: [make]}\n"
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_after_init_the_search_of_a_pull_request_meets_no_new_class(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     robot = (EXAMPLE / "robot.py").read_text()

@@ -298,7 +298,7 @@ def test_a_proof_comes_with_its_way_or_its_cut(page):
     assert wide["result"] == "blocked" and wide["cut"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_widest_robot_just_passes(page):
     widest = page.ask("widest", world=world())["answer"]["widest"]
     assert page.ask("decide", world=world(robot_radius=widest))["answer"]["result"] == "reachable"
@@ -372,7 +372,7 @@ def test_a_newer_question_replaces_an_older_one(gate):
     assert "answer" in said[second] and first in said
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_what_was_left_of_a_replaced_run_is_not_taken_for_the_next(gate):
     with page_of(gate) as page:
         page.send("run", **run_message(controllers=["turn-left"] * 6, steps=20_000))

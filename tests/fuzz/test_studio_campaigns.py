@@ -48,7 +48,7 @@ def failures(page, folder):
     return page.ask("failures", folder=folder)["answer"]["failures"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
     given = {"controller": "turn-right", "motion": "swept", "families": ("trap",), "examples": 8, "seed": 1}
     config = configure(**given, fixed_map=None, time_step=None)
@@ -143,7 +143,7 @@ def watched(page, folder, units):
         pass
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(tmp_path):
     with studio_of(tmp_path) as gate, page_of(gate) as page:
         begin(page, "long", units=100_000)
@@ -159,7 +159,7 @@ def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(
         assert not watch(page, "long")["running"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_campaign_that_has_yet_to_begin_is_stopped_and_leaves_nothing(tmp_path):
     (tmp_path / "mine.py").write_text(HANGS)
     label = f"{tmp_path}/mine.py:Robot"
@@ -176,7 +176,7 @@ def test_a_campaign_that_has_yet_to_begin_is_stopped_and_leaves_nothing(tmp_path
         assert begin(page, "a/b", units=1)["answer"]["state"]["folder"] == "a/b"
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_what_goes_on_is_stopped_before_it_does_and_keeps_what_it_had(tmp_path):
     mine, label = tmp_path / "mine.py", f"{tmp_path}/mine.py:Robot"
     mine.write_text(HANGS)

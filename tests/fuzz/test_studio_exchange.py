@@ -56,7 +56,7 @@ def test_every_format_s_export_is_the_command_line_s(answers, folder, tmp_path, 
     assert exported(answers, folder, "fire.grid", name, **asked) == wanted
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", WRITTEN)
 def test_every_option_of_a_format_is_offered_and_does_what_it_does_on_the_command_line(answers, folder, tmp_path, name):
     (offered,) = [known for known in answers.hello({}, print)["formats"] if known["name"] == name]
@@ -128,7 +128,7 @@ def file_of(name, folder, tmp_path):
     return place
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize(("name", "option"), READ, ids=[f"{name}-{option.name}" for name, option in READ])
 def test_every_option_of_a_format_that_is_read_is_offered_and_does_what_it_does_by_the_command_line(
     answers, folder, tmp_path, name, option

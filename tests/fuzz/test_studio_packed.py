@@ -81,7 +81,7 @@ def test_archives_are_offered_beside_folders(asked):
     assert not {one["name"] for one in said["folders"]} & set(said["archives"])
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", PACKERS)
 def test_an_archive_holds_the_failures_that_its_folder_held(asked, name):
     packed, plain = failures(asked, name), failures(asked, "plain")
@@ -90,7 +90,7 @@ def test_an_archive_holds_the_failures_that_its_folder_held(asked, name):
     assert {one["name"] for one in packed["failures"]} == {f"{name}/deep/{file.name}" for file in FAILURES}
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", PACKERS)
 def test_a_failure_in_an_archive_is_looked_at_opened_replayed_and_copied(asked, folder, name):
     one = failures(asked, name)["failures"][0]["name"]

@@ -111,7 +111,7 @@ def is_alive(process):
 # Other code.
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("where", ["controller", "motion", "oracle", "family"])
 def test_a_file_that_names_code_is_opened_and_its_code_is_never_loaded(page, folder, where):
     (folder / "pwned").unlink(missing_ok=True)
@@ -210,7 +210,7 @@ HUGE = {
 }
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("dropped", [False, True])
 @pytest.mark.parametrize("name", HUGE)
 def test_a_small_file_that_says_it_is_huge_is_refused_in_little_memory(page, folder, name, dropped):
@@ -296,7 +296,7 @@ def test_a_message_too_deep_to_hand_on_is_answered(page):
     assert page.hear()["error"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_controller_that_ends_its_process_is_told_and_the_next_one_runs(page, folder):
     assert "the process that did this has died" in page.ask(
         "run", **run_message(controllers=[f"{folder}/ends.py:Robot"])
@@ -304,7 +304,7 @@ def test_a_controller_that_ends_its_process_is_told_and_the_next_one_runs(page, 
     assert page.ask("run", **run_message())["parts"][-1]["verdict"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("text", ["while True: pass", "import time\ntime.sleep(1000)"])
 def test_a_controller_that_is_never_done_loading_keeps_no_page_waiting(text, tmp_path, monkeypatch):
     monkeypatch.setenv(LOAD_SECONDS, "1")
@@ -316,7 +316,7 @@ def test_a_controller_that_is_never_done_loading_keeps_no_page_waiting(text, tmp
     assert "takes longer than 1 s" in named["fault"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_picture_of_a_controller_that_hangs_is_ended_with_its_page(gate, folder):
     with page_of(gate) as page:
         (folder / "hanging").unlink(missing_ok=True)
@@ -326,7 +326,7 @@ def test_a_picture_of_a_controller_that_hangs_is_ended_with_its_page(gate, folde
         assert page.ask("picture", **run_message(kind="svg"))["answer"]["data"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_campaign_runs_no_code_of_files_that_lie_in_its_folder(page, folder):
     (folder / "pwned").unlink(missing_ok=True)
     record = FailureRecord("turn-right", f"{folder}/evil.py:Motion", 0, "loop", "0" * 16, {"steps": 10})
@@ -355,7 +355,7 @@ def test_a_campaign_s_memory_is_neither_a_link_nor_does_it_hold_a_pipe(page, fol
         assert "no folder of a campaign" in page.ask(do, folder=name)["error"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_controller_that_hangs_is_gone_with_a_server_that_was_killed(folder):
     port = free_port()
     command = [sys.executable, "-m", "worldgen", "studio", str(folder), "--no-browser", "--port", str(port)]

@@ -32,7 +32,7 @@ def ask(page, **changes):
     return page.ask("picture", **(message | changes))
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_runs_are_saved_as_animation_drawing_and_page(gate):
     with page_of(gate) as page:
         gif, svg, html = (base64.b64decode(ask(page, kind=kind)["answer"]["data"]) for kind in ("gif", "svg", "html"))

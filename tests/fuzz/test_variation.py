@@ -72,7 +72,7 @@ def test_a_campaign_that_varies_nothing_draws_what_it_always_drew():
     assert (one.worlds, one.steps, one.verdicts) == (two.worlds, two.steps, two.verdicts)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_failures_store_what_was_drawn_and_replay():
     config = CampaignConfig(SCENARIO, seed=5, vary=(NOISE, Variation("robot_radius", (0.07, 0.05))), examples=60)
     campaign = Campaign(config, units=1)

@@ -22,7 +22,7 @@ def python(code):
 LOOKED_FOR = "import hypothesis, importlib.util; importlib.util.find_spec('worldgen.world'); import worldgen"
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("imports", ["import hypothesis, worldgen", "import worldgen.world, hypothesis", LOOKED_FOR])
 def test_worlds_are_drawn_from_an_annotation_whichever_is_imported_first(imports):
     assert python(imports + DRAWS) == ""

@@ -63,7 +63,7 @@ def test_a_stored_failure_fails_until_it_is_fixed_and_shows_its_world(project, c
     assert replay(read_world(kept)).confirmed
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_ini_settings_collect_a_corpus_and_name_a_controller_when_no_path_is_named(project, corpus):
     project.makeini("[pytest]\nworldgen_corpus = failures\nworldgen_controller = bug2\ntestpaths = tests")
     test = project.mkdir("tests") / "test_own.py"
@@ -85,7 +85,7 @@ MARKED = """
 """
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_marked_tests_and_corpora_run_and_show_what_fails_also_under_xdist(project, corpus):
     project.makepyfile(test_it=MARKED)
     project.makeini("[pytest]\nworldgen_corpus = failures\nworldgen_artifacts = kept\naddopts = --strict-markers")
@@ -136,7 +136,7 @@ def test_a_broken_file_in_a_corpus_fails_as_a_test_with_one_sentence(project):
     done.stdout.no_fnmatch_line("*Traceback*")
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_words_of_a_stranger_cannot_steer_the_terminal(project, failure):
     strange = replace(failure.failure, controller="\x1b[2J\0|<b>")
     write_world(replace(failure, failure=strange), project.mkdir("failures") / "strange.grid")

@@ -41,14 +41,14 @@ def test_fast_robots_tunnel_under_endpoint():
     assert "tunnel" in verdicts
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("controller", ["turn-left", "turn-right", "turn-random"])
 def test_nothing_tunnels_or_overlaps_under_swept(controller):
     state = campaign(controller, "swept")
     assert state.verdicts["tunnel"] == state.verdicts["overlap"] == 0 and state.worlds >= 300
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_every_finding_is_one_minimal_by_its_file_alone():
     for world in campaign("turn-right", "stepped").best.values():
         assert removable(world, StillFails.of(world)) == []

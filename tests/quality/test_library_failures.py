@@ -19,7 +19,7 @@ def worlds_of(group):
     return {path.stem: read_world(path) for path in sorted((FAILURES / group).glob("*.grid"))}
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("group", GROUPS)
 def test_every_failure_replays_with_the_class_that_it_is_named_by(group):
     for name, world in worlds_of(group).items():

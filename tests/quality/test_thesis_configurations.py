@@ -116,7 +116,7 @@ def test_the_command_prints_both_tables_side_by_side():
     assert result.out.count("  published") == 10 and "8.355 (+0.000); 10.590 (-2.235)" in result.out
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_configuration_is_found_again_by_the_command_in_its_folder(tmp_path):
     outcome = "thesis-1=reached@2554, thesis-2=loop@104"
     sketch = FOLDER / "sketches" / "config-05.grid"

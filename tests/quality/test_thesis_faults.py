@@ -107,14 +107,14 @@ def test_with_all_repairs_no_wall_is_entered_and_no_closed_target_reached(name):
     assert healed.verdict != "reached" or isinstance(world_of(name).certificate, Witness)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_short_campaign_finds_all_three_causes():
     met = search("thesis-2", ("features",), 400).met
     found = {cause for cause in CAUSES for kind in met if kind.startswith((f"tunnel-{cause}", f"overlap-{cause}"))}
     assert found == set(CAUSES)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_a_campaign_with_all_repairs_finds_no_way_into_a_wall(robot):
     state = search(f"{robot}+repaired", ("features", "sealed", "trap"), 150)

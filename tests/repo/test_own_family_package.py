@@ -35,7 +35,7 @@ def run(installed, *args):
     return subprocess.run([python, *args], cwd=package.parent, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_an_installed_family_is_a_command_like_any_other(installed):
     made = run(installed, "-m", "worldgen", "warehouse", "--layout", "fishbone", "--seed", "7", "--out", "w.grid")
     assert made.returncode == 0, made.stderr

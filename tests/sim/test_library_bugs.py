@@ -136,7 +136,7 @@ def test_a_run_is_the_same_compiled_and_interpreted(controller):
     assert runs[0].trace_digest == runs[1].trace_digest and runs[0].steps > 50
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("controller", ["bug1", "bug2"])
 @pytest.mark.parametrize("time_step", [0.015, 0.06])
 def test_a_campaign_finds_nothing_against_a_bug(controller, time_step, tmp_path):

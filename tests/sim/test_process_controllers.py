@@ -477,7 +477,7 @@ def test_a_program_that_never_answers_is_told_before_the_search(tmp_path):
     assert result.code == 2 and "does it flush its output after each line?" in result.err
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_ctrl_c_in_a_campaign_leaves_no_program(tmp_path):
     note = f"open({str(tmp_path / 'pids')!r}, 'a').write(str(__import__('os').getpid()) + chr(10))"
     command = [sys.executable, "-c", "from worldgen.cli.main import main; main()", "fuzz", "--workers", "2"]
