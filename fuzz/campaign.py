@@ -229,6 +229,7 @@ class Campaign:
         self._next = 0  # unit
         self._merged = 0  # units
         self._before = 0.0  # s, of earlier sittings
+        self._earlier = self._ledger.seconds()
 
     @property
     def is_ready(self) -> bool:
@@ -385,7 +386,8 @@ class Campaign:
             return None
         done = self._ledger.unit(unit)
         if done is not None:
-            self._before = done.seconds
+            # A unit's own figure leaves out what was shrunk after the last one.
+            self._before = max(done.seconds, self._earlier)
             return _Under(_finished(done.result), done.seconds)
         if not self._schedule.is_ready or self._schedule.is_over():
             return None

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import math
 import os
 import re
 import shutil
@@ -57,6 +58,10 @@ class Ledger:
 
     def save_unit(self, unit: int, done: Done) -> None:
         """Keeps a unit; one that was cut short apart from those that are done."""
+
+    def seconds(self) -> float:
+        """Return how long earlier sittings took, as far as that is known."""
+        return 0.0
 
     def shrunk(self, failure: World, kept: str) -> World | None:
         """What a failure was shrunk to before; ``None`` if it is to be shrunk."""
@@ -239,6 +244,14 @@ class CampaignFolder(Ledger):
                 file = self.out / name
                 if name not in names and file.is_file() and _content_name(file.read_bytes()) == content:
                     file.unlink()
+
+    def seconds(self) -> float:
+        """Return how long earlier sittings took, shrinking after the last unit included; 0 if that cannot be read."""
+        try:
+            seconds = float(json.loads((self._path / "summary.json").read_bytes())["seconds"])
+        except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
+            return 0.0
+        return seconds if math.isfinite(seconds) and seconds > 0.0 else 0.0
 
     def save_summary(self, summary: dict[str, Any]) -> None:
         """Writes what reports read.

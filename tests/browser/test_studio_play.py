@@ -106,7 +106,7 @@ def test_the_behaviours_settings_are_those_of_the_command_line(page):
     page.get_by_label("Sensor range").fill("50")
     page.locator("#play").get_by_label("Noise", exact=True).check()
     page.locator("#run-due", has_text="press Run").wait_for()
-    run(page)
+    run(page, 261)  # the end of the first period of a loop
     own = {"collide_ticks": 9, "drive_ticks": 6, "turn_angle": math.pi / 4, "sensor_range": 50, "noise": True}
     assert digest(page) == expected(read_world(CONFIG_5), "thesis-2", **own)
     for words in ("Behaviours 3 changed", "Sensor 2 changed"):
