@@ -67,6 +67,7 @@ def test_every_failure_replays_and_carries_a_valid_witness(found):
         assert replay(world).confirmed and check_certificate(world).valid
 
 
+@pytest.mark.gate
 def test_every_failure_says_that_it_is_one_minimal(found):
     assert all(world.failure.details["one_minimal"] for world in found[0].state.best.values())
 

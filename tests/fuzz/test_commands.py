@@ -15,7 +15,7 @@ from tests.helpers.command_line import worldgen
 from worldgen import read_world, write_world
 from worldgen.interop.exporting import origin_of
 
-FUZZ = ("fuzz", "--controller", "turn-right", "--units", 2, "--examples", 40, "--seed", 5, "--workers", 1)
+FUZZ = ("fuzz", "--controller", "turn-right", "--units", 1, "--examples", 40, "--seed", 5, "--workers", 1)
 
 COMPLETE = '''
 from sim import Command

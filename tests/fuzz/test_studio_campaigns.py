@@ -217,6 +217,7 @@ def test_a_folder_that_is_not_yet_a_campaign_has_its_worlds_listed_below_it(page
     assert {"name": "corpus", "worlds": 2} in page.ask("campaigns")["answer"]["folders"]
 
 
+@pytest.mark.gate
 def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, folder):
     (folder / "bent/.campaign").mkdir(parents=True)
     (folder / "bent/.campaign/campaign.json").write_text("{")
@@ -269,6 +270,7 @@ def test_a_campaign_s_memory_that_is_a_link_is_not_written(page, folder, tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     "changes",
     [{"scenario": {"controller": "./evil.py:Robot", "motion": "swept"}}, {"families": ["./evil.py:family"]},
@@ -283,6 +285,7 @@ def test_a_campaign_of_elsewhere_that_asks_for_other_code_or_files_is_not_resume
     assert not (folder / "evil/.campaign/units").exists()
 
 
+@pytest.mark.gate
 def test_a_failure_of_a_controller_that_nobody_named_is_shown_and_not_run(done, page, folder):
     world = read_world(folder / failures(page, "done")[0]["name"])
     (folder / "foreign").mkdir()
@@ -293,6 +296,7 @@ def test_a_failure_of_a_controller_that_nobody_named_is_shown_and_not_run(done, 
     assert not (folder / "gone").exists()
 
 
+@pytest.mark.gate
 def test_a_known_failure_whose_oracle_is_a_file_s_stops_the_campaign_before_it_begins(done, page, folder):
     world = read_world(folder / failures(page, "done")[0]["name"])
     (folder / "known/evil").mkdir(parents=True)

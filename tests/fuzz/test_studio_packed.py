@@ -17,6 +17,8 @@ from tests.helpers.studio_campaign import begin, watch
 from worldgen.grid_file import read_world
 from worldgen.world import World
 
+pytestmark = pytest.mark.nightly  # what they share takes half a minute
+
 FAILURES = sorted((Path(__file__).parents[2] / "corpora/failures/turn-right/swept").glob("*.grid"))[:4]
 
 
@@ -74,14 +76,12 @@ def failures(asked, folder):
     return asked.ask("failures", folder=folder)["answer"]
 
 
-@pytest.mark.nightly
 def test_archives_are_offered_beside_folders(asked):
     said = asked.ask("campaigns")["answer"]
     assert said["archives"] == list(PACKERS)
     assert not {one["name"] for one in said["folders"]} & set(said["archives"])
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("name", PACKERS)
 def test_an_archive_holds_the_failures_that_its_folder_held(asked, name):
     packed, plain = failures(asked, name), failures(asked, "plain")
@@ -90,7 +90,6 @@ def test_an_archive_holds_the_failures_that_its_folder_held(asked, name):
     assert {one["name"] for one in packed["failures"]} == {f"{name}/deep/{file.name}" for file in FAILURES}
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("name", PACKERS)
 def test_a_failure_in_an_archive_is_looked_at_opened_replayed_and_copied(asked, folder, name):
     one = failures(asked, name)["failures"][0]["name"]
@@ -130,7 +129,6 @@ def test_what_cannot_be_read_in_an_archive_is_told_and_hides_nothing_else(asked,
     (folder / "bad.zip").unlink()
 
 
-@pytest.mark.gate
 def test_each_kind_of_the_archive_opens_the_world_that_it_tells_of(asked, folder):
     cells = json.loads((folder / "kinds/.campaign/summary.json").read_text())["archive"]["cells"]
     assert len(cells) > 5
