@@ -150,7 +150,7 @@ def test_in_a_large_world_the_widest_robot_is_found_on_demand(page):
     page.locator("#find-widest").wait_for()
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_world_is_generated_by_enter_in_any_field_with_what_was_typed_there(page):
     page.locator("#tab-maker").click()
     page.locator("#maker-seed").fill("7")

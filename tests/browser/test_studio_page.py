@@ -109,7 +109,7 @@ def test_the_radius_slider_shows_where_the_way_closes(page):
     page.locator("#proof.bad").wait_for()
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_generator_shows_a_family_s_bounds_and_does_not_send_what_is_outside(page):
     page.locator("#tab-maker").click()
     page.get_by_text("Cells a side, the solid border included. 10 to 20000 cells.").wait_for()
@@ -123,7 +123,7 @@ def test_the_generator_shows_a_family_s_bounds_and_does_not_send_what_is_outside
     page.locator(".status .place", has_text="12 x 12 cells").wait_for()  # drawn a frame later
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_robots_of_several_colours_drive_in_what_is_drawn_at_once(page):
     page.keyboard.press("2")
     page.locator(".result").wait_for()
@@ -266,7 +266,7 @@ def test_in_a_world_of_two_million_cells_all_that_is_drawn_is_seen_decided_and_u
     assert [one for one in page.complaints if "readback" not in one] == []  # that one is of this test's own looking
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_each_tab_keeps_its_own_drawing_and_a_new_one_goes_on_with_that_of_a_closed_one(browser, gate, folder):
     with opened(browser, gate) as first:
         drag(first, (5, 5), (9, 5))
@@ -299,7 +299,7 @@ def test_a_controller_named_at_the_start_that_cannot_be_loaded_is_told_with_its_
         assert page.complaints == []
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_no_difficulty_can_be_wished_of_a_family_whose_worlds_change(page):
     page.get_by_role("tab", name="Generate").click()
     page.get_by_text("Search for a world as hard as wished").click()

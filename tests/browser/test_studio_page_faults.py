@@ -97,7 +97,7 @@ def test_numbers_of_a_world_that_has_changed_meanwhile_are_not_shown(page):
     page.locator(".numbers").wait_for()
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_run_that_the_lost_connection_has_ended_is_asked_for_again(page):
     page.evaluate("window.held = []")
     page.keyboard.press("2")

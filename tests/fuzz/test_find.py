@@ -121,7 +121,7 @@ def test_equal_seeds_find_equal_worlds_with_any_workers(found, workers, tmp_path
     assert (tmp_path / "again.grid").read_bytes() == found[0].read_bytes()
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_number_of_steps_is_met_exactly(tmp_path):
     result = worldgen(
         "find", "--outcome", "thesis-1=reached@3s", "--motion", "stepped", "--units", 8, "--seed", 1, "--workers", 1,
@@ -323,7 +323,7 @@ def test_ctrl_c_writes_the_nearest_until_then_and_leaves_no_process(workers, tmp
     assert worldgen("verify", path).code == 0
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_ctrl_c_in_the_first_unit_keeps_what_that_unit_had(tmp_path):
     met = tmp_path / "met"
     (tmp_path / "mine.py").write_text(MINE.replace("MET", str(met)))

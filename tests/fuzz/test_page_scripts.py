@@ -19,7 +19,7 @@ pytestmark = pytest.mark.skipif(bool(missing_node()), reason=missing_node() or "
 FAILURE = Path(__file__).parents[2] / "corpora" / "thesis-faults" / "thesis-1-loop-104.grid"
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_pages_scripts_pass_their_own_tests():
     done = run_tests()
     assert done.returncode == 0, done.stdout[-20_000:]

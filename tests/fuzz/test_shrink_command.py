@@ -91,7 +91,7 @@ class Mine:
 """
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_module_passes_once_the_controller_is_repaired(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     corridor = certified(World(np.zeros((3, 9), bool), Pose(0.15, 0.15, 0.0), Target(0.75, 0.15, 0.05)))

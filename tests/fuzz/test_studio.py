@@ -312,7 +312,7 @@ def test_a_generated_world_is_the_command_line_s(page):
     assert made["world"]["source"] == dumps(generate("maze", 7, size=20)).decode()
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_run_is_the_library_s_to_the_digest(page):
     said = page.ask("run", **run_message(controllers=["turn-left", "turn-right"]))
     digests = [part["digest"] for part in said["parts"] if "digest" in part]
@@ -383,7 +383,7 @@ def test_what_was_left_of_a_replaced_run_is_not_taken_for_the_next(gate):
     assert names == [None, "turn-right"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_run_that_nobody_wants_is_ended_and_the_next_one_runs(gate, folder):
     with page_of(gate) as page:
         hanging = page.send("run", **run_message(steps=1_000_000, controllers=[f"{folder}/mine.py:Robot"]))

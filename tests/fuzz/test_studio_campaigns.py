@@ -90,7 +90,7 @@ def test_no_command_names_a_map_that_is_in_no_file(page):
     assert "save it first" in page.ask("command", folder="x", **message, world_name=None)["error"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_campaign_that_is_done_says_so(done, page):
     assert (done["running"], done["units"], done["goal"]) == (False, 2, {"units": 2, "seconds": None})
     (listed,) = [state for state in page.ask("campaigns")["answer"]["campaigns"] if state["folder"] == "done"]
@@ -124,7 +124,7 @@ def test_a_failure_s_test_is_that_of_the_command_line(done, page, folder):
     assert page.ask("snippet", name=name)["answer"]["text"] == snippet(read_world(folder / name))
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_what_is_marked_as_known_is_counted_and_not_kept_by_the_next_campaign(done, page, folder):
     first = next(one for one in failures(page, "done") if one["class"] in done["met"])
     page.ask("know", name=first["name"], known=True)
@@ -199,7 +199,7 @@ def test_what_is_no_campaign_is_not_stopped(page):
     assert "holds no campaign" in page.ask("stop", folder="nothing")["error"]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_on_the_drawn_map_only_the_poses_vary(page, folder):
     drawn = generate("trap", 1)
     begin(page, "drawn", units=1, lanes=[], world=message_of(drawn))
@@ -334,7 +334,7 @@ def test_every_lane_that_the_form_offers_may_be_asked_for(page):
     assert {lane["lane"] for lane in watch(page, "of lanes")["lanes"]} <= set(lanes)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_campaign_by_the_clock_that_was_stopped_says_so(done, page):
     begin(page, "by the clock", seconds=600)
     watched(page, "by the clock", 0)

@@ -70,7 +70,7 @@ def campaign(tmp_path_factory):
     return campaign_folder(tmp_path_factory.mktemp("campaign") / "failures")
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_failure_is_answered_with_what_it_was_before_shrinking(campaign):
     with studio_of(campaign) as gate, page_of(gate) as page:
         before = page.ask("before", name=LOOP)["answer"]["before"]
@@ -78,7 +78,7 @@ def test_a_failure_is_answered_with_what_it_was_before_shrinking(campaign):
         assert page.ask("before", name=TUNNEL)["answer"]["before"] is None
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_what_was_before_is_not_run_by_a_controller_that_nobody_has_named(campaign, tmp_path):
     shutil.copytree(campaign, tmp_path / "copy")
     (original,) = (tmp_path / "copy/.campaign/failures").glob("*.grid")

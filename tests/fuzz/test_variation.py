@@ -90,7 +90,7 @@ def test_scenarios_are_reachable_for_the_drawn_robot(drawn):
     assert world.robot_radius in (0.07, 0.04) and scenario.robot.sensor_noise in (0.0, 0.1)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_the_command_line_varies_and_its_failures_replay(tmp_path):
     varied = ("--controller", "turn-right", "--vary", "robot_speed=2,0.7", "--vary", "slip=0,0.1")
     found = worldgen("fuzz", *varied, "--units", 1, "--examples", 60, "--seed", 4, "--workers", 1, "--out", tmp_path)

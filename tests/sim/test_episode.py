@@ -326,7 +326,7 @@ def test_what_numba_does_not_know_is_named():
 PINNED = (1500, "8bbf36a0d28ce3da")
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 def test_a_compiled_controller_sees_what_it_asks_for_and_nan_for_the_rest():
     def act(observation, memory, command):
         memory[:] = observation

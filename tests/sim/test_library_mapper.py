@@ -75,7 +75,7 @@ def test_a_map_that_cannot_be_is_refused(size):
         mapping("bad", **size)
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("time_step", [0.015, 0.06])
 def test_a_campaign_finds_nothing_against_it(time_step, tmp_path):
     done = worldgen(

@@ -94,7 +94,7 @@ def test_where_every_way_leads_back_it_is_said_how_far():
     assert found.concavity == pytest.approx(farthest - 2.0, rel=1e-5)  # the blind end is right below the target
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("name", ["maze", "cave", "forest", "trap"])
 def test_pockets_are_those_of_a_search_over_levels(name, seed):

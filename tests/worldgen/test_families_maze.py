@@ -61,7 +61,7 @@ def test_every_tree_is_drawn_equally_often(algorithm):
     assert chi_square(algorithm) < 257.1  # exceeded by one fair sampler in a thousand
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("algorithm", some(BIASED, 2))
 def test_the_others_favour_some_trees(algorithm):
     assert chi_square(algorithm) > 350.0  # a fair sampler does not come so far in 10**9 tries

@@ -92,7 +92,7 @@ def test_every_format_has_samples_and_they_are_read(name, tmp_path):
         assert find_format(path).name == name
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", READABLE)
 @settings(max_examples=15)
 @given(st.data())

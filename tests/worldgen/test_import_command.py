@@ -59,7 +59,7 @@ SHIPPED = [
 ]
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.parametrize(("args", "result"), [case[1:] for case in SHIPPED], ids=[case[0] for case in SHIPPED])
 def test_shipped_maps_are_decided_with_a_proof_that_the_checker_accepts(run, args, result):
     answer, world, _ = run(*args)

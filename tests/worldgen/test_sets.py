@@ -119,7 +119,7 @@ def test_every_set_is_what_its_manifest_says(whole, out):
     assert result.code == 0 and json.loads(result.out)["differences"] == []
 
 
-@pytest.mark.gate
+@pytest.mark.nightly
 @pytest.mark.skipif(os.name == "nt", reason="sends SIGKILL")
 @pytest.mark.parametrize("out", ["set", "set.zip"])
 def test_a_set_that_is_killed_and_gone_on_with_is_the_same_bytes(tmp_path, out):
