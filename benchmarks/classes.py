@@ -1,8 +1,8 @@
 """How many worlds a campaign tries a second against controllers that users bring: classes, and programs.
 
-``python -m benchmarks.classes`` prints a table, with ``--json`` one object; ``--document docs/search.md`` also writes it
-to that page. Rates are per second of one core's processor time, without compilation. For a program they are per second
-of wall time, because most of its time is spent in another process.
+``python -m benchmarks.classes`` prints a table, with ``--json`` one object; ``--document docs/search.md`` writes it to
+that page, too. Rates are per second of one core's processor time, without compilation. For a program they are per
+second of wall time, because most of its time is spent in another process.
 
 ``short``: first looks at runs of at most 60 steps. ``looks``: first looks with their own budgets. ``lane``: whole units
 of the lane ``native``, with the proofs of what they report. ``features``: the lane in which Hypothesis draws worlds,
