@@ -278,7 +278,8 @@ class Campaign:
         if self.units is None:
             self._take_from_earlier()
         if self._schedule.is_ready:
-            self.state.seconds, self.state.times = self._before + self._schedule.sat(), self._schedule.times()
+            self.state.seconds = self._before + self._schedule.sat()
+            self.state.times = self._schedule.times()
 
     def _merge_next(self) -> Iterator[Progress]:
         unit, under = self._merged, self._under_way.pop(self._merged)
@@ -391,7 +392,8 @@ class Campaign:
             return _Under(_finished(done.result), done.seconds)
         if not self._schedule.is_ready or self._schedule.is_over():
             return None
-        known, deadline = self._known[unit // self.config.epoch], self._schedule.deadline()
+        known = self._known[unit // self.config.epoch]
+        deadline = self._schedule.deadline()
         with self._schedule.doing(1, 0):
             return _Under(crew.submit(run_unit, self.config, unit, known, deadline))
 
@@ -414,7 +416,8 @@ class Campaign:
             result = replace(result, cut=True)
         state.times |= self._schedule.times()
         state.seconds = self._before + self._schedule.sat() if under.seconds is None else under.seconds
-        state.units, state.cut = state.units + (not result.cut), state.cut + result.cut
+        state.units += not result.cut
+        state.cut += result.cut
         state.until = max(state.until, unit + 1)
         state.worlds += result.worlds
         state.steps += result.steps

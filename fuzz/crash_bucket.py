@@ -40,7 +40,8 @@ def crash_bucket(evidence: Mapping[str, Value]) -> str:
     """
     ended = _how_it_ended(str(evidence.get("error", "")))
     frames = _frames(evidence)
-    reason, message = str(evidence.get("reason", "")), str(evidence.get("message", ""))
+    reason = str(evidence.get("reason", ""))
+    message = str(evidence.get("message", ""))
     of_a_program = not ended.isidentifier() or ended.startswith("SIG")
     if ended == "RecursionError":  # where the stack was full depends on who called first
         return _joined(ended, *_names(sorted(frames, key=_name)))

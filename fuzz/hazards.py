@@ -29,7 +29,8 @@ def can_sense(controller: Controller, robot: RobotOptions, state: str, how: str)
     """
     if wants_world(controller):
         return True
-    senses, robot = getattr(controller, "senses", DEFAULT_SENSES), robot_for(controller, robot)
+    senses = getattr(controller, "senses", DEFAULT_SENSES)
+    robot = robot_for(controller, robot)
     if state == CellState.BURNING.word:
         # Only smoke shows fire: rays and beams pass through flames.
         return robot.smoke > 0.0 and any(name in senses for name in _SMOKE_SENSES)

@@ -75,7 +75,8 @@ class Schedule:
         if self._seconds is None:
             return NO_DEADLINE
         share = self._share_to_search(urgent=self.search_comes_first)
-        at, prove = now(), share + _PROVE * (1.0 - share)
+        at = now()
+        prove = share + _PROVE * (1.0 - share)
         return Deadline(at + self._left(share), at + self._left(prove))
 
     def shrank_enough(self) -> bool:
@@ -105,7 +106,8 @@ class Schedule:
         try:
             yield
         finally:
-            spent, all_ = time.monotonic() - begin, max(units + shrinks, 1)
+            spent = time.monotonic() - begin
+            all_ = max(units + shrinks, 1)
             self._search += spent * units / all_
             self._shrinking += spent * shrinks / all_
 

@@ -129,7 +129,8 @@ class EditedRuns:
         done, found = np.zeros(at.DONE_SIZE, np.int64), False
         places, nothing = (run.settings, run.settings.copy()), np.zeros((0, 1), np.int64)
         room = new_room(memory.size, run.options.robot.beams, run.options.steps)
-        robot, kernel = new_robot(memory.size, events), _kernel()
+        robot = new_robot(memory.size, events)
+        kernel = _kernel()
         todo = np.array(edits, np.int64)
         try:
             found = kernel(

@@ -124,7 +124,8 @@ class FleetRun:
         ends = np.cumsum([len(rows) for rows in counts])
         points = max(len(new_robot(0, rows).chain) for rows in counts)
         n, beams = len(robots), runs[0].options.robot.beams
-        memory, search = np.zeros((n, size)), new_search(layout.STATE_MEMORY + size, 0)
+        memory = np.zeros((n, size))
+        search = new_search(layout.STATE_MEMORY + size, 0)
         log = np.where(find_loop == layout.SEEK_LOOP, steps, 0)
         height, width = arenas[0].cells.shape
         fleet = Fleet(

@@ -69,7 +69,9 @@ def _typed(function: Any) -> Any:
     if numba_config.DISABLE_JIT:
         return function
     arena, robot, room, act = episode_types()
-    ints, floats, rows = numba.int64[::1], numba.float64[::1], numba.int64[:, ::1]
+    ints = numba.int64[::1]
+    floats = numba.float64[::1]
+    rows = numba.int64[:, ::1]
     numbers = (ints, floats, act, floats, room, robot)
     signatures = {
         lattice_episode: numba.void(arena, *numbers, rows, rows),
@@ -271,7 +273,8 @@ class LatticeRun:
         settings[layout.SET_FIND_LOOP] = layout.SEEK_LOOP if self.can_loop else layout.NO_LOOP
         counts, sums = np.zeros((len(seeds), layout.OUT_SIZE), np.int64), np.zeros((len(seeds), layout.SUM_SIZE))
         memory, act = np.array(controller.memory, np.float64), compiled_act(controller.act)
-        room, robot = self._room(memory.size, settings), new_robot(memory.size, self.events)
+        room = self._room(memory.size, settings)
+        robot = new_robot(memory.size, self.events)
         _typed(lattice_batch)(
             self.arena(), self.arena(), settings, self.scales, act, memory, room, robot, starts, seeds.view(np.int64),
             np.zeros((0, 1), np.int64), counts, sums,
@@ -316,7 +319,8 @@ class LatticeRun:
         counts = robot.counts
         if room is None or counts[layout.OUT_ENDING] != layout.LOOP:
             return -1
-        end, period = int(counts[layout.OUT_STEPS]), int(counts[layout.OUT_PERIOD])
+        end = int(counts[layout.OUT_STEPS])
+        period = int(counts[layout.OUT_PERIOD])
         if self.settings[layout.SET_FIND_LOOP] == layout.PROVE_LOOP:
             return end - period
         return int(entry_of_loop(room.search.log, self.last_event_step, end, period))
@@ -341,7 +345,8 @@ class LatticeRun:
     ) -> tuple[Robot, Room, Misbehaviour | None]:
         """One run of the kernel, and what the controller raised."""
         memory = np.array(controller.memory, np.float64)
-        robot, room = new_robot(memory.size, self.events), self._room(memory.size, self.settings)
+        robot = new_robot(memory.size, self.events)
+        room = self._room(memory.size, self.settings)
         act = compiled_act(controller.act)
         fault = None
         try:

@@ -191,7 +191,9 @@ def _act(controller: PythonController, stops: Iterable[int], room: Room, memory:
 
 def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room: Room, memory: Memory) -> Memory:
     """The same for a controller of many robots, of which there is one; the kernel keeps its memory."""
-    seen, kept, command = room.observation[np.newaxis], room.memory[np.newaxis], room.command[np.newaxis]
+    seen = room.observation[np.newaxis]
+    kept = room.memory[np.newaxis]
+    command = room.command[np.newaxis]
     after = kept.copy()
     for _ in stops:
         ask(controller, seen, kept, command, after)

@@ -193,7 +193,8 @@ class ThesisRun:
         setup = self._setup._replace(find_loop=find_loop, entry=entry, digest=int(digest))
         self._go_on(progress, self._arena(), rows, setup._replace(steps=steps))
         counts = progress.counts
-        end, period = int(counts[at.OUT_STEPS]), int(counts[at.OUT_PERIOD])
+        end = int(counts[at.OUT_STEPS])
+        period = int(counts[at.OUT_PERIOD])
         if seeks and counts[at.OUT_ENDING] == at.LOOP:
             entry = int(entry_of_loop(progress.search.log, self.last_event_step, end, period))
         return self._outcome(progress, rows[: end + 1] if record else None, entry), progress

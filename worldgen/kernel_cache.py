@@ -89,7 +89,8 @@ def _unpickled(path: Path) -> Any:
             data = stream.read()
     except OSError:
         return None
-    digest, content = data[:_DIGEST], data[_DIGEST:]
+    digest = data[:_DIGEST]
+    content = data[_DIGEST:]
     if hashlib.sha256(content).digest() != digest:
         return None
     try:

@@ -83,7 +83,8 @@ class Finding:
         who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
         try:
             episode, words = run_to_draw(replace(world, failure=record))
-            trail, frames = trail_of(episode, world), frames_in_words(episode.evidence)
+            trail = trail_of(episode, world)
+            frames = frames_in_words(episode.evidence)
         except WorldgenError as error:
             words, trail, frames = f", but it cannot be run here: {error}", None, ""
         except OutOfTime:  # its controller is slow, and the time for pictures over

@@ -52,7 +52,8 @@ class AsClass:
 
     def act(self, observation: Observation, memory: Memory) -> tuple[Command, Memory]:
         """Its command and memory."""
-        seen, kept = np.array((*observation[:-1], *observation.beams)), np.array(memory)
+        seen = np.array((*observation[:-1], *observation.beams))
+        kept = np.array(memory)
         command = np.zeros(layout.CMD_SIZE)
         _act(self.controller, self.plain)(seen, kept, command)
         speed, turn_rate, used_random = command.tolist()

@@ -106,7 +106,8 @@ def look_through(task: Task, draw: Draw, seen: Seen | None = None) -> None:
         draw: Gives the next scenes from the unit's random numbers.
         seen: Called with what came of them, before the next are drawn.
     """
-    few, pace = Few(), pace_of(task.config)
+    few = Few()
+    pace = pace_of(task.config)
     to_prove: deque[tuple[Looks, int]] | None = None
     try:
         asked = _look(task, draw, seen, few, pace)
@@ -204,7 +205,8 @@ def _looks(task: Task, draw: Draw, pace: Pace) -> Iterator[Looks]:
         yield looks
         if is_out_of_time():
             return
-        work, count = work + looks.simulated * step, count + len(drawn) * pace.scene
+        work = work + looks.simulated * step
+        count = count + len(drawn) * pace.scene
 
 
 def scenes(stream: RandomStream, count: int) -> npt.NDArray[np.uint8]:

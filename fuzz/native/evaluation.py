@@ -320,7 +320,8 @@ class _Packed:
         ]
         settings[:, layout.SET_DIGEST] = 0
         scales = np.array([run.scales for run in self.runs]).reshape(-1, layout.SCALE_SIZE)
-        count, patience = len(layouts), _PATIENT if isinstance(self.controller, CompiledController) else _BRISK
+        count = len(layouts)
+        patience = _PATIENT if isinstance(self.controller, CompiledController) else _BRISK
         return Batch(
             layouts, seeds.view(np.int64), kinds, budgets, settings, scales, *_discs(self.radii), patience,
             np.zeros((count, looks.LOOK_SIZE), np.int64), np.zeros((count, layout.SUM_SIZE)), np.zeros(1, np.int64),
@@ -350,10 +351,14 @@ class _Packed:
 
 def _run_compiled(controller: CompiledController, batch: Batch, beams: int) -> None:
     """Runs all in the kernel; a run in which the controller raises ends there as a crash."""
-    memory, act = np.array(controller.memory, np.float64), compiled_act(controller.act)
-    kernel, desk, nothing = _typed_kernel(), _desk(), np.zeros((0, layout.EVENT_SIZE), np.int64)
+    memory = np.array(controller.memory, np.float64)
+    act = compiled_act(controller.act)
+    kernel = _typed_kernel()
+    desk = _desk()
+    nothing = np.zeros((0, layout.EVENT_SIZE), np.int64)
     while batch.at[0] < len(batch.seeds):
-        robot, room = new_robot(memory.size, nothing), new_room(memory.size, beams, looks.longest(batch))
+        robot = new_robot(memory.size, nothing)
+        room = new_room(memory.size, beams, looks.longest(batch))
         try:
             kernel(batch, desk, act, memory, room, robot)
         except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything

@@ -99,7 +99,8 @@ def _run(act: Ask, memory: Floats, batch: Batch, desk: Desk, beams: int, places:
     """Run all while there is time; a place whose robot is done takes the next world."""
     n = min(places, len(batch.seeds))
     fleet = _fleet(desk, n, memory.size, beams, longest(batch))
-    rides, over = np.zeros((n, RIDE_SIZE), np.int64), np.zeros(n, np.bool_)
+    rides = np.zeros((n, RIDE_SIZE), np.int64)
+    over = np.zeros(n, np.bool_)
     count = board_fleet(batch, desk, fleet, rides, memory)
     while count:
         if is_out_of_time():

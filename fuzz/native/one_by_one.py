@@ -123,7 +123,8 @@ class OneByOne:
 
     def _fail(self, n: int, error: BaseException) -> None:
         """Note a run in which the controller failed."""
-        ended, ending = self._batch.looks[n], _ending_of(error)
+        ended = self._batch.looks[n]
+        ending = _ending_of(error)
         ended[: layout.OUT_SIZE] = self._robot.counts
         ended[layout.OUT_ENDING] = ending
         ended[layout.OUT_OVERLAP_STEP] = -1

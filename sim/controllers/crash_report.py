@@ -110,7 +110,8 @@ def _with_code(report: dict[str, Value], said: str, folders: tuple[Path, ...]) -
     frame = frames[-1] if isinstance(frames, list) else None
     if not isinstance(frame, dict) or "code" in frame or not {"file", "line"} <= frame.keys():
         return report
-    name, line = str(frame["file"]), int(str(frame["line"]))
+    name = str(frame["file"])
+    line = int(str(frame["line"]))
     written = re.search(rf"(?<![^\s()\"'])[^\s()\"']*{re.escape(name)}(?=:{line}\b)", said)
     for folder in folders if written else ():
         source = (folder / written[0]).resolve() if written else folder

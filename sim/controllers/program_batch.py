@@ -55,7 +55,8 @@ def read_offer(given: Any, answer: bytes) -> Offer:
         Misbehaviour: If it is not an offer.
     """
     offer = given if isinstance(given, dict) else {}
-    robots, senses = offer.get("robots"), offer.get("senses", list(_COLUMNS))
+    robots = offer.get("robots")
+    senses = offer.get("senses", list(_COLUMNS))
     known = isinstance(senses, list) and all(isinstance(name, str) and name in _COLUMNS for name in senses)
     if type(robots) is not int or robots < 1 or not known or not offer.keys() <= {"robots", "senses"}:
         raise Misbehaviour("invalid-command", "batch is no offer", {"answer": shown(answer)})
@@ -99,7 +100,8 @@ def fill_commands(answer: bytes, command: Floats) -> None:
     """
     try:
         found = json.loads(answer)
-        speed, turn_rate = found["speed"], found["turn_rate"]
+        speed = found["speed"]
+        turn_rate = found["turn_rate"]
         used_random = found.get("used_random", [False] * len(command))
         columns = (speed, turn_rate, used_random)
         if not found.keys() <= _KEYS or not all(_fits(column, len(command)) for column in columns):

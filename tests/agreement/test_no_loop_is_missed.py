@@ -93,7 +93,8 @@ class Counts:
     """Counts to ``end``, then goes back to ``entry``: state ``entry`` comes back at step ``end`` for the first time."""
 
     def __init__(self, entry, end):
-        self.entry, self.end = float(entry), float(end)
+        self.entry = float(entry)
+        self.end = float(end)
 
     def reset(self):
         return (0.0,)
@@ -107,7 +108,8 @@ class ManyCount:
     """The same for many robots."""
 
     def __init__(self, entry, end):
-        self.entry, self.end = float(entry), float(end)
+        self.entry = float(entry)
+        self.end = float(end)
 
     def reset(self):
         return (0.0,)

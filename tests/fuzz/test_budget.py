@@ -57,7 +57,8 @@ def clock(monkeypatch):
 
 
 def test_a_unit_ends_at_the_world_at_which_its_time_is_over(clock):
-    cut, whole = run_unit(CONFIG, 0, deadline=Deadline(begin=4, prove=1e9)), run_unit(CONFIG, 0)
+    cut = run_unit(CONFIG, 0, deadline=Deadline(begin=4, prove=1e9))
+    whole = run_unit(CONFIG, 0)
     assert cut.cut and 0 < cut.worlds < whole.worlds and not whole.cut
 
 
@@ -68,7 +69,8 @@ def test_a_unit_of_any_lane_whose_time_is_over_does_nothing(lane):
 
 
 def test_a_long_run_of_a_slow_controller_ends_between_two_steps():
-    controller, looks = Spins(), count()
+    controller = Spins()
+    looks = count()
     with pytest.raises(OutOfTime), stopping_when(lambda: next(looks) >= 6, clock=lambda: 0.0):
         simulate(generate("trap", 7), controller, steps=5_000)
     assert controller.asked == 1 + 2 + 4 + 8 + 16 + 16
@@ -100,7 +102,9 @@ def test_a_run_in_time_is_the_same_as_one_that_nobody_stops():
 
 
 def test_a_failure_that_was_met_counts_though_the_time_is_over():
-    world, scenario, result = generate("trap", 7), Scenario("turn-right"), UnitResult(lane="trap")
+    world = generate("trap", 7)
+    scenario = Scenario("turn-right")
+    result = UnitResult(lane="trap")
     options = scenario.options(world)
     outcome = prepare(world, "turn-right", options).run(options.steps, find_loop=True, record=False)
     with pytest.raises(OutOfTime), stopping_when(lambda: True):
@@ -130,7 +134,8 @@ def test_ctrl_c_in_a_unit_keeps_what_it_met(tmp_path):
 @pytest.fixture
 def stopped(monkeypatch):
     """Ctrl-C at the time 0, which a worker sees at its second look at the clock; the clock itself stands still."""
-    at, looks = SimpleNamespace(now=0.0), count()
+    at = SimpleNamespace(now=0.0)
+    looks = count()
     monkeypatch.setattr("fuzz.deadline.time", SimpleNamespace(time=lambda: at.now))
     monkeypatch.setattr("fuzz.deadline._stops", [lambda: 0.0 if next(looks) else math.inf])
     return at
@@ -163,7 +168,9 @@ def test_ctrl_c_in_a_unit_that_proves_at_its_end_keeps_what_it_met(lane, monkeyp
 
 
 def test_ctrl_c_in_a_proof_of_a_native_unit_keeps_the_other_proofs(monkeypatch):
-    config, calls, enter = replace(CONFIG, families=("native",)), count(), Door.enter
+    config = replace(CONFIG, families=("native",))
+    calls = count()
+    enter = Door.enter
 
     def enter_or_stop(*args, **kwargs):
         if next(calls) == 1:

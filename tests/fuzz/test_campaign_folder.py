@@ -220,7 +220,9 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
 def test_a_unit_that_the_time_cuts_short_keeps_what_it_met_and_is_done_whole_later(
     whole, tmp_path, monkeypatch, capsys
 ):
-    out, entries, at = tmp_path / "out", tmp_path / "out" / ".campaign" / "units", SimpleNamespace(now=0.0)
+    out = tmp_path / "out"
+    entries = tmp_path / "out" / ".campaign" / "units"
+    at = SimpleNamespace(now=0.0)
 
     def cut_where_it_failed(config, unit, known, _):
         result = run_unit(config, unit, known)
@@ -263,7 +265,8 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
     # The unit 3 knows what the unit 1 met.
     whole, again = ["000000.json", "000002.json"], [f"00000{unit}.cut.json" for unit in (1, 3)]
     assert sorted(entries) == sorted(whole + again) and (cut.units, cut.cut) == (2, 2)
-    (stopped, _), (state, _) = left("stopped"), left("never")
+    (stopped, _) = left("stopped")
+    (state, _) = left("never")
     assert (stopped.worlds, stopped.met, stopped.cut) == (state.worlds, state.met, 0)
     assert stopped.memory.elites == state.memory.elites and dumped(stopped.best) == dumped(state.best)
 

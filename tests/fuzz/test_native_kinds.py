@@ -199,13 +199,16 @@ def program(text, deadline=5):
 
 
 def look(scenario, count, budget=None, seed=5):
-    layouts, seeds = drawn(RandomStream(seed), count), np.arange(count, dtype=np.uint64)
+    layouts = drawn(RandomStream(seed), count)
+    seeds = np.arange(count, dtype=np.uint64)
     return evaluate(layouts, scenario, seeds, np.resize([0.03, 0.06, 0.15], count), budget)
 
 
 def assert_looks_are_runs(looks):
     for n in np.flatnonzero(looks.ran):
-        scenario, world, budget = looks.scenario_of(n), looks.world(n), int(looks.budget[n])
+        scenario = looks.scenario_of(n)
+        world = looks.world(n)
+        budget = int(looks.budget[n])
         run = prepare(world, scenario.controller, scenario.options(world, budget)).run(
             budget, find_loop=True, record=False
         )
@@ -254,7 +257,8 @@ def test_a_vector_class_that_remembers_outside_its_memory_is_run_alone(monkeypat
 
 def test_a_program_that_offers_it_drives_many_robots_at_once():
     offering = program(PROGRAM_OF_MANY.replace("OFFER", "True"))
-    one, many = look(program(PROGRAM_OF_MANY.replace("OFFER", "False")), 40, 60), look(offering, 40, 60)
+    one = look(program(PROGRAM_OF_MANY.replace("OFFER", "False")), 40, 60)
+    many = look(offering, 40, 60)
     assert CONTROLLERS.get(offering.controller).offer == Offer(8, ("bump", "target_heading", "heading", "time_step"))
     assert (one.raw == many.raw).all()
     assert {"reached", "undecided"} <= set(many.verdict)
@@ -283,7 +287,8 @@ def test_after_two_hangs_of_a_program_the_rest_is_not_run():
 
 
 def test_looks_at_a_class_are_those_at_the_compiled_controller_that_it_is():
-    compiled, twin = look(Scenario("wall-left"), 80, 600), look(named("WallLeft"), 80, 600)
+    compiled = look(Scenario("wall-left"), 80, 600)
+    twin = look(named("WallLeft"), 80, 600)
     decided = compiled.verdict != "undecided"
     assert (compiled.raw[decided] == twin.raw[decided]).all()
     assert (compiled.verdict == twin.verdict).all()
@@ -293,7 +298,8 @@ def test_looks_at_a_class_are_those_at_the_compiled_controller_that_it_is():
 @pytest.mark.gate
 def test_a_unit_of_a_class_is_a_function_of_its_number_and_replays():
     config = CampaignConfig(named("WallLeft"), seed=2, examples=60, families=("native",))
-    one, two = run_unit(config, 1), run_unit(config, 1)
+    one = run_unit(config, 1)
+    two = run_unit(config, 1)
     assert [dumps(world) for world in one.failures.values()] == [dumps(world) for world in two.failures.values()]
     assert (one.worlds, one.steps, one.verdicts) == (two.worlds, two.steps, two.verdicts)
     assert one.failures

@@ -49,7 +49,8 @@ def test_numbers_of_all_sizes_are_read_as_they_were_packed():
 
 @pytest.mark.parametrize("family", ["cave", "fire"])
 def test_the_world_that_is_drawn_is_the_one_that_was_packed(family):
-    world, packed = generate(family, 3), drawn_world(generate(family, 3))
+    world = generate(family, 3)
+    packed = drawn_world(generate(family, 3))
     line = world.timeline
     moments = [0.0, *(1000 * line.times[:40:8])]
     read = called(*(["player/decode", "cellsAt", [packed, moment]] for moment in moments))
@@ -68,7 +69,8 @@ def test_the_robot_is_drawn_where_it_was():
     steps = range(0, episode.steps + 1, 17)
     places = called(*(["player/decode", "poseAt", [run, step]] for step in steps))
     for step, place in zip(steps, places, strict=True):
-        x, y = episode.trace.x[step] / world.cell_size, episode.trace.y[step] / world.cell_size
+        x = episode.trace.x[step] / world.cell_size
+        y = episode.trace.y[step] / world.cell_size
         assert (place["x"], place["y"]) == pytest.approx((x, y), abs=1 / 512)
 
 

@@ -79,7 +79,8 @@ def _caught(fault: Fault, copy: Path, *, expected_only: bool) -> tuple[str, str]
 @contextlib.contextmanager
 def _planted(fault: Fault, copy: Path) -> Iterator[None]:
     file = copy / fault.file
-    before, stamp = file.read_text(encoding="utf-8"), file.stat()
+    before = file.read_text(encoding="utf-8")
+    stamp = file.stat()
     file.write_text(before.replace(fault.text, fault.planted), encoding="utf-8")
     try:
         yield

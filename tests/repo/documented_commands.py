@@ -118,7 +118,8 @@ class Done:
             return f"{command.text}: exit code {self.code}\n" + "\n".join(self.printed)
         if not command.shown or matches(command.shown, self.printed):
             return None
-        shown, printed = "\n".join(command.shown), "\n".join(self.printed)
+        shown = "\n".join(command.shown)
+        printed = "\n".join(self.printed)
         return f"$ {command.text}\n--- the page shows\n{shown}\n--- it prints\n{printed}"
 
 
@@ -281,7 +282,8 @@ def updated(text: str, done: list[Done]) -> str:
         printed = one.printed
         skips = [k for k, line in enumerate(command.shown) if line.strip() == "..."]
         if skips:
-            above, below = skips[0], len(command.shown) - skips[-1] - 1
+            above = skips[0]
+            below = len(command.shown) - skips[-1] - 1
             if above + below < len(printed):
                 printed = [*printed[:above], "...", *printed[len(printed) - below :]]
         at = command.first - 1

@@ -38,7 +38,8 @@ def built(checkout, tmp_path_factory):
         [sys.executable, "-m", "build", "--outdir", out, checkout], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    [archive], [wheel] = out.glob("*.tar.gz"), out.glob("*.whl")
+    [archive] = out.glob("*.tar.gz")
+    [wheel] = out.glob("*.whl")
     return archive, wheel
 
 

@@ -14,7 +14,8 @@ def installed(tmp_path, monkeypatch):
     """Pretends that worldgen was installed with this record of its origin, none or text that may be damaged."""
 
     def pretend(record):
-        checkout, site = tmp_path / "checkout.egg-info", tmp_path / "worldgen-1.0.dist-info"
+        checkout = tmp_path / "checkout.egg-info"
+        site = tmp_path / "worldgen-1.0.dist-info"
         for folder in (checkout, site):
             folder.mkdir()
             (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: worldgen\nVersion: 1.0\n")

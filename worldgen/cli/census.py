@@ -77,7 +77,8 @@ def census(
     what = library.CensusOptions(asked, pairs, draw_seed(seed), clear_ends)
     with working("taking a census") as work:
         maps = _maps(sources, what, count, options, cell_size, unknown)
-        total, done = sum(map(len, maps)), itertools.count(1)
+        total = sum(map(len, maps))
+        done = itertools.count(1)
         work.count(0, total, "maps")
         keep = None if out is None else _keeper(out, force=force)
         found = library.take_census(

@@ -233,7 +233,8 @@ class StrataSearch:
             self._strata[taker].wanted += left // len(near) + (k < left % len(near))
 
     def _nothing(self, before: int) -> str:
-        low, high = self._edges[0], self._edges[-1]
+        low = self._edges[0]
+        high = self._edges[-1]
         return (
             f"{self._family.name}: only {before} of {self._count} worlds were found with a difficulty of {low:g} to "
             f"{high:g}, {self._tries} tries after the last; give more tries, fix fewer parameters, or another range"
