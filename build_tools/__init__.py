@@ -1,0 +1,1 @@
+"""Build the C cores: compile them, find a compiler, make wheels for other systems."""

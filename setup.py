@@ -1,0 +1,31 @@
+"""Has setuptools compile the C cores; all else is in pyproject.toml."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+sys.path.insert(0, str(Path(__file__).parent))  # setuptools may run this file from elsewhere
+
+from build_tools.cores import CORES, compile_core
+
+
+class BuildCores(build_ext):
+    """Compiles a core with our own flags rather than with those that Python was built with."""
+
+    def build_extension(self, ext: Any) -> None:
+        """Compile the core of that name."""
+        core = next(core for core in CORES if core.module == ext.name)
+        compile_core(core, Path(self.get_ext_fullpath(ext.name)), Path(self.build_temp) / ext.name)
+
+
+cores = [core for core in CORES if core.exists]
+setup(
+    ext_modules=[Extension(core.module, [], py_limited_api=True) for core in cores],
+    cmdclass={"build_ext": BuildCores},
+    options={"bdist_wheel": {"py_limited_api": "cp311"}},
+)

@@ -1,0 +1,188 @@
+// The C core of the simulator.
+//
+// A robot moves on a lattice of poses: WG_UNIT units per cell, WG_TURN headings per turn. x runs right, y up; cells are
+// stored row by row, from the lowest. Arrays belong to the caller, and no function keeps an address after it returns.
+
+#ifndef WG_SIM_H
+#define WG_SIM_H
+
+#include <stdint.h>
+
+#include "wg_types.h"
+#include "worldgen_controller.h"
+
+enum {
+    WG_UNIT = 1024,         // lattice units per cell
+    WG_TURN = 65536,        // heading units per turn
+    WG_SPEED_UNIT = 65536,  // a speed of so many is one lattice unit per step
+};
+
+// What a cell is now.
+enum { WG_FREE = 0, WG_SOLID = 1, WG_BURNING = 2 };
+
+// How an episode ends.
+enum {
+    WG_LIMIT = 0,  // the budget is spent
+    WG_REACHED = 1,
+    WG_LOOP = 2,
+    WG_TUNNEL = 3,
+    WG_BURNED = 4,
+    WG_INVALID_COMMAND = 5,
+};
+
+// Motion models on the lattice.
+enum { WG_SWEPT = 0, WG_ENDPOINT = 1 };
+
+// What walls do to the target's signal.
+enum { WG_SIGNAL_OPEN = 0, WG_SIGNAL_WEAKENED = 1, WG_SIGNAL_BLOCKED = 2 };
+
+// Senses that cost time, or proofs: bits of WgSettings.senses. The others are always there.
+enum {
+    WG_SENSE_BUMP_BEARING = 1,
+    WG_SENSE_SIGNAL = 2,
+    WG_SENSE_SIGNAL_HEADING = 4,
+    WG_SENSE_TARGET_HEADING = 8,
+    WG_SENSE_TARGET_DISTANCE = 16,
+    WG_SENSE_RANDOM = 32,
+    WG_SENSE_TIME = 64,
+    WG_SENSE_ODOMETRY = 128,
+    WG_SENSE_BEAMS = 256,
+};
+
+// How a recurrence of the complete state ends an episode.
+enum {
+    WG_NO_LOOP = 0,     // not at all
+    WG_SEEK_LOOP = 1,   // when it is found, as late as in the last step of the budget
+    WG_PROVE_LOOP = 2,  // in the last step of the budget, if its state is that of step WgSettings.loop_entry
+};
+
+// A change of one cell. As rows of (n, 5) int64 in Python.
+typedef struct WgEvent {
+    int64_t step;   // the step in which it happens
+    int64_t time;   // its time in that step, 2^-32 steps
+    int64_t ix;
+    int64_t iy;
+    int64_t state;  // what the cell becomes
+} WgEvent;
+
+// A corner of the path of one step.
+typedef struct WgCorner {
+    int64_t x;     // lattice units
+    int64_t y;
+    int64_t time;  // in the step, 2^-32 steps
+} WgCorner;
+
+// A corner of a recorded path. As rows of (n, 4) int64 in Python.
+typedef struct WgPathPoint {
+    int64_t step;
+    int64_t time;  // in the step, 2^-32 steps
+    int64_t x;     // lattice units
+    int64_t y;
+} WgPathPoint;
+
+// What surrounds a robot. `cells`, `near` and `visited` change during an episode.
+typedef struct WgArena {
+    int64_t width;   // cells
+    int64_t height;
+    uint8_t *cells;            // (height, width) WG_FREE, WG_SOLID or WG_BURNING
+    int32_t *near;             // (height, width) masks of the neighbourhood: wg_near_masks
+    const int32_t *clearance;  // (height, width) chessboard distance to cells that are ever not free; NULL where the
+                               // masks reach as far as any step
+    const WgEvent *events;     // sorted by step and time
+    int64_t event_count;
+    const int64_t *headings;   // (131072,) cosines and sines, 2^-30: sim/motion's heading table
+    uint8_t *visited;          // (height, width) 1 where the centre has been
+} WgArena;
+
+// What an episode is asked to do, and the robot's dynamics and sensors. A limit that is off is infinity.
+typedef struct WgSettings {
+    // Start and target, lattice and heading units.
+    int64_t start_x;
+    int64_t start_y;
+    int64_t start_heading;
+    int64_t target_x;
+    int64_t target_y;
+    int64_t target_radius_sq;
+
+    // The disc: its squared radius, lattice units; the radius rounded up.
+    int64_t clear_sq;
+    int64_t reach;
+
+    // The run.
+    int64_t motion;      // WG_SWEPT or WG_ENDPOINT
+    int64_t steps;       // budget
+    int64_t find_loop;   // WG_NO_LOOP, WG_SEEK_LOOP or WG_PROVE_LOOP
+    int64_t loop_entry;  // for WG_PROVE_LOOP
+    uint64_t seed;       // of the draws
+    int64_t digest;      // 1: the digest of the trace is worked out
+    int64_t senses;      // WG_SENSE_ bits: what the controller looks at
+
+    // Sensors.
+    int64_t sensor_cells;  // how many cells around it the signal sensor sees
+    int64_t signal;        // WG_SIGNAL_OPEN, ...
+    int64_t beams;
+    int64_t plain_sensor;  // 1: the signal sensor is the thesis's, without noise or limits
+    int64_t smoke_reach;   // cells around a burning one that its smoke fills
+    int64_t coin;          // how many values a random number has; 0: any in [0, 1)
+    int64_t lattice;       // lattice units to which poses are rounded after each step; 1: none
+
+    // Between the lattice and SI units.
+    double metres;          // m per lattice unit
+    double speed;           // lattice units per step at 1 m/s
+    double turn;            // heading units per step at 1 rad/s
+    double radians;         // rad per heading unit
+    double time_step;       // s
+    double top_speed;       // m/s
+    double radius;          // m, of the robot
+    double start_speed;     // m/s during the first step, before the controller has sensed anything
+    double tolerance;       // overlap that is not reported, lattice units
+
+    // Dynamics.
+    double turn_limit;      // rad/s
+    double gain;            // greatest gain of speed in a step, units of speed
+    double loss;            // greatest loss, same
+    double wall_friction;   // share of a slide that a wall takes
+    double slip;            // largest share of a step that is lost
+    double odometry_noise;  // largest share by which a measured distance or turn is wrong
+
+    // Sensors, continued.
+    double sensor_range;  // lattice units
+    double sensor_field;  // half the angle that the signal sensor looks into, heading units
+    double sensor_noise;  // largest share by which a reading is wrong
+    double smoke;         // share of the signal that a cell in smoke takes
+    double beam_range;    // lattice units
+    double beam_field;    // angle between the first and the last beam, heading units; a whole turn: evenly all round
+    double beam_noise;    // largest share by which a distance is wrong
+    double beam_dropout;  // probability that a beam returns nothing
+} WgSettings;
+
+// The complete state after a step, without the controller's memory: what a recurrence must repeat.
+typedef struct WgState {
+    int64_t x;        // lattice units
+    int64_t y;
+    int64_t heading;  // heading units, in [0, WG_TURN)
+    int64_t speed;    // of the wheels, WG_SPEED_UNIT per lattice unit and step
+    int64_t draws;    // random numbers that the controller has used so far
+} WgState;
+
+// What an episode reports.
+typedef struct WgReport {
+    int64_t ending;  // WG_LIMIT, ...
+    int64_t steps;
+    int64_t period;
+    int64_t collisions;
+    int64_t last_new_cell;  // the last step that entered a cell for the first time
+    int64_t points;         // of the path after the start
+    uint64_t digest;        // rolling FNV-1a hash of every state
+    int64_t hit_step;       // of WG_TUNNEL and WG_BURNED; -1
+    int64_t hit_ix;
+    int64_t hit_iy;
+    int64_t hit_state;      // WG_SOLID (debris) or WG_BURNING of the cell that ended the run as WG_BURNED
+    int64_t overlap_step;   // first cut that is deeper than the tolerance; -1
+    int64_t overlap_ix;
+    int64_t overlap_iy;
+    double path_length;     // lattice units
+    double overlap;         // deepest cut, lattice units
+} WgReport;
+
+#endif

@@ -1,0 +1,51 @@
+// What a controller written in C or C++ sees and commands.
+//
+// Angles are radians, counter-clockwise, in (-pi, pi] where not said otherwise; 0 is the x axis. x runs right, y up.
+
+#ifndef WORLDGEN_CONTROLLER_H
+#define WORLDGEN_CONTROLLER_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// What a controller senses after each step. A sense that it does not declare may be NaN.
+typedef struct WgObservation {
+    double bump;              // 1 if a wall stopped or bent the last move, else 0
+    double bump_bearing;      // rad: direction of that contact, relative to the robot's heading
+    double signal;            // strength of the target's signal: 1 / (1 + squared distance in cells)
+    double signal_heading;    // rad: world heading towards the neighbouring cell with the strongest signal
+    double heading;           // rad: the robot's own
+    double x;                 // m
+    double y;                 // m
+    double target_heading;    // rad: world heading towards the target
+    double target_distance;   // m, to the target's centre
+    double random;            // the next random number in [0, 1); set WgCommand.used_random to use it up
+    double time_step;         // s: duration of a step
+    double top_speed;         // m/s: the robot's limit
+    double radius;            // m: the robot's
+    double time;              // s since the start
+    double odometry_x;        // m: own pose, as the wheels measure it
+    double odometry_y;        // m
+    double odometry_heading;  // rad
+    const double *beams;      // m: distance to the first wall along each range beam
+    int64_t beam_count;
+} WgObservation;
+
+// What a controller asks for. All zero when the controller is called.
+typedef struct WgCommand {
+    double speed;        // m/s along the heading, negative for backwards; clamped to the top speed
+    double turn_rate;    // rad/s, counter-clockwise; takes effect before the next move
+    double used_random;  // 1 if WgObservation.random was used, so that the next one is fresh
+} WgCommand;
+
+// One step of a controller. All of its state is in `memory`, whose size it declares; a loop is proved only then.
+typedef void (*WgAct)(const WgObservation *observation, double *memory, WgCommand *command);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,70 @@
+"""Pass numpy arrays to the C cores: addresses, checked for type and order.
+
+Every core is a module that cffi makes (``build_tools/cores.py``). Its functions take plain pointers, so an array of
+the wrong type would be read as garbage; here it is refused.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+__all__ = ["check", "pointer", "writable"]
+
+_C_TYPES = {
+    np.dtype(np.bool_): "uint8_t[]",
+    np.dtype(np.uint8): "uint8_t[]",
+    np.dtype(np.int32): "int32_t[]",
+    np.dtype(np.uint32): "uint32_t[]",
+    np.dtype(np.int64): "int64_t[]",
+    np.dtype(np.uint64): "uint64_t[]",
+    np.dtype(np.float64): "double[]",
+}
+
+_OUT_OF_MEMORY = 3
+_MEANINGS = {1: "an array is too small", 2: "a number is out of its range"}
+
+
+def pointer(ffi: Any, array: np.ndarray[Any, Any], kind: type[np.generic]) -> Any:
+    """Return the address of an array that C only reads. It must outlive the call.
+
+    Args:
+        ffi: ``ffi`` of the core.
+        array: In C order.
+        kind: Its dtype; C knows no other.
+
+    Raises:
+        TypeError: If its dtype is another.
+        ValueError: If it is not in C order.
+    """
+    if array.dtype != kind:
+        raise TypeError(f"the core takes {np.dtype(kind)}, not {array.dtype}")
+    if not array.flags.c_contiguous:
+        raise ValueError("the core takes arrays in C order")
+    return ffi.from_buffer(_C_TYPES[array.dtype], array)
+
+
+def writable(ffi: Any, array: np.ndarray[Any, Any], kind: type[np.generic]) -> Any:
+    """Return the address of an array that C fills; as :func:`pointer`.
+
+    Raises:
+        BufferError: If the array cannot be written.
+    """
+    if not array.flags.writeable:
+        raise BufferError("the core was to write into an array that is read-only")
+    return pointer(ffi, array, kind)
+
+
+def check(status: int) -> None:
+    """Raise what a core's function returned, unless it is WG_OK.
+
+    Raises:
+        MemoryError: If the core got no memory.
+        ValueError: If it refused its arguments, which is a fault of ours.
+    """
+    if status == 0:
+        return
+    if status == _OUT_OF_MEMORY:
+        raise MemoryError("not enough memory for this world")
+    raise ValueError(f"the core refused its arguments: {_MEANINGS.get(status, f'status {status}')}")

@@ -1,0 +1,16 @@
+// Types that every core uses. The prover and the simulator share this header and nothing else.
+
+#ifndef WG_TYPES_H
+#define WG_TYPES_H
+
+#include <stdint.h>
+
+// What every function that can fail returns; worldgen/ccall.py raises the others than WG_OK.
+typedef enum WgStatus {
+    WG_OK = 0,
+    WG_BAD_SIZE = 1,       // an array is smaller than the arguments say it must be
+    WG_BAD_VALUE = 2,      // a number lies outside its range
+    WG_OUT_OF_MEMORY = 3,
+} WgStatus;
+
+#endif
