@@ -93,7 +93,7 @@ CORES = (
     Core(
         "worldgen._core",
         ("worldgen/core",),
-        (_TYPES, "worldgen/core/wg_worldgen.h"),
+        (_TYPES, "worldgen/core/wg_reach.h", "worldgen/core/wg_making.h"),
         ("worldgen/include", "worldgen/core"),
     ),
     Core(

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "wg_worldgen.h"
+#include "wg_reach.h"
 
 typedef struct Stack {
     int64_t *nodes;

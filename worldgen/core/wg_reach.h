@@ -1,9 +1,9 @@
-// The C core of worldgen: proofs of reachability, and what is slow about making and measuring worlds.
+// Proofs of reachability.
 //
 // Arrays are row-major. Functions check the sizes that they are given; none keeps a pointer.
 
-#ifndef WG_WORLDGEN_H
-#define WG_WORLDGEN_H
+#ifndef WG_REACH_H
+#define WG_REACH_H
 
 #include <stdint.h>
 
