@@ -28,6 +28,7 @@ enum {
     WG_TUNNEL = 3,
     WG_BURNED = 4,
     WG_INVALID_COMMAND = 5,
+    WG_CRASH = 6,  // the controller set WgCommand.error; that step ends there, neither kept nor hashed
 };
 
 // Motion models on the lattice.
@@ -35,19 +36,6 @@ enum { WG_SWEPT = 0, WG_ENDPOINT = 1 };
 
 // What walls do to the target's signal.
 enum { WG_SIGNAL_OPEN = 0, WG_SIGNAL_WEAKENED = 1, WG_SIGNAL_BLOCKED = 2 };
-
-// Senses that cost time, or proofs: bits of WgSettings.senses. The others are always there.
-enum {
-    WG_SENSE_BUMP_BEARING = 1,
-    WG_SENSE_SIGNAL = 2,
-    WG_SENSE_SIGNAL_HEADING = 4,
-    WG_SENSE_TARGET_HEADING = 8,
-    WG_SENSE_TARGET_DISTANCE = 16,
-    WG_SENSE_RANDOM = 32,
-    WG_SENSE_TIME = 64,
-    WG_SENSE_ODOMETRY = 128,
-    WG_SENSE_BEAMS = 256,
-};
 
 // How a recurrence of the complete state ends an episode.
 enum {
@@ -181,6 +169,7 @@ typedef struct WgReport {
     int64_t overlap_step;   // first cut that is deeper than the tolerance; -1
     int64_t overlap_ix;
     int64_t overlap_iy;
+    const char *error;      // of WG_CRASH: what the controller said; NULL
     double path_length;     // lattice units
     double overlap;         // deepest cut, lattice units
 } WgReport;

@@ -11,6 +11,19 @@
 extern "C" {
 #endif
 
+// Senses that cost time, or proofs. The others are always there.
+enum {
+    WG_SENSE_BUMP_BEARING = 1,
+    WG_SENSE_SIGNAL = 2,
+    WG_SENSE_SIGNAL_HEADING = 4,
+    WG_SENSE_TARGET_HEADING = 8,
+    WG_SENSE_TARGET_DISTANCE = 16,
+    WG_SENSE_RANDOM = 32,
+    WG_SENSE_TIME = 64,
+    WG_SENSE_ODOMETRY = 128,
+    WG_SENSE_BEAMS = 256,
+};
+
 // What a controller senses after each step. A sense that it does not declare may be NaN.
 typedef struct WgObservation {
     double bump;              // 1 if a wall stopped or bent the last move, else 0
@@ -34,11 +47,12 @@ typedef struct WgObservation {
     int64_t beam_count;
 } WgObservation;
 
-// What a controller asks for. All zero when the controller is called.
+// What a controller asks for. All zero (NULL) when the controller is called.
 typedef struct WgCommand {
     double speed;        // m/s along the heading, negative for backwards; clamped to the top speed
     double turn_rate;    // rad/s, counter-clockwise; takes effect before the next move
     double used_random;  // 1 if WgObservation.random was used, so that the next one is fresh
+    const char *error;   // set to a sentence that outlives the run, it ends the run as a crash
 } WgCommand;
 
 // One step of a controller. All of its state is in `memory`, whose size it declares; a loop is proved only then.
