@@ -174,4 +174,9 @@ typedef struct WgReport {
     double overlap;         // deepest cut, lattice units
 } WgReport;
 
+// fdlibm.c
+
+// Sine, cosine and arc tangent of many numbers, with fdlibm's bits. All arrays: (count,).
+void wg_trigonometry(const double *x, int64_t count, double *sines, double *cosines, double *arc_tangents);
+
 #endif
