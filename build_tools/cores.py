@@ -88,6 +88,7 @@ class Core:
 
 _TYPES = "worldgen/include/wg_types.h"
 _CONTROLLER = "sim/include/worldgen_controller.h"
+_SIM = ("sim/core/wg_sim.h", "sim/core/wg_episode.h")
 
 CORES = (
     Core(
@@ -99,14 +100,14 @@ CORES = (
     Core(
         "sim._core",
         ("sim/core",),
-        (_TYPES, _CONTROLLER, "sim/core/wg_sim.h"),
+        (_TYPES, _CONTROLLER, *_SIM),
         ("worldgen/include", "sim/include", "sim/core"),
     ),
     # The search runs the simulator and the prover's flood inside its own loops, so both are compiled into it.
     Core(
         "fuzz._core",
         ("fuzz/core", "sim/core"),
-        (_TYPES, _CONTROLLER, "sim/core/wg_sim.h", "fuzz/core/wg_fuzz.h"),
+        (_TYPES, _CONTROLLER, *_SIM, "fuzz/core/wg_fuzz.h"),
         ("worldgen/include", "sim/include", "sim/core", "fuzz/core"),
     ),
 )

@@ -1,0 +1,158 @@
+// Makes episodes: one allocation each, sized for the controller, the sensors and the events.
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "recurrence.h"
+#include "step.h"
+
+enum {
+    MOST_NUMBERS = 1 << 28,  // of a controller's memory, and steps of a log is 16 times that
+    MOST_BEAMS = 1 << 20,
+};
+
+// The most events that one step has.
+static int64_t most_events_of_a_step(const WgArena *arena)
+{
+    int64_t most = 0;
+    int64_t run = 0;
+    for (int64_t k = 0; k < arena->event_count; k++) {
+        run = k > 0 && arena->events[k].step == arena->events[k - 1].step ? run + 1 : 1;
+        most = run > most ? run : most;
+    }
+    return most;
+}
+
+// Hands out a part of the allocation; everything in it is made of words of 64 bits.
+static void *take(uint64_t **rest, int64_t words)
+{
+    void *part = *rest;
+    *rest += words;
+    return part;
+}
+
+WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const WgController *controller,
+                        int64_t log_steps, WgEpisode **made)
+{
+    *made = NULL;
+    int64_t memory = controller->memory_size;
+    int64_t beams = settings->beams;
+    if (memory < 0 || memory > MOST_NUMBERS || beams < 0 || beams > MOST_BEAMS || log_steps < 0
+        || log_steps > (int64_t)16 * MOST_NUMBERS) {
+        return WG_BAD_SIZE;
+    }
+
+    // The parts, in words.
+    int64_t words = WG_STATE_WORDS + memory;
+    int64_t corners = WG_MOST_CORNERS * (most_events_of_a_step(arena) + 1);
+    int64_t corner_words = corners * (int64_t)(sizeof(WgCorner) / sizeof(uint64_t));
+    int64_t flat = WG_SENSES + beams;
+    int64_t prints = wg_blocks(words) + 1;
+    int64_t log = log_steps > 0 ? log_steps + 1 : 0;
+    int64_t total = words + corner_words + beams + flat + prints + words + log;
+
+    // calloc, so that a long log takes memory only as the run goes on.
+    WgEpisode *episode = calloc(1, sizeof *episode);
+    uint64_t *rest = calloc((size_t)total, sizeof *rest);
+    if (episode == NULL || rest == NULL) {
+        free(episode);
+        free(rest);
+        return WG_OUT_OF_MEMORY;
+    }
+    episode->memory = rest;
+    episode->arena = arena;
+    episode->settings = settings;
+    episode->controller = *controller;
+    episode->robot.body = take(&rest, words);
+    episode->robot.chain = take(&rest, corner_words);
+    episode->workspace.beams = take(&rest, beams);
+    episode->workspace.flat = take(&rest, flat);
+    episode->search.prints = take(&rest, prints);
+    episode->search.known = take(&rest, words);
+    episode->search.log = take(&rest, log);
+    episode->search.log_size = log;
+    episode->search.words = words;
+    *made = episode;
+    return WG_OK;
+}
+
+void wg_episode_free(WgEpisode *episode)
+{
+    if (episode != NULL) {
+        free(episode->memory);
+        free(episode);
+    }
+}
+
+WgStatus wg_episode_begin(WgEpisode *episode)
+{
+    const WgSettings *settings = episode->settings;
+    if (settings->find_loop == WG_SEEK_LOOP && episode->search.log_size <= settings->steps) {
+        return WG_BAD_SIZE;  // the log is shorter than the run
+    }
+    wg_robot_begin(&episode->robot, settings, &episode->controller);
+    wg_workspace_begin(&episode->workspace, settings);
+    memset(&episode->recording, 0, sizeof episode->recording);
+    episode->step = 0;
+    episode->quiet = wg_last_event(episode->arena);
+    episode->waits = 0;
+    episode->over = 0;
+    if (settings->find_loop != WG_NO_LOOP) {
+        wg_search_begin(&episode->search, episode->robot.body, episode->quiet);
+    }
+    return WG_OK;
+}
+
+void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgController *controller)
+{
+    WgState *state = &robot->body->state;
+    state->x = settings->start_x;
+    state->y = settings->start_y;
+    state->heading = settings->start_heading;
+    state->speed = wg_whole_speed(settings->start_speed * settings->speed * WG_SPEED_UNIT);
+    state->draws = 0;
+    if (controller->memory_size > 0) {
+        memcpy(robot->body->memory, controller->memory, (size_t)controller->memory_size * sizeof(double));
+    }
+    robot->odometry.x = (double)state->x;
+    robot->odometry.y = (double)state->y;
+    robot->odometry.heading = (double)state->heading;
+    robot->corners = 0;
+    robot->contact_x = 0.0;
+    robot->contact_y = 0.0;
+    robot->touched = 0;
+    robot->next_event = 0;
+    memset(&robot->report, 0, sizeof robot->report);
+    robot->report.hit_step = -1;
+    robot->report.overlap_step = -1;
+    robot->report.digest = WG_HASH_START;
+}
+
+void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings)
+{
+    WgObservation *seen = &workspace->observation;
+    seen->bump = NAN;
+    seen->bump_bearing = NAN;
+    seen->signal = NAN;
+    seen->signal_heading = NAN;
+    seen->heading = NAN;
+    seen->x = NAN;
+    seen->y = NAN;
+    seen->target_heading = NAN;
+    seen->target_distance = NAN;
+    seen->random = NAN;
+    seen->time_step = settings->time_step;
+    seen->top_speed = settings->top_speed;
+    seen->radius = settings->radius;
+    seen->time = NAN;
+    seen->odometry_x = NAN;
+    seen->odometry_y = NAN;
+    seen->odometry_heading = NAN;
+    seen->beams = workspace->beams;
+    seen->beam_count = settings->beams;
+    for (int64_t k = 0; k < settings->beams; k++) {
+        workspace->beams[k] = NAN;
+    }
+    memset(&workspace->command, 0, sizeof workspace->command);
+}

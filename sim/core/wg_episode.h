@@ -1,0 +1,117 @@
+// Episodes on the pose lattice: one robot and its controller, from the start until something is decided.
+//
+// An episode is resumable: it runs in portions, or step by step for a controller that is not a C function. Everything
+// that it works with is allocated by wg_episode_new and freed by wg_episode_free; the arena and the settings stay the
+// caller's and must live as long.
+
+#ifndef WG_EPISODE_H
+#define WG_EPISODE_H
+
+#include <stdint.h>
+
+#include "wg_sim.h"
+
+// The corners that one move may add to the path of a step, the end of a wait included.
+enum { WG_MOST_CORNERS = 4 };
+
+// What wg_episode_run and wg_episode_step come back with.
+enum {
+    WG_GOES_ON = 0,  // so many steps are done, and nothing is decided
+    WG_OVER = 1,     // WgReport.ending says why; also when the budget is spent
+    WG_ACTS = 2,     // the controller is to act: of wg_episode_step only
+};
+
+// A controller over flat arrays, as numba compiles it: the first 17 numbers of an observation, then its beams; the
+// memory; and speed, turn rate and whether the random number was used, all zero. Anything but 0
+// means that it failed: the run ends as WG_CRASH.
+typedef int64_t (*WgFlatAct)(double *observation, int64_t observation_size, double *memory, int64_t memory_size,
+                             double *command);
+
+// Who drives. With neither function, the episode stops wherever the controller is to act.
+typedef struct WgController {
+    WgAct act;
+    WgFlatAct flat;        // used where act is NULL
+    const double *memory;  // (memory_size,) at reset; may be NULL where there is none
+    int64_t memory_size;
+} WgController;
+
+// The complete state, with the controller's memory: what a recurrence repeats, word by word.
+typedef struct WgBody {
+    WgState state;
+    double memory[];
+} WgBody;
+
+// The pose as the robot measured it.
+typedef struct WgOdometry {
+    double x;        // lattice units
+    double y;
+    double heading;  // heading units
+} WgOdometry;
+
+// A robot, and what the last step made of it.
+typedef struct WgRobot {
+    WgBody *body;
+    WgOdometry odometry;
+    WgCorner *chain;     // corners of the path of the last step
+    int64_t corners;     // how many
+    double contact_x;    // normal of its last contact, of any length; 0, 0 for none
+    double contact_y;
+    int64_t touched;     // 1 if the step before touched a wall
+    int64_t next_event;  // index of the first event that has not happened
+    WgReport report;
+} WgRobot;
+
+// What passes between the robot and its controller.
+typedef struct WgWorkspace {
+    WgObservation observation;
+    WgCommand command;
+    double *beams;  // what observation.beams points to
+    double *flat;   // (17 + beams,) copy of the observation for a WgFlatAct
+} WgWorkspace;
+
+// What the search for a recurrence works with: see recurrence.h.
+typedef struct WgSearch {
+    uint64_t *log;     // (log_size,) fingerprint of the state after each step
+    int64_t log_size;
+    uint64_t *prints;  // fingerprint of each block of the state; then their sum
+    uint64_t *known;   // (words,) the state whose fingerprint was taken last; while a loop is proved, that of its entry
+    int64_t words;     // of a complete state
+    int64_t next;      // the step whose state is looked up next
+} WgSearch;
+
+// Where the steps of an episode are written, if anywhere.
+typedef struct WgRecording {
+    int64_t *rows;        // (row_count, 1 + words): whether a wall was touched, then the state
+    int64_t row_count;
+    int64_t first_step;   // the step of the first row
+    WgPathPoint *path;
+    int64_t path_size;
+    int64_t first_point;  // how many points of the path come before
+} WgRecording;
+
+typedef struct WgEpisode {
+    const WgArena *arena;
+    const WgSettings *settings;
+    WgController controller;
+    WgRobot robot;
+    WgWorkspace workspace;
+    WgSearch search;
+    WgRecording recording;
+    int64_t step;    // steps done
+    int64_t quiet;   // step of the last event: states before it prove nothing
+    int64_t waits;   // 1 while the controller is to act
+    int64_t over;    // 1 when the episode has ended
+    void *memory;    // everything that the pointers above point to, but for a recording
+} WgEpisode;
+
+// Makes an episode. Sizes are taken from the arguments: the controller's memory, settings->beams, the most events of a
+// step. `log_steps` is the longest run in which a recurrence is searched; 0 for none.
+WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const WgController *controller,
+                        int64_t log_steps, WgEpisode **made);
+
+void wg_episode_free(WgEpisode *episode);
+
+// Puts the robot at its start, its memory at reset. The arena must be as it is before the first event.
+WgStatus wg_episode_begin(WgEpisode *episode);
+
+#endif
