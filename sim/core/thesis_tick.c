@@ -1,0 +1,177 @@
+// A tick of the thesis's robot: the move at the present speed, then the arbiter, whose turn takes effect at once and
+// whose speed drives the next tick.
+//
+// Source: the thesis's listing, robot.update, robot.turnS and the three behaviours.
+
+#include "fdlibm.h"
+#include "random_draw.h"
+#include "thesis_arbiter.h"
+#include "thesis_parts.h"
+
+static const double TURN_STEP = 0.08;  // rad per tick
+static const double TURN_SNAP = 0.2;   // rad; closer than this the robot takes the heading at once
+
+// Heading after one tick of turning.
+static double turn_towards(double heading, double target)
+{
+    if (!(fabs(target - heading) > TURN_SNAP)) {
+        return target;
+    }
+    if (target < heading) {
+        double turned = target + THESIS_PI > heading ? heading - TURN_STEP : heading + TURN_STEP;
+        return thesis_wrap(turned);
+    }
+    double turned = heading + THESIS_PI > target ? heading + TURN_STEP : THESIS_TWO_PI + heading - TURN_STEP;
+    return thesis_wrap(turned);
+}
+
+// The speed at which the robot rolls in this tick: inertia and friction keep it from the one that it wants.
+static double rolling_speed(const WgThesisSettings *settings, double rolling, double wanted)
+{
+    if (rolling < wanted) {
+        double gained = rolling + settings->acceleration * settings->time_step;
+        bool at_once = settings->acceleration * settings->time_step == 0.0;
+        return at_once || wanted < gained ? wanted : gained;
+    }
+    if (rolling > wanted) {
+        double kept = rolling - settings->friction * settings->time_step;
+        bool at_once = settings->friction * settings->time_step == 0.0;
+        return at_once || wanted > kept ? wanted : kept;
+    }
+    return rolling;
+}
+
+// The tick's move; sets the rolling speed.
+static WgThesisMove move_of(ThesisGrid grid, const WgThesisSettings *settings, WgThesisState *state, int64_t step)
+{
+    double rolling = rolling_speed(settings, state->rolling, state->speed);
+    state->rolling = rolling;
+
+    // Most ticks only turn.
+    if (rolling == 0.0) {
+        WgThesisMove stays = {state->x, state->y, 0, WG_STRAIGHT, 0.0, 0.0};
+        thesis_clamp(grid, settings->radius, &stays.x, &stays.y);
+        stays.before_x = stays.x;
+        stays.before_y = stays.y;
+        return stays;
+    }
+    double path = rolling;
+    if (settings->slip > 0.0) {
+        path *= 1.0 - settings->slip * wg_random_draw(settings->seed, step * THESIS_READINGS + THESIS_SLIP);
+    }
+    double goal_x = state->x - wg_cos(state->heading) * path * settings->time_step;
+    double goal_y = state->y - wg_sin(state->heading) * path * settings->time_step;
+    WgThesisMove move = thesis_advance(grid, state->x, state->y, goal_x, goal_y, settings->radius, settings->repairs,
+                                       settings->wall_friction);
+
+    // Only a robot with inertia or friction remembers what a wall did to its speed.
+    bool has_forces = settings->acceleration > 0.0 || settings->friction > 0.0;
+    if (move.collision != 0 && has_forces) {
+        state->rolling = move.ending == WG_SLIDE ? rolling * (1.0 - settings->wall_friction) : 0.0;
+    }
+    return move;
+}
+
+// Lets the behaviour in charge act: changes the headings, the speed, who is in charge then, and its counter.
+static void act(WgThesisState *state, double signal, double top_speed)
+{
+    if (state->behaviour == WG_SEEK) {
+        state->target_heading = signal;
+    }
+    bool turned = state->heading == state->target_heading;
+    WgAction action = wg_run_behaviour(state->behaviour, state->ticks_left, state->collision != 0, turned);
+    state->behaviour = action.behaviour;
+    state->ticks_left = action.ticks;
+    switch (action.wheels) {
+    case WG_WHEELS_TURN:
+        state->heading = turn_towards(state->heading, state->target_heading);
+        state->speed = 0.0;
+        break;
+    case WG_WHEELS_HALT:
+        state->speed = 0.0;
+        break;
+    case WG_WHEELS_GO:
+        state->speed = top_speed;
+        break;
+    case WG_WHEELS_RESUME:
+        state->speed = state->old_speed;
+        break;
+    case WG_WHEELS_COAST:
+        break;
+    }
+}
+
+// Begins an escape: remembers the speed, stops, and sets the target heading by the rule.
+static void escape(const WgThesisSettings *settings, WgThesisState *state, const double *draws)
+{
+    // A robot that rolls out, or is interrupted while it turns, still wants the speed that it had before that.
+    if (state->speed > 0.0 || (settings->friction == 0.0 && settings->reading != WG_INTERRUPTIBLE)) {
+        state->old_speed = state->speed;
+    }
+    state->speed = 0.0;
+    if (settings->rule == WG_RULE_ADD) {
+        state->target_heading = thesis_wrap(state->heading + settings->turn_angle);
+    } else if (settings->rule == WG_RULE_SUBTRACT) {
+        state->target_heading = thesis_wrap(state->heading - settings->turn_angle);
+    } else {
+        state->target_heading = draws[state->draws_used++] * THESIS_TWO_PI;
+    }
+}
+
+bool thesis_tick(ThesisGrid grid, const WgThesisSettings *settings, const double *draws, int64_t draw_count,
+                 WgThesisState *state, int64_t step, ThesisPoint *before)
+{
+    WgThesisState next = *state;
+    int64_t reading = settings->reading;
+    int64_t old = state->behaviour;
+
+    // Move.
+    WgThesisMove move = move_of(grid, settings, &next, step);
+    next.x = move.x;
+    next.y = move.y;
+    next.collision = move.collision;
+    next.move = move.ending;
+    next.active = WG_IDLE;
+    bool collision = move.collision != 0;
+    *before = (ThesisPoint){move.before_x, move.before_y};
+
+    // Sense, where a behaviour can ask for it.
+    double signal = 0.0;
+    if (old == WG_SEEK || (!collision && (old == WG_IDLE || reading >= WG_A2))) {
+        signal = thesis_sensed(grid, settings, next.x, next.y, next.heading, step);
+    }
+
+    // Some readings act before they look who is next.
+    if (old != WG_IDLE && (reading == WG_A2 || reading == WG_A3)) {
+        next.active = old;
+        act(&next, signal, settings->speed);
+        if (next.behaviour == WG_IDLE && !collision) {
+            signal = thesis_sensed(grid, settings, next.x, next.y, next.heading, step);
+        }
+    }
+
+    // Select.
+    int64_t behaviour = next.behaviour;
+    bool at_signal = next.target_heading == signal && (reading != WG_INTERRUPTIBLE || next.heading == signal);
+    WgCharge charge = wg_select_behaviour(reading, behaviour, next.ticks_left, collision, at_signal,
+                                          settings->collide_ticks, settings->drive_ticks);
+    bool escapes = charge.taken && charge.behaviour == WG_COLLIDE;
+    if (escapes) {
+        if (settings->rule == WG_RULE_RANDOM && next.draws_used >= draw_count) {
+            return false;
+        }
+        escape(settings, &next, draws);
+    }
+    next.behaviour = charge.behaviour;
+    next.ticks_left = charge.ticks;
+    next.escapes = escapes;
+
+    // Act.
+    bool waits = reading == WG_A2 || (reading == WG_A1 && charge.taken) || (reading == WG_A3 && behaviour != WG_IDLE);
+    if (!waits) {
+        next.active = charge.behaviour;
+        act(&next, signal, settings->speed);
+    }
+    *state = next;
+    return true;
+}
