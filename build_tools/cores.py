@@ -100,7 +100,7 @@ CORES = (
     Core(
         "sim._core",
         ("sim/core",),
-        (_TYPES, _CONTROLLER, *_SIM, "sim/core/wg_thesis.h"),
+        (_TYPES, _CONTROLLER, *_SIM, "sim/core/wg_parts.h", "sim/core/wg_thesis.h"),
         ("worldgen/include", "sim/include", "sim/core"),
     ),
     # The search runs the simulator and the prover's flood inside its own loops, so both are compiled into it.

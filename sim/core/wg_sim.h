@@ -13,8 +13,11 @@
 
 enum {
     WG_UNIT = 1024,         // lattice units per cell
+    WG_UNIT_BITS = 10,
     WG_TURN = 65536,        // heading units per turn
     WG_SPEED_UNIT = 65536,  // a speed of so many is one lattice unit per step
+    WG_NEAR = 2,            // how many cells a mask of WgArena.near looks to each side
+    WG_MOST_POINTS = 4,     // corners that one move may add to a path, the end of a wait included
 };
 
 // What a cell is now.
@@ -59,6 +62,19 @@ typedef struct WgCorner {
     int64_t y;
     int64_t time;  // in the step, 2^-32 steps
 } WgCorner;
+
+// Direction away from what the robot touched, of any length; (0, 0): nothing.
+typedef struct WgNormal {
+    double x;
+    double y;
+} WgNormal;
+
+// The pose as the wheels measured it.
+typedef struct WgOdometry {
+    double x;        // lattice units
+    double y;
+    double heading;  // heading units, not reduced
+} WgOdometry;
 
 // A corner of a recorded path. As rows of (n, 4) int64 in Python.
 typedef struct WgPathPoint {

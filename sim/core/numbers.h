@@ -1,0 +1,68 @@
+// Arithmetic as Python has it: division and remainder round down, and so on.
+
+#ifndef WG_NUMBERS_H
+#define WG_NUMBERS_H
+
+#include <stdint.h>
+
+// The quotient, rounded down; the divisor is positive.
+static inline int64_t wg_floor_div(int64_t value, int64_t divisor)
+{
+    int64_t quotient = value / divisor;
+    return value % divisor < 0 ? quotient - 1 : quotient;
+}
+
+// What that division leaves, in [0, divisor).
+static inline int64_t wg_floor_mod(int64_t value, int64_t divisor)
+{
+    int64_t rest = value % divisor;
+    return rest < 0 ? rest + divisor : rest;
+}
+
+static inline int64_t wg_abs(int64_t value)
+{
+    return value < 0 ? -value : value;
+}
+
+static inline int64_t wg_least(int64_t a, int64_t b)
+{
+    return b < a ? b : a;
+}
+
+static inline int64_t wg_most(int64_t a, int64_t b)
+{
+    return b > a ? b : a;
+}
+
+// As Python's min and max: the first of equals, and a NaN only where it comes first.
+static inline double wg_lower(double a, double b)
+{
+    return b < a ? b : a;
+}
+
+static inline double wg_higher(double a, double b)
+{
+    return b > a ? b : a;
+}
+
+// The next integers below and above, for values within those of an int64. Unlike the library's functions they are no
+// calls where the processor may lack an instruction for them.
+static inline int64_t wg_floor(double value)
+{
+    int64_t whole = (int64_t)value;
+    return whole - (value < (double)whole);
+}
+
+static inline int64_t wg_ceil(double value)
+{
+    int64_t whole = (int64_t)value;
+    return whole + (value > (double)whole);
+}
+
+// The nearest integer, halves away from zero, so that rounding has every mirror symmetry.
+static inline int64_t wg_round_away(double value)
+{
+    return value < 0.0 ? -wg_floor(0.5 - value) : wg_floor(value + 0.5);
+}
+
+#endif

@@ -1,0 +1,88 @@
+// What a step on the lattice is made of, and the tables that it looks up: for the tests, and for those who need one part
+// alone. Sizes are the caller's promise here: sim/lattice_parts.py checks them.
+//
+// Coordinates are lattice units. Cells outside the grid are solid.
+
+#ifndef WG_PARTS_H
+#define WG_PARTS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "wg_sim.h"
+
+typedef struct WgGrid {
+    const uint8_t *cells;  // (height, width) WG_FREE, WG_SOLID or WG_BURNING
+    int64_t width;
+    int64_t height;
+} WgGrid;
+
+typedef struct WgDisc {
+    int64_t clear_sq;  // squared distance to keep
+    int64_t reach;     // its root, rounded up
+} WgDisc;
+
+// A straight piece of a path, from p to q.
+typedef struct WgSegment {
+    int64_t px;
+    int64_t py;
+    int64_t qx;
+    int64_t qy;
+} WgSegment;
+
+// A cell that was looked for.
+typedef struct WgFound {
+    bool found;
+    int64_t ix;
+    int64_t iy;
+} WgFound;
+
+// How far a move has come.
+typedef struct WgMoved {
+    int64_t count;  // corners of the path then
+    WgNormal contact;
+} WgMoved;
+
+// geometry.c
+
+// Fills `near` with the cells that are not free among the 25 around each cell: bits in rows from the lowest.
+void wg_near_masks(WgGrid grid, int32_t *near);
+
+// Notes in the masks of the cells around what a cell is now.
+void wg_mark_near(WgGrid grid, int32_t *near, int64_t ix, int64_t iy);
+
+// Fills `clearance` with the chessboard distance, in cells, from each cell to the nearest one that is not free.
+//
+// A point in a cell with distance D is at least D - 1 cells away from every such cell, so most steps need no test of
+// their path. Two passes: Rosenfeld and Pfaltz, "Sequential operations in digital picture processing" (1966).
+void wg_chessboard_clearance(WgGrid grid, int32_t *clearance);
+
+// Whether the disc at (x, y) is clear of every cell in `state`.
+bool wg_disc_is_clear(WgGrid grid, int state, WgDisc disc, int64_t x, int64_t y);
+
+// The first cell in `state`, in order of rows, that the disc cuts along a segment whose first end is taken as clear.
+WgFound wg_first_not_clear(WgGrid grid, int state, WgDisc disc, WgSegment way);
+
+// Whether a segment, or a point where p = q, meets the open inside of a cell.
+bool wg_segment_crosses_box(WgSegment way, int64_t ix, int64_t iy);
+
+// How deep a disc of a radius cuts a cell along a segment; 0 if it does not. The centre inside the cell counts as the
+// whole radius.
+double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy);
+
+// motion.c
+
+// Moves a disc, stopping at walls and sliding along them.
+//
+// way:            p is a clear pose; q is where the move leads if nothing is in its way.
+// begin, end:     when the move begins and ends, in shares of the step.
+// wall_friction:  share of a slide that the wall takes, 0 to 1.
+// chain:          the clear lattice points of the path after its start follow from `count` on, WG_MOST_POINTS at most.
+WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, double end, double wall_friction,
+                      WgCorner *chain, int64_t count);
+
+// Moves a disc if it is clear where the move ends, else not at all. What lies between is not looked at, as in most small
+// simulators: a fast robot passes through walls.
+WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chain, int64_t count);
+
+#endif
