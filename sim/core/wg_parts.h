@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "wg_episode.h"
 #include "wg_sim.h"
 
 typedef struct WgGrid {
@@ -77,7 +78,7 @@ double wg_segment_box_depth(double radius, WgSegment way, int64_t ix, int64_t iy
 // way:            p is a clear pose; q is where the move leads if nothing is in its way.
 // begin, end:     when the move begins and ends, in shares of the step.
 // wall_friction:  share of a slide that the wall takes, 0 to 1.
-// chain:          the clear lattice points of the path after its start follow from `count` on, WG_MOST_POINTS at most.
+// chain:          the clear lattice points of the path after its start follow from `count` on, WG_MOST_CORNERS at most.
 WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, double end, double wall_friction,
                       WgCorner *chain, int64_t count);
 

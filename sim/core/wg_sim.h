@@ -17,7 +17,6 @@ enum {
     WG_TURN = 65536,        // heading units per turn
     WG_SPEED_UNIT = 65536,  // a speed of so many is one lattice unit per step
     WG_NEAR = 2,            // how many cells a mask of WgArena.near looks to each side
-    WG_MOST_POINTS = 4,     // corners that one move may add to a path, the end of a wait included
 };
 
 // What a cell is now.
@@ -68,13 +67,6 @@ typedef struct WgNormal {
     double x;
     double y;
 } WgNormal;
-
-// The pose as the wheels measured it.
-typedef struct WgOdometry {
-    double x;        // lattice units
-    double y;
-    double heading;  // heading units, not reduced
-} WgOdometry;
 
 // A corner of a recorded path. As rows of (n, 4) int64 in Python.
 typedef struct WgPathPoint {
