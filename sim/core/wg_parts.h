@@ -86,4 +86,40 @@ WgMoved wg_swept_move(WgGrid grid, WgDisc disc, WgSegment way, double begin, dou
 // simulators: a fast robot passes through walls.
 WgMoved wg_endpoint_move(WgGrid grid, WgDisc disc, WgSegment way, WgCorner *chain, int64_t count);
 
+// rays.c
+
+// Distance from a place to the first solid cell in a direction; `longest` if that is nearer.
+//
+// A ray that runs along a face, or past a single corner, continues; between two cells that touch at a corner it does
+// not. Each distance is one exact difference divided by a direction, so errors do not add up.
+//
+// headings:  the table of wg_heading_table.
+//
+// Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
+double wg_ray_distance(WgGrid grid, const int64_t *headings, int64_t x, int64_t y, int64_t heading, double longest);
+
+// How many solid cells the straight line between two places goes through, its ends' cells not counted.
+int64_t wg_walls_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int64_t to_y);
+
+// How many cells of the straight line between two places are in smoke, its ends' cells counted. Smoke fills as many
+// cells around a burning one as `reach` says.
+int64_t wg_smoke_on_the_way(WgGrid grid, int64_t x, int64_t y, int64_t to_x, int64_t to_y, int64_t reach);
+
+// sense.c
+
+// Fills (2 * WG_TURN,): the cosine of every heading times 2^30, rounded, exactly symmetric under quarter turns and
+// mirrors; then what this rounding left over, times 2^60. No value is near enough to a half for two good mathematics
+// libraries to round it differently.
+void wg_heading_table(int64_t *table);
+
+// Heading, in units, of the vector (dx, dy); `otherwise` for the zero vector. It has every mirror symmetry exactly.
+int64_t wg_heading_of(int64_t dx, int64_t dy, int64_t otherwise);
+
+// Heading to the strongest of the nine cells around the robot: to its centre, or to the target in it.
+//
+// The thesis's sensor: a cell's strength falls with the squared distance of its centre from the target (the target's own
+// cell is the strongest), walls and flames carry none, and the first of equals wins, rows from the top, columns from
+// the left. In the thesis the target is a cell's centre; here it may be anywhere.
+int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, int64_t target_y, int64_t heading);
+
 #endif

@@ -1,0 +1,230 @@
+// What few steps sense, or what takes long; see sense.h.
+
+#include "sense.h"
+
+#include "fdlibm.h"
+#include "rays.h"
+
+static const double PER_RADIAN = WG_TURN / (2.0 * 3.141592653589793);
+
+// Where a signal may be read: the middle of a cell, or the target in its own.
+typedef struct Place {
+    int64_t x;
+    int64_t y;
+} Place;
+
+int64_t wg_heading_of(int64_t dx, int64_t dy, int64_t otherwise)
+{
+    int64_t ax = wg_abs(dx);
+    int64_t ay = wg_abs(dy);
+    if (ax == 0 && ay == 0) {
+        return otherwise;
+    }
+    // Reduced to the first eighth of a turn, so that it has every mirror symmetry exactly.
+    int64_t units = 0;
+    if (ay <= ax) {
+        units = wg_floor(wg_atan((double)ay / (double)ax) * PER_RADIAN + 0.5);
+    } else {
+        units = WG_TURN / 4 - wg_floor(wg_atan((double)ax / (double)ay) * PER_RADIAN + 0.5);
+    }
+    if (dx < 0) {
+        units = WG_TURN / 2 - units;
+    }
+    if (dy < 0) {
+        units = -units;
+    }
+    return wg_reduced_heading(units);
+}
+
+void wg_heading_table(int64_t *table)
+{
+    enum { EIGHTH = WG_TURN / 8, HALF = WG_TURN / 2 };
+    const double scale = 0x1p30;
+
+    // The first quarter turn: sines and cosines of the first eighth, and what rounding them leaves.
+    for (int64_t k = 0; k <= EIGHTH; k++) {
+        double angle = (double)k / PER_RADIAN;
+        double values[2] = {wg_sin(angle), wg_cos(angle)};
+        int64_t places[2] = {2 * EIGHTH - k, k};
+        for (int which = 1; which >= 0; which--) {
+            int64_t coarse = wg_floor(values[which] * scale + 0.5);
+            table[places[which]] = coarse;
+            table[WG_TURN + places[which]] =
+                wg_floor((values[which] - (double)coarse / scale) * scale * scale + 0.5);
+        }
+    }
+    // The second quarter is the first one's mirror image, and the second half the first one's.
+    for (int64_t part = 0; part <= WG_TURN; part += WG_TURN) {
+        int64_t *cosines = table + part;
+        for (int64_t k = 0; k < 2 * EIGHTH; k++) {
+            cosines[HALF - k] = -cosines[k];
+        }
+        for (int64_t k = 1; k < HALF; k++) {
+            cosines[WG_TURN - k] = cosines[k];
+        }
+    }
+}
+
+// Strength of the signal at a place, 0 where none comes: 1 / (1 + squared distance in cells), less what walls and smoke
+// on its way take.
+//
+// shift:  direction from the robot to where the signal is looked for.
+// draw:   number of the random draw of the noise.
+static double reading(const WgArena *arena, const WgSettings *settings, Place place, Place shift, int64_t heading,
+                      int64_t draw)
+{
+    enum { MOST_HALVINGS = 1000 };
+
+    // Out of the sensor's range, or of its field, which reaches as far to either side of the heading.
+    int64_t dx = settings->target_x - place.x;
+    int64_t dy = settings->target_y - place.y;
+    double away_sq = (double)(dx * dx + dy * dy);
+    if (away_sq > settings->sensor_range * settings->sensor_range) {
+        return 0.0;
+    }
+    if (settings->sensor_field < (double)(WG_TURN / 2)) {
+        int64_t off = wg_abs(wg_turn_towards(heading, wg_heading_of(shift.x, shift.y, heading)));
+        if ((double)off > settings->sensor_field) {
+            return 0.0;
+        }
+    }
+
+    double value = 1.0 / (1.0 + away_sq / (double)(WG_UNIT * WG_UNIT));
+    WgGrid grid = wg_grid(arena);
+    if (settings->signal != WG_SIGNAL_OPEN) {
+        int64_t walls = wg_walls_on_the_way(grid, place.x, place.y, settings->target_x, settings->target_y);
+        if (walls > 0) {
+            bool is_lost = settings->signal == WG_SIGNAL_BLOCKED || walls > MOST_HALVINGS;
+            value = is_lost ? 0.0 : ldexp(value, -(int)walls);
+        }
+    }
+    if (settings->smoke > 0.0) {
+        int64_t cells = wg_smoke_on_the_way(grid, place.x, place.y, settings->target_x, settings->target_y,
+                                            settings->smoke_reach);
+        for (int64_t k = 0; k < cells; k++) {
+            value *= 1.0 - settings->smoke;
+        }
+    }
+    if (settings->sensor_noise == 0.0) {
+        return value;
+    }
+    return value * (1.0 + settings->sensor_noise * (2.0 * wg_noise_draw(settings, draw) - 1.0));
+}
+
+double wg_signal_here(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
+{
+    Place here = {state->x, state->y};
+    Place shift = {settings->target_x - state->x, settings->target_y - state->y};
+    return reading(arena, settings, here, shift, state->heading, wg_noise_channel(step, WG_NOISE_SIGNAL));
+}
+
+// The cell, of the nine around (ix, iy), of which wg_signal_heading speaks.
+static Place strongest_of_nine(WgGrid grid, int64_t ix, int64_t iy, int64_t target_x, int64_t target_y)
+{
+    const int64_t middle = WG_UNIT / 2;
+
+    // If the target's cell is none of the nine, one of them is nearer than all others: if it is free, that is it.
+    int64_t away_x = ix * WG_UNIT + middle - target_x;
+    int64_t away_y = iy * WG_UNIT + middle - target_y;
+    bool is_far = wg_most(wg_abs(away_x), wg_abs(away_y)) > 2 * WG_UNIT;
+    if (is_far && wg_abs(away_x) != middle && wg_abs(away_y) != middle) {
+        int64_t near_x = ix - (away_x > middle) + (away_x < -middle);
+        int64_t near_y = iy - (away_y > middle) + (away_y < -middle);
+        if (wg_cell_state(grid, near_x, near_y) == WG_FREE) {
+            return (Place){near_x, near_y};
+        }
+    }
+
+    // The robot's own cell first: another must be strictly stronger.
+    Place best = {ix, iy};
+    int64_t least = -1;
+    for (int64_t place = -1; place < 9; place++) {
+        int64_t jx = place < 0 ? ix : ix + place % 3 - 1;
+        int64_t jy = place < 0 ? iy : iy + 1 - place / 3;
+        int64_t dx = jx * WG_UNIT + middle - target_x;
+        int64_t dy = jy * WG_UNIT + middle - target_y;
+        int64_t distance = dx * dx + dy * dy;
+        if (jx == wg_cell_of(target_x) && jy == wg_cell_of(target_y)) {
+            distance = 0;  // as in the thesis: nothing is stronger than the target's own cell
+        }
+        if (least < 0 || (distance < least && wg_cell_state(grid, jx, jy) == WG_FREE)) {
+            least = distance;
+            best = (Place){jx, jy};
+        }
+    }
+    return best;
+}
+
+int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, int64_t target_y, int64_t heading)
+{
+    Place best = strongest_of_nine(grid, wg_cell_of(x), wg_cell_of(y), target_x, target_y);
+    if (best.x == wg_cell_of(target_x) && best.y == wg_cell_of(target_y)) {
+        return wg_heading_of(target_x - x, target_y - y, heading);
+    }
+    int64_t middle = WG_UNIT / 2;
+    return wg_heading_of(best.x * WG_UNIT + middle - x, best.y * WG_UNIT + middle - y, heading);
+}
+
+// As wg_signal_heading, for a sensor with other limits; the own heading where it sees nothing.
+static int64_t strongest_cell(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
+{
+    WgGrid grid = wg_grid(arena);
+    Place own = {wg_cell_of(state->x), wg_cell_of(state->y)};
+    Place home = {wg_cell_of(settings->target_x), wg_cell_of(settings->target_y)};
+    int64_t side = 2 * settings->sensor_cells + 1;
+    Place strongest = {state->x, state->y};
+    double most = 0.0;
+    for (int64_t place = -1; place < side * side; place++) {
+        // The own cell first, then rows from the top, columns from the left.
+        Place cell = own;
+        if (place >= 0) {
+            cell.x += place % side - settings->sensor_cells;
+            cell.y += settings->sensor_cells - place / side;
+        }
+        bool again = place >= 0 && cell.x == own.x && cell.y == own.y;
+        if (again || wg_cell_state(grid, cell.x, cell.y) != WG_FREE) {
+            continue;
+        }
+        Place at = {cell.x * WG_UNIT + WG_UNIT / 2, cell.y * WG_UNIT + WG_UNIT / 2};
+        if (cell.x == home.x && cell.y == home.y) {
+            at = (Place){settings->target_x, settings->target_y};
+        }
+        Place shift = {at.x - state->x, at.y - state->y};
+        int64_t draw = wg_noise_channel(step, WG_NOISE_SIGNAL + 2 + place);
+        double value = reading(arena, settings, at, shift, state->heading, draw);
+        if (value > most) {
+            most = value;
+            strongest = at;
+        }
+    }
+    return wg_heading_of(strongest.x - state->x, strongest.y - state->y, state->heading);
+}
+
+int64_t wg_strongest_heading(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step)
+{
+    if (settings->plain_sensor == 0) {
+        return strongest_cell(arena, settings, state, step);
+    }
+    return wg_signal_heading(wg_grid(arena), state->x, state->y, settings->target_x, settings->target_y,
+                             state->heading);
+}
+
+void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step,
+                    double *beams)
+{
+    WgGrid grid = wg_grid(arena);
+    double longest = settings->beam_range;
+    for (int64_t beam = 0; beam < settings->beams; beam++) {
+        int64_t towards = wg_beam_heading(state->heading, beam, settings->beams, settings->beam_field);
+        double distance = wg_ray_distance(grid, arena->headings, state->x, state->y, towards, longest);
+        if (settings->beam_noise > 0.0) {
+            double wrong = 2.0 * wg_noise_draw(settings, wg_noise_channel(step, WG_NOISE_BEAMS + beam)) - 1.0;
+            distance = wg_lower(distance * (1.0 + settings->beam_noise * wrong), longest);
+        }
+        if (settings->beam_dropout > 0.0 &&
+            wg_noise_draw(settings, wg_noise_channel(step, 2 * WG_NOISE_BEAMS + beam)) < settings->beam_dropout) {
+            distance = longest;
+        }
+        beams[beam] = distance * settings->metres;
+    }
+}
