@@ -21,11 +21,6 @@ enum {
     WG_NOISE_CHANNELS = 4096,
 };
 
-typedef struct WgVector {
-    int64_t x;  // lattice units
-    int64_t y;
-} WgVector;
-
 // Heading units in [0, WG_TURN) of any heading. A turn is a power of two.
 static inline int64_t wg_reduced_heading(int64_t heading)
 {
@@ -67,9 +62,6 @@ static inline double wg_noise_draw(const WgSettings *settings, int64_t draw)
 {
     return wg_random_draw(settings->seed ^ 0x5DEECE66D1CE4E5Bu, draw);
 }
-
-// Heading, in units, of the vector (dx, dy); `otherwise` for the zero vector.
-int64_t wg_heading_of(int64_t dx, int64_t dy, int64_t otherwise);
 
 // Strength of the signal at the robot.
 double wg_signal_here(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step);

@@ -31,6 +31,11 @@ typedef struct WgSegment {
     int64_t qy;
 } WgSegment;
 
+typedef struct WgVector {
+    int64_t x;
+    int64_t y;
+} WgVector;
+
 // A cell that was looked for.
 typedef struct WgFound {
     bool found;
@@ -121,5 +126,24 @@ int64_t wg_heading_of(int64_t dx, int64_t dy, int64_t otherwise);
 // cell is the strongest), walls and flames carry none, and the first of equals wins, rows from the top, columns from
 // the left. In the thesis the target is a cell's centre; here it may be anywhere.
 int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, int64_t target_y, int64_t heading);
+
+// parts.c: functions of internal headers
+
+// Displacement of a drive, rounded to the nearest lattice point, halves away from zero.
+WgVector wg_drive_displacement(const int64_t *headings, int64_t heading, int64_t distance);
+
+// Draw number `index`, from 0, of the stream of a seed, in [0, 1).
+double wg_draw_of_stream(uint64_t seed, int64_t index);
+
+// World heading of a beam.
+int64_t wg_heading_of_beam(int64_t heading, int64_t beam, int64_t beams, double field);
+
+// Fills the senses that WgSettings.senses names, and those that are always there; not the constants.
+//
+// contact:  normal of the robot's last contact.
+// step:     its number.
+// beams:    (settings->beams,), filled if they are among the senses.
+void wg_sense_at(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
+                 WgNormal contact, int64_t step, WgObservation *observation, double *beams);
 
 #endif

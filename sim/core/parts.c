@@ -1,0 +1,25 @@
+// Inline functions of internal headers, for callers outside of C.
+
+#include "rays.h"
+#include "sense.h"
+
+WgVector wg_drive_displacement(const int64_t *headings, int64_t heading, int64_t distance)
+{
+    return wg_displacement(headings, heading, distance);
+}
+
+double wg_draw_of_stream(uint64_t seed, int64_t index)
+{
+    return wg_random_draw(seed, index);
+}
+
+int64_t wg_heading_of_beam(int64_t heading, int64_t beam, int64_t beams, double field)
+{
+    return wg_beam_heading(heading, beam, beams, field);
+}
+
+void wg_sense_at(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
+                 WgNormal contact, int64_t step, WgObservation *observation, double *beams)
+{
+    wg_sense(arena, settings, state, odometry, contact, step, observation, beams);
+}
