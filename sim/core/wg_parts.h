@@ -127,6 +127,16 @@ int64_t wg_heading_of(int64_t dx, int64_t dy, int64_t otherwise);
 // the left. In the thesis the target is a cell's centre; here it may be anywhere.
 int64_t wg_signal_heading(WgGrid grid, int64_t x, int64_t y, int64_t target_x, int64_t target_y, int64_t heading);
 
+// sure_way.c
+
+// Whether a flood over half cells gets from the start into the target's disc. False shows nothing.
+//
+// grid:       WG_SOLID where the robot never goes.
+// way:        p is the start, q the target.
+// within_sq:  squared radius of the target.
+// seen:       (2 height + 1, 2 width + 1), used; stack: as many numbers, used.
+bool wg_surely_reaches(WgGrid grid, WgDisc disc, WgSegment way, int64_t within_sq, uint8_t *seen, int64_t *stack);
+
 // parts.c: functions of internal headers
 
 // Displacement of a drive, rounded to the nearest lattice point, halves away from zero.
