@@ -11,21 +11,29 @@ from setuptools.command.build_ext import build_ext
 
 sys.path.insert(0, str(Path(__file__).parent))  # setuptools may run this file from elsewhere
 
-from build_tools.cores import CORES, compile_core
+from build_tools.cores import CORES, compile_core, suffix
+from build_tools.targets import chosen_target
+
+TARGET = chosen_target()
 
 
 class BuildCores(build_ext):
     """Compiles a core with our own flags rather than with those that Python was built with."""
 
+    def get_ext_filename(self, ext_name: str) -> str:
+        """Return the file of a core, for the system that it is compiled for."""
+        return ext_name.replace(".", "/") + suffix(TARGET)
+
     def build_extension(self, ext: Any) -> None:
         """Compile the core of that name."""
         core = next(core for core in CORES if core.module == ext.name)
-        compile_core(core, Path(self.get_ext_fullpath(ext.name)), Path(self.build_temp) / ext.name)
+        made = Path(self.get_ext_fullpath(ext.name))
+        compile_core(core, made, Path(self.build_temp) / ext.name, target=TARGET)
 
 
-cores = [core for core in CORES if core.exists]
+wheel = {"py_limited_api": "cp311"} | ({} if TARGET is None else {"plat_name": TARGET.platform})
 setup(
-    ext_modules=[Extension(core.module, [], py_limited_api=True) for core in cores],
+    ext_modules=[Extension(core.module, [], py_limited_api=True) for core in CORES if core.exists],
     cmdclass={"build_ext": BuildCores},
-    options={"bdist_wheel": {"py_limited_api": "cp311"}},
+    options={"bdist_wheel": wheel},
 )

@@ -18,14 +18,15 @@ import shlex
 import shutil
 import subprocess
 import sys
-import sysconfig
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["CORES", "Core", "compile_core", "compiler", "main"]
+from build_tools.targets import Target, import_library, zig
+
+__all__ = ["CORES", "Core", "compile_core", "compiler", "main", "suffix"]
 
 ROOT = Path(__file__).parent.parent
-PYTHON_ABI = 0x030B0000  # the oldest Python whose stable ABI is used
 
 FLAGS = (
     "-std=c17",
@@ -37,9 +38,11 @@ FLAGS = (
     # sqrt() needs no errno; results are the same, and it becomes one instruction.
     "-fno-math-errno",
 )
+# For developers only: a compiler that we have not seen may warn of something new.
 STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
-# What cffi generates keeps to no such rules.
-BINDING = ("-Wno-unused-function", "-DPy_LIMITED_API=0x030B0000")
+# What cffi generates keeps to no such rules. Its Python.h is ours, which declares the stable ABI.
+_STABLE_ABI = "build_tools/stable_abi"
+BINDING = ("-w", "-DPy_LIMITED_API=0x030B0000", f"-I{ROOT / _STABLE_ABI}")
 
 _DIRECTIVE = re.compile(r"^\s*#(?:\\\n|[^\n])*", re.MULTILINE)
 _CPLUSPLUS = re.compile(r"#ifdef __cplusplus.*?#endif", re.DOTALL)
@@ -113,78 +116,85 @@ CORES = (
 )
 
 
-def compiler() -> list[str]:
-    """Return the command of the C compiler: ``$CC``, else one on the path, else the one of the wheel ``ziglang``.
+def compiler(target: Target | None = None) -> list[str]:
+    """Return the command of the C compiler.
+
+    That is ``$CC``, else one on the path, else the one in the wheel ``ziglang``; for another system always the last.
 
     Raises:
         RuntimeError: If there is none.
     """
     named = os.environ.get("CC")
-    if named:
+    if target is None and named:
         return shlex.split(named)
-    if sys.platform != "win32":
+    if target is None and sys.platform != "win32":
         for name in ("cc", "gcc", "clang"):
             if shutil.which(name):
                 return [name]
-    try:
-        import ziglang  # noqa: F401, PLC0415 - only where there is nothing else
-    except ImportError:
-        raise RuntimeError("no C compiler found: install gcc or clang, or `pip install ziglang`") from None
-    return [sys.executable, "-m", "ziglang", "cc"]
+    command = zig()
+    if not command:
+        raise RuntimeError("no C compiler found: install gcc or clang, or `pip install ziglang`")
+    # Without -mcpu the result would run on processors like this one only.
+    aim = [] if target is None else ["-target", target.triple]
+    return [*command, "cc", *aim, "-mcpu=baseline"]
 
 
-def _python_headers() -> list[str]:
-    """Return the folder of Python.h; of ours, which declares the stable ABI, where Python came without it."""
-    folder = Path(sysconfig.get_path("include"))
-    return [str(folder if (folder / "Python.h").is_file() else ROOT / "build_tools" / "stable_abi")]
-
-
-def suffix() -> str:
+def suffix(target: Target | None = None) -> str:
     """Return how the file of an extension module for the stable ABI ends."""
-    return ".pyd" if sys.platform == "win32" else ".abi3.so"
+    on_windows = sys.platform == "win32" if target is None else target.is_windows
+    return ".pyd" if on_windows else ".abi3.so"
 
 
-def compile_core(core: Core, target: Path, work: Path, *, flags: tuple[str, ...] = ()) -> Path:
+def compile_core(core: Core, made: Path, work: Path, *, target: Target | None = None, flags: Sequence[str] = ()) -> None:
     """Compile one core.
 
     Args:
         core: Which.
-        target: File of the extension module.
+        made: File of the extension module.
         work: Folder for object files; those whose sources are unchanged are used again.
+        target: The system that it is for; None is this one.
         flags: Added to ours.
-
-    Returns:
-        ``target``.
 
     Raises:
         subprocess.CalledProcessError: If the compiler refuses something; it has said what.
     """
-    command = compiler()
+    command = compiler(target)
     work.mkdir(parents=True, exist_ok=True)
-    binding = work / f"{core.module.rpartition('.')[2]}_binding.c"
+    binding = work / "binding.c"
     _write_binding(core, binding)
     includes = [f"-I{ROOT / folder}" for folder in core.includes]
-    python = [f"-I{folder}" for folder in _python_headers()]
-    headers = sorted(file for folder in core.includes for file in (ROOT / folder).rglob("*.h"))
+    headers = sorted(file for folder in (*core.includes, _STABLE_ABI) for file in (ROOT / folder).rglob("*.h"))
     objects = []
     jobs = []
     for source in [*core.c_files(), binding]:
-        own = [*BINDING, *python] if source == binding else list(STRICT)
-        line = [*command, *FLAGS, *own, *flags, *includes]
+        own = BINDING if source == binding else ()
+        line = [*command, *FLAGS, *flags, *own, *includes]
         digest = hashlib.sha256(repr(line).encode())
         for file in [source, *headers]:
             digest.update(file.read_bytes())
-        made = work / f"{source.stem}-{digest.hexdigest()[:16]}.o"
-        objects.append(str(made))
-        if not made.exists():
-            jobs.append([*line, "-c", str(source), "-o", str(made)])
+        compiled = work / f"{source.stem}-{digest.hexdigest()[:16]}.o"
+        objects.append(str(compiled))
+        if not compiled.exists():
+            jobs.append([*line, "-c", str(source), "-o", str(compiled)])
     _run_side_by_side(jobs)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    fresh = target.with_name(f".{target.name}.{os.getpid()}")  # a process may have the old one open
-    dynamic = ["-undefined", "dynamic_lookup"] if sys.platform == "darwin" else []
-    subprocess.run([*command, "-shared", *flags, *dynamic, *objects, "-lm", "-o", str(fresh)], check=True)
-    fresh.replace(target)
-    return target
+
+    made.parent.mkdir(parents=True, exist_ok=True)
+    fresh = work / f"linked{suffix(target)}"
+    libraries = _libraries(target, work)
+    subprocess.run([*command, "-shared", *flags, *objects, *libraries, "-o", str(fresh)], check=True)
+    # A running process may have the old module open; a rename leaves that one as it is.
+    beside = made.with_name(f".{made.name}.{os.getpid()}")
+    shutil.copyfile(fresh, beside)
+    beside.replace(made)
+
+
+def _libraries(target: Target | None, work: Path) -> list[str]:
+    """Return what the linker needs beside the objects: Python's functions come from the program that loads a module."""
+    if sys.platform == "win32" if target is None else target.is_windows:
+        return [str(import_library(work))]
+    if sys.platform == "darwin" if target is None else target.is_macos:
+        return ["-undefined", "dynamic_lookup"]
+    return ["-lm"]
 
 
 def _write_binding(core: Core, file: Path) -> None:
@@ -214,14 +224,13 @@ def _run_side_by_side(jobs: list[list[str]]) -> None:
 
 
 def main() -> None:
-    """Compile all cores in place."""
+    """Compile all cores in place; a warning is an error."""
     for core in CORES:
-        if not core.exists:
-            continue
-        package, _, name = core.module.rpartition(".")
-        target = ROOT / package.replace(".", "/") / (name + suffix())
-        compile_core(core, target, ROOT / "build" / "cores" / core.module)
-        print(target.relative_to(ROOT))  # noqa: T201 - a script of developers
+        if core.exists:
+            package, _, name = core.module.rpartition(".")
+            made = ROOT / package.replace(".", "/") / (name + suffix())
+            compile_core(core, made, ROOT / "build" / "cores" / core.module, flags=STRICT)
+            print(made.relative_to(ROOT))  # noqa: T201 - a script of developers
 
 
 if __name__ == "__main__":
