@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from build_tools.cores import CORES, suffix
+
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("worldgen", "sim", "fuzz", "corpora", "worldgen_plugins")
 
@@ -43,22 +45,28 @@ def built(checkout, tmp_path_factory):
     return archive, wheel
 
 
-def shipped(checkout):
+def sources(checkout):
     """Every tracked file below a package, by name."""
     return {
         str(path.relative_to(checkout)) for name in PACKAGES for path in (checkout / name).rglob("*") if path.is_file()
     }
 
 
-def test_the_wheel_has_every_file_of_the_packages_and_no_other(checkout, built):
+def is_compiled(name):
+    """Whether a file goes into the compiled modules: C, and the headers that no user's controller includes."""
+    return "/core/" in name or name.startswith("worldgen/include/")
+
+
+def test_the_wheel_has_every_file_of_the_packages_and_the_compiled_cores(checkout, built):
     names = {name for name in zipfile.ZipFile(built[1]).namelist() if ".dist-info/" not in name}
-    assert names == shipped(checkout)
+    cores = {core.module.replace(".", "/") + suffix() for core in CORES}
+    assert names == {name for name in sources(checkout) if not is_compiled(name)} | cores
 
 
 def test_the_source_archive_has_what_the_wheel_is_built_from(checkout, built):
     with tarfile.open(built[0]) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
-    assert shipped(checkout) | {"pyproject.toml", "README.md", "LICENSE"} <= names
+    assert sources(checkout) | {"pyproject.toml", "setup.py", "README.md", "LICENSE", "build_tools/backend.py"} <= names
 
 
 def test_the_wheel_passes_the_check_of_package_indexes(built):
