@@ -145,7 +145,9 @@ def suffix(target: Target | None = None) -> str:
     return ".pyd" if on_windows else ".abi3.so"
 
 
-def compile_core(core: Core, made: Path, work: Path, *, target: Target | None = None, flags: Sequence[str] = ()) -> None:
+def compile_core(
+    core: Core, made: Path, work: Path, *, target: Target | None = None, flags: Sequence[str] = ()
+) -> None:
     """Compile one core.
 
     Args:

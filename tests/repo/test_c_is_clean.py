@@ -1,0 +1,56 @@
+"""The C cores: no finding of clang-tidy, and no code that prover and simulator share."""
+
+import re
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from build_tools.cores import CORES, ROOT
+
+INCLUDED = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
+SHARED = {"wg_types.h"}
+C_FILES = sorted({file for core in CORES for file in core.c_files()})
+
+
+QUICK = "--checks=-clang-analyzer-*"  # the analyzer takes nine tenths of the time
+
+
+@pytest.mark.parametrize(
+    "options", [pytest.param([QUICK], marks=pytest.mark.gate), pytest.param([], marks=pytest.mark.nightly)]
+)
+def test_clang_tidy_finds_nothing(options):
+    tool = shutil.which("clang-tidy", path=str(Path(sys.executable).parent))
+    if tool is None:
+        pytest.skip("NOT CHECKED: pip install -e '.[dev]' brings clang-tidy")
+    folders = sorted({folder for core in CORES for folder in core.includes})
+    compiling = ["-std=c17", *(f"-I{ROOT / folder}" for folder in folders)]
+
+    def findings(file):
+        command = [tool, "--quiet", *options, str(file), "--", *compiling]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        return done.stdout if done.returncode else ""
+
+    with ThreadPoolExecutor() as pool:
+        found = "".join(pool.map(findings, C_FILES))
+    assert not found, found
+
+
+def headers_of(folders):
+    """Names of the headers in some folders."""
+    return {file.name for folder in folders for file in (ROOT / folder).rglob("*.h")}
+
+
+def test_prover_and_simulator_share_one_header_of_types():
+    prover = headers_of(["worldgen/core", "worldgen/include"])
+    simulator = headers_of(["sim/core", "sim/include"])
+    assert not prover & simulator
+    for file in [*(ROOT / "sim").rglob("*.[ch]"), *(ROOT / "fuzz").rglob("*.[ch]")]:
+        names = {Path(name).name for name in INCLUDED.findall(file.read_text(encoding="utf-8"))}
+        assert names & prover <= SHARED, f"{file.relative_to(ROOT)} includes code of the prover"
+    for file in (ROOT / "worldgen").rglob("*.[ch]"):
+        names = {Path(name).name for name in INCLUDED.findall(file.read_text(encoding="utf-8"))}
+        assert not names & simulator, f"{file.relative_to(ROOT)} includes code of the simulator"
