@@ -6,11 +6,12 @@ the search. ``worldgen/include/wg_types.h`` is all that prover and simulator hav
 The declarations that Python sees are read from the headers themselves, so that they exist once. cffi writes the
 binding, against Python's stable ABI: one build serves every Python from 3.11 on.
 
-``python -m build_tools.cores`` compiles all cores in place, those that changed.
+``python -m build_tools.cores`` compiles what has changed, in place.
 """
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import os
 import re
@@ -40,6 +41,8 @@ FLAGS = (
 )
 # For developers only: a compiler that we have not seen may warn of something new.
 STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
+# The process that loads such a module must have loaded the sanitizer before; .ci/run shows how.
+SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer", "-g", "-O1")
 # What cffi generates keeps to no such rules. Its Python.h is ours, which declares the stable ABI.
 _STABLE_ABI = "build_tools/stable_abi"
 BINDING = ("-w", "-DPy_LIMITED_API=0x030B0000", f"-I{ROOT / _STABLE_ABI}")
@@ -227,11 +230,14 @@ def _run_side_by_side(jobs: list[list[str]]) -> None:
 
 def main() -> None:
     """Compile all cores in place; a warning is an error."""
+    parser = argparse.ArgumentParser(prog="python -m build_tools.cores", description=__doc__)
+    parser.add_argument("--sanitize", action="store_true", help="end the process at each fault of memory or arithmetic")
+    flags = (*STRICT, *(SANITIZE if parser.parse_args().sanitize else ()))
     for core in CORES:
         if core.exists:
             package, _, name = core.module.rpartition(".")
             made = ROOT / package.replace(".", "/") / (name + suffix())
-            compile_core(core, made, ROOT / "build" / "cores" / core.module, flags=STRICT)
+            compile_core(core, made, ROOT / "build" / "cores" / core.module, flags=flags)
             print(made.relative_to(ROOT))  # noqa: T201 - a script of developers
 
 
