@@ -11,6 +11,8 @@
 extern "C" {
 #endif
 
+enum { WG_MOST_BEAMS = 1000 };  // range beams that a robot can have
+
 // Senses that cost time, or proofs. The others are always there.
 enum {
     WG_SENSE_BUMP_BEARING = 1,

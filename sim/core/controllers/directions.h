@@ -1,0 +1,113 @@
+// Directions and distances in the plane, where a beam and the target are, and how to command a turn.
+//
+// From + - * /, sqrt and fdlibm's functions alone: the same bits on every machine.
+
+#ifndef WG_DIRECTIONS_H
+#define WG_DIRECTIONS_H
+
+#include <math.h>
+#include <stdint.h>
+
+#include "fdlibm.h"
+#include "worldgen_controller.h"
+
+static const double WG_PI = 3.14159265358979323846;
+static const double WG_WHOLE_TURN = 6.28318530717958647693;
+
+// The smaller and the larger of two numbers; the first where they cannot be compared.
+static inline double wg_smaller(double one, double other)
+{
+    return other < one ? other : one;
+}
+
+static inline double wg_larger(double one, double other)
+{
+    return other > one ? other : one;
+}
+
+// What is left after dividing by a positive number, in [0, divisor).
+static inline double wg_remainder(double value, double divisor)
+{
+    double rest = fmod(value, divisor);
+    if (rest == 0.0) {
+        return 0.0;
+    }
+    return rest < 0.0 ? rest + divisor : rest;
+}
+
+static inline int64_t wg_index_remainder(int64_t value, int64_t divisor)
+{
+    int64_t rest = value % divisor;
+    return rest < 0 ? rest + divisor : rest;
+}
+
+// The largest whole number that is not above a value.
+static inline int64_t wg_whole(double value)
+{
+    return (int64_t)floor(value);
+}
+
+// The same angle in [-pi, pi), rad.
+static inline double wg_wrap(double angle)
+{
+    return angle - WG_WHOLE_TURN * floor((angle + WG_PI) / WG_WHOLE_TURN);
+}
+
+// Direction of the vector (dx, dy), rad; 0 for the zero vector.
+static inline double wg_angle_of(double dx, double dy)
+{
+    if (dx == 0.0 && dy == 0.0) {
+        return 0.0;
+    }
+    if (fabs(dy) <= fabs(dx)) {
+        double angle = wg_atan(dy / dx);
+        if (dx > 0.0) {
+            return angle;
+        }
+        return dy >= 0.0 ? angle + WG_PI : angle - WG_PI;
+    }
+    double angle = wg_atan(dx / dy);
+    return dy > 0.0 ? WG_PI / 2.0 - angle : -WG_PI / 2.0 - angle;
+}
+
+// Distance between two points.
+static inline double wg_distance(double x, double y, double to_x, double to_y)
+{
+    double dx = to_x - x;
+    double dy = to_y - y;
+    return sqrt(dx * dx + dy * dy);
+}
+
+// Distance of a point from a straight path.
+static inline double wg_distance_to_path(double x, double y, double from_x, double from_y, double to_x, double to_y)
+{
+    double dx = to_x - from_x;
+    double dy = to_y - from_y;
+    double length_sq = dx * dx + dy * dy;
+    double share = 0.0;
+    if (length_sq > 0.0) {
+        share = wg_smaller(1.0, wg_larger(0.0, ((x - from_x) * dx + (y - from_y) * dy) / length_sq));
+    }
+    return wg_distance(x, y, from_x + share * dx, from_y + share * dy);
+}
+
+// Direction of a range beam from the heading, rad, for beams all round, the first ahead.
+static inline double wg_bearing_of(int64_t beam, int64_t beams)
+{
+    return WG_WHOLE_TURN * (double)beam / (double)beams;
+}
+
+// Direction of the target from the heading, rad in [-pi, pi).
+static inline double wg_target_bearing(const WgObservation *seen)
+{
+    return wg_wrap(seen->target_heading - seen->heading);
+}
+
+// Commands a turn, rad, within the next step, and a speed, m/s.
+static inline void wg_steer(const WgObservation *seen, WgCommand *command, double turn, double speed)
+{
+    command->turn_rate = turn / seen->time_step;
+    command->speed = speed;
+}
+
+#endif

@@ -1,0 +1,41 @@
+#include "library.h"
+
+#include <stddef.h>
+#include <string.h>
+
+typedef struct Named {
+    const char *name;
+    WgAct act;
+} Named;
+
+static const Named LIBRARY[] = {
+    {"bug1", wg_bug1_act},
+    {"bug2", wg_bug2_act},
+    {"dynamic-window", wg_dynamic_window_act},
+    {"dynamic-window-tuned", wg_dynamic_window_tuned_act},
+    {"mapper", wg_mapper_act},
+    {"potential-field", wg_potential_field_act},
+    {"potential-field-tuned", wg_potential_field_tuned_act},
+    {"q-learning", wg_q_learning_act},
+    {"q-learning-tuned", wg_q_learning_tuned_act},
+    {"random-walk", wg_random_walk_act},
+    {"tangent-bug", wg_tangent_bug_act},
+    {"three-layer", wg_three_layer_act},
+    {"three-layer-tuned", wg_three_layer_tuned_act},
+    {"turn-left", wg_turn_left_act},
+    {"turn-random", wg_turn_random_act},
+    {"turn-right", wg_turn_right_act},
+    {"vfh", wg_vfh_act},
+    {"vfh-tuned", wg_vfh_tuned_act},
+    {"wall", wg_wall_act},
+};
+
+WgAct wg_library_act(const char *name)
+{
+    for (size_t k = 0; k < sizeof LIBRARY / sizeof LIBRARY[0]; k++) {
+        if (strcmp(LIBRARY[k].name, name) == 0) {
+            return LIBRARY[k].act;
+        }
+    }
+    return NULL;
+}

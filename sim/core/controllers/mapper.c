@@ -1,0 +1,189 @@
+// Mapping: keeps a small coarse map of where it could not pass, and drives the shortest path that the map leaves open.
+//
+// Sources: A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and Automation 8 (1992);
+// that it arrives, and how long that may take: S. Koenig, C. Tovey and Y. Smirnov, "Performance bounds for planning in
+// unknown terrain", Artificial Intelligence 147 (2003).
+
+#include "boundary.h"
+#include "directions.h"
+#include "lattice_map.h"
+#include "library.h"
+
+enum { START = 0, GO = 1, DOOR = 2, TOUCH = 3, BACK = 4 };
+
+static const double THERE = 0.01;  // of the pitch: nearer to a node it is there
+static const double STANDS = 0.02;  // of the pitch: a free step of less cannot come nearer
+static const double ALONG = 0.9;  // share of a step by which a node must come nearer if a wall bent the path
+static const double PROBE = 0.2;  // of the pitch: step by which it feels for a wall
+static const double MOST_TRIES = 12.0;  // steps on the way back that a wall may bend before the nearest node is taken
+                                        // for the one it is at
+
+typedef struct Point {
+    double x;  // m
+    double y;
+} Point;
+
+static WgNode node_of(const WgMapperMemory *own)
+{
+    return (WgNode){(int64_t)own->from_x, (int64_t)own->from_y};
+}
+
+// Lays the grid through the start, and the window half-way to the target.
+static void begin(const WgObservation *seen, WgMapperMemory *own)
+{
+    own->start_x = seen->x;
+    own->start_y = seen->y;
+    double far = seen->target_distance / own->grid;
+    own->target_x = far * wg_cos(seen->target_heading);
+    own->target_y = far * wg_sin(seen->target_heading);
+    double half = own->side / 2.0;
+    own->window_x = (double)wg_whole(own->target_x / 2.0 - half);
+    own->window_y = (double)wg_whole(own->target_y / 2.0 - half);
+}
+
+// Commands a step towards a point.
+static void drive_to(const WgObservation *seen, WgMapperMemory *own, WgCommand *command, Point to)
+{
+    double length = wg_smaller(seen->top_speed * seen->time_step, wg_distance(seen->x, seen->y, to.x, to.y));
+    double turn = wg_wrap(wg_angle_of(to.x - seen->x, to.y - seen->y) - seen->heading);
+    wg_steer(seen, command, turn, length / seen->time_step);
+    own->x = seen->x;
+    own->y = seen->y;
+    own->step = length;
+}
+
+// Whether the robot is at a point, or as near as its steps get it.
+static bool has_arrived(const WgObservation *seen, const WgMapperMemory *own, Point at)
+{
+    double left = wg_distance(seen->x, seen->y, at.x, at.y);
+    double moved = wg_distance(seen->x, seen->y, own->x, own->y);
+    double near = STANDS * own->grid;
+    bool free = seen->bump == 0.0;
+    return left < THERE * own->grid || (free && moved < near && left < 2.0 * near);
+}
+
+// Whether a wall stopped or bent the last step to a point.
+static bool is_barred(const WgObservation *seen, const WgMapperMemory *own, Point to)
+{
+    double before = wg_distance(own->x, own->y, to.x, to.y);
+    double after = wg_distance(seen->x, seen->y, to.x, to.y);
+    return seen->bump != 0.0 && before - after < ALONG * own->step;
+}
+
+// Chooses the next move from the node that the robot is at; false if there is no memory to plan in.
+static bool choose(WgMapperMemory *own)
+{
+    WgNode here = node_of(own);
+    wg_map_move_window(own, here);
+    int64_t move = wg_map_next_move(own);
+    if (move < 0) {
+        WgPlanned planned = wg_map_plan(own, here);
+        if (planned == WG_NO_PATH) {
+            wg_map_forget(own);  // what it noted cannot all be true
+            own->no_room = 0.0;
+            planned = wg_map_plan(own, here);
+        }
+        if (planned == WG_NO_MEMORY) {
+            return false;
+        }
+        move = wg_map_next_move(own);
+    }
+    own->mode = move < 0 ? DOOR : GO;
+    own->move = (double)move;
+    return true;
+}
+
+// Where the robot is driving to.
+static Point goal_of(const WgObservation *seen, const WgMapperMemory *own)
+{
+    if (own->mode == DOOR) {
+        double far = seen->target_distance;
+        double heading = seen->target_heading;
+        return (Point){seen->x + far * wg_cos(heading), seen->y + far * wg_sin(heading)};
+    }
+    if (own->mode == TOUCH) {
+        double towards = wg_touched(seen);
+        double length = PROBE * own->grid;
+        return (Point){seen->x + length * wg_cos(towards), seen->y + length * wg_sin(towards)};
+    }
+    WgNode node = node_of(own);
+    if (own->mode == GO) {
+        node = wg_neighbour(node, (int64_t)own->move);
+    }
+    return (Point){own->start_x + own->grid * (double)node.x, own->start_y + own->grid * (double)node.y};
+}
+
+// Notes where the wall is that the robot felt for: there, if it did not slide.
+static void feel(const WgObservation *seen, WgMapperMemory *own)
+{
+    if (seen->bump == 0.0 || wg_distance(own->x, own->y, seen->x, seen->y) > STANDS * own->grid) {
+        return;
+    }
+    double towards = wg_touched(seen);
+    double radius = seen->radius;
+    double x = (seen->x + radius * wg_cos(towards) - own->start_x) / own->grid;
+    double y = (seen->y + radius * wg_sin(towards) - own->start_y) / own->grid;
+    wg_map_block_near(own, x, y, own->no_room * radius / own->grid);
+}
+
+// Notes what barred the way, and heads back; whether the robot has tried that often enough to start again where it is.
+static bool turn_back(const WgObservation *seen, WgMapperMemory *own, bool barred)
+{
+    if (own->mode == GO) {
+        wg_map_block(own, node_of(own), (int64_t)own->move);
+    } else if (own->mode == DOOR) {
+        wg_map_block_door(own, node_of(own));
+    }
+    own->tries += 1.0;
+    own->mode = own->mode != BACK && barred && own->no_room > 0.0 ? TOUCH : BACK;
+    if (own->tries < MOST_TRIES) {
+        return false;
+    }
+    own->tries = 0.0;
+    own->from_x = (double)wg_whole((seen->x - own->start_x) / own->grid + 0.5);
+    own->from_y = (double)wg_whole((seen->y - own->start_y) / own->grid + 0.5);
+    own->plan_length = 0.0;
+    return true;
+}
+
+// Takes in how the last step went; whether the robot is now at a node and needs a move.
+static bool look(const WgObservation *seen, WgMapperMemory *own)
+{
+    Point goal = goal_of(seen, own);
+    bool barred = is_barred(seen, own, goal);
+    if (own->mode == TOUCH) {
+        feel(seen, own);
+        own->mode = BACK;
+        return false;
+    }
+    bool arrived = has_arrived(seen, own, goal);
+    if (own->mode != DOOR && arrived) {
+        if (own->mode == GO) {
+            WgNode there = wg_neighbour(node_of(own), (int64_t)own->move);
+            own->from_x = (double)there.x;
+            own->from_y = (double)there.y;
+        }
+        own->tries = 0.0;
+        return true;
+    }
+    if (!barred && !(own->mode == DOOR && arrived)) {
+        return false;
+    }
+    return turn_back(seen, own, barred);
+}
+
+void wg_mapper_act(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    WgMapperMemory *own = (WgMapperMemory *)memory;
+    bool decides = true;
+    if (own->mode == START) {
+        begin(seen, own);
+    } else {
+        decides = look(seen, own);
+    }
+    if (decides && !choose(own)) {
+        command->error = "MemoryError: no memory to plan in";
+        return;
+    }
+    drive_to(seen, own, command, goal_of(seen, own));
+}

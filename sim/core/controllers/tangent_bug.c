@@ -1,0 +1,223 @@
+// TangentBug: looks ahead with range beams, and goes around what is in the way along its tangents.
+//
+// Source: I. Kamon, E. Rimon and E. Rivlin, "TangentBug: a range-sensor-based navigation algorithm", The International
+// Journal of Robotics Research 17 (1998).
+
+#include "boundary.h"
+#include "directions.h"
+#include "library.h"
+
+enum { GOAL = 0, APPROACH = 1, WALL = 2, LEAVE = 3 };
+
+static const double RANGE = 1.0;  // m: further points are not looked at
+static const double APART = 1.4;  // of the radius: points further apart than this from beam to beam are not, either
+static const double TOUCHING = 0.97;  // of the radius: a wall that is touched is no nearer, so it does not bar the path
+                                      // along it
+static const double JUMP = 0.08 / 0.07;  // of the radius: an end of a wall is where the free path is longer by this in
+                                         // the next direction
+static const double LONGER = 0.05;  // m: so much longer the path by an end may become before a wall is followed
+static const double CONTINUES = 0.5;  // share of its distance by which a wall may be nearer or further in the next
+                                      // direction
+static const double NEARER = 0.03;  // m: a place to leave a wall for is nearer to the target by this than all of it
+static const double PATIENCE = 60.0;  // steps in which the path must have become shorter
+
+// A place in sight, with what makes it better than others: a length, m.
+typedef struct Sighting {
+    double worth;    // m: infinity if there is none
+    double bearing;  // rad, from the heading
+    double length;   // m: distance of the place
+} Sighting;
+
+// Distance, m, up to which points are looked at; a disc has a free path of that less its radius at most.
+static double sight_of(const WgObservation *seen)
+{
+    return wg_smaller(RANGE, APART * seen->radius * (double)seen->beam_count / WG_WHOLE_TURN);
+}
+
+// How far the disc can go in a direction from the heading, rad, past all points that beams met; m.
+static double free_path(const WgObservation *seen, double bearing)
+{
+    double sight = sight_of(seen);
+    double free = sight - seen->radius;
+    double wide = TOUCHING * seen->radius;
+    for (int64_t beam = 0; beam < seen->beam_count; beam++) {
+        double far = seen->beams[beam];
+        if (far >= 0.999 * sight) {
+            continue;
+        }
+        double angle = wg_wrap(wg_bearing_of(beam, seen->beam_count) - bearing);
+        double along = far * wg_cos(angle);
+        double across = far * wg_sin(angle);
+        if (along > 0.0 && fabs(across) < wide) {
+            free = wg_smaller(free, along - sqrt(wide * wide - across * across));
+        }
+    }
+    return wg_larger(free, 0.0);
+}
+
+// Distance to the target from the place that is so far away in a direction from the heading.
+static double rest_from(const WgObservation *seen, double bearing, double length)
+{
+    double far = seen->target_distance;
+    double angle = seen->target_heading - seen->heading - bearing;
+    double squared = far * far + length * length - 2.0 * far * length * wg_cos(wg_wrap(angle));
+    return sqrt(wg_larger(squared, 0.0));
+}
+
+// The end of a wall by which the path to the target is shortest; its worth is the length of that path.
+static Sighting best_end(const WgObservation *seen)
+{
+    int64_t beams = seen->beam_count;
+    Sighting best = {INFINITY, 0.0, 0.0};
+    double first = free_path(seen, 0.0);
+    double before = first;
+    for (int64_t beam = 1; beam <= beams; beam++) {
+        double bearing = wg_bearing_of(beam, beams);
+        double free = beam == beams ? first : free_path(seen, bearing);
+        if (fabs(free - before) > JUMP * seen->radius) {
+            double length = wg_smaller(wg_smaller(free, before) + seen->radius, wg_larger(free, before));
+            double towards = free > before ? bearing : bearing - WG_WHOLE_TURN / (double)beams;
+            double path = length + rest_from(seen, towards, length);
+            if (path < best.worth) {
+                best = (Sighting){path, towards, length};
+            }
+        }
+        before = free;
+    }
+    return best;
+}
+
+// The free place in sight that is nearest to the target; its worth is that distance.
+static Sighting nearest_seen(const WgObservation *seen)
+{
+    double offset = seen->target_heading - seen->heading;
+    Sighting best = {INFINITY, 0.0, 0.0};
+    for (int64_t beam = -1; beam < seen->beam_count; beam++) {
+        double bearing = beam < 0 ? offset : wg_bearing_of(beam, seen->beam_count);
+        double along = seen->target_distance * wg_cos(wg_wrap(offset - bearing));
+        if (along <= 0.0) {
+            continue;
+        }
+        double length = wg_smaller(along, free_path(seen, bearing));
+        double rest = rest_from(seen, bearing, length);
+        if (rest < best.worth) {
+            best = (Sighting){rest, bearing, length};
+        }
+    }
+    return best;
+}
+
+// Towards the target, or to the best end of the wall before it; a wall that both fail at is taken up.
+static void go(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *command)
+{
+    double ahead = seen->target_heading - seen->heading;
+    Sighting chosen = {seen->target_distance, ahead, seen->target_distance};
+    double in_sight = 0.999 * (sight_of(seen) - seen->radius);
+    if (free_path(seen, ahead) < wg_smaller(seen->target_distance, in_sight)) {
+        chosen = best_end(seen);
+        own->body.hand = wg_wrap(chosen.bearing - ahead) > 0.0 ? -1.0 : 1.0;
+    }
+
+    // The path must get shorter, or the wall is approached.
+    own->since += 1.0;
+    if (chosen.worth < own->best) {
+        own->best = chosen.worth;
+        own->since = 0.0;
+    }
+    bool stopped = wg_is_stopped(seen, &own->body, own->far);
+    if (chosen.worth > own->best + LONGER || own->since > PATIENCE || stopped) {
+        own->mode = APPROACH;
+        own->wall_far = seen->target_distance;
+        wg_head_for_target(seen, &own->body, command);
+        return;
+    }
+    double step = seen->bump != 0.0 ? wg_stride(seen) : seen->top_speed * seen->time_step;
+    double direction = seen->heading + chosen.bearing;
+    wg_drive(seen, &own->body, command, direction, wg_smaller(step, chosen.length));
+}
+
+// Takes in how near to the target the followed wall comes, as far as it is seen to one side, 1 or -1.
+static void see_wall(const WgObservation *seen, WgTangentBugMemory *own, int64_t side)
+{
+    int64_t beams = seen->beam_count;
+    double sight = sight_of(seen);
+    double towards = wg_wrap(own->body.wall - seen->heading) / WG_WHOLE_TURN;
+    int64_t first = wg_whole(towards * (double)beams + 0.5);
+    double before = seen->radius;
+    for (int64_t k = 0; k < beams / 2; k++) {
+        int64_t at = wg_index_remainder(first + side * k, beams);
+        double far = seen->beams[at];
+        if (far >= 0.999 * sight || fabs(far - before) > CONTINUES * before) {
+            break;
+        }
+        double rest = rest_from(seen, wg_bearing_of(at, beams), wg_larger(far - seen->radius, 0.0));
+        own->wall_far = wg_smaller(own->wall_far, rest);
+        before = far;
+    }
+}
+
+// Notes a place in sight to leave the wall for, if one is nearer to the target than all of the wall was.
+static void see_whether_to_leave(const WgObservation *seen, WgTangentBugMemory *own)
+{
+    see_wall(seen, own, 1);
+    see_wall(seen, own, -1);
+    own->wall_far = wg_smaller(own->wall_far, seen->target_distance);
+    Sighting place = nearest_seen(seen);
+    if (place.worth < own->wall_far - NEARER) {
+        double heading = wg_wrap(seen->heading + place.bearing);
+        own->leave_x = seen->x + place.length * wg_cos(heading);
+        own->leave_y = seen->y + place.length * wg_sin(heading);
+        own->mode = LEAVE;
+    }
+}
+
+// Drives to the place for which a wall is left.
+static void leave(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *command)
+{
+    double left = wg_distance(seen->x, seen->y, own->leave_x, own->leave_y);
+    double step = seen->top_speed * seen->time_step;
+    double direction = wg_angle_of(own->leave_x - seen->x, own->leave_y - seen->y);
+    wg_drive(seen, &own->body, command, direction, wg_smaller(step, left));
+}
+
+static void head_for_goal(WgTangentBugMemory *own)
+{
+    own->mode = GOAL;
+    own->best = INFINITY;
+    own->since = 0.0;
+}
+
+void wg_tangent_bug_act(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    WgTangentBugMemory *own = (WgTangentBugMemory *)memory;
+
+    // What the last step changed.
+    if (own->mode == LEAVE) {
+        double moved = wg_distance(own->body.x, own->body.y, seen->x, seen->y);
+        if (seen->target_distance < own->wall_far - 0.5 * NEARER) {
+            head_for_goal(own);
+        } else if (seen->bump != 0.0 || moved < 0.01 * wg_stride(seen)) {
+            own->mode = APPROACH;
+        }
+    } else if (own->mode == APPROACH && wg_is_stopped(seen, &own->body, own->far)) {
+        own->mode = WALL;
+        wg_begin_following(&own->body, wg_touched(seen));
+    } else if (own->mode == WALL && wg_feel(seen, &own->body)) {
+        see_whether_to_leave(seen, own);
+    } else if (own->mode == WALL && wg_has_lost_it(&own->body)) {
+        head_for_goal(own);
+    }
+
+    // The next step.
+    if (own->mode == GOAL) {
+        go(seen, own, command);
+    } else if (own->mode == APPROACH) {
+        own->wall_far = wg_smaller(own->wall_far, seen->target_distance);
+        wg_head_for_target(seen, &own->body, command);
+    } else if (own->mode == LEAVE) {
+        leave(seen, own, command);
+    } else {
+        wg_follow(seen, &own->body, command);
+    }
+    own->far = seen->target_distance;
+}

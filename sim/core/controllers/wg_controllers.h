@@ -1,0 +1,246 @@
+// The controllers of the library, and what stands where in their memories.
+//
+// A memory is an array of float64; each struct here is laid over it, so that fields have names in C and in Python. Its
+// numbers are part of the state that a loop repeats and a digest covers: their order never changes.
+
+#ifndef WG_CONTROLLERS_H
+#define WG_CONTROLLERS_H
+
+#include <stdint.h>
+
+#include "worldgen_controller.h"
+
+// The act of a controller of the library, or of one with a planted fault, by its name; NULL if there is none.
+WgAct wg_library_act(const char *name);
+
+// What follows a wall by touch. The memory of such a controller begins with it.
+typedef struct WgBody {
+    double x;       // m: position before the last step
+    double y;
+    double step;    // m: length that was asked for in the last step
+    double hand;    // side of the wall: 1 left, -1 right
+    double wall;    // rad: direction from the robot to its wall
+    double phase;   // WG_ADVANCE or WG_PRESS
+    double stuck;   // how often in a row it touched its wall and did not move
+    double lost;    // how many steps ago it touched a wall
+    double smooth;  // how often in a row its wall had not turned, at most FLAT_AFTER
+} WgBody;
+
+typedef struct WgWallMemory {
+    WgBody body;
+    double mode;  // 0 to the target, 1 along the wall
+} WgWallMemory;
+
+// A place of a wall that Bug1 remembers.
+typedef struct WgWallPlace {
+    double x;     // m
+    double y;
+    double wall;  // rad: direction of the wall there
+} WgWallPlace;
+
+typedef struct WgBug1Memory {
+    WgBody body;
+    double mode;           // 0 start, 1 to the target, 2 meets a wall, 3 round it, 4 to the leave point
+    double far;            // m: distance to the target before the step
+    WgWallPlace hit;       // where a wall stopped it
+    WgWallPlace leave;     // where the wall was nearest to the target
+    double leave_far;      // m: distance of that place to the target; infinity: there is none
+    double path;           // m: driven since the hit
+    double leave_path;     // m: driven from the hit to the leave point
+    double away;           // 0 near the hit point, 1 away from it, 2 back at it
+} WgBug1Memory;
+
+typedef struct WgBug2Memory {
+    WgBody body;
+    double mode;     // 0 start, 1 to the target, 2 round the obstacle, 3 to the line
+    double far;      // m: distance to the target before the step
+    double hit_x;    // m
+    double hit_y;
+    double hit_far;  // m: distance of the hit point to the target; infinity: there is none
+    double line_x;   // direction of the line, a unit vector
+    double line_y;
+    double leave_x;  // m: the place to leave at
+    double leave_y;
+} WgBug2Memory;
+
+typedef struct WgTangentBugMemory {
+    WgBody body;
+    double mode;      // 0 to the target, 1 by an end, 2 along the wall, 3 leaves the wall
+    double best;      // m: shortest path so far
+    double since;     // steps since then
+    double wall_far;  // m: least distance of the wall to the target
+    double far;       // m: distance to the target before the step
+    double leave_x;   // m: the place to leave for
+    double leave_y;
+} WgTangentBugMemory;
+
+typedef struct WgRandomWalkMemory {
+    double left;  // m: what is left of the leg
+} WgRandomWalkMemory;
+
+typedef struct WgThesisMemory {
+    double behaviour;  // in charge: WG_IDLE, WG_COLLIDE, WG_SEEK or WG_DRIVE
+    double counter;    // its
+    double target;     // heading units: the target heading; -1: none
+    double speed;      // share of the top speed
+    double old_speed;  // same, before the collision
+} WgThesisMemory;
+
+// A controller with tuned numbers has an act that takes the ones named here as `..._default`, and an act whose memory
+// holds numbers of the user's own behind the state.
+
+typedef struct WgPotentialField {
+    double pull;        // force per metre of distance from the target
+    double far;         // m: distance beyond which the pull grows no more, which limits the speed
+    double push;        // gain of the walls' push
+    double influence;   // m: gap beyond which a wall does not push
+    double full_force;  // force at which the robot drives at its top speed; below, in proportion
+} WgPotentialField;
+
+typedef struct WgVfh {
+    double safety;          // what obstacles are widened by in addition to the robot's radius, in radii
+    double window;          // distance, in radii of the robot, beyond which obstacles do not count
+    double low;             // density, 0 to 1, below which a blocked sector becomes free
+    double high;            // density above which a free sector becomes blocked
+    double wide;            // sectors of an opening that is passed along its side instead of through its middle
+    double to_target;       // cost of a sector between a direction and the target's
+    double to_heading;      // cost of a sector between it and the heading
+    double to_last;         // cost of a sector between it and the direction chosen last
+    double turning_radius;  // m, of a robot that cannot turn on the spot; 0 masks no directions
+    double slowest;         // share of the top speed that is left in the densest direction
+} WgVfh;
+
+typedef struct WgVfhMemory {
+    double blocked[72];  // 1 for each blocked sector
+    double last;         // heading chosen last, sectors; below 0: none yet
+} WgVfhMemory;
+
+typedef struct WgVfhTunedMemory {
+    WgVfhMemory state;
+    WgVfh tuned;
+} WgVfhTunedMemory;
+
+typedef struct WgDynamicWindow {
+    double margin;        // m: what the robot is taken to be larger by than it is
+    double gain;          // m/s2: greatest change of speed, up or down
+    double turn_gain;     // rad/s2: greatest change of turn rate
+    double fastest_turn;  // rad/s
+    double speeds;        // how many speeds are tried, from the slowest to the fastest within the window
+    double turns;         // how many turn rates are tried, same; an odd number keeps the one of now
+    double ahead;         // s after which an arc's heading is compared with the target's direction
+    double least;         // m: free path that an arc must have
+    double far;           // m: free path beyond which more is not better
+    double to_target;     // weight of the heading
+    double to_free;       // weight of the free path
+    double to_speed;      // weight of the speed
+} WgDynamicWindow;
+
+typedef struct WgDynamicWindowMemory {
+    double speed;      // m/s, commanded last
+    double turn_rate;  // rad/s, same
+} WgDynamicWindowMemory;
+
+typedef struct WgDynamicWindowTunedMemory {
+    WgDynamicWindowMemory state;
+    WgDynamicWindow tuned;
+} WgDynamicWindowTunedMemory;
+
+typedef struct WgThreeLayer {
+    double margin;    // m: what the robot is taken to be larger by than it is
+    double pitch;     // side of a cell of the map, in radii of the robot; more where the map would not reach the target
+    double reach;     // least side of the map, times the distance from start to target
+    double look;      // m: free path that the controller wants in the direction it takes
+    double patience;  // steps after which a waypoint is given up, times one more than the map has been forgotten
+} WgThreeLayer;
+
+typedef struct WgThreeLayerMemory {
+    double laid;       // whether the map has been laid
+    double corner_x;   // m: its corner
+    double corner_y;
+    double pitch;      // m: side of its cells
+    double to_x;       // the waypoint's cell; -1: none
+    double to_y;
+    double waited;     // steps since it was set
+    double forgotten;  // how often the map was forgotten
+    double here_x;     // the robot's cell
+    double here_y;
+    double from_x;     // the one before
+    double from_y;
+    double target_x;   // the target's
+    double target_y;
+    double right[48];  // a number for each row, a bit for each closed border between a cell and its right neighbour
+    double up[48];     // same, and its upper neighbour
+} WgThreeLayerMemory;
+
+typedef struct WgThreeLayerTunedMemory {
+    WgThreeLayerMemory state;
+    WgThreeLayer tuned;
+} WgThreeLayerTunedMemory;
+
+typedef struct WgQMemory {
+    double wait;    // steps until the next decision
+    double turned;  // last turn: 0 none or back, 1 left, 2 right
+} WgQMemory;
+
+typedef struct WgQTunedMemory {
+    WgQMemory state;
+    double best[768];  // the turn to take in each situation: its number among the six turns
+} WgQTunedMemory;
+
+typedef struct WgMapperMemory {
+    // The map; places are in nodes from the start.
+    double side;         // nodes of the window along a side
+    double window_x;     // its lowest node
+    double window_y;
+    double target_x;     // of the target, not rounded
+    double target_y;
+    double doors;        // bits of the nodes next to the target from which the way to it was found blocked
+    double plan_at;      // moves that are done
+    double plan_length;  // all moves of the plan
+    double plan[64];     // 16 moves in each number
+
+    // The controller.
+    double mode;     // 0 start, 1 go, 2 to the target, 3 feel for the wall, 4 back
+    double from_x;   // the node that it came from
+    double from_y;
+    double move;     // from that node: 0 is east, then counter-clockwise by eighths of a turn
+    double start_x;  // m
+    double start_y;
+    double grid;     // m: distance of two nodes
+    double x;        // m: position before the step
+    double y;
+    double step;     // m: length of the step
+    double tries;    // failed returns
+    double no_room;  // share of the robot's radius nearer than which to a place that it felt there is no room for it; 0
+                     // if it does not feel for walls
+
+    double nodes[];  // 4 bits for each node of the window, 12 nodes in each number
+} WgMapperMemory;
+
+extern const WgPotentialField wg_potential_field_default;
+extern const WgVfh wg_vfh_default;
+extern const WgDynamicWindow wg_dynamic_window_default;
+extern const WgThreeLayer wg_three_layer_default;
+
+// Length of an arc until a disc meets a point, m; infinity if it never does.
+//
+// x, y:       of the point, m, ahead of the robot and to its left. A point inside the disc counts as met at once if it
+//             is ahead.
+// speed:      m/s, positive.
+// turn_rate:  rad/s.
+// radius:     of the disc, m.
+double wg_arc_to_contact(double x, double y, double speed, double turn_rate, double radius);
+
+// The number of the situation that the Q-learning robot sees, below 768.
+int64_t wg_q_situation(const WgObservation *seen, const WgQMemory *memory);
+
+// A cell of the map of three-layer.
+typedef struct WgMapCell {
+    int64_t column;
+    int64_t row;
+} WgMapCell;
+
+// The cell after `here` on a shortest path through the map to `target`; (-1, -1) if there is none.
+WgMapCell wg_next_cell(const WgThreeLayerMemory *memory, WgMapCell here, WgMapCell target);
+
+#endif
