@@ -7,24 +7,26 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
 import numpy.typing as npt
 
 from benchmarks.thesis_faults import KINDS, draw_worlds
-from sim import Command, Observation
+from sim import Command, Observation, _core
 from sim.controllers.base import Memory
-from sim.controllers.library import _q_table
-from sim.controllers.library.q_learning import AT_RESET, DRIVEN, NEEDS, SENSES, SITUATIONS, TURNS, situation
+from sim.controllers.library.q_learning import AT_RESET, DRIVEN, NEEDS, SENSES, SITUATIONS, TURNS
 from sim.episode import prepare
 from sim.run_options import RunOptions
 from worldgen.random_streams import RandomStream
 
-__all__ = ["Learner", "as_module", "train"]
+__all__ = ["TABLE", "Learner", "as_c", "train"]
+
+TABLE = Path(__file__).parent.parent / "sim" / "core" / "controllers" / "q_table.c"
 
 EPISODES = 12_000
-_ON_A_LINE = 3  # situations in a line of the file
+_ON_A_LINE = 2  # situations in a line of the file
 _BUDGET = 800  # steps of an episode
 _SEED = 1
 _WORLDS = 150  # of each kind
@@ -68,8 +70,7 @@ class Learner:
         wait, turned = memory
         turn = 0
         if wait <= 0.0 or observation.bump:
-            flat = np.array((*observation[:-1], *observation.beams), np.float64)
-            now = situation(flat, np.array(memory))
+            now = _situation(observation, memory)
             self._learn(now, observation)
             choice = self._choose(now)
             self._before = (now, choice, observation.target_distance)
@@ -128,13 +129,23 @@ def train(episodes: int = EPISODES, seed: int = _SEED) -> npt.NDArray[np.int64]:
     return np.floor(learner.table * 1000.0 + 0.5).astype(np.int64)
 
 
-def as_module(table: npt.NDArray[np.int64]) -> str:
-    """The text of ``_q_table.py``."""
-    lines = "\n".join(" ".join(map(str, row)) for row in table.reshape(-1, _ON_A_LINE * len(TURNS)).tolist())
+def _situation(observation: Observation, memory: Memory) -> int:
+    """Return the number of the situation that the robot sees."""
+    ffi: Any = _core.ffi
+    beams = ffi.new("double[]", observation.beams)
+    seen = ffi.new("WgObservation *", (*observation[:-1], beams, len(beams)))
+    return int(_core.lib.wg_q_situation(seen, ffi.new("WgQMemory *", memory)))
+
+
+def as_c(table: npt.NDArray[np.int64]) -> str:
+    """Return the text of ``q_table.c``."""
+    situations = [f"{{{', '.join(map(str, worths))}}}," for worths in table.tolist()]
+    pairs = zip(*[iter(situations)] * _ON_A_LINE, strict=True)
+    lines = "\n".join(f"    {' '.join(pair)}" for pair in pairs)
     return (
-        f'"""The Q-learning robot\'s table; ``python -m benchmarks.train_q_learning`` has written it.\n\n'
-        f"Worth of each turn, thousandths, in each situation: {_ON_A_LINE} situations a line.\n"
-        f'"""\n\n__all__ = ["TABLE"]\n\nTABLE = """\n{lines}\n"""\n'
+        "// The Q-learning robot's table; `python -m benchmarks.train_q_learning` has written it.\n\n"
+        '#include "q_table.h"\n\n'
+        f"const int16_t wg_q_table[WG_Q_SITUATIONS][WG_Q_TURNS] = {{\n{lines}\n}};\n"
     )
 
 
@@ -143,8 +154,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="compare with the table that is there")
     given = parser.parse_args()
-    path = Path(_q_table.__file__)
-    text = as_module(train())
+    path = TABLE
+    text = as_c(train())
     if not given.check:
         path.write_text(text, encoding="utf-8")
         click.echo(f"wrote {path.name}")

@@ -94,7 +94,7 @@ class Core:
 
 _TYPES = "worldgen/include/wg_types.h"
 _CONTROLLER = "sim/include/worldgen_controller.h"
-_SIM = ("sim/core/wg_sim.h", "sim/core/wg_episode.h")
+_SIM = ("sim/core/wg_sim.h", "sim/core/wg_episode.h", "sim/core/controllers/wg_controllers.h")
 
 CORES = (
     Core(
@@ -107,14 +107,14 @@ CORES = (
         "sim._core",
         ("sim/core",),
         (_TYPES, _CONTROLLER, *_SIM, "sim/core/wg_parts.h", "sim/core/wg_thesis.h"),
-        ("worldgen/include", "sim/include", "sim/core"),
+        ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers"),
     ),
     # The search runs the simulator and the prover's flood inside its own loops, so both are compiled into it.
     Core(
         "fuzz._core",
         ("fuzz/core", "sim/core"),
-        (_TYPES, _CONTROLLER, *_SIM, "fuzz/core/wg_fuzz.h"),
-        ("worldgen/include", "sim/include", "sim/core", "fuzz/core"),
+        (_TYPES, _CONTROLLER, *_SIM, "fuzz/core/wg_faults.h"),
+        ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers", "fuzz/core"),
     ),
 )
 

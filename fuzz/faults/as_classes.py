@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from fuzz.faults import FAULTS
-from fuzz.faults.planting import Fault
 from sim.controllers import CONTROLLERS, Command, CompiledController, Observation
-from sim.controllers.base import Act, Memory, compiled_act
+from sim.controllers.base import Act, Memory
 from sim.kernels import layout
 from sim.robot_options import RobotOptions
 
@@ -71,13 +70,12 @@ def _compiled(name: str) -> CompiledController:
 @functools.cache
 def _act(name: str, plain: bool) -> Act:
     """The function itself; here and not in an object, for what a controller holds is its state."""
-    controller = _compiled(name)
+    act = _compiled(name).act
     if not plain:
-        compiled: Act = compiled_act(controller.act)
-        return compiled
-    if isinstance(controller, Fault) and controller.plain is not None:
-        return controller.plain
-    interpreted: Act = getattr(controller.act, "py_func", controller.act)
+        return act
+    from fuzz.faults.interim import plain_fault  # noqa: PLC0415
+
+    interpreted: Act = plain_fault(name.rpartition(":")[2])
     return interpreted
 
 

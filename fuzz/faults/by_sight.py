@@ -1,20 +1,16 @@
-"""Faults in the controllers that see by range beams, and in Q-learning."""
+"""Faults in the controllers that see by range beams, and in Q-learning.
+
+``fuzz/core/faults_by_sight.c`` has the functions.
+"""
 
 from __future__ import annotations
 
-import math
-
-from fuzz.faults.planting import Floats, seeded, unwrap_turn
-from sim.controllers.base import Act
-from sim.controllers.library import three_layer as layers
-from sim.controllers.library import vfh as histogram
-from sim.controllers.library._directions import target_bearing
+from fuzz.faults.planting import planted
 from sim.controllers.library.dynamic_window import dynamic_window
 from sim.controllers.library.potential_field import potential_field
-from sim.controllers.library.q_learning import SITUATIONS, TURNED, WAIT, q_learning, situation
+from sim.controllers.library.q_learning import q_learning
 from sim.controllers.library.three_layer import three_layer
 from sim.controllers.library.vfh import vfh
-from sim.kernels import layout
 
 __all__ = [
     "dynamic_window_brakes_for_the_target",
@@ -34,139 +30,95 @@ __all__ = [
     "vfh_turn_sign",
 ]
 
-_CELL = 0.1  # m: of the families' worlds
-
-
-@seeded(three_layer, "loop")
-def three_layer_patience_starts_anew(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """The timer of a waypoint is set to 0 in each step, so no waypoint is ever given up."""
-    memory[layers.WAITED] = 0.0
-    base(observation, memory, command)
-
-
-@seeded(three_layer, "loop")
-def three_layer_forgets_its_map(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """The map is cleared with each new waypoint: what was learnt is lost with the reset."""
-    to_x, to_y = memory[layers.TO_X], memory[layers.TO_Y]
-    base(observation, memory, command)
-    if memory[layers.TO_X] != to_x or memory[layers.TO_Y] != to_y:
-        for k in range(2 * layers.SIDE):
-            memory[layers.RIGHT + k] = 0.0
-
-
-@seeded(three_layer, "loop")
-def three_layer_columns_and_rows_swapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Columns and rows are mixed up where the robot's cell is looked up."""
-    if memory[layers.LAID] != 0.0:
-        x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
-        observation[layout.OBS_X], observation[layout.OBS_Y] = y, x
-    base(observation, memory, command)
-
-
-@seeded(three_layer, "loop", room=2)
-def three_layer_stale_target(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """The heading of the target is kept from the start for the last bit of the way."""
-    if memory[layers.MEMORY] == 0.0:
-        memory[layers.MEMORY], memory[layers.MEMORY + 1] = 1.0, observation[layout.OBS_TARGET_HEADING]
-    observation[layout.OBS_TARGET_HEADING] = memory[layers.MEMORY + 1]
-    base(observation, memory, command)
-
-
-@seeded(three_layer, "stalled")
-def three_layer_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """The turn is the difference of two headings, not wrapped at pi."""
-    base(observation, memory, command)
-    unwrap_turn(observation, command)
-
-
-@seeded(vfh, "loop")
-def vfh_turn_sign(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Turns the wrong way where the chosen direction is more than an eighth of a turn off."""
-    base(observation, memory, command)
-    if abs(command[layout.CMD_TURN_RATE] * observation[layout.OBS_TIME_STEP]) > 0.25 * math.pi:
-        command[layout.CMD_TURN_RATE] = -command[layout.CMD_TURN_RATE]
-
-
-@seeded(vfh, "loop", room=histogram.SECTORS)
-def vfh_histogram_never_clears(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """A sector that was blocked once stays so: the lower threshold is never asked."""
-    first = histogram.SECTORS + 1
-    for k in range(histogram.SECTORS):
-        if memory[first + k] != 0.0:
-            memory[k] = 1.0
-    base(observation, memory, command)
-    for k in range(histogram.SECTORS):
-        memory[first + k] = max(memory[first + k], memory[k])
-
-
-@seeded(vfh, "crash")
-def vfh_beam_beyond_the_last(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Looks up the beam nearest to the target by a rounded index, which may be one beyond the last."""
-    base(observation, memory, command)
-    beams = observation.size - layout.OBS_SIZE
-    bearing = target_bearing(observation) % (2.0 * math.pi)
-    nearest = math.floor(bearing / (2.0 * math.pi) * beams + 0.5)
-    if observation[layout.OBS_SIZE + nearest] < observation[layout.OBS_RADIUS]:
-        command[layout.CMD_SPEED] = 0.0
-
-
-@seeded(potential_field, "crash")
-def potential_field_gap_in_whole_cells(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Divides by the gap to the nearest wall in whole cells of the map, which may be 0."""
-    base(observation, memory, command)
-    nearest = observation[layout.OBS_SIZE]
-    for k in range(layout.OBS_SIZE, observation.size):
-        nearest = min(nearest, observation[k])
-    cells = math.floor((nearest - observation[layout.OBS_RADIUS]) / _CELL)
-    command[layout.CMD_SPEED] *= 1.0 - 0.1 / cells
-
-
-@seeded(potential_field, "tunnel", variations="+motion=endpoint+time_step=0.3")
-def potential_field_never_slows(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Drives at its top speed near walls, too, so that between two looks it is beyond them."""
-    base(observation, memory, command)
-    command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED]
-
-
-@seeded(dynamic_window, "invalid-command")
-def dynamic_window_brakes_for_the_target(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Slows down before the target by the root of what is left less 0.1 m, which may be negative."""
-    base(observation, memory, command)
-    stop = math.sqrt(observation[layout.OBS_TARGET_DISTANCE] - 0.1)
-    if not command[layout.CMD_SPEED] < 20.0 * stop:
-        command[layout.CMD_SPEED] = 20.0 * stop
-
-
-@seeded(dynamic_window, "tunnel", variations="+motion=endpoint+time_step=0.15")
-def dynamic_window_speed_in_km_h(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Sends its speed in km/h to wheels that take m/s."""
-    base(observation, memory, command)
-    command[layout.CMD_SPEED] *= 3.6
-
-
-@seeded(q_learning, "crash")
-def q_learning_eighth_of_nine(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Counts nine eighths of a turn: straight behind on the right is beyond the table's end."""
-    number = situation(observation, memory)
-    bearing = target_bearing(observation) % (2.0 * math.pi)
-    if math.floor(bearing / (2.0 * math.pi) * 8.0 + 0.5) == 8:  # without the remainder
-        number += 8 * 32
-    if number >= SITUATIONS:
-        raise IndexError("situation beyond the table")
-    base(observation, memory, command)
-
-
-@seeded(q_learning, "loop")
-def q_learning_timer_off_by_one(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Waits a step longer between two decisions than it did when it was trained: an error by one in a timer."""
-    waited = memory[WAIT]
-    base(observation, memory, command)
-    if memory[WAIT] > waited:
-        memory[WAIT] += 1.0
-
-
-@seeded(q_learning, "loop")
-def q_learning_last_turn_lost(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
-    """Does not remember which way it turned last."""
-    base(observation, memory, command)
-    memory[TURNED] = 0.0
+three_layer_patience_starts_anew = planted(
+    "three-layer-patience-starts-anew",
+    three_layer,
+    "loop",
+    "The timer of a waypoint is set to 0 in each step, so no waypoint is ever given up.",
+)
+three_layer_forgets_its_map = planted(
+    "three-layer-forgets-its-map",
+    three_layer,
+    "loop",
+    "The map is cleared with each new waypoint: what was learnt is lost with the reset.",
+)
+three_layer_columns_and_rows_swapped = planted(
+    "three-layer-columns-and-rows-swapped",
+    three_layer,
+    "loop",
+    "Columns and rows are mixed up where the robot's cell is looked up.",
+)
+three_layer_stale_target = planted(
+    "three-layer-stale-target",
+    three_layer,
+    "loop",
+    "The heading of the target is kept from the start for the last bit of the way.",
+)
+three_layer_turn_not_wrapped = planted(
+    "three-layer-turn-not-wrapped",
+    three_layer,
+    "stalled",
+    "The turn is the difference of two headings, not wrapped at pi.",
+)
+vfh_turn_sign = planted(
+    "vfh-turn-sign",
+    vfh,
+    "loop",
+    "Turns the wrong way where the chosen direction is more than an eighth of a turn off.",
+)
+vfh_histogram_never_clears = planted(
+    "vfh-histogram-never-clears",
+    vfh,
+    "loop",
+    "A sector that was blocked once stays so: the lower threshold is never asked.",
+)
+vfh_beam_beyond_the_last = planted(
+    "vfh-beam-beyond-the-last",
+    vfh,
+    "crash",
+    "Looks up the beam nearest to the target by a rounded index, which may be one beyond the last.",
+)
+potential_field_gap_in_whole_cells = planted(
+    "potential-field-gap-in-whole-cells",
+    potential_field,
+    "crash",
+    "Divides by the gap to the nearest wall in whole cells of the map, which may be 0.",
+)
+potential_field_never_slows = planted(
+    "potential-field-never-slows",
+    potential_field,
+    "tunnel",
+    "Drives at its top speed near walls, too, so that between two looks it is beyond them.",
+    variations="+motion=endpoint+time_step=0.3",
+)
+dynamic_window_brakes_for_the_target = planted(
+    "dynamic-window-brakes-for-the-target",
+    dynamic_window,
+    "invalid-command",
+    "Slows down before the target by the root of what is left less 0.1 m, which may be negative.",
+)
+dynamic_window_speed_in_km_h = planted(
+    "dynamic-window-speed-in-km-h",
+    dynamic_window,
+    "tunnel",
+    "Sends its speed in km/h to wheels that take m/s.",
+    variations="+motion=endpoint+time_step=0.15",
+)
+q_learning_eighth_of_nine = planted(
+    "q-learning-eighth-of-nine",
+    q_learning,
+    "crash",
+    "Counts nine eighths of a turn: straight behind on the right is beyond the table's end.",
+)
+q_learning_timer_off_by_one = planted(
+    "q-learning-timer-off-by-one",
+    q_learning,
+    "loop",
+    "Waits a step longer between two decisions than it did when it was trained: an error by one in a timer.",
+)
+q_learning_last_turn_lost = planted(
+    "q-learning-last-turn-lost",
+    q_learning,
+    "loop",
+    "Does not remember which way it turned last.",
+)

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from numba.core.errors import NumbaError, NumbaWarning
 
+from sim.controllers.core_act import CoreAct
 from sim.controllers.memory_view import MemoryField, MemoryMap, check_fields
 from sim.kernels import layout
 from sim.robot_options import RobotOptions
@@ -139,8 +140,9 @@ class CompiledController:
 
     Args:
         name: For messages and files.
-        act: ``act(observation, memory, command)`` on flat float64 arrays (:mod:`sim.kernels.layout`);
-            changes ``memory`` and ``command`` in place. All its state is in ``memory``.
+        act: A function of the core; or ``act(observation, memory, command)`` on flat float64 arrays
+            (:mod:`sim.kernels.layout`), which numba compiles: it changes ``memory`` and ``command`` in place, and all
+            its state is in ``memory``.
         memory: Memory at reset, numbers.
         start_speed: m/s during the first step, before anything has been seen; more than the robot's top speed is
             that speed.
@@ -161,7 +163,7 @@ class CompiledController:
     """
 
     name: str
-    act: Act
+    act: Act | CoreAct
     memory: Memory = ()
     start_speed: float = 0.0
     thesis_rule: int = 0
@@ -292,12 +294,14 @@ def senses_of(controller: Controller) -> int:
 
 
 @functools.cache
-def compiled_act(act: Act) -> Any:
+def compiled_act(act: Act | CoreAct) -> Any:
     """The compiled form of an act function, of the one type that the episode kernel takes.
 
     Raises:
         InvalidParameter: If numba cannot compile it.
     """
+    if isinstance(act, CoreAct):
+        act = act.interim()
     if numba_config.DISABLE_JIT:
         return act
     array = numba.float64[::1]

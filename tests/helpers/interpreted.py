@@ -11,7 +11,7 @@ class Interpreted:
     """The same controller as a Python class, no kernel of it compiled."""
 
     def __init__(self, controller):
-        self._act, self._memory = twin(controller.act), controller.memory
+        self._act, self._memory = twin(controller.act.interim()), controller.memory
         self.senses, self.needs = controller.senses, controller.needs
 
     def reset(self):

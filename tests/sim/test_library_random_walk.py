@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from sim import simulate
-from sim.controllers.library.random_walk import LEG, random_walk
+from sim.controllers.library.random_walk import random_walk
 from tests.helpers.drawn_worlds import drawn
 from tests.helpers.interpreted import Interpreted
 from worldgen import generate
 
+LEG = 0.5  # m
 ROOM = drawn(".......\n.....G.\n" + ".......\n" * 3 + ".S.....\n.......")
 HALL = drawn("\n".join(["." * 41] * 20 + ["." * 20 + "S" + "." * 20] + ["." * 41] * 19 + ["G" + "." * 40]))
 

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim import simulate
+from sim import _core, simulate
+from sim.controllers.interim._directions import angle_of, wrap
 from sim.controllers.library import three_layer as layers
-from sim.controllers.library._directions import angle_of, wrap
-from sim.controllers.library.dynamic_window import arc_to_contact, dynamic_window
+from sim.controllers.library.dynamic_window import dynamic_window
 from sim.controllers.library.potential_field import PotentialField, potential_field, potential_field_robot
 from sim.controllers.library.three_layer import three_layer
 from sim.controllers.library.vfh import VfhPlus, vfh, vfh_robot
@@ -114,7 +114,7 @@ def test_an_arc_meets_a_point_where_small_steps_meet_it(x, y, speed, turn_rate, 
     k = turn_rate / speed
     px, py = (s, 0 * s) if abs(turn_rate) < 1e-6 else (np.sin(k * s) / k, (1 - np.cos(k * s)) / k)
     away = np.hypot(px - x, py - y)
-    way = arc_to_contact(x, y, speed, turn_rate, radius)
+    way = _core.lib.wg_arc_to_contact(x, y, speed, turn_rate, radius)
     if away.min() > radius + 1e-3:
         assert way >= s[-1]
     elif away.min() < radius - 1e-3:
@@ -122,7 +122,9 @@ def test_an_arc_meets_a_point_where_small_steps_meet_it(x, y, speed, turn_rate, 
 
 
 def _plan(memory, here, target):
-    return layers.next_cell(memory, here, target, np.zeros(layers.SIDE, np.int64), np.zeros(layers.SIDE, np.int64))
+    own = _core.ffi.cast("WgThreeLayerMemory *", _core.ffi.from_buffer(memory))
+    cell = _core.lib.wg_next_cell(own, here, target)
+    return cell.column, cell.row
 
 
 def test_the_plan_goes_round_what_is_closed():

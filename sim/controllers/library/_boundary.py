@@ -1,193 +1,21 @@
-"""Following a wall by touch: what wall followers and bug algorithms share.
+"""What controllers that follow a wall by touch have in common; how they do it says ``sim/core/controllers/boundary.h``.
 
-The robot knows its position and, of the wall that it touched last, the direction to it. It *advances* along that wall,
-turned a little towards it, so that it slides on a flat wall and keeps in touch round a corner. Where it meets something
-else, it *presses* against its own wall again before it goes on: what stopped it may be the far side of a passage
-hardly wider than itself. Only if it then cannot move ahead at all does it turn to the other wall. Where it loses its
-wall it turns towards it step by step. So it follows the edge of what its centre can reach, and skips no opening.
-
-A step is never longer than :func:`stride`, which is less than the robot's diameter.
-
-The memory of a controller begins with ``BODY_SIZE`` numbers:
-
-=============  =====================================================================================
-``X``, ``Y``   position before the last step, m
-``STEP``       length that was asked for in the last step, m
-``HAND``       side of the wall: 1 left, -1 right
-``WALL``       direction from the robot to its wall, rad
-``PHASE``      ``ADVANCE`` or ``PRESS``
-``STUCK``      how often in a row it touched its wall and did not move
-``LOST``       how many steps ago it touched a wall
-``SMOOTH``     how often in a row its wall had not turned, at most ``_FLAT_AFTER``
-=============  =====================================================================================
+The memory of each begins with the fields of ``WgWallBody``.
 """
 
 from __future__ import annotations
 
-import math
+from sim.controllers.core_act import place
 
-import numpy as np
-import numpy.typing as npt
+__all__ = ["HAND", "SENSES", "WALL", "X", "Y"]
 
-from sim.controllers.library._directions import steer, wrap
-from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
-from sim.kernels.fdlibm import cos, sin
-
-__all__ = [
-    "BODY_SIZE",
-    "HAND",
-    "SENSES",
-    "STEP",
-    "WALL",
-    "X",
-    "Y",
-    "begin_following",
-    "drive",
-    "feel",
-    "follow",
-    "has_lost_it",
-    "head_for_target",
-    "is_stopped",
-    "stride",
-    "touched",
-]
-
-Floats = npt.NDArray[np.float64]
-
-X, Y, STEP, HAND, WALL, PHASE, STUCK, LOST, SMOOTH = 0, 1, 2, 3, 4, 5, 6, 7, 8
-BODY_SIZE = 9
-ADVANCE, PRESS = 0.0, 1.0
+X = place("WgWallBody", "x")
+Y = place("WgWallBody", "y")
+HAND = place("WgWallBody", "hand")
+WALL = place("WgWallBody", "wall")
 
 SENSES = (
     "bump", "bump_bearing", "heading", "x", "y", "target_heading", "target_distance", "time_step", "top_speed",
     "radius",
 )  # fmt: skip
 """What a controller looks at that drives to the target and follows walls."""
-
-_STRIDE = 0.03 / 0.07  # of the radius: longest step along a wall; less than the diameter, or it steps over openings
-_LEAST_STRIDE = 0.005  # m: a robot smaller than half of this would take for ever
-_DEGREE = math.pi / 180.0
-_FLAT, _ROUND = 20.0 * _DEGREE, 40.0 * _DEGREE  # lean on a flat wall, and round a corner
-_FLAT_AFTER = 2.0  # touches in a row by which a wall counts as flat
-_SEARCH = 30.0 * _DEGREE  # turn towards a wall that is lost, in each step
-_WHOLE_TURN, _WHOLE_TURNS = 12.0, 24.0  # steps of a search that turn it once, and after which the count goes back
-_GIVE_WAY = 40.0 * _DEGREE  # turn away from a wall at which it is stuck
-_SAME_FLAT = 5.0 * _DEGREE  # a wall that turns by less is flat
-_AHEAD, _BEHIND = 45.0 * _DEGREE, 120.0 * _DEGREE  # turns of one wall: into the way, and out of it
-_STANDS = 0.02  # a move ahead of less than this share of a step is none
-_PROGRESS = 0.5  # share of a step by which the target must come nearer; a slide that does goes on
-_PRESSES = 3.0  # presses without finding the wall before it is searched for
-
-
-@rare_kernel
-def stride(observation: Floats) -> float:
-    """Length of a step along a wall, m."""
-    longest = max(_STRIDE * float(observation[layout.OBS_RADIUS]), _LEAST_STRIDE)
-    return min(longest, float(observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]))
-
-
-@rare_kernel
-def drive(observation: Floats, memory: Floats, command: Floats, direction: float, length: float) -> None:
-    """Commands a step in a direction of the world, rad, of a length, m, and notes it."""
-    memory[X], memory[Y], memory[STEP] = observation[layout.OBS_X], observation[layout.OBS_Y], length
-    turn = wrap(direction - observation[layout.OBS_HEADING])
-    steer(observation, command, turn, length / observation[layout.OBS_TIME_STEP])
-
-
-@rare_kernel
-def head_for_target(observation: Floats, memory: Floats, command: Floats) -> None:
-    """Commands a step straight to the target: a short one if the last touched a wall, else as long as can be."""
-    length = observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]
-    if observation[layout.OBS_BUMP] != 0.0:
-        length = stride(observation)
-    length = min(length, observation[layout.OBS_TARGET_DISTANCE])
-    drive(observation, memory, command, observation[layout.OBS_TARGET_HEADING], length)
-
-
-@rare_kernel
-def is_stopped(observation: Floats, memory: Floats, far: float) -> bool:
-    """Whether a wall stopped the last step to the target, of a length not above a stride, rather than bent it.
-
-    A wall that does not lie ahead any more has only bent it, however far that step came: the disc has slid round it.
-
-    Args:
-        observation: What is sensed.
-        memory: Where the step began.
-        far: Distance to the target before the step, m.
-    """
-    nearer = far - observation[layout.OBS_TARGET_DISTANCE]
-    if observation[layout.OBS_BUMP] == 0.0 or memory[STEP] > 1.001 * stride(observation):
-        return False
-    ahead = abs(wrap(touched(observation) - observation[layout.OBS_TARGET_HEADING])) < 0.5 * math.pi
-    return bool(nearer <= (_PROGRESS if ahead else _STANDS) * memory[STEP])
-
-
-@rare_kernel
-def touched(observation: Floats) -> float:
-    """Direction of the world, rad, of what the last step touched."""
-    return wrap(observation[layout.OBS_HEADING] + observation[layout.OBS_BUMP_BEARING])
-
-
-@rare_kernel
-def begin_following(memory: Floats, wall: float) -> None:
-    """Takes up a wall in a direction, rad; it is pressed against first."""
-    memory[WALL], memory[PHASE], memory[STUCK], memory[LOST], memory[SMOOTH] = wall, PRESS, 0.0, 0.0, 0.0
-
-
-@rare_kernel
-def _ahead(observation: Floats, memory: Floats) -> float:
-    """How far the last step came in its direction, m; walls may have pushed the robot back, or aside."""
-    x, y, heading = observation[layout.OBS_X], observation[layout.OBS_Y], observation[layout.OBS_HEADING]
-    return float((x - memory[X]) * cos(heading) + (y - memory[Y]) * sin(heading))
-
-
-@rare_kernel
-def feel(observation: Floats, memory: Floats) -> bool:
-    """Takes in what the last step touched.
-
-    Returns:
-        Whether that was the wall that is followed, so that ``WALL`` was measured here.
-    """
-    stands = _ahead(observation, memory) < _STANDS * memory[STEP]
-    if observation[layout.OBS_BUMP] == 0.0:
-        memory[STUCK], memory[SMOOTH] = 0.0, 0.0
-        memory[LOST] += 1.0 if memory[LOST] < _WHOLE_TURNS else 1.0 - _WHOLE_TURN
-        if memory[LOST] >= _PRESSES:
-            memory[PHASE] = ADVANCE
-        return False
-    wall = touched(observation)
-    turn = wrap(memory[HAND] * (wall - memory[WALL]) + _AHEAD - math.pi) + math.pi - _AHEAD
-    searched, memory[LOST] = memory[LOST], 0.0
-    advanced = memory[PHASE] == ADVANCE
-    if turn < _BEHIND + _SEARCH * searched:
-        smooth = advanced and searched == 0.0 and abs(turn) < _SAME_FLAT
-        memory[SMOOTH] = min(memory[SMOOTH] + 1.0, _FLAT_AFTER) if smooth else 0.0
-        memory[STUCK] = memory[STUCK] + 1.0 if stands and advanced else 0.0
-    elif stands or memory[STUCK] > 0.0:
-        memory[STUCK], memory[SMOOTH] = 0.0, 0.0
-    else:
-        memory[PHASE] = PRESS
-        return False
-    memory[WALL], memory[PHASE] = wall, ADVANCE
-    return True
-
-
-@rare_kernel
-def has_lost_it(memory: Floats) -> bool:
-    """Whether the wall is nowhere around the robot any more: only a world that changes can take it away."""
-    return bool(memory[LOST] >= _WHOLE_TURNS)
-
-
-@rare_kernel
-def follow(observation: Floats, memory: Floats, command: Floats) -> None:
-    """Commands the next step along the wall."""
-    length = stride(observation)
-    if memory[PHASE] == PRESS:
-        drive(observation, memory, command, memory[WALL], 0.5 * length)
-        return
-    lean = _FLAT if memory[SMOOTH] >= _FLAT_AFTER else _ROUND
-    lean += _SEARCH * memory[LOST] - _GIVE_WAY * memory[STUCK]
-    if memory[LOST] > 0.0:
-        length *= 0.5
-    drive(observation, memory, command, memory[WALL] + memory[HAND] * (lean - math.pi / 2.0), length)

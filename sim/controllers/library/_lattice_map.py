@@ -1,13 +1,4 @@
-"""A small map: a square window of the plane in nodes of a grid, with a bit for each edge that was found blocked.
-
-A node has eight neighbours, and four bits: its edges to the east, north-east, north and north-west; the others are its
-neighbours'. Twelve nodes are packed into one number of a controller's memory. The window moves with the robot, and
-what leaves it is forgotten. The way is planned with A* as if all that is not known to be blocked were free.
-
-Sources: P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination of minimum cost
-paths", IEEE Transactions on Systems Science and Cybernetics 4 (1968); for planning as if the unknown were free,
-A. Zelinsky, "A mobile robot exploration algorithm", IEEE Transactions on Robotics and Automation 8 (1992).
-"""
+"""Reads the map that mapping controllers keep in their memory; ``sim/core/controllers/lattice_map.c`` writes it."""
 
 from __future__ import annotations
 
@@ -16,167 +7,49 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.library._directions import distance_to_way
-from sim.kernels._jit import allocating_kernel, kernel, rare_kernel
+from sim.controllers.core_act import place, size_of
 
-__all__ = [
-    "DOORS",
-    "NODES",
-    "OWN",
-    "PLAN_AT",
-    "PLAN_LENGTH",
-    "SHOWN",
-    "SIDE",
-    "TARGET_X",
-    "TARGET_Y",
-    "block",
-    "block_near",
-    "blocked_edges",
-    "door",
-    "forget",
-    "has_door",
-    "memory_size",
-    "move_window",
-    "neighbour",
-    "next_move",
-    "plan",
-    "planned_moves",
-]
+__all__ = ["NODES", "SHOWN", "blocked_edges", "memory_size", "neighbour", "planned_moves"]
 
 Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
-# What stands where in the memory; places are in nodes from the start.
-SIDE, WINDOW_X, WINDOW_Y = 0, 1, 2  # nodes of the window along a side; its lowest node
-TARGET_X, TARGET_Y = 3, 4  # of the target, not rounded
-DOORS = 5  # bits of the nodes next to the target from which the way to it was found blocked
-PLAN_AT, PLAN_LENGTH = 6, 7  # moves that are done, and all moves of the plan
-PLAN = 8
-OWN = PLAN + 64  # numbers of the controller's own
-OWN_SIZE = 12
-NODES = OWN + OWN_SIZE  # the bits of the nodes from here on
+SIDE = place("WgMapperMemory", "side")
+WINDOW_X = place("WgMapperMemory", "window_x")
+WINDOW_Y = place("WgMapperMemory", "window_y")
+TARGET_X = place("WgMapperMemory", "target_x")
+TARGET_Y = place("WgMapperMemory", "target_y")
+DOORS = place("WgMapperMemory", "doors")
+PLAN_AT = place("WgMapperMemory", "plan_at")
+PLAN_LENGTH = place("WgMapperMemory", "plan_length")
+PLAN = place("WgMapperMemory", "plan")
+OWN = place("WgMapperMemory", "mode")  # the controller's own numbers begin here
+NODES = size_of("WgMapperMemory")  # the bits of the nodes from here on
 
-_MOVES_A_WORD, _NODES_A_WORD = 16, 12  # of 3 and 4 bits: 48 bits, which a float64 holds exactly
-SHOWN = (DOORS, *range(PLAN_LENGTH, OWN))
-"""Numbers, beside those of the nodes, that blocked edges and plan hang on."""
-_MOST_MOVES = _MOVES_A_WORD * (OWN - PLAN)
-_STRAIGHT, _DIAGONAL = 5, 7  # costs of a move, nearly in the ratio of 1 to the root of 2
+_MOVES_A_WORD = 16  # of 3 bits
+_NODES_A_WORD = 12  # of 4 bits
 _REACH = 2  # nodes at most so far from the target, along each axis, are next to it
-_UNKNOWN = 1 << 40
+
+SHOWN = (DOORS, *range(PLAN_LENGTH, OWN))
+"""Numbers, beside those of the nodes, that blocked edges and plan depend on."""
 
 
 def memory_size(side: int) -> int:
-    """Numbers of memory that a map with so many nodes along a side takes."""
+    """Return the numbers of memory that a map with so many nodes along a side takes."""
     return NODES + -(-side * side // _NODES_A_WORD)
 
 
-@kernel
 def neighbour(x: int, y: int, move: int) -> tuple[int, int]:
-    """The node that a move leads to: 0 is east, and then counter-clockwise by eighths of a turn."""
+    """Return the node that a move leads to: 0 is east, and then counter-clockwise by eighths of a turn."""
     dx = 1 if move in (0, 1, 7) else (-1 if move in (3, 4, 5) else 0)
     dy = 1 if move in (1, 2, 3) else (-1 if move in (5, 6, 7) else 0)
     return x + dx, y + dy
 
 
-@kernel
-def _bit(memory: Floats, x: int, y: int, move: int) -> tuple[int, int]:
-    """Word of the memory and bit in it of an edge."""
-    if move >= 4:
-        x, y = neighbour(x, y, move)
-        move -= 4
-    side = int(memory[SIDE])
-    node = (y % side) * side + x % side
-    return NODES + node // _NODES_A_WORD, 4 * (node % _NODES_A_WORD) + move
-
-
-@kernel
-def _is_blocked(memory: Floats, x: int, y: int, move: int) -> bool:
-    word, bit = _bit(memory, x, y, move)
-    return (int(memory[word]) >> bit) & 1 != 0
-
-
-@rare_kernel
-def block(memory: Floats, x: int, y: int, move: int) -> None:
-    """Notes that the edge of a move from a node is blocked; the plan is dropped."""
-    word, bit = _bit(memory, x, y, move)
-    memory[word] = float(int(memory[word]) | (1 << bit))
-    memory[PLAN_LENGTH] = 0.0
-
-
-@rare_kernel
-def block_near(memory: Floats, x: float, y: float, radius: float) -> None:
-    """Notes that all edges that pass a point nearer than a radius are blocked; both in nodes."""
-    reach = math.floor(radius) + 2
-    low_x, low_y, side = int(memory[WINDOW_X]), int(memory[WINDOW_Y]), int(memory[SIDE])
-    for j in range(max(math.floor(y) - reach, low_y + 1), min(math.floor(y) + reach + 1, low_y + side - 2) + 1):
-        for i in range(max(math.floor(x) - reach, low_x + 1), min(math.floor(x) + reach + 1, low_x + side - 2) + 1):
-            for move in range(4):
-                to_x, to_y = neighbour(i, j, move)
-                if distance_to_way(x, y, float(i), float(j), float(to_x), float(to_y)) < radius:
-                    word, bit = _bit(memory, i, j, move)
-                    memory[word] = float(int(memory[word]) | (1 << bit))
-    memory[PLAN_LENGTH] = 0.0
-
-
-@kernel
-def _door(memory: Floats, x: int, y: int) -> int:
-    """Number of a node among those next to the target; -1 for another."""
-    i = x - math.floor(memory[TARGET_X]) + _REACH - 1
-    j = y - math.floor(memory[TARGET_Y]) + _REACH - 1
-    return int(j * 2 * _REACH + i) if 0 <= i < 2 * _REACH and 0 <= j < 2 * _REACH else -1
-
-
-@kernel
-def has_door(memory: Floats, x: int, y: int) -> bool:
-    """Whether a node is next to the target, and the way from it to the target not known to be blocked."""
-    number = _door(memory, x, y)
-    return number >= 0 and (int(memory[DOORS]) >> number) & 1 == 0
-
-
-@rare_kernel
-def door(memory: Floats, x: int, y: int) -> None:
-    """Notes that the way from a node to the target is blocked."""
-    memory[DOORS] = float(int(memory[DOORS]) | (1 << max(_door(memory, x, y), 0)))
-    memory[PLAN_LENGTH] = 0.0
-
-
-@rare_kernel
-def forget(memory: Floats) -> None:
-    """Empties the map."""
-    for word in range(NODES, memory.size):
-        memory[word] = 0.0
-    memory[DOORS], memory[PLAN_LENGTH] = 0.0, 0.0
-
-
-@rare_kernel
-def _forget_line(memory: Floats, place: int, column: bool) -> None:
-    """Forgets the nodes of a column or a row."""
-    side = int(memory[SIDE])
-    for k in range(side):
-        x, y = (place, k) if column else (k, place)
-        for move in range(4):
-            word, bit = _bit(memory, x, y, move)
-            memory[word] = float(int(memory[word]) & ~(1 << bit))
-
-
-@rare_kernel
-def move_window(memory: Floats, x: int, y: int) -> None:
-    """Moves the window so that a node has a quarter of it on each side; what leaves it is forgotten."""
-    side = int(memory[SIDE])
-    for axis in range(2):
-        place = x if axis == 0 else y
-        while place < int(memory[WINDOW_X + axis]) + side // 4:
-            memory[WINDOW_X + axis] -= 1.0
-            _forget_line(memory, int(memory[WINDOW_X + axis]), axis == 0)
-            memory[PLAN_LENGTH] = 0.0
-        while place > int(memory[WINDOW_X + axis]) + side - 1 - side // 4:
-            _forget_line(memory, int(memory[WINDOW_X + axis]), axis == 0)
-            memory[WINDOW_X + axis] += 1.0
-            memory[PLAN_LENGTH] = 0.0
-
-
 def blocked_edges(memory: Floats) -> Floats:
-    """(n, 4) nodes at both ends, x and y, of all edges that the map has as blocked; the target's for a blocked door."""
+    """Return the edges that the map has as blocked: (n, 4), x and y of the nodes at both ends.
+
+    A blocked door ends at the target.
+    """
     side = int(memory[SIDE])
     words = memory[NODES:].astype(np.int64)
     bits = ((words[:, None] >> (4 * np.arange(_NODES_A_WORD))) & 15).ravel()[: side * side].reshape(side, side)
@@ -196,117 +69,6 @@ def blocked_edges(memory: Floats) -> Floats:
 
 
 def planned_moves(memory: Floats) -> list[int]:
-    """All moves of the plan, those that are done among them."""
+    """Return all moves of the plan, those that are done among them."""
     count = int(memory[PLAN_LENGTH])
     return [(int(memory[PLAN + k // _MOVES_A_WORD]) >> (3 * (k % _MOVES_A_WORD))) & 7 for k in range(count)]
-
-
-@kernel
-def next_move(memory: Floats) -> int:
-    """The next move of the plan, which is then done; -1 if there is none."""
-    at = int(memory[PLAN_AT])
-    if at >= int(memory[PLAN_LENGTH]):
-        return -1
-    memory[PLAN_AT] += 1.0
-    return (int(memory[PLAN + at // _MOVES_A_WORD]) >> (3 * (at % _MOVES_A_WORD))) & 7
-
-
-@kernel
-def _push(heap: Ints, count: int, item: int) -> int:
-    """Adds an item to a binary heap; the number of items then."""
-    at = count
-    while at > 0 and heap[(at - 1) // 2] > item:
-        heap[at] = heap[(at - 1) // 2]
-        at = (at - 1) // 2
-    heap[at] = item
-    return count + 1
-
-
-@kernel
-def _pop(heap: Ints, count: int) -> int:
-    """Takes the smallest item, which is the first, off a binary heap; the number of items then."""
-    count -= 1
-    item, at = heap[count], 0
-    while 2 * at + 1 < count:
-        child = 2 * at + 1
-        if child + 1 < count and heap[child + 1] < heap[child]:
-            child += 1
-        if heap[child] >= item:
-            break
-        heap[at] = heap[child]
-        at = child
-    heap[at] = item
-    return count
-
-
-@kernel
-def _at_least(memory: Floats, x: int, y: int) -> int:
-    """Cost that the way from a node to the target has at least."""
-    dx, dy = abs(x - float(memory[TARGET_X])), abs(y - float(memory[TARGET_Y]))
-    return math.floor(_STRAIGHT * max(dx, dy) + (_DIAGONAL - _STRAIGHT) * min(dx, dy))
-
-
-@kernel
-def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap: Ints) -> int:
-    """A* from a node; the number in the window of the node where the plan ends, -1 if there is no way.
-
-    A plan ends next to the target, or where it leaves the window, which is as good as the way left from there plus
-    a charge that makes it the last resort.
-    """
-    side, low_x, low_y = int(memory[SIDE]), int(memory[WINDOW_X]), int(memory[WINDOW_Y])
-    first = (start[1] - low_y) * side + start[0] - low_x
-    cost[first] = 0
-    count = _push(heap, 0, (_at_least(memory, start[0], start[1]) << 32) | first)
-    out, out_cost = -1, _UNKNOWN
-    while count > 0:
-        node, bound = int(heap[0] & 0xFFFFFFFF), int(heap[0] >> 32)
-        count = _pop(heap, count)
-        if bound >= out_cost:
-            return out
-        x, y = low_x + node % side, low_y + node // side
-        if bound > cost[node] + _at_least(memory, x, y):
-            continue  # a better way to it was found since
-        if has_door(memory, x, y):
-            return node
-        if (node % side in (0, side - 1) or node // side in (0, side - 1)) and node != first:
-            if bound + 2 * _DIAGONAL * side < out_cost:
-                out, out_cost = node, bound + 2 * _DIAGONAL * side
-            continue
-        for move in range(8):
-            to_x, to_y = neighbour(x, y, move)
-            if _is_blocked(memory, x, y, move):
-                continue
-            there = (to_y - low_y) * side + to_x - low_x
-            way = cost[node] + (_DIAGONAL if move % 2 else _STRAIGHT)
-            if way < cost[there]:
-                cost[there], came[there] = way, move
-                count = _push(heap, count, ((way + _at_least(memory, to_x, to_y)) << 32) | there)
-    return out
-
-
-@allocating_kernel
-def plan(memory: Floats, x: int, y: int) -> bool:
-    """Plans the way from a node, which the window must have around it, to one next to the target or out of the window.
-
-    Returns:
-        Whether there is a way; it may have no moves.
-    """
-    side = int(memory[SIDE])
-    cost, came = np.full(side * side, _UNKNOWN), np.full(side * side, -1)
-    heap = np.empty(8 * side * side + 1, np.int64)
-    last = _search(memory, (x, y), cost, came, heap)
-    memory[PLAN_AT], memory[PLAN_LENGTH] = 0.0, 0.0
-    if last < 0:
-        return False
-    count = 0
-    while came[last] >= 0:  # backwards; the heap is free by now and takes the moves
-        heap[count] = came[last]
-        step_x, step_y = neighbour(0, 0, came[last])
-        last -= step_y * side + step_x
-        count += 1
-    memory[PLAN_LENGTH] = float(min(count, _MOST_MOVES))
-    for k in range(int(memory[PLAN_LENGTH])):
-        word, shift = PLAN + k // _MOVES_A_WORD, 3 * (k % _MOVES_A_WORD)
-        before = 0 if shift == 0 else int(memory[word])
-        memory[word] = float(before | (heap[count - 1 - k] << shift))
-    return True

@@ -21,113 +21,19 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
+from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.library import _boundary as body
-from sim.controllers.library._directions import distance, distance_to_way, wrap
 from sim.controllers.memory_view import MemoryField, MemoryMap
-from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
 
 __all__ = ["bug1"]
 
 Floats = npt.NDArray[np.float64]
 
-# Memory after the body's: what it does, its distance to the target before the step; the hit point with the direction
-# of the wall there; the leave point likewise, and its distance to the target; way since the hit, and to the leave
-# point; whether it has been away from the hit point.
-MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
-HIT, LEAVE, LEAVE_FAR = body.BODY_SIZE + 2, body.BODY_SIZE + 5, body.BODY_SIZE + 8
-WAY, LEAVE_WAY, AWAY = body.BODY_SIZE + 9, body.BODY_SIZE + 10, body.BODY_SIZE + 11
-SIZE = body.BODY_SIZE + 12
-
-START, GOAL, MEET, ROUND, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
-
-_SAME_PLACE = 0.5  # of a step
-_ELSEWHERE = 1.5  # of a step: further from the hit point it has been away
-_SAME_WALL = math.radians(100.0)  # rad by which the direction of the wall may differ at the same place
-_NEARER = 0.1  # of a step: a hit on the same wall must be so much nearer than the last leave point, or that is gone to
-
-
-@rare_kernel
-def _passes(observation: Floats, memory: Floats, place: int) -> bool:
-    """Whether the last step passed a place of the memory, along the same wall."""
-    x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
-    apart = distance_to_way(memory[place], memory[place + 1], memory[body.X], memory[body.Y], x, y)
-    turned = abs(wrap(memory[body.WALL] - memory[place + 2]))
-    return bool(apart < _SAME_PLACE * body.stride(observation) and turned < _SAME_WALL)
-
-
-@rare_kernel
-def _note(observation: Floats, memory: Floats, place: int) -> None:
-    memory[place], memory[place + 1] = observation[layout.OBS_X], observation[layout.OBS_Y]
-    memory[place + 2] = memory[body.WALL]
-
-
-@rare_kernel
-def _go_round(observation: Floats, memory: Floats, touches: bool) -> None:
-    """One step of the way round: the nearest place, and whether the hit point is reached again."""
-    far = observation[layout.OBS_TARGET_DISTANCE]
-    x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
-    memory[WAY] += distance(memory[body.X], memory[body.Y], x, y)
-    if touches and (memory[MODE] == MEET or far < memory[LEAVE_FAR]):
-        _note(observation, memory, LEAVE)
-        memory[LEAVE_FAR], memory[LEAVE_WAY] = far, memory[WAY]
-    if touches and memory[MODE] == MEET:
-        _note(observation, memory, HIT)
-        memory[MODE], memory[WAY], memory[LEAVE_WAY], memory[AWAY] = ROUND, 0.0, 0.0, 0.0
-    elif distance(x, y, memory[HIT], memory[HIT + 1]) > _ELSEWHERE * body.stride(observation):
-        memory[AWAY] = 1.0
-    elif memory[AWAY] == 1.0 and _passes(observation, memory, HIT):
-        memory[AWAY] = 2.0
-    if touches and memory[AWAY] == 2.0:
-        memory[MODE] = BACK
-        if memory[LEAVE_WAY] > 0.5 * memory[WAY]:
-            memory[body.HAND] = -memory[body.HAND]
-            body.begin_following(memory, memory[body.WALL])
-
-
-@rare_kernel
-def _meet(observation: Floats, memory: Floats) -> None:
-    """Decides what a wall on the way to the target is: a new obstacle, or the last one again."""
-    if not body.is_stopped(observation, memory, memory[FAR]):
-        return
-    body.begin_following(memory, body.touched(observation))
-    margin = _NEARER * body.stride(observation)
-    if memory[LEAVE_FAR] < math.inf and abs(wrap(memory[body.WALL] - memory[LEAVE + 2])) > _SAME_WALL:
-        margin = 0.0  # a wall across a gap hardly wider than the robot is another, however near
-    memory[MODE] = MEET if observation[layout.OBS_TARGET_DISTANCE] < memory[LEAVE_FAR] - margin else BACK
-    if memory[MODE] == MEET:
-        memory[body.HAND] = 1.0
-
-
-@rare_kernel
-def _bug1(observation: Floats, memory: Floats, command: Floats) -> None:
-    if memory[MODE] == START:
-        memory[MODE] = GOAL
-    elif memory[MODE] == GOAL:
-        _meet(observation, memory)
-    else:
-        touches = body.feel(observation, memory)
-        if memory[MODE] != BACK:
-            _go_round(observation, memory, touches)
-        if body.has_lost_it(memory):
-            memory[MODE], memory[LEAVE_FAR] = GOAL, math.inf
-        elif memory[MODE] == BACK and _passes(observation, memory, LEAVE):
-            memory[MODE] = GOAL
-    memory[FAR] = observation[layout.OBS_TARGET_DISTANCE]
-    if memory[MODE] == GOAL:
-        body.head_for_target(observation, memory, command)
-    else:
-        body.follow(observation, memory, command)
-
-
-def _act(observation: Floats, memory: Floats, command: Floats) -> None:
-    _bug1(observation, memory, command)
-
-
-def _at_reset() -> tuple[float, ...]:
-    memory = [0.0] * SIZE
-    memory[body.HAND], memory[LEAVE_FAR] = 1.0, math.inf
-    return tuple(memory)
+MODE = place("WgBug1Memory", "mode")
+HIT = place("WgBug1Memory", "hit")
+LEAVE = place("WgBug1Memory", "leave")
+LEAVE_FAR = place("WgBug1Memory", "leave_far")
+PATH = place("WgBug1Memory", "path")
 
 
 def shown_map(memory: Floats) -> MemoryMap:
@@ -138,13 +44,13 @@ def shown_map(memory: Floats) -> MemoryMap:
 
 bug1 = CompiledController(
     "bug1",
-    _act,
-    _at_reset(),
+    CoreAct("bug1"),
+    memory_at_reset(size_of("WgBug1Memory"), {body.HAND: 1.0, LEAVE_FAR: math.inf}),
     senses=body.SENSES,
     memory_fields=(
         MemoryField("doing", MODE, ("start", "to the target", "meets a wall", "round it", "to the leave point")),
         MemoryField("nearest, m", LEAVE_FAR),
-        MemoryField("way since the hit, m", WAY),
+        MemoryField("way since the hit, m", PATH),
     ),
     memory_map=shown_map,
     memory_map_on=(HIT, HIT + 1, LEAVE, LEAVE + 1, LEAVE_FAR),

@@ -21,93 +21,20 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.controllers.base import CompiledController
+from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.library import _boundary as body
-from sim.controllers.library._directions import angle_of, distance
 from sim.controllers.memory_view import MemoryField, MemoryMap
-from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
-from sim.kernels.fdlibm import cos, sin
 
 __all__ = ["bug2"]
 
 Floats = npt.NDArray[np.float64]
 
-# Memory after the body's: what it does, its distance to the target before the step; the hit point, its distance to the
-# target and direction of the line (a unit vector); the place to leave at.
-MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
-HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y = (body.BODY_SIZE + k for k in range(2, 7))
-LEAVE_X, LEAVE_Y = body.BODY_SIZE + 7, body.BODY_SIZE + 8
-SIZE = body.BODY_SIZE + 9
-
-START, GOAL, ROUND, BACK = 0.0, 1.0, 2.0, 3.0
-
-_NEARER = 0.05  # of a step: a place to leave at must be that much nearer to the target than the hit point
-_THERE = 0.02  # of a step: nearer to the place to leave at it is there
-
-
-@rare_kernel
-def _hit(observation: Floats, memory: Floats) -> None:
-    """Takes up a wall; with a line of its own if it is nearer to the target than the last."""
-    body.begin_following(memory, body.touched(observation))
-    memory[MODE] = ROUND
-    far = observation[layout.OBS_TARGET_DISTANCE]
-    if far < memory[HIT_FAR] - 0.5 * _NEARER * body.stride(observation):
-        memory[HIT_X], memory[HIT_Y], memory[HIT_FAR] = observation[layout.OBS_X], observation[layout.OBS_Y], far
-        heading = observation[layout.OBS_TARGET_HEADING]
-        memory[LINE_X], memory[LINE_Y] = cos(heading), sin(heading)
-
-
-@rare_kernel
-def _crosses(observation: Floats, memory: Floats) -> bool:
-    """Whether the last step crossed the line at a place to leave at, which is then noted."""
-    from_x, from_y = memory[body.X] - memory[HIT_X], memory[body.Y] - memory[HIT_Y]
-    to_x, to_y = observation[layout.OBS_X] - memory[HIT_X], observation[layout.OBS_Y] - memory[HIT_Y]
-    before = memory[LINE_X] * from_y - memory[LINE_Y] * from_x
-    after = memory[LINE_X] * to_y - memory[LINE_Y] * to_x
-    if (before > 0.0) == (after > 0.0):
-        return False
-    share = before / (before - after)
-    x, y = from_x + share * (to_x - from_x), from_y + share * (to_y - from_y)
-    along = memory[LINE_X] * x + memory[LINE_Y] * y
-    memory[LEAVE_X], memory[LEAVE_Y] = memory[HIT_X] + x, memory[HIT_Y] + y
-    return bool(_NEARER * body.stride(observation) < along < memory[HIT_FAR])
-
-
-@rare_kernel
-def _bug2(observation: Floats, memory: Floats, command: Floats) -> None:
-    far, x, y = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_X], observation[layout.OBS_Y]
-    if memory[MODE] == START:
-        memory[MODE] = GOAL
-    elif memory[MODE] == GOAL and body.is_stopped(observation, memory, memory[FAR]):
-        _hit(observation, memory)
-    elif memory[MODE] == ROUND:
-        body.feel(observation, memory)
-        if body.has_lost_it(memory):
-            memory[MODE], memory[HIT_FAR] = GOAL, math.inf
-        elif _crosses(observation, memory):
-            memory[MODE] = BACK
-    elif memory[MODE] == BACK:
-        memory[MODE] = GOAL
-    memory[FAR] = far
-    left = distance(x, y, memory[LEAVE_X], memory[LEAVE_Y])
-    if memory[MODE] == BACK and left < _THERE * body.stride(observation):
-        memory[MODE] = GOAL
-    if memory[MODE] == GOAL:
-        body.head_for_target(observation, memory, command)
-    elif memory[MODE] == BACK:
-        body.drive(observation, memory, command, angle_of(memory[LEAVE_X] - x, memory[LEAVE_Y] - y), left)
-    else:
-        body.follow(observation, memory, command)
-
-
-def _act(observation: Floats, memory: Floats, command: Floats) -> None:
-    _bug2(observation, memory, command)
-
-
-def _at_reset() -> tuple[float, ...]:
-    memory = [0.0] * SIZE
-    memory[body.HAND], memory[HIT_FAR] = 1.0, math.inf
-    return tuple(memory)
+MODE = place("WgBug2Memory", "mode")
+HIT_X = place("WgBug2Memory", "hit_x")
+HIT_Y = place("WgBug2Memory", "hit_y")
+HIT_FAR = place("WgBug2Memory", "hit_far")
+LINE_X = place("WgBug2Memory", "line_x")
+LINE_Y = place("WgBug2Memory", "line_y")
 
 
 def shown_map(memory: Floats) -> MemoryMap:
@@ -121,8 +48,8 @@ def shown_map(memory: Floats) -> MemoryMap:
 
 bug2 = CompiledController(
     "bug2",
-    _act,
-    _at_reset(),
+    CoreAct("bug2"),
+    memory_at_reset(size_of("WgBug2Memory"), {body.HAND: 1.0, HIT_FAR: math.inf}),
     senses=body.SENSES,
     memory_fields=(
         MemoryField("doing", MODE, ("start", "to the target", "round the obstacle", "to the line")),

@@ -13,25 +13,16 @@ the objective is not smoothed over the window.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import CompiledController
-from sim.controllers.library._directions import WHOLE_TURN, angle_of, bearing_of, target_bearing, wrap
-from sim.kernels import layout
-from sim.kernels._jit import kernel
-from sim.kernels.fdlibm import cos, sin
+from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, size_of
 from sim.robot_options import RobotOptions
 
-__all__ = ["DynamicWindow", "arc_to_contact", "drive", "dynamic_window", "dynamic_window_robot"]
+__all__ = ["DynamicWindow", "dynamic_window", "dynamic_window_robot"]
 
-Floats = npt.NDArray[np.float64]
-
-SPEED, TURN_RATE = 0, 1  # memory: m/s and rad/s commanded last
-_GRAIN = 1024.0  # commands are whole 1/1024 m/s and rad/s, so that states can come back and loops be proved
+_DEFAULT = default_of("wg_dynamic_window_default")
+AT_RESET = memory_at_reset(size_of("WgDynamicWindowMemory"), {})
 SENSES = ("bump", "heading", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
 NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
@@ -54,120 +45,25 @@ class DynamicWindow(NamedTuple):
         to_speed: Weight of the speed.
     """
 
-    margin: float = 0.003
-    gain: float = 20.0
-    turn_gain: float = 400.0
-    fastest_turn: float = 12.0
-    speeds: int = 5
-    turns: int = 11
-    ahead: float = 0.1
-    least: float = 0.02
-    far: float = 0.25
-    to_target: float = 1.0
-    to_free: float = 0.8
-    to_speed: float = 0.3
-
-
-@kernel
-def arc_to_contact(x: float, y: float, speed: float, turn_rate: float, radius: float) -> float:
-    """Way along an arc until a disc meets a point, m; inf if it never does.
-
-    Args:
-        x: Of the point, m, ahead of the robot.
-        y: Of the point, m, to its left.
-        speed: m/s, positive.
-        turn_rate: rad/s.
-        radius: Of the disc, m. A point inside it counts if it is ahead, as met at once.
-    """
-    if x * x + y * y < radius * radius:
-        return 0.0 if x > 0.0 else math.inf
-    if abs(turn_rate) < 1e-6:
-        if x <= 0.0 or abs(y) >= radius:
-            return math.inf
-        return x - math.sqrt(radius * radius - y * y)
-    bend = speed / abs(turn_rate)  # the circle's radius; mirrored so that it always bends to the left
-    off = bend - y if turn_rate > 0.0 else bend + y  # from the point up to the circle's centre
-    away = math.sqrt(x * x + off * off)
-    if abs(away - bend) >= radius or bend == 0.0:
-        return math.inf
-    share = min(max((bend * bend + away * away - radius * radius) / (2.0 * bend * away), -1.0), 1.0)
-    turned = angle_of(off, x) % WHOLE_TURN - angle_of(share, math.sqrt(1.0 - share * share))
-    return max(turned, 0.0) * bend
-
-
-@kernel
-def _fill(observation: Floats, points: Floats) -> None:
-    """Fills in the ends of the beams, m, in the robot's frame."""
-    for beam in range(points.shape[0]):
-        distance, angle = observation[layout.OBS_SIZE + beam], bearing_of(beam, points.shape[0])
-        points[beam, 0], points[beam, 1] = distance * cos(angle), distance * sin(angle)
-
-
-@kernel
-def _free_way(points: Floats, speed: float, turn_rate: float, radius: float, far: float) -> float:
-    """Way along an arc until a disc meets the first beam's end, m; at most ``far``."""
-    free = far
-    for beam in range(points.shape[0]):
-        x, y, reach = points[beam, 0], points[beam, 1], free + radius
-        if x * x + y * y < reach * reach:
-            free = min(free, arc_to_contact(x, y, speed, turn_rate, radius))
-    return free
-
-
-@kernel
-def _facing(observation: Floats, speed: float, turn_rate: float, tuned: DynamicWindow) -> float:
-    """How well an arc faces the target after a while: 1 straight at it, 0 away from it."""
-    turned = turn_rate * tuned.ahead
-    # On an arc the way so far lies half the turn off the heading.
-    way, half, towards = speed * tuned.ahead, 0.5 * turned, target_bearing(observation)
-    far = observation[layout.OBS_TARGET_DISTANCE]
-    x, y = far * cos(towards) - way * cos(half), far * sin(towards) - way * sin(half)
-    return 1.0 - abs(wrap(angle_of(x, y) - turned)) / math.pi
-
-
-@kernel
-def drive(observation: Floats, memory: Floats, command: Floats, points: Floats, tuned: DynamicWindow) -> None:
-    """One step: judges every pair in the window and commands the best; brakes and turns if none is admissible.
-
-    Args:
-        observation: ``OBS_``.
-        memory: Speed and turn rate commanded last.
-        command: ``CMD_``.
-        points: (beams, 2), to work in.
-        tuned: Numbers.
-    """
-    _fill(observation, points)
-    step, top = observation[layout.OBS_TIME_STEP], observation[layout.OBS_TOP_SPEED]
-    radius = observation[layout.OBS_RADIUS] + tuned.margin
-    if observation[layout.OBS_BUMP] != 0.0:
-        memory[SPEED] = 0.0  # the wall has stopped the wheels
-    slow, fast = max(memory[SPEED] - tuned.gain * step, 0.0), min(memory[SPEED] + tuned.gain * step, top)
-    right = max(memory[TURN_RATE] - tuned.turn_gain * step, -tuned.fastest_turn)
-    left = min(memory[TURN_RATE] + tuned.turn_gain * step, tuned.fastest_turn)
-    best, best_speed, best_turn = -1.0, slow, tuned.fastest_turn
-    for i in range(tuned.speeds):
-        speed = slow + (fast - slow) * i / (tuned.speeds - 1)
-        for j in range(tuned.turns):
-            turn_rate = right + (left - right) * j / (tuned.turns - 1)
-            free = _free_way(points, speed, turn_rate, radius, tuned.far) if speed > 0.0 else 0.0
-            if free < tuned.least or speed * speed > 2.0 * free * tuned.gain:
-                continue
-            worth = tuned.to_target * _facing(observation, speed, turn_rate, tuned)
-            worth += tuned.to_free * free / tuned.far + tuned.to_speed * speed / top
-            if worth > best:
-                best, best_speed, best_turn = worth, speed, turn_rate
-    memory[SPEED] = math.floor(best_speed * _GRAIN) / _GRAIN
-    memory[TURN_RATE] = math.floor(best_turn * _GRAIN + 0.5) / _GRAIN
-    command[layout.CMD_SPEED], command[layout.CMD_TURN_RATE] = memory[SPEED], memory[TURN_RATE]
+    margin: float = _DEFAULT["margin"]
+    gain: float = _DEFAULT["gain"]
+    turn_gain: float = _DEFAULT["turn_gain"]
+    fastest_turn: float = _DEFAULT["fastest_turn"]
+    speeds: int = int(_DEFAULT["speeds"])
+    turns: int = int(_DEFAULT["turns"])
+    ahead: float = _DEFAULT["ahead"]
+    least: float = _DEFAULT["least"]
+    far: float = _DEFAULT["far"]
+    to_target: float = _DEFAULT["to_target"]
+    to_free: float = _DEFAULT["to_free"]
+    to_speed: float = _DEFAULT["to_speed"]
 
 
 def dynamic_window_robot(tuned: DynamicWindow, name: str = "dynamic-window") -> CompiledController:
-    """A robot with a dynamic window of these numbers."""
-
-    def act(observation: Floats, memory: Floats, command: Floats) -> None:
-        drive(observation, memory, command, np.zeros((observation.size - layout.OBS_SIZE, 2)), tuned)
-
-    return CompiledController(name, act, (0.0, 0.0), senses=SENSES, needs=NEEDS, slow=True)
+    """Return a robot with a dynamic window of these numbers."""
+    act = CoreAct("dynamic-window") if tuned == DynamicWindow() else CoreAct("dynamic-window-tuned")
+    memory = AT_RESET if tuned == DynamicWindow() else AT_RESET + tuple(map(float, tuned))
+    return CompiledController(name, act, memory, senses=SENSES, needs=NEEDS, slow=True)
 
 
 dynamic_window = dynamic_window_robot(DynamicWindow())

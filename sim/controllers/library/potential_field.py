@@ -11,24 +11,15 @@ beams that are shorter than their neighbours.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import CompiledController
-from sim.controllers.library._directions import angle_of, bearing_of, steer, target_bearing
-from sim.kernels import layout
-from sim.kernels._jit import kernel
-from sim.kernels.fdlibm import cos, sin
+from sim.controllers.core_act import CoreAct, default_of
 from sim.robot_options import RobotOptions
 
-__all__ = ["PotentialField", "drive", "potential_field", "potential_field_robot"]
+__all__ = ["PotentialField", "potential_field", "potential_field_robot"]
 
-Floats = npt.NDArray[np.float64]
-
-_NEAREST = 0.004  # m: no push is larger than at this gap, so that none is infinite
+_DEFAULT = default_of("wg_potential_field_default")
 SENSES = ("heading", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
 NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
@@ -44,52 +35,18 @@ class PotentialField(NamedTuple):
         full_force: Force at which the robot drives at its top speed; below, in proportion.
     """
 
-    pull: float = 1.0
-    far: float = 0.5
-    push: float = 2.5e-5
-    influence: float = 0.15
-    full_force: float = 0.25
-
-
-@kernel
-def _push(gap: float, tuned: PotentialField) -> float:
-    """Khatib's equation 18 for a gap in m."""
-    if gap >= tuned.influence:
-        return 0.0
-    near = max(gap, _NEAREST)
-    return tuned.push * (1.0 / near - 1.0 / tuned.influence) / (near * near)
-
-
-@kernel
-def drive(observation: Floats, memory: Floats, command: Floats, tuned: PotentialField) -> None:
-    """One step: sums the forces in the robot's frame and drives along their sum."""
-    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
-    towards = target_bearing(observation)
-    pull = tuned.pull * min(observation[layout.OBS_TARGET_DISTANCE], tuned.far)
-    force_x, force_y, nearest = pull * cos(towards), pull * sin(towards), math.inf
-    for beam in range(beams):
-        distance = observation[layout.OBS_SIZE + beam]
-        nearest = min(nearest, distance)
-        before = observation[layout.OBS_SIZE + (beam - 1) % beams]
-        after = observation[layout.OBS_SIZE + (beam + 1) % beams]
-        if distance < before and distance <= after:
-            push, angle = _push(distance - radius, tuned), bearing_of(beam, beams)
-            force_x -= push * cos(angle)
-            force_y -= push * sin(angle)
-    force = math.sqrt(force_x * force_x + force_y * force_y)
-    top = observation[layout.OBS_TOP_SPEED]
-    # Half the gap in a step at most: the slope of the push changes within millimetres there.
-    careful = max(nearest - radius, _NEAREST) / (2.0 * observation[layout.OBS_TIME_STEP])
-    steer(observation, command, angle_of(force_x, force_y), min(top * min(force / tuned.full_force, 1.0), careful))
+    pull: float = _DEFAULT["pull"]
+    far: float = _DEFAULT["far"]
+    push: float = _DEFAULT["push"]
+    influence: float = _DEFAULT["influence"]
+    full_force: float = _DEFAULT["full_force"]
 
 
 def potential_field_robot(tuned: PotentialField, name: str = "potential-field") -> CompiledController:
-    """A robot in a potential field with these numbers."""
-
-    def act(observation: Floats, memory: Floats, command: Floats) -> None:
-        drive(observation, memory, command, tuned)
-
-    return CompiledController(name, act, senses=SENSES, needs=NEEDS)
+    """Return a robot in a potential field with these numbers."""
+    act = CoreAct("potential-field") if tuned == PotentialField() else CoreAct("potential-field-tuned")
+    memory = () if tuned == PotentialField() else tuple(map(float, tuned))
+    return CompiledController(name, act, memory, senses=SENSES, needs=NEEDS)
 
 
 potential_field = potential_field_robot(PotentialField())

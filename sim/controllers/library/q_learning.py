@@ -5,8 +5,8 @@ which way it turned last; that makes 768 situations. For each the table has the 
 takes the best. Nobody has told it how to follow a wall. What it cannot tell apart it must treat alike: in worlds where
 the table, right on average, is wrong, it drives round for ever.
 
-The table is in ``_q_table.py``, which ``python -m benchmarks.train_q_learning`` has written and writes again,
-bit for bit.
+The table is in ``sim/core/controllers/q_table.c``, which ``python -m benchmarks.train_q_learning`` has written and
+writes again, bit for bit.
 
 Sources: Christopher J. C. H. Watkins, "Learning from delayed rewards", PhD thesis, King's College, Cambridge (1989);
 Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (1992).
@@ -14,104 +14,48 @@ Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from sim import _core
 from sim.controllers.base import CompiledController
-from sim.controllers.library._directions import WHOLE_TURN, steer, target_bearing
-from sim.controllers.library._q_table import TABLE
-from sim.kernels import layout
-from sim.kernels._jit import kernel
+from sim.controllers.core_act import CoreAct, memory_at_reset, size_of
 from sim.robot_options import RobotOptions
 
-__all__ = [
-    "AT_RESET",
-    "NEEDS",
-    "SENSES",
-    "SITUATIONS",
-    "TURNS",
-    "best_turns",
-    "drive",
-    "q_learning",
-    "q_learning_robot",
-    "situation",
-    "table_of",
-]
+__all__ = ["AT_RESET", "NEEDS", "SENSES", "SITUATIONS", "TURNS", "best_turns", "q_learning", "q_learning_robot"]
 
-Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-TURNS = (0, 1, 7, 2, 6, 4)  # eighths of a turn, counter-clockwise; of equals the first is taken
-_LOOKS = (0, 1, 2, 6, 7)  # the beams, eighths of a turn apart, that the robot looks along
-SITUATIONS = 3 * 8 * 32
-_IN_THE_WAY = 0.09  # m: a gap of less than this is blocked
-DRIVEN = 4  # steps between two decisions, if no bump comes first
+_lib: Any = _core.lib
 
-WAIT, TURNED = 0, 1  # memory: steps until the next decision; last turn: 0 none or back, 1 left, 2 right
-AT_RESET = (0.0, 0.0)
+SITUATIONS = int(_lib.WG_Q_SITUATIONS)
+TURNS = tuple(_lib.wg_q_turn_of)
+"""Eighths of a turn, counter-clockwise; of equals the first is taken."""
+DRIVEN = int(_lib.WG_Q_DRIVEN)
+"""Steps between two decisions, if no bump comes first."""
+
+AT_RESET = memory_at_reset(size_of("WgQMemory"), {})
 SENSES = ("bump", "heading", "target_heading", "time_step", "top_speed", "radius", "beams")
 NEEDS = RobotOptions(beams=8, beam_range=2.0)
 
 
-@kernel
-def situation(observation: Floats, memory: Floats) -> int:
-    """Number of the situation, below SITUATIONS."""
-    eighth = math.floor(target_bearing(observation) / WHOLE_TURN * 8.0 + 0.5) % 8
-    blocked, near = 0, observation[layout.OBS_RADIUS] + _IN_THE_WAY
-    for k in range(len(_LOOKS)):
-        if observation[layout.OBS_SIZE + _LOOKS[k]] < near:
-            blocked |= 1 << k
-    return (int(memory[TURNED]) * 8 + eighth) * 32 + blocked
-
-
-@kernel
-def drive(observation: Floats, memory: Floats, command: Floats, best: Ints) -> None:
-    """One step: decides if it is time to, and drives on.
-
-    Args:
-        observation: ``OBS_``.
-        memory: Steps to wait and the last turn.
-        command: ``CMD_``.
-        best: (SITUATIONS,) the index in TURNS to take in each situation.
-    """
-    turn = 0
-    if memory[WAIT] <= 0.0 or observation[layout.OBS_BUMP] != 0.0:
-        turn = TURNS[best[situation(observation, memory)]]
-        memory[WAIT], memory[TURNED] = float(DRIVEN), 0.0
-        if turn % 4 != 0:
-            memory[TURNED] = 1.0 if turn < 4 else 2.0
-    memory[WAIT] -= 1.0
-    steer(
-        observation, command, (turn if turn <= 4 else turn - 8) * (WHOLE_TURN / 8.0), observation[layout.OBS_TOP_SPEED]
-    )
-
-
-def table_of(text: str) -> Ints:
-    """(SITUATIONS, turns) the worth of each turn in thousandths, from lines of numbers."""
-    return np.array(text.split(), np.int64).reshape(SITUATIONS, len(TURNS))
-
-
 def best_turns(table: Ints) -> Ints:
-    """(SITUATIONS,) index of the best turn in each situation; the first of equals."""
+    """Return (SITUATIONS,) the index of the best turn in each situation; the first of equals."""
     best: Ints = np.argmax(table, axis=1).astype(np.int64)
     return best
 
 
 def q_learning_robot(table: Ints, name: str = "q-learning") -> CompiledController:
-    """A robot that drives by a table.
+    """Return a robot that drives by a table.
 
     Args:
         table: (SITUATIONS, turns) worths.
         name: For messages and files.
     """
-    best = best_turns(table)
-
-    def act(observation: Floats, memory: Floats, command: Floats) -> None:
-        drive(observation, memory, command, best)
-
-    return CompiledController(name, act, AT_RESET, senses=SENSES, needs=NEEDS)
+    memory = AT_RESET + tuple(map(float, best_turns(table)))
+    return CompiledController(name, CoreAct("q-learning-tuned"), memory, senses=SENSES, needs=NEEDS)
 
 
-q_learning = q_learning_robot(table_of(TABLE))
+q_learning = CompiledController("q-learning", CoreAct("q-learning"), AT_RESET, senses=SENSES, needs=NEEDS)

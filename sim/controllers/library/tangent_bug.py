@@ -19,225 +19,25 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import CompiledController
+from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.library import _boundary as body
-from sim.controllers.library._directions import WHOLE_TURN, angle_of, bearing_of, distance, wrap
 from sim.controllers.memory_view import MemoryField
-from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
-from sim.kernels.fdlibm import cos, sin
 from sim.robot_options import RobotOptions
 
 __all__ = ["BEAMS", "RANGE", "tangent_bug"]
 
-Floats = npt.NDArray[np.float64]
-
 BEAMS = 72
 RANGE = 1.0  # m: further points are not looked at
-_APART = 1.4  # of the radius: points further apart than this from beam to beam are not looked at, either
-_TOUCHING = 0.97  # of the radius: a wall that is touched is no nearer than this, so it does not bar the way along it
-_JUMP = 0.08 / 0.07  # of the radius: an end of a wall is where the free way is longer by this in the next direction
-_LONGER = 0.05  # m: by so much the way by an end may be longer than it was before a wall is followed
-_HANGS_TOGETHER = 0.5  # share of its distance by which a wall may be nearer or further in the next direction
-_NEARER = 0.03  # m: a place to leave a wall for is nearer to the target by this than all of it
-_PATIENCE = 60.0  # steps in which the way must have become shorter
 
-# Memory after the body's: what it does; shortest way so far, and steps since; the wall's least distance to the target;
-# distance to the target before the step; the place to leave for.
-MODE, BEST, SINCE, WALL_FAR, FAR = (body.BODY_SIZE + k for k in range(5))
-LEAVE_X, LEAVE_Y = body.BODY_SIZE + 5, body.BODY_SIZE + 6
-SIZE = body.BODY_SIZE + 7
-
-GOAL, APPROACH, WALL, LEAVE = 0.0, 1.0, 2.0, 3.0
-
-
-@rare_kernel
-def _sight(observation: Floats) -> float:
-    """Distance, m, up to which points are looked at; a disc has a free way of that less its radius at most."""
-    beams = observation.size - layout.OBS_SIZE
-    return min(RANGE, float(_APART * observation[layout.OBS_RADIUS] * beams / WHOLE_TURN))
-
-
-@rare_kernel
-def _free_way(observation: Floats, bearing: float) -> float:
-    """How far the disc can go in a direction from the heading, rad, past all points that beams met; m."""
-    beams, sight = observation.size - layout.OBS_SIZE, _sight(observation)
-    free = float(sight - observation[layout.OBS_RADIUS])
-    wide = _TOUCHING * observation[layout.OBS_RADIUS]
-    for beam in range(beams):
-        far = observation[layout.OBS_SIZE + beam]
-        if far >= 0.999 * sight:
-            continue
-        angle = wrap(bearing_of(beam, beams) - bearing)
-        along, across = far * cos(angle), far * sin(angle)
-        if along > 0.0 and abs(across) < wide:
-            free = min(free, along - math.sqrt(wide * wide - across * across))
-    return max(free, 0.0)
-
-
-@rare_kernel
-def _rest(observation: Floats, bearing: float, length: float) -> float:
-    """Distance to the target from the place that lies so far in a direction from the heading."""
-    far = observation[layout.OBS_TARGET_DISTANCE]
-    angle = observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING] - bearing
-    return math.sqrt(max(far * far + length * length - 2.0 * far * length * cos(wrap(angle)), 0.0))
-
-
-@rare_kernel
-def _best_end(observation: Floats) -> tuple[float, float, float]:
-    """The end of a wall by which the way to the target is shortest.
-
-    Returns:
-        The length of that way, m (inf: there is no end); the end's direction from the heading, rad; its distance.
-    """
-    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
-    best, best_bearing, best_length = math.inf, 0.0, 0.0
-    first = _free_way(observation, 0.0)
-    before = first
-    for beam in range(1, beams + 1):
-        bearing = bearing_of(beam, beams)
-        free = first if beam == beams else _free_way(observation, bearing)
-        if abs(free - before) > _JUMP * radius:
-            length = min(min(free, before) + radius, max(free, before))
-            towards = bearing if free > before else bearing - WHOLE_TURN / beams
-            way = length + _rest(observation, towards, length)
-            if way < best:
-                best, best_bearing, best_length = way, towards, length
-        before = free
-    return best, best_bearing, best_length
-
-
-@rare_kernel
-def _nearest_seen(observation: Floats) -> tuple[float, float, float]:
-    """The free place in sight that is nearest to the target: its distance to it, its direction and distance."""
-    beams = observation.size - layout.OBS_SIZE
-    offset = observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING]
-    best, best_bearing, best_length = math.inf, 0.0, 0.0
-    for beam in range(-1, beams):
-        bearing = offset if beam < 0 else bearing_of(beam, beams)
-        along = observation[layout.OBS_TARGET_DISTANCE] * cos(wrap(offset - bearing))
-        if along <= 0.0:
-            continue
-        length = min(along, _free_way(observation, bearing))
-        rest = _rest(observation, bearing, length)
-        if rest < best:
-            best, best_bearing, best_length = rest, bearing, length
-    return best, best_bearing, best_length
-
-
-@rare_kernel
-def _take_up(memory: Floats, far: float) -> None:
-    """Begins to approach the wall that is in the way."""
-    memory[MODE], memory[WALL_FAR] = APPROACH, far
-
-
-@rare_kernel
-def _go(observation: Floats, memory: Floats, command: Floats) -> None:
-    """Towards the target, or to the best end of the wall before it; a wall that both fail at is taken up."""
-    far, heading = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_HEADING]
-    ahead = observation[layout.OBS_TARGET_HEADING] - heading
-    way, bearing, length = far, ahead, far
-    if _free_way(observation, ahead) < min(far, 0.999 * (_sight(observation) - observation[layout.OBS_RADIUS])):
-        way, bearing, length = _best_end(observation)
-        memory[body.HAND] = -1.0 if wrap(bearing - ahead) > 0.0 else 1.0
-    memory[SINCE] += 1.0
-    if way < memory[BEST]:
-        memory[BEST], memory[SINCE] = way, 0.0
-    stopped = body.is_stopped(observation, memory, memory[FAR])
-    if way > memory[BEST] + _LONGER or memory[SINCE] > _PATIENCE or stopped:
-        _take_up(memory, far)
-        body.head_for_target(observation, memory, command)
-        return
-    step = observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]
-    if observation[layout.OBS_BUMP] != 0.0:
-        step = body.stride(observation)
-    body.drive(observation, memory, command, heading + bearing, min(step, length))
-
-
-@rare_kernel
-def _see_wall(observation: Floats, memory: Floats, side: int) -> None:
-    """Takes in how near to the target the wall comes that is followed, as far as it is seen to one side, 1 or -1."""
-    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
-    towards = wrap(memory[body.WALL] - observation[layout.OBS_HEADING]) / WHOLE_TURN
-    beam, before, sight = math.floor(towards * beams + 0.5), radius, _sight(observation)
-    for k in range(beams // 2):
-        at = (beam + side * k) % beams
-        far = observation[layout.OBS_SIZE + at]
-        if far >= 0.999 * sight or abs(far - before) > _HANGS_TOGETHER * before:
-            break
-        rest = _rest(observation, bearing_of(at, beams), max(far - radius, 0.0))
-        memory[WALL_FAR], before = min(memory[WALL_FAR], rest), far
-
-
-@rare_kernel
-def _see_whether_to_leave(observation: Floats, memory: Floats) -> None:
-    """Notes a place in sight to leave the wall for, if one is nearer to the target than all of the wall was."""
-    _see_wall(observation, memory, 1)
-    _see_wall(observation, memory, -1)
-    memory[WALL_FAR] = min(memory[WALL_FAR], observation[layout.OBS_TARGET_DISTANCE])
-    rest, bearing, length = _nearest_seen(observation)
-    if rest < memory[WALL_FAR] - _NEARER:
-        heading = observation[layout.OBS_HEADING] + bearing
-        memory[LEAVE_X] = observation[layout.OBS_X] + length * cos(wrap(heading))
-        memory[LEAVE_Y] = observation[layout.OBS_Y] + length * sin(wrap(heading))
-        memory[MODE] = LEAVE
-
-
-@rare_kernel
-def _leave(observation: Floats, memory: Floats, command: Floats) -> None:
-    """Drives to the place for which a wall is left."""
-    x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
-    left = distance(x, y, memory[LEAVE_X], memory[LEAVE_Y])
-    step = observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]
-    body.drive(observation, memory, command, angle_of(memory[LEAVE_X] - x, memory[LEAVE_Y] - y), min(step, left))
-
-
-@rare_kernel
-def _tangent_bug(observation: Floats, memory: Floats, command: Floats) -> None:
-    far, bump = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_BUMP] != 0.0
-    if memory[MODE] == LEAVE:
-        moved = distance(memory[body.X], memory[body.Y], observation[layout.OBS_X], observation[layout.OBS_Y])
-        if far < memory[WALL_FAR] - 0.5 * _NEARER:
-            memory[MODE], memory[BEST], memory[SINCE] = GOAL, math.inf, 0.0
-        elif bump or moved < 0.01 * body.stride(observation):
-            memory[MODE] = APPROACH
-    elif memory[MODE] == APPROACH and body.is_stopped(observation, memory, memory[FAR]):
-        memory[MODE] = WALL
-        body.begin_following(memory, body.touched(observation))
-    elif memory[MODE] == WALL and body.feel(observation, memory):
-        _see_whether_to_leave(observation, memory)
-    elif memory[MODE] == WALL and body.has_lost_it(memory):
-        memory[MODE], memory[BEST], memory[SINCE] = GOAL, math.inf, 0.0
-    if memory[MODE] == GOAL:
-        _go(observation, memory, command)
-    elif memory[MODE] == APPROACH:
-        memory[WALL_FAR] = min(memory[WALL_FAR], far)
-        body.head_for_target(observation, memory, command)
-    elif memory[MODE] == LEAVE:
-        _leave(observation, memory, command)
-    else:
-        body.follow(observation, memory, command)
-    memory[FAR] = far
-
-
-def _act(observation: Floats, memory: Floats, command: Floats) -> None:
-    _tangent_bug(observation, memory, command)
-
-
-def _at_reset() -> tuple[float, ...]:
-    memory = [0.0] * SIZE
-    memory[body.HAND], memory[BEST] = 1.0, math.inf
-    return tuple(memory)
-
+_MODE = place("WgTangentBugMemory", "mode")
+_BEST = place("WgTangentBugMemory", "best")
 
 tangent_bug = CompiledController(
     "tangent-bug",
-    _act,
-    _at_reset(),
+    CoreAct("tangent-bug"),
+    memory_at_reset(size_of("WgTangentBugMemory"), {body.HAND: 1.0, _BEST: math.inf}),
     senses=(*body.SENSES, "beams"),
     needs=RobotOptions(beams=BEAMS, beam_range=RANGE),
-    memory_fields=(MemoryField("doing", MODE, ("to the target", "by an end", "along the wall", "leaves the wall")),),
+    memory_fields=(MemoryField("doing", _MODE, ("to the target", "by an end", "along the wall", "leaves the wall")),),
 )

@@ -14,27 +14,16 @@ histogram" (1991), equation 11.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import CompiledController
-from sim.controllers.library._directions import WHOLE_TURN, bearing_of, steer, target_bearing, wrap
-from sim.kernels import layout
-from sim.kernels._jit import kernel
-from sim.kernels.fdlibm import atan, cos, sin
+from sim.controllers.core_act import CoreAct, default_of, memory_at_reset, place, size_of
 from sim.robot_options import RobotOptions
 
-__all__ = ["SECTORS", "VfhPlus", "drive", "vfh", "vfh_robot"]
+__all__ = ["VfhPlus", "vfh", "vfh_robot"]
 
-Floats = npt.NDArray[np.float64]
-
-SECTORS = 72  # of 5 degrees, in the world's frame
-_WIDTH = WHOLE_TURN / SECTORS
-LAST = SECTORS  # memory: 1 for each blocked sector, then the heading chosen last, sectors; below 0: none yet
-AT_RESET = (0.0,) * SECTORS + (-1.0,)
+_DEFAULT = default_of("wg_vfh_default")
+AT_RESET = memory_at_reset(size_of("WgVfhMemory"), {place("WgVfhMemory", "last"): -1.0})
 SENSES = ("heading", "target_heading", "time_step", "top_speed", "radius", "beams")
 NEEDS = RobotOptions(beams=72, beam_range=2.0)
 
@@ -55,148 +44,23 @@ class VfhPlus(NamedTuple):
         slowest: Share of the top speed that is left in the densest direction.
     """
 
-    safety: float = 1.0 / 7.0
-    window: float = 40.0 / 7.0
-    low: float = 0.6
-    high: float = 0.7
-    wide: int = 16
-    to_target: float = 5.0
-    to_heading: float = 2.0
-    to_last: float = 2.0
-    turning_radius: float = 0.0
-    slowest: float = 0.15
-
-
-@kernel
-def _fill(observation: Floats, density: Floats, tuned: VfhPlus) -> None:
-    """Stage 1: the polar histogram; each beam's obstacle covers the sectors that the widened obstacle covers."""
-    beams, reach = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS] * (1.0 + tuned.safety)
-    window = tuned.window * observation[layout.OBS_RADIUS]
-    for beam in range(beams):
-        distance = observation[layout.OBS_SIZE + beam]
-        if distance >= window:
-            continue
-        share = 1.0 - distance / window
-        half = 0.5 * math.pi if distance <= reach else atan(reach / math.sqrt(distance * distance - reach * reach))
-        middle = observation[layout.OBS_HEADING] + bearing_of(beam, beams)
-        first = math.ceil((middle - half) / _WIDTH)
-        last = math.floor((middle + half) / _WIDTH)
-        for sector in range(first, last + 1):
-            density[sector % SECTORS] = max(density[sector % SECTORS], share)
-
-
-@kernel
-def _block(density: Floats, memory: Floats, tuned: VfhPlus) -> None:
-    """Stage 2: the binary histogram; a sector stays as it was between the two thresholds."""
-    for sector in range(SECTORS):
-        if density[sector] > tuned.high:
-            memory[sector] = 1.0
-        elif density[sector] < tuned.low:
-            memory[sector] = 0.0
-
-
-@kernel
-def _reachable_side(observation: Floats, tuned: VfhPlus) -> tuple[float, float]:
-    """Stage 3: how far to the right and to the left the robot can turn before its circle meets an obstacle, rad."""
-    beams, turn = observation.size - layout.OBS_SIZE, tuned.turning_radius
-    near = turn + observation[layout.OBS_RADIUS] * (1.0 + tuned.safety)
-    right, left = -math.pi, math.pi
-    if turn <= 0.0:
-        return right, left
-    for beam in range(beams):
-        angle, distance = wrap(bearing_of(beam, beams)), observation[layout.OBS_SIZE + beam]
-        if distance >= tuned.window * observation[layout.OBS_RADIUS]:
-            continue
-        x, y = distance * cos(angle), distance * sin(angle)
-        if angle < 0.0 and x * x + (y + turn) * (y + turn) < near * near:
-            right = max(right, angle)
-        if angle > 0.0 and x * x + (y - turn) * (y - turn) < near * near:
-            left = min(left, angle)
-    return right, left
-
-
-@kernel
-def _apart(one: float, other: float) -> float:
-    """Sectors between two directions in sectors, the short way round."""
-    away = abs(one - other) % SECTORS
-    return min(away, SECTORS - away)
-
-
-@kernel
-def _cost(way: float, target: float, heading: float, last: float, tuned: VfhPlus) -> float:
-    """Stage 4's cost of a direction; all in sectors."""
-    cost = tuned.to_target * _apart(way, target) + tuned.to_heading * _apart(way, heading)
-    return cost if last < 0.0 else cost + tuned.to_last * _apart(way, last)
-
-
-@kernel
-def _is_free(sector: int, heading: float, sides: tuple[float, float], memory: Floats) -> bool:
-    """Whether the masked histogram leaves a sector open."""
-    turn = wrap((sector % SECTORS - heading) * _WIDTH)
-    return bool(memory[sector % SECTORS] == 0.0) and sides[0] <= turn <= sides[1]
-
-
-@kernel
-def _choose(heading: float, target: float, sides: tuple[float, float], memory: Floats, tuned: VfhPlus) -> float:
-    """Stage 4: the cheapest direction through an opening, sectors; -1 if all are blocked."""
-    last = memory[LAST]
-    border = 0
-    while border < SECTORS and _is_free(border, heading, sides, memory):
-        border += 1
-    if border == SECTORS:
-        return target
-    best, least = -1.0, math.inf
-    right = border + 1
-    while right < border + SECTORS:
-        left = right
-        while left < border + SECTORS and _is_free(left, heading, sides, memory):
-            left += 1
-        width = left - right  # sectors right .. left - 1 are free
-        if width > 0:
-            ways = (0.5 * (right + left - 1), -1.0, -1.0)
-            if width > tuned.wide:
-                near, far = right + 0.5 * tuned.wide, left - 1 - 0.5 * tuned.wide
-                inside = (target - near) % SECTORS <= far - near
-                ways = (near, far, target if inside else -1.0)
-            for way in ways:
-                cost = _cost(way, target, heading, last, tuned) if way >= 0.0 else math.inf
-                if cost < least:
-                    best, least = way % SECTORS, cost
-        right = left + 1
-    return best
-
-
-@kernel
-def drive(observation: Floats, memory: Floats, command: Floats, density: Floats, tuned: VfhPlus) -> None:
-    """One step of the four stages; stands still where every direction is blocked.
-
-    Args:
-        observation: ``OBS_``.
-        memory: The binary histogram and the last choice.
-        command: ``CMD_``.
-        density: (SECTORS,) zeros, to work in.
-        tuned: Numbers.
-    """
-    heading = (observation[layout.OBS_HEADING] / _WIDTH) % SECTORS
-    target = (heading + target_bearing(observation) / _WIDTH) % SECTORS
-    _fill(observation, density, tuned)
-    _block(density, memory, tuned)
-    way = _choose(heading, target, _reachable_side(observation, tuned), memory, tuned)
-    memory[LAST] = way
-    if way < 0.0:
-        return
-    dense = density[math.floor(way + 0.5) % SECTORS]
-    share = max(1.0 - dense / tuned.high, tuned.slowest)
-    steer(observation, command, wrap((way - heading) * _WIDTH), share * observation[layout.OBS_TOP_SPEED])
+    safety: float = _DEFAULT["safety"]
+    window: float = _DEFAULT["window"]
+    low: float = _DEFAULT["low"]
+    high: float = _DEFAULT["high"]
+    wide: int = int(_DEFAULT["wide"])
+    to_target: float = _DEFAULT["to_target"]
+    to_heading: float = _DEFAULT["to_heading"]
+    to_last: float = _DEFAULT["to_last"]
+    turning_radius: float = _DEFAULT["turning_radius"]
+    slowest: float = _DEFAULT["slowest"]
 
 
 def vfh_robot(tuned: VfhPlus, name: str = "vfh") -> CompiledController:
-    """A robot under VFH+ with these numbers."""
-
-    def act(observation: Floats, memory: Floats, command: Floats) -> None:
-        drive(observation, memory, command, np.zeros(SECTORS), tuned)
-
-    return CompiledController(name, act, AT_RESET, senses=SENSES, needs=NEEDS)
+    """Return a robot under VFH+ with these numbers."""
+    act = CoreAct("vfh") if tuned == VfhPlus() else CoreAct("vfh-tuned")
+    memory = AT_RESET if tuned == VfhPlus() else AT_RESET + tuple(map(float, tuned))
+    return CompiledController(name, act, memory, senses=SENSES, needs=NEEDS)
 
 
 vfh = vfh_robot(VfhPlus())

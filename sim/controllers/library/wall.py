@@ -11,46 +11,18 @@ from a wall at hand to the next one.
 
 from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.controllers.base import CompiledController
+from sim.controllers.core_act import CoreAct, memory_at_reset, place, size_of
 from sim.controllers.library import _boundary as body
 from sim.controllers.memory_view import MemoryField
-from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
 
 __all__ = ["wall_left", "wall_right"]
 
-Floats = npt.NDArray[np.float64]
-
-MODE = body.BODY_SIZE
-GOAL, WALL = 0.0, 1.0
-
-
-@rare_kernel
-def _follow_wall(observation: Floats, memory: Floats, command: Floats) -> None:
-    if memory[MODE] == GOAL and observation[layout.OBS_BUMP] != 0.0:
-        memory[MODE] = WALL
-        body.begin_following(memory, body.touched(observation))
-    elif memory[MODE] == WALL:
-        body.feel(observation, memory)
-        memory[MODE] = GOAL if body.has_lost_it(memory) else WALL
-    if memory[MODE] == WALL:
-        body.follow(observation, memory, command)
-    else:
-        body.head_for_target(observation, memory, command)
-
-
-def _act(observation: Floats, memory: Floats, command: Floats) -> None:
-    _follow_wall(observation, memory, command)
-
 
 def _controller(name: str, hand: float) -> CompiledController:
-    memory = [0.0] * (MODE + 1)
-    memory[body.HAND] = hand
-    doing = MemoryField("doing", MODE, ("to the target", "along the wall"))
-    return CompiledController(name, _act, tuple(memory), senses=body.SENSES, memory_fields=(doing,))
+    doing = MemoryField("doing", place("WgWallMemory", "mode"), ("to the target", "along the wall"))
+    memory = memory_at_reset(size_of("WgWallMemory"), {body.HAND: hand})
+    return CompiledController(name, CoreAct("wall"), memory, senses=body.SENSES, memory_fields=(doing,))
 
 
 wall_left = _controller("wall-left", 1.0)

@@ -22,11 +22,11 @@ static const double PRESSES = 3.0;  // presses without finding the wall before i
 
 double wg_stride(const WgObservation *seen)
 {
-    double longest = wg_larger(STRIDE * seen->radius, LEAST_STRIDE);
-    return wg_smaller(longest, seen->top_speed * seen->time_step);
+    double longest = wg_higher(STRIDE * seen->radius, LEAST_STRIDE);
+    return wg_lower(longest, seen->top_speed * seen->time_step);
 }
 
-void wg_drive(const WgObservation *seen, WgBody *body, WgCommand *command, double direction, double length)
+void wg_drive(const WgObservation *seen, WgWallBody *body, WgCommand *command, double direction, double length)
 {
     body->x = seen->x;
     body->y = seen->y;
@@ -34,13 +34,13 @@ void wg_drive(const WgObservation *seen, WgBody *body, WgCommand *command, doubl
     wg_steer(seen, command, wg_wrap(direction - seen->heading), length / seen->time_step);
 }
 
-void wg_head_for_target(const WgObservation *seen, WgBody *body, WgCommand *command)
+void wg_head_for_target(const WgObservation *seen, WgWallBody *body, WgCommand *command)
 {
     double length = seen->bump != 0.0 ? wg_stride(seen) : seen->top_speed * seen->time_step;
-    wg_drive(seen, body, command, seen->target_heading, wg_smaller(length, seen->target_distance));
+    wg_drive(seen, body, command, seen->target_heading, wg_lower(length, seen->target_distance));
 }
 
-bool wg_is_stopped(const WgObservation *seen, const WgBody *body, double far)
+bool wg_is_stopped(const WgObservation *seen, const WgWallBody *body, double far)
 {
     if (seen->bump == 0.0 || body->step > 1.001 * wg_stride(seen)) {
         return false;
@@ -55,7 +55,7 @@ double wg_touched(const WgObservation *seen)
     return wg_wrap(seen->heading + seen->bump_bearing);
 }
 
-void wg_begin_following(WgBody *body, double wall)
+void wg_begin_following(WgWallBody *body, double wall)
 {
     body->wall = wall;
     body->phase = WG_PRESS;
@@ -65,12 +65,12 @@ void wg_begin_following(WgBody *body, double wall)
 }
 
 // How far the last step came in its direction, m; walls may have pushed the robot back, or aside.
-static double moved_ahead(const WgObservation *seen, const WgBody *body)
+static double moved_ahead(const WgObservation *seen, const WgWallBody *body)
 {
     return (seen->x - body->x) * wg_cos(seen->heading) + (seen->y - body->y) * wg_sin(seen->heading);
 }
 
-bool wg_feel(const WgObservation *seen, WgBody *body)
+bool wg_feel(const WgObservation *seen, WgWallBody *body)
 {
     bool stands = moved_ahead(seen, body) < STANDS * body->step;
 
@@ -93,7 +93,7 @@ bool wg_feel(const WgObservation *seen, WgBody *body)
     body->lost = 0.0;
     if (turn < BEHIND + SEARCH * searched) {
         bool smooth = advanced && searched == 0.0 && fabs(turn) < SAME_FLAT;
-        body->smooth = smooth ? wg_smaller(body->smooth + 1.0, FLAT_AFTER) : 0.0;
+        body->smooth = smooth ? wg_lower(body->smooth + 1.0, FLAT_AFTER) : 0.0;
         body->stuck = stands && advanced ? body->stuck + 1.0 : 0.0;
     } else if (stands || body->stuck > 0.0) {
         // Another wall, and no way past it: it is followed from here on.
@@ -108,12 +108,12 @@ bool wg_feel(const WgObservation *seen, WgBody *body)
     return true;
 }
 
-bool wg_has_lost_it(const WgBody *body)
+bool wg_has_lost_it(const WgWallBody *body)
 {
     return body->lost >= WHOLE_TURNS;
 }
 
-void wg_follow(const WgObservation *seen, WgBody *body, WgCommand *command)
+void wg_follow(const WgObservation *seen, WgWallBody *body, WgCommand *command)
 {
     double length = wg_stride(seen);
     if (body->phase == WG_PRESS) {

@@ -9,21 +9,11 @@
 #include <stdint.h>
 
 #include "fdlibm.h"
+#include "numbers.h"
 #include "worldgen_controller.h"
 
 static const double WG_PI = 3.14159265358979323846;
 static const double WG_WHOLE_TURN = 6.28318530717958647693;
-
-// The smaller and the larger of two numbers; the first where they cannot be compared.
-static inline double wg_smaller(double one, double other)
-{
-    return other < one ? other : one;
-}
-
-static inline double wg_larger(double one, double other)
-{
-    return other > one ? other : one;
-}
 
 // What is left after dividing by a positive number, in [0, divisor).
 static inline double wg_remainder(double value, double divisor)
@@ -35,22 +25,10 @@ static inline double wg_remainder(double value, double divisor)
     return rest < 0.0 ? rest + divisor : rest;
 }
 
-static inline int64_t wg_index_remainder(int64_t value, int64_t divisor)
-{
-    int64_t rest = value % divisor;
-    return rest < 0 ? rest + divisor : rest;
-}
-
-// The largest whole number that is not above a value.
-static inline int64_t wg_whole(double value)
-{
-    return (int64_t)floor(value);
-}
-
 // The same angle in [-pi, pi), rad.
 static inline double wg_wrap(double angle)
 {
-    return angle - WG_WHOLE_TURN * floor((angle + WG_PI) / WG_WHOLE_TURN);
+    return angle - WG_WHOLE_TURN * (double)wg_floor((angle + WG_PI) / WG_WHOLE_TURN);
 }
 
 // Direction of the vector (dx, dy), rad; 0 for the zero vector.
@@ -86,7 +64,7 @@ static inline double wg_distance_to_path(double x, double y, double from_x, doub
     double length_sq = dx * dx + dy * dy;
     double share = 0.0;
     if (length_sq > 0.0) {
-        share = wg_smaller(1.0, wg_larger(0.0, ((x - from_x) * dx + (y - from_y) * dy) / length_sq));
+        share = wg_lower(1.0, wg_higher(0.0, ((x - from_x) * dx + (y - from_y) * dy) / length_sq));
     }
     return wg_distance(x, y, from_x + share * dx, from_y + share * dy);
 }

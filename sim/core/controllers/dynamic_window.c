@@ -58,10 +58,10 @@ double wg_arc_to_contact(double x, double y, double speed, double turn_rate, dou
         return INFINITY;
     }
     double cosine = (bend * bend + away * away - radius * radius) / (2.0 * bend * away);
-    double share = wg_smaller(wg_larger(cosine, -1.0), 1.0);
+    double share = wg_lower(wg_higher(cosine, -1.0), 1.0);
     double to_point = wg_remainder(wg_angle_of(off, x), WG_WHOLE_TURN);
     double turned = to_point - wg_angle_of(share, sqrt(1.0 - share * share));
-    return wg_larger(turned, 0.0) * bend;
+    return wg_higher(turned, 0.0) * bend;
 }
 
 static void fill(const WgObservation *seen, Points *points)
@@ -83,7 +83,7 @@ static double free_path(const Points *points, Arc arc, double radius, double far
         double y = points->y[beam];
         double reach = free + radius;
         if (x * x + y * y < reach * reach) {
-            free = wg_smaller(free, wg_arc_to_contact(x, y, arc.speed, arc.turn_rate, radius));
+            free = wg_lower(free, wg_arc_to_contact(x, y, arc.speed, arc.turn_rate, radius));
         }
     }
     return free;
@@ -116,10 +116,10 @@ static void drive(const WgObservation *seen, WgDynamicWindowMemory *own, WgComma
     }
 
     // The window: what the wheels can reach within a step.
-    double slow = wg_larger(own->speed - tuned->gain * step, 0.0);
-    double fast = wg_smaller(own->speed + tuned->gain * step, top);
-    double right = wg_larger(own->turn_rate - tuned->turn_gain * step, -tuned->fastest_turn);
-    double left = wg_smaller(own->turn_rate + tuned->turn_gain * step, tuned->fastest_turn);
+    double slow = wg_higher(own->speed - tuned->gain * step, 0.0);
+    double fast = wg_lower(own->speed + tuned->gain * step, top);
+    double right = wg_higher(own->turn_rate - tuned->turn_gain * step, -tuned->fastest_turn);
+    double left = wg_lower(own->turn_rate + tuned->turn_gain * step, tuned->fastest_turn);
 
     double best = -1.0;
     Arc best_arc = {slow, tuned->fastest_turn};
@@ -139,8 +139,8 @@ static void drive(const WgObservation *seen, WgDynamicWindowMemory *own, WgComma
             }
         }
     }
-    own->speed = (double)wg_whole(best_arc.speed * GRAIN) / GRAIN;
-    own->turn_rate = (double)wg_whole(best_arc.turn_rate * GRAIN + 0.5) / GRAIN;
+    own->speed = (double)wg_floor(best_arc.speed * GRAIN) / GRAIN;
+    own->turn_rate = (double)wg_floor(best_arc.turn_rate * GRAIN + 0.5) / GRAIN;
     command->speed = own->speed;
     command->turn_rate = own->turn_rate;
 }

@@ -50,7 +50,7 @@ static Bit bit_of(WgMapperMemory *map, WgNode node, int64_t move)
         move -= 4;
     }
     int64_t side = side_of(map);
-    int64_t number = wg_index_remainder(node.y, side) * side + wg_index_remainder(node.x, side);
+    int64_t number = wg_floor_mod(node.y, side) * side + wg_floor_mod(node.x, side);
     return (Bit){&map->nodes[number / NODES_A_WORD], 4 * (number % NODES_A_WORD) + move};
 }
 
@@ -74,16 +74,16 @@ void wg_map_block(WgMapperMemory *map, WgNode node, int64_t move)
 
 void wg_map_block_near(WgMapperMemory *map, double x, double y, double radius)
 {
-    int64_t reach = wg_whole(radius) + 2;
+    int64_t reach = wg_floor(radius) + 2;
     int64_t low_x = (int64_t)map->window_x;
     int64_t low_y = (int64_t)map->window_y;
     int64_t side = side_of(map);
 
     // The nodes around the point, inside the border of the window.
-    int64_t first_x = wg_whole(x) - reach > low_x + 1 ? wg_whole(x) - reach : low_x + 1;
-    int64_t first_y = wg_whole(y) - reach > low_y + 1 ? wg_whole(y) - reach : low_y + 1;
-    int64_t last_x = wg_whole(x) + reach + 1 < low_x + side - 2 ? wg_whole(x) + reach + 1 : low_x + side - 2;
-    int64_t last_y = wg_whole(y) + reach + 1 < low_y + side - 2 ? wg_whole(y) + reach + 1 : low_y + side - 2;
+    int64_t first_x = wg_floor(x) - reach > low_x + 1 ? wg_floor(x) - reach : low_x + 1;
+    int64_t first_y = wg_floor(y) - reach > low_y + 1 ? wg_floor(y) - reach : low_y + 1;
+    int64_t last_x = wg_floor(x) + reach + 1 < low_x + side - 2 ? wg_floor(x) + reach + 1 : low_x + side - 2;
+    int64_t last_y = wg_floor(y) + reach + 1 < low_y + side - 2 ? wg_floor(y) + reach + 1 : low_y + side - 2;
     for (int64_t j = first_y; j <= last_y; j++) {
         for (int64_t i = first_x; i <= last_x; i++) {
             for (int64_t move = 0; move < 4; move++) {
@@ -101,8 +101,8 @@ void wg_map_block_near(WgMapperMemory *map, double x, double y, double radius)
 // Number of a node among those next to the target; -1 for another.
 static int64_t door_of(const WgMapperMemory *map, WgNode node)
 {
-    int64_t i = node.x - wg_whole(map->target_x) + REACH - 1;
-    int64_t j = node.y - wg_whole(map->target_y) + REACH - 1;
+    int64_t i = node.x - wg_floor(map->target_x) + REACH - 1;
+    int64_t j = node.y - wg_floor(map->target_y) + REACH - 1;
     return 0 <= i && i < 2 * REACH && 0 <= j && j < 2 * REACH ? j * 2 * REACH + i : -1;
 }
 
@@ -219,7 +219,7 @@ static int64_t at_least(const WgMapperMemory *map, WgNode node)
 {
     double dx = fabs((double)node.x - map->target_x);
     double dy = fabs((double)node.y - map->target_y);
-    return wg_whole(STRAIGHT * wg_larger(dx, dy) + (DIAGONAL - STRAIGHT) * wg_smaller(dx, dy));
+    return wg_floor(STRAIGHT * wg_higher(dx, dy) + (DIAGONAL - STRAIGHT) * wg_lower(dx, dy));
 }
 
 // A* from a node; the number in the window of the node where the plan ends, -1 if there is no path.

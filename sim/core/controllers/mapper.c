@@ -37,14 +37,14 @@ static void begin(const WgObservation *seen, WgMapperMemory *own)
     own->target_x = far * wg_cos(seen->target_heading);
     own->target_y = far * wg_sin(seen->target_heading);
     double half = own->side / 2.0;
-    own->window_x = (double)wg_whole(own->target_x / 2.0 - half);
-    own->window_y = (double)wg_whole(own->target_y / 2.0 - half);
+    own->window_x = (double)wg_floor(own->target_x / 2.0 - half);
+    own->window_y = (double)wg_floor(own->target_y / 2.0 - half);
 }
 
 // Commands a step towards a point.
 static void drive_to(const WgObservation *seen, WgMapperMemory *own, WgCommand *command, Point to)
 {
-    double length = wg_smaller(seen->top_speed * seen->time_step, wg_distance(seen->x, seen->y, to.x, to.y));
+    double length = wg_lower(seen->top_speed * seen->time_step, wg_distance(seen->x, seen->y, to.x, to.y));
     double turn = wg_wrap(wg_angle_of(to.x - seen->x, to.y - seen->y) - seen->heading);
     wg_steer(seen, command, turn, length / seen->time_step);
     own->x = seen->x;
@@ -140,8 +140,8 @@ static bool turn_back(const WgObservation *seen, WgMapperMemory *own, bool barre
         return false;
     }
     own->tries = 0.0;
-    own->from_x = (double)wg_whole((seen->x - own->start_x) / own->grid + 0.5);
-    own->from_y = (double)wg_whole((seen->y - own->start_y) / own->grid + 0.5);
+    own->from_x = (double)wg_floor((seen->x - own->start_x) / own->grid + 0.5);
+    own->from_y = (double)wg_floor((seen->y - own->start_y) / own->grid + 0.5);
     own->plan_length = 0.0;
     return true;
 }

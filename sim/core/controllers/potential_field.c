@@ -24,7 +24,7 @@ static double push_of(double gap, const WgPotentialField *tuned)
     if (gap >= tuned->influence) {
         return 0.0;
     }
-    double near = wg_larger(gap, NEAREST);
+    double near = wg_higher(gap, NEAREST);
     return tuned->push * (1.0 / near - 1.0 / tuned->influence) / (near * near);
 }
 
@@ -33,7 +33,7 @@ static void drive(const WgObservation *seen, WgCommand *command, const WgPotenti
 {
     int64_t beams = seen->beam_count;
     double towards = wg_target_bearing(seen);
-    double pull = tuned->pull * wg_smaller(seen->target_distance, tuned->far);
+    double pull = tuned->pull * wg_lower(seen->target_distance, tuned->far);
     double force_x = pull * wg_cos(towards);
     double force_y = pull * wg_sin(towards);
     double nearest = INFINITY;
@@ -41,7 +41,7 @@ static void drive(const WgObservation *seen, WgCommand *command, const WgPotenti
         double distance = seen->beams[beam];
         double before = seen->beams[beam > 0 ? beam - 1 : beams - 1];
         double after = seen->beams[beam + 1 < beams ? beam + 1 : 0];
-        nearest = wg_smaller(nearest, distance);
+        nearest = wg_lower(nearest, distance);
         if (distance < before && distance <= after) {
             double push = push_of(distance - seen->radius, tuned);
             double angle = wg_bearing_of(beam, beams);
@@ -52,9 +52,9 @@ static void drive(const WgObservation *seen, WgCommand *command, const WgPotenti
 
     // Half the gap in a step at most: the slope of the push changes within millimetres there.
     double force = sqrt(force_x * force_x + force_y * force_y);
-    double careful = wg_larger(nearest - seen->radius, NEAREST) / (2.0 * seen->time_step);
-    double speed = seen->top_speed * wg_smaller(force / tuned->full_force, 1.0);
-    wg_steer(seen, command, wg_angle_of(force_x, force_y), wg_smaller(speed, careful));
+    double careful = wg_higher(nearest - seen->radius, NEAREST) / (2.0 * seen->time_step);
+    double speed = seen->top_speed * wg_lower(force / tuned->full_force, 1.0);
+    wg_steer(seen, command, wg_angle_of(force_x, force_y), wg_lower(speed, careful));
 }
 
 void wg_potential_field_act(const WgObservation *seen, double *memory, WgCommand *command)

@@ -12,16 +12,16 @@
 enum {
     LOOKS = 5,   // beams, eighths of a turn apart, that the robot looks along
     BEAMS = 8,
-    DRIVEN = 4,  // steps between two decisions, if no bump comes first
 };
 
-static const int TURN_OF[WG_Q_TURNS] = {0, 1, 7, 2, 6, 4};  // eighths of a turn, counter-clockwise
+const int wg_q_turn_of[6] = {0, 1, 7, 2, 6, 4};
+
 static const int LOOK_AT[LOOKS] = {0, 1, 2, 6, 7};
 static const double IN_THE_WAY = 0.09;  // m: a gap of less than this is blocked
 
 int64_t wg_q_situation(const WgObservation *seen, const WgQMemory *own)
 {
-    int64_t eighth = wg_index_remainder(wg_whole(wg_target_bearing(seen) / WG_WHOLE_TURN * 8.0 + 0.5), 8);
+    int64_t eighth = wg_floor_mod(wg_floor(wg_target_bearing(seen) / WG_WHOLE_TURN * 8.0 + 0.5), 8);
     double near = seen->radius + IN_THE_WAY;
     int64_t blocked = 0;
     for (int k = 0; k < LOOKS; k++) {
@@ -57,8 +57,8 @@ static void drive(const WgObservation *seen, WgQMemory *own, WgCommand *command,
             return;
         }
         int64_t situation = wg_q_situation(seen, own);
-        turn = TURN_OF[best == NULL ? best_of_table(situation) : (int64_t)best[situation]];
-        own->wait = DRIVEN;
+        turn = wg_q_turn_of[best == NULL ? best_of_table(situation) : (int64_t)best[situation]];
+        own->wait = WG_Q_DRIVEN;
         own->turned = 0.0;
         if (turn % 4 != 0) {
             own->turned = turn < 4 ? 1.0 : 2.0;

@@ -3,12 +3,7 @@
 #ifndef WG_Q_TABLE_H
 #define WG_Q_TABLE_H
 
-#include <stdint.h>
-
-enum {
-    WG_Q_SITUATIONS = 768,
-    WG_Q_TURNS = 6,
-};
+#include "wg_controllers.h"
 
 // Worth of each turn, thousandths, in each situation.
 extern const int16_t wg_q_table[WG_Q_SITUATIONS][WG_Q_TURNS];

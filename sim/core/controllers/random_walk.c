@@ -16,7 +16,7 @@ void wg_random_walk_act(const WgObservation *seen, double *memory, WgCommand *co
         command->turn_rate /= seen->time_step;
         command->used_random = 1.0;
     }
-    double length = wg_smaller(own->left, seen->top_speed * seen->time_step);
+    double length = wg_lower(own->left, seen->top_speed * seen->time_step);
     own->left -= length;
     command->speed = length / seen->time_step;
 }

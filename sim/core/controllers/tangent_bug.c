@@ -31,7 +31,7 @@ typedef struct Sighting {
 // Distance, m, up to which points are looked at; a disc has a free path of that less its radius at most.
 static double sight_of(const WgObservation *seen)
 {
-    return wg_smaller(RANGE, APART * seen->radius * (double)seen->beam_count / WG_WHOLE_TURN);
+    return wg_lower(RANGE, APART * seen->radius * (double)seen->beam_count / WG_WHOLE_TURN);
 }
 
 // How far the disc can go in a direction from the heading, rad, past all points that beams met; m.
@@ -49,10 +49,10 @@ static double free_path(const WgObservation *seen, double bearing)
         double along = far * wg_cos(angle);
         double across = far * wg_sin(angle);
         if (along > 0.0 && fabs(across) < wide) {
-            free = wg_smaller(free, along - sqrt(wide * wide - across * across));
+            free = wg_lower(free, along - sqrt(wide * wide - across * across));
         }
     }
-    return wg_larger(free, 0.0);
+    return wg_higher(free, 0.0);
 }
 
 // Distance to the target from the place that is so far away in a direction from the heading.
@@ -61,7 +61,7 @@ static double rest_from(const WgObservation *seen, double bearing, double length
     double far = seen->target_distance;
     double angle = seen->target_heading - seen->heading - bearing;
     double squared = far * far + length * length - 2.0 * far * length * wg_cos(wg_wrap(angle));
-    return sqrt(wg_larger(squared, 0.0));
+    return sqrt(wg_higher(squared, 0.0));
 }
 
 // The end of a wall by which the path to the target is shortest; its worth is the length of that path.
@@ -75,7 +75,7 @@ static Sighting best_end(const WgObservation *seen)
         double bearing = wg_bearing_of(beam, beams);
         double free = beam == beams ? first : free_path(seen, bearing);
         if (fabs(free - before) > JUMP * seen->radius) {
-            double length = wg_smaller(wg_smaller(free, before) + seen->radius, wg_larger(free, before));
+            double length = wg_lower(wg_lower(free, before) + seen->radius, wg_higher(free, before));
             double towards = free > before ? bearing : bearing - WG_WHOLE_TURN / (double)beams;
             double path = length + rest_from(seen, towards, length);
             if (path < best.worth) {
@@ -98,7 +98,7 @@ static Sighting nearest_seen(const WgObservation *seen)
         if (along <= 0.0) {
             continue;
         }
-        double length = wg_smaller(along, free_path(seen, bearing));
+        double length = wg_lower(along, free_path(seen, bearing));
         double rest = rest_from(seen, bearing, length);
         if (rest < best.worth) {
             best = (Sighting){rest, bearing, length};
@@ -113,7 +113,7 @@ static void go(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *co
     double ahead = seen->target_heading - seen->heading;
     Sighting chosen = {seen->target_distance, ahead, seen->target_distance};
     double in_sight = 0.999 * (sight_of(seen) - seen->radius);
-    if (free_path(seen, ahead) < wg_smaller(seen->target_distance, in_sight)) {
+    if (free_path(seen, ahead) < wg_lower(seen->target_distance, in_sight)) {
         chosen = best_end(seen);
         own->body.hand = wg_wrap(chosen.bearing - ahead) > 0.0 ? -1.0 : 1.0;
     }
@@ -133,7 +133,7 @@ static void go(const WgObservation *seen, WgTangentBugMemory *own, WgCommand *co
     }
     double step = seen->bump != 0.0 ? wg_stride(seen) : seen->top_speed * seen->time_step;
     double direction = seen->heading + chosen.bearing;
-    wg_drive(seen, &own->body, command, direction, wg_smaller(step, chosen.length));
+    wg_drive(seen, &own->body, command, direction, wg_lower(step, chosen.length));
 }
 
 // Takes in how near to the target the followed wall comes, as far as it is seen to one side, 1 or -1.
@@ -142,16 +142,16 @@ static void see_wall(const WgObservation *seen, WgTangentBugMemory *own, int64_t
     int64_t beams = seen->beam_count;
     double sight = sight_of(seen);
     double towards = wg_wrap(own->body.wall - seen->heading) / WG_WHOLE_TURN;
-    int64_t first = wg_whole(towards * (double)beams + 0.5);
+    int64_t first = wg_floor(towards * (double)beams + 0.5);
     double before = seen->radius;
     for (int64_t k = 0; k < beams / 2; k++) {
-        int64_t at = wg_index_remainder(first + side * k, beams);
+        int64_t at = wg_floor_mod(first + side * k, beams);
         double far = seen->beams[at];
         if (far >= 0.999 * sight || fabs(far - before) > CONTINUES * before) {
             break;
         }
-        double rest = rest_from(seen, wg_bearing_of(at, beams), wg_larger(far - seen->radius, 0.0));
-        own->wall_far = wg_smaller(own->wall_far, rest);
+        double rest = rest_from(seen, wg_bearing_of(at, beams), wg_higher(far - seen->radius, 0.0));
+        own->wall_far = wg_lower(own->wall_far, rest);
         before = far;
     }
 }
@@ -161,7 +161,7 @@ static void see_whether_to_leave(const WgObservation *seen, WgTangentBugMemory *
 {
     see_wall(seen, own, 1);
     see_wall(seen, own, -1);
-    own->wall_far = wg_smaller(own->wall_far, seen->target_distance);
+    own->wall_far = wg_lower(own->wall_far, seen->target_distance);
     Sighting place = nearest_seen(seen);
     if (place.worth < own->wall_far - NEARER) {
         double heading = wg_wrap(seen->heading + place.bearing);
@@ -177,7 +177,7 @@ static void leave(const WgObservation *seen, WgTangentBugMemory *own, WgCommand 
     double left = wg_distance(seen->x, seen->y, own->leave_x, own->leave_y);
     double step = seen->top_speed * seen->time_step;
     double direction = wg_angle_of(own->leave_x - seen->x, own->leave_y - seen->y);
-    wg_drive(seen, &own->body, command, direction, wg_smaller(step, left));
+    wg_drive(seen, &own->body, command, direction, wg_lower(step, left));
 }
 
 static void head_for_goal(WgTangentBugMemory *own)
@@ -212,7 +212,7 @@ void wg_tangent_bug_act(const WgObservation *seen, double *memory, WgCommand *co
     if (own->mode == GOAL) {
         go(seen, own, command);
     } else if (own->mode == APPROACH) {
-        own->wall_far = wg_smaller(own->wall_far, seen->target_distance);
+        own->wall_far = wg_lower(own->wall_far, seen->target_distance);
         wg_head_for_target(seen, &own->body, command);
     } else if (own->mode == LEAVE) {
         leave(seen, own, command);

@@ -6,7 +6,6 @@
 // and 4 and its listing; the arbiter is rebuilt from the prose.
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "directions.h"
 #include "library.h"
@@ -25,7 +24,7 @@ enum { COLLIDE_TICKS = 5, DRIVE_TICKS = 2 };
 
 static int64_t heading_units(double radians)
 {
-    return wg_index_remainder(wg_whole(radians * UNITS + 0.5), WG_TURN);
+    return wg_floor_mod(wg_floor(radians * UNITS + 0.5), WG_TURN);
 }
 
 // Target heading, units, after a collision.
@@ -33,19 +32,19 @@ static int64_t turn_after_collision(Rule rule, int64_t heading, double random)
 {
     switch (rule) {
     case RIGHT:
-        return wg_index_remainder(heading - WG_TURN / 4, WG_TURN);
+        return wg_floor_mod(heading - WG_TURN / 4, WG_TURN);
     case LEFT:
-        return wg_index_remainder(heading + WG_TURN / 4, WG_TURN);
+        return wg_floor_mod(heading + WG_TURN / 4, WG_TURN);
     case RANDOM:
     default:
-        return wg_whole(random * WG_TURN);
+        return wg_floor(random * WG_TURN);
     }
 }
 
 // Signed units, in (-half turn, half turn], from one heading to another.
 static int64_t turn_between(int64_t heading, int64_t target)
 {
-    int64_t turn = wg_index_remainder(target - heading, WG_TURN);
+    int64_t turn = wg_floor_mod(target - heading, WG_TURN);
     return turn > WG_TURN / 2 ? turn - WG_TURN : turn;
 }
 
@@ -75,7 +74,7 @@ static void tick(const WgObservation *seen, WgThesisMemory *own, WgCommand *comm
     WgAction action = wg_run_behaviour(charge.behaviour, charge.ticks, collision, heading == target);
     if (action.wheels == WG_WHEELS_TURN) {
         int64_t turn = turn_between(heading, target);
-        if (llabs(turn) > SNAP) {
+        if (wg_abs(turn) > SNAP) {
             turn = turn > 0 ? TURN_STEP : -TURN_STEP;
         }
         command->turn_rate = (double)turn / UNITS / seen->time_step;

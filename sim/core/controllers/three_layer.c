@@ -6,7 +6,6 @@
 // (1997). The map, the plan and the steering are our own, as simple as they can be.
 
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "directions.h"
@@ -53,11 +52,11 @@ static int64_t within_side(int64_t place)
 static void lay(const WgObservation *seen, WgThreeLayerMemory *own, const WgThreeLayer *tuned)
 {
     double far = seen->target_distance;
-    double pitch = wg_larger(tuned->pitch * seen->radius, tuned->reach * far / SIDE);
+    double pitch = wg_higher(tuned->pitch * seen->radius, tuned->reach * far / SIDE);
     double to_x = far * wg_cos(seen->target_heading);
     double to_y = far * wg_sin(seen->target_heading);
-    double column = (double)(SIDE / 2 + wg_whole(0.5 * to_x / pitch));
-    double row = (double)(SIDE / 2 + wg_whole(0.5 * to_y / pitch));
+    double column = (double)(SIDE / 2 + wg_floor(0.5 * to_x / pitch));
+    double row = (double)(SIDE / 2 + wg_floor(0.5 * to_y / pitch));
     own->pitch = pitch;
     own->laid = 1.0;
     own->to_x = -1.0;
@@ -70,8 +69,8 @@ static void lay(const WgObservation *seen, WgThreeLayerMemory *own, const WgThre
 // The map's cell at a place; the nearest for one outside.
 static WgMapCell cell_at(const WgThreeLayerMemory *own, double x, double y)
 {
-    int64_t column = wg_whole((x - own->corner_x) / own->pitch);
-    int64_t row = wg_whole((y - own->corner_y) / own->pitch);
+    int64_t column = wg_floor((x - own->corner_x) / own->pitch);
+    int64_t row = wg_floor((y - own->corner_y) / own->pitch);
     return (WgMapCell){within_side(column), within_side(row)};
 }
 
@@ -129,7 +128,7 @@ WgMapCell wg_next_cell(const WgThreeLayerMemory *own, WgMapCell here, WgMapCell 
 // Columns and rows between two cells.
 static int64_t steps_between(WgMapCell here, WgMapCell there)
 {
-    return llabs(there.column - here.column) + llabs(there.row - here.row);
+    return wg_abs(there.column - here.column) + wg_abs(there.row - here.row);
 }
 
 // Marks the border between two cells as closed, if they are neighbours.
@@ -151,7 +150,7 @@ static void forget(WgThreeLayerMemory *own)
         own->right[row] = 0.0;
         own->up[row] = 0.0;
     }
-    own->forgotten = wg_smaller(own->forgotten + 1.0, MOST_FORGOTTEN);
+    own->forgotten = wg_lower(own->forgotten + 1.0, MOST_FORGOTTEN);
 }
 
 static void set_waypoint(WgThreeLayerMemory *own, WgMapCell there)
@@ -228,7 +227,7 @@ static void react(const WgObservation *seen, const WgThreeLayerMemory *own, WgCo
 {
     int64_t beams = seen->beam_count;
     double wanted = wg_target_bearing(seen);
-    double look = wg_smaller(tuned->look, seen->target_distance);
+    double look = wg_lower(tuned->look, seen->target_distance);
     if (own->to_x >= 0.0) {
         double x = own->corner_x + (own->to_x + 0.5) * own->pitch - seen->x;
         double y = own->corner_y + (own->to_y + 0.5) * own->pitch - seen->y;

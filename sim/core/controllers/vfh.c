@@ -57,11 +57,11 @@ static void fill(const WgObservation *seen, double *density, const WgVfh *tuned)
             half = wg_atan(reach / sqrt(distance * distance - reach * reach));
         }
         double middle = seen->heading + wg_bearing_of(beam, seen->beam_count);
-        int64_t first = (int64_t)ceil((middle - half) / WIDTH);
-        int64_t last = wg_whole((middle + half) / WIDTH);
+        int64_t first = wg_ceil((middle - half) / WIDTH);
+        int64_t last = wg_floor((middle + half) / WIDTH);
         for (int64_t sector = first; sector <= last; sector++) {
-            double *cell = &density[wg_index_remainder(sector, SECTORS)];
-            *cell = wg_larger(*cell, share);
+            double *cell = &density[wg_floor_mod(sector, SECTORS)];
+            *cell = wg_higher(*cell, share);
         }
     }
 }
@@ -96,10 +96,10 @@ static Sides reachable_sides(const WgObservation *seen, const WgVfh *tuned)
         double x = distance * wg_cos(angle);
         double y = distance * wg_sin(angle);
         if (angle < 0.0 && x * x + (y + turn) * (y + turn) < near * near) {
-            sides.right = wg_larger(sides.right, angle);
+            sides.right = wg_higher(sides.right, angle);
         }
         if (angle > 0.0 && x * x + (y - turn) * (y - turn) < near * near) {
-            sides.left = wg_smaller(sides.left, angle);
+            sides.left = wg_lower(sides.left, angle);
         }
     }
     return sides;
@@ -109,7 +109,7 @@ static Sides reachable_sides(const WgObservation *seen, const WgVfh *tuned)
 static double apart(double one, double other)
 {
     double away = wg_remainder(fabs(one - other), SECTORS);
-    return wg_smaller(away, SECTORS - away);
+    return wg_lower(away, SECTORS - away);
 }
 
 // Stage 4's cost of a direction in sectors.
@@ -123,7 +123,7 @@ static double cost_of(double direction, const Wanted *wanted, const WgVfh *tuned
 // Whether the masked histogram leaves a sector open.
 static bool is_free(int64_t sector, double heading, Sides sides, const WgVfhMemory *own)
 {
-    int64_t at = wg_index_remainder(sector, SECTORS);
+    int64_t at = wg_floor_mod(sector, SECTORS);
     double turn = wg_wrap(((double)at - heading) * WIDTH);
     return own->blocked[at] == 0.0 && sides.right <= turn && turn <= sides.left;
 }
@@ -190,8 +190,8 @@ static void drive(const WgObservation *seen, WgVfhMemory *own, WgCommand *comman
     if (direction < 0.0) {
         return;
     }
-    double dense = density[wg_index_remainder(wg_whole(direction + 0.5), SECTORS)];
-    double share = wg_larger(1.0 - dense / tuned->high, tuned->slowest);
+    double dense = density[wg_floor_mod(wg_floor(direction + 0.5), SECTORS)];
+    double share = wg_higher(1.0 - dense / tuned->high, tuned->slowest);
     wg_steer(seen, command, wg_wrap((direction - wanted.heading) * WIDTH), share * seen->top_speed);
 }
 

@@ -14,7 +14,7 @@
 WgAct wg_library_act(const char *name);
 
 // What follows a wall by touch. The memory of such a controller begins with it.
-typedef struct WgBody {
+typedef struct WgWallBody {
     double x;       // m: position before the last step
     double y;
     double step;    // m: length that was asked for in the last step
@@ -24,10 +24,10 @@ typedef struct WgBody {
     double stuck;   // how often in a row it touched its wall and did not move
     double lost;    // how many steps ago it touched a wall
     double smooth;  // how often in a row its wall had not turned, at most FLAT_AFTER
-} WgBody;
+} WgWallBody;
 
 typedef struct WgWallMemory {
-    WgBody body;
+    WgWallBody body;
     double mode;  // 0 to the target, 1 along the wall
 } WgWallMemory;
 
@@ -39,19 +39,19 @@ typedef struct WgWallPlace {
 } WgWallPlace;
 
 typedef struct WgBug1Memory {
-    WgBody body;
-    double mode;           // 0 start, 1 to the target, 2 meets a wall, 3 round it, 4 to the leave point
-    double far;            // m: distance to the target before the step
-    WgWallPlace hit;       // where a wall stopped it
-    WgWallPlace leave;     // where the wall was nearest to the target
-    double leave_far;      // m: distance of that place to the target; infinity: there is none
-    double path;           // m: driven since the hit
-    double leave_path;     // m: driven from the hit to the leave point
-    double away;           // 0 near the hit point, 1 away from it, 2 back at it
+    WgWallBody body;
+    double mode;        // 0 start, 1 to the target, 2 meets a wall, 3 round it, 4 to the leave point
+    double far;         // m: distance to the target before the step
+    WgWallPlace hit;    // where a wall stopped it
+    WgWallPlace leave;  // where the wall was nearest to the target
+    double leave_far;   // m: distance of that place to the target; infinity: there is none
+    double path;        // m: driven since the hit
+    double leave_path;  // m: driven from the hit to the leave point
+    double away;        // 0 near the hit point, 1 away from it, 2 back at it
 } WgBug1Memory;
 
 typedef struct WgBug2Memory {
-    WgBody body;
+    WgWallBody body;
     double mode;     // 0 start, 1 to the target, 2 round the obstacle, 3 to the line
     double far;      // m: distance to the target before the step
     double hit_x;    // m
@@ -64,7 +64,7 @@ typedef struct WgBug2Memory {
 } WgBug2Memory;
 
 typedef struct WgTangentBugMemory {
-    WgBody body;
+    WgWallBody body;
     double mode;      // 0 to the target, 1 by an end, 2 along the wall, 3 leaves the wall
     double best;      // m: shortest path so far
     double since;     // steps since then
@@ -177,6 +177,15 @@ typedef struct WgThreeLayerTunedMemory {
     WgThreeLayer tuned;
 } WgThreeLayerTunedMemory;
 
+enum {
+    WG_Q_SITUATIONS = 768,  // that the Q-learning robot tells apart
+    WG_Q_TURNS = 6,         // among which it chooses
+    WG_Q_DRIVEN = 4,        // steps between two decisions, if no bump comes first
+};
+
+// Eighths of a turn, counter-clockwise; of equals the first is taken.
+extern const int wg_q_turn_of[6];
+
 typedef struct WgQMemory {
     double wait;    // steps until the next decision
     double turned;  // last turn: 0 none or back, 1 left, 2 right
@@ -231,7 +240,7 @@ extern const WgThreeLayer wg_three_layer_default;
 // radius:     of the disc, m.
 double wg_arc_to_contact(double x, double y, double speed, double turn_rate, double radius);
 
-// The number of the situation that the Q-learning robot sees, below 768.
+// The number of the situation that the Q-learning robot sees, below WG_Q_SITUATIONS. It needs 8 beams.
 int64_t wg_q_situation(const WgObservation *seen, const WgQMemory *memory);
 
 // A cell of the map of three-layer.

@@ -1,0 +1,133 @@
+"""Faults in the controllers that follow walls by touch: Bug1, Bug2 and the hand on the wall."""
+
+from __future__ import annotations
+
+import math
+
+from fuzz.faults.interim.planting import Floats, seeded, unwrap_turn
+from sim.controllers.base import Act
+from sim.controllers.interim import _boundary as body
+from sim.controllers.interim import bug1 as one
+from sim.controllers.interim import bug2 as two
+from sim.controllers.interim.bug1 import bug1
+from sim.controllers.interim.bug2 import bug2
+from sim.kernels import layout
+
+__all__ = [
+    "bug1_hit_point_moves_along",
+    "bug1_keeps_the_last_place",
+    "bug1_lost_wall_wrong_side",
+    "bug1_stale_round_is_over",
+    "bug1_turn_not_wrapped",
+    "bug2_bearing_in_degrees",
+    "bug2_hit_point_not_kept",
+    "bug2_leaves_behind_the_hit_point",
+    "bug2_leaves_by_equality",
+    "bug2_stale_line",
+    "bug2_turn_not_wrapped",
+]
+
+_STILL_ROUND = 2.0  # Bug1's AWAY: it is back at the hit point
+
+
+@seeded(bug1, "loop")
+def bug1_keeps_the_last_place(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """Does not keep the nearest place of the wall but the last one: the comparison with the best so far is lost."""
+    if memory[one.MODE] == one.ROUND:
+        memory[one.LEAVE_FAR] = math.inf
+    base(observation, memory, command)
+
+
+@seeded(bug1, "stalled")
+def bug1_hit_point_moves_along(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """Notes the hit point anew at each step along the wall, so it never comes back to it."""
+    base(observation, memory, command)
+    if memory[one.MODE] == one.ROUND:
+        memory[one.HIT], memory[one.HIT + 1] = observation[layout.OBS_X], observation[layout.OBS_Y]
+
+
+@seeded(bug1, "loop", room=1)
+def bug1_stale_round_is_over(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """The flag of a finished round is not cleared at the second obstacle, which counts as seen at once."""
+    before = memory[one.MODE]
+    base(observation, memory, command)
+    if memory[one.AWAY] == _STILL_ROUND:
+        memory[one.SIZE] = _STILL_ROUND
+    if before == one.MEET and memory[one.MODE] == one.ROUND and memory[one.SIZE] == _STILL_ROUND:
+        memory[one.AWAY] = _STILL_ROUND
+
+
+@seeded(bug1, "loop")
+def bug1_lost_wall_wrong_side(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """Changes hands whenever the wall is lost at a corner: the sign of the turn is wrong there."""
+    base(observation, memory, command)
+    if memory[body.LOST] == 1.0:
+        memory[body.HAND] = -memory[body.HAND]
+
+
+@seeded(bug1, "loop")
+def bug1_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn."""
+    base(observation, memory, command)
+    unwrap_turn(observation, command)
+
+
+@seeded(bug2, "loop")
+def bug2_leaves_by_equality(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """Leaves the wall only where it is on the line exactly: a comparison of floats for equality."""
+    before = memory[two.MODE]
+    base(observation, memory, command)
+    x, y = observation[layout.OBS_X] - memory[two.HIT_X], observation[layout.OBS_Y] - memory[two.HIT_Y]
+    off = memory[two.LINE_X] * y - memory[two.LINE_Y] * x
+    if before == two.ROUND and memory[two.MODE] != two.ROUND and off != 0.0:
+        memory[two.MODE] = two.ROUND
+
+
+@seeded(bug2, "loop", room=4)
+def bug2_stale_line(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """The hit point and the line of the first obstacle are kept for all later ones."""
+    before, line = memory[two.MODE], two.SIZE
+    base(observation, memory, command)
+    if before != two.GOAL or memory[two.MODE] != two.ROUND:
+        return
+    if memory[line + 2] == 0.0 and memory[line + 3] == 0.0:
+        memory[line], memory[line + 1] = memory[two.HIT_X], memory[two.HIT_Y]
+        memory[line + 2], memory[line + 3] = memory[two.LINE_X], memory[two.LINE_Y]
+    memory[two.HIT_X], memory[two.HIT_Y] = memory[line], memory[line + 1]
+    memory[two.LINE_X], memory[two.LINE_Y] = memory[line + 2], memory[line + 3]
+
+
+@seeded(bug2, "loop")
+def bug2_hit_point_not_kept(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """The hit point is forgotten at a corner, so the line then begins where the robot is."""
+    base(observation, memory, command)
+    if memory[two.MODE] == two.ROUND and memory[body.LOST] == 1.0:
+        memory[two.HIT_X], memory[two.HIT_Y] = observation[layout.OBS_X], observation[layout.OBS_Y]
+
+
+@seeded(bug2, "loop")
+def bug2_leaves_behind_the_hit_point(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """Leaves wherever it crosses the line: that the place must be nearer than the hit point is forgotten."""
+    from_x, from_y = memory[body.X] - memory[two.HIT_X], memory[body.Y] - memory[two.HIT_Y]
+    base(observation, memory, command)
+    x, y = observation[layout.OBS_X] - memory[two.HIT_X], observation[layout.OBS_Y] - memory[two.HIT_Y]
+    before = memory[two.LINE_X] * from_y - memory[two.LINE_Y] * from_x
+    after = memory[two.LINE_X] * y - memory[two.LINE_Y] * x
+    away = x * x + y * y > 0.01  # (0.1 m)^2: not at once
+    if memory[two.MODE] == two.ROUND and away and (before > 0.0) != (after > 0.0):
+        memory[two.MODE] = two.GOAL
+
+
+@seeded(bug2, "loop")
+def bug2_bearing_in_degrees(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """The bearing of a contact on the right comes in degrees."""
+    if observation[layout.OBS_BUMP_BEARING] < 0.0:
+        observation[layout.OBS_BUMP_BEARING] *= 180.0 / math.pi
+    base(observation, memory, command)
+
+
+@seeded(bug2, "loop")
+def bug2_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
+    """The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn."""
+    base(observation, memory, command)
+    unwrap_turn(observation, command)

@@ -1,0 +1,102 @@
+"""Controllers of the C core: their functions by name, and what stands where in their memories.
+
+``sim/core/controllers/wg_controllers.h`` declares each memory as a struct; its fields are named there and nowhere else.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim import _core
+from sim.controllers.interim import numba_act
+
+__all__ = ["CoreAct", "default_of", "memory_at_reset", "place", "size_of"]
+
+Floats = npt.NDArray[np.float64]
+
+ffi: Any = _core.ffi
+lib: Any = _core.lib
+
+SENSES = 17  # numbers of an observation before its beams
+_NUMBER = 8  # bytes
+
+
+@dataclass(frozen=True)
+class CoreAct:
+    """The act of a controller, a function of the C core.
+
+    Args:
+        name: As ``wg_library_act`` has it.
+    """
+
+    name: str
+
+    @property
+    def address(self) -> int:
+        """Where the function is: a ``WgAct``."""
+        return _address(self.name)
+
+    def interim(self) -> Any:
+        """Return what numba compiles."""
+        return numba_act(self.name)
+
+    def __call__(self, observation: Floats, memory: Floats, command: Floats) -> None:
+        """Act once; changes ``memory`` and ``command`` in place.
+
+        Args:
+            observation: (17 + beams,).
+            memory: Its memory.
+            command: (3,) zeros.
+
+        Raises:
+            RuntimeError: If the controller says that it cannot go on.
+        """
+        beams = np.ascontiguousarray(observation[SENSES:], np.float64)
+        seen = ffi.new("WgObservation *")
+        ffi.buffer(seen, SENSES * _NUMBER)[:] = np.ascontiguousarray(observation[:SENSES], np.float64).tobytes()
+        seen.beams = ffi.from_buffer("double[]", beams) if beams.size else ffi.NULL
+        seen.beam_count = beams.size
+        asked = ffi.new("WgCommand *")
+        own = ffi.from_buffer("double[]", memory, require_writable=True) if memory.size else ffi.NULL
+        ffi.cast("WgAct", self.address)(seen, own, asked)
+        command[:] = (asked.speed, asked.turn_rate, asked.used_random)
+        if asked.error != ffi.NULL:
+            raise RuntimeError(ffi.string(asked.error).decode())
+
+
+@functools.cache
+def _address(name: str) -> int:
+    act = lib.wg_library_act(name.encode())
+    if act == ffi.NULL:
+        raise LookupError(f"the core has no controller {name!r}")
+    return int(ffi.cast("uintptr_t", act))
+
+
+def place(struct: str, *fields: str | int) -> int:
+    """Return the index in a memory of a field of its struct; of a field of a field where several are named."""
+    return int(ffi.offsetof(struct, *fields)) // _NUMBER
+
+
+def size_of(struct: str) -> int:
+    """Return the numbers that a struct takes of a memory, without those of an array at its end."""
+    return int(ffi.sizeof(struct)) // _NUMBER
+
+
+def memory_at_reset(size: int, numbers: Mapping[int, float]) -> tuple[float, ...]:
+    """Return a memory of zeros but for some numbers, given by their places."""
+    memory = [0.0] * size
+    for at, number in numbers.items():
+        memory[at] = number
+    return tuple(memory)
+
+
+def default_of(name: str) -> dict[str, float]:
+    """Return the fields of a constant struct of the core, such as ``wg_vfh_default``."""
+    struct = getattr(lib, name)
+    return {field: getattr(struct, field) for field, _ in ffi.typeof(struct).fields}

@@ -1,0 +1,151 @@
+"""Bug1: goes round each obstacle once, and leaves it where it was nearest to the target.
+
+It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with its left hand all
+the way round, and notes where it was nearest to the target: the leave point. From the hit point it goes there, the
+shorter way, and drives straight to the target again. Leave points come nearer and nearer, so it arrives if anybody can,
+on a way of at most the distance and one and a half times the perimeters of the obstacles that it meets.
+
+That holds where the world stands still. A place of the wall is taken for the hit point or the leave point if it is
+nearer than ``_SAME_PLACE`` of a step and the wall lies in a similar direction: the two sides of a narrow passage are
+near to each other, too, but look opposite ways.
+
+Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton moving amidst unknown
+obstacles of arbitrary shape", Algorithmica 2 (1987), section 4.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers.base import CompiledController
+from sim.controllers.interim import _boundary as body
+from sim.controllers.interim._directions import distance, distance_to_way, wrap
+from sim.controllers.memory_view import MemoryField, MemoryMap
+from sim.kernels import layout
+from sim.kernels._jit import rare_kernel
+
+__all__ = ["bug1"]
+
+Floats = npt.NDArray[np.float64]
+
+# Memory after the body's: what it does, its distance to the target before the step; the hit point with the direction
+# of the wall there; the leave point likewise, and its distance to the target; way since the hit, and to the leave
+# point; whether it has been away from the hit point.
+MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
+HIT, LEAVE, LEAVE_FAR = body.BODY_SIZE + 2, body.BODY_SIZE + 5, body.BODY_SIZE + 8
+WAY, LEAVE_WAY, AWAY = body.BODY_SIZE + 9, body.BODY_SIZE + 10, body.BODY_SIZE + 11
+SIZE = body.BODY_SIZE + 12
+
+START, GOAL, MEET, ROUND, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
+
+_SAME_PLACE = 0.5  # of a step
+_ELSEWHERE = 1.5  # of a step: further from the hit point it has been away
+_SAME_WALL = math.radians(100.0)  # rad by which the direction of the wall may differ at the same place
+_NEARER = 0.1  # of a step: a hit on the same wall must be so much nearer than the last leave point, or that is gone to
+
+
+@rare_kernel
+def _passes(observation: Floats, memory: Floats, place: int) -> bool:
+    """Whether the last step passed a place of the memory, along the same wall."""
+    x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
+    apart = distance_to_way(memory[place], memory[place + 1], memory[body.X], memory[body.Y], x, y)
+    turned = abs(wrap(memory[body.WALL] - memory[place + 2]))
+    return bool(apart < _SAME_PLACE * body.stride(observation) and turned < _SAME_WALL)
+
+
+@rare_kernel
+def _note(observation: Floats, memory: Floats, place: int) -> None:
+    memory[place], memory[place + 1] = observation[layout.OBS_X], observation[layout.OBS_Y]
+    memory[place + 2] = memory[body.WALL]
+
+
+@rare_kernel
+def _go_round(observation: Floats, memory: Floats, touches: bool) -> None:
+    """One step of the way round: the nearest place, and whether the hit point is reached again."""
+    far = observation[layout.OBS_TARGET_DISTANCE]
+    x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
+    memory[WAY] += distance(memory[body.X], memory[body.Y], x, y)
+    if touches and (memory[MODE] == MEET or far < memory[LEAVE_FAR]):
+        _note(observation, memory, LEAVE)
+        memory[LEAVE_FAR], memory[LEAVE_WAY] = far, memory[WAY]
+    if touches and memory[MODE] == MEET:
+        _note(observation, memory, HIT)
+        memory[MODE], memory[WAY], memory[LEAVE_WAY], memory[AWAY] = ROUND, 0.0, 0.0, 0.0
+    elif distance(x, y, memory[HIT], memory[HIT + 1]) > _ELSEWHERE * body.stride(observation):
+        memory[AWAY] = 1.0
+    elif memory[AWAY] == 1.0 and _passes(observation, memory, HIT):
+        memory[AWAY] = 2.0
+    if touches and memory[AWAY] == 2.0:
+        memory[MODE] = BACK
+        if memory[LEAVE_WAY] > 0.5 * memory[WAY]:
+            memory[body.HAND] = -memory[body.HAND]
+            body.begin_following(memory, memory[body.WALL])
+
+
+@rare_kernel
+def _meet(observation: Floats, memory: Floats) -> None:
+    """Decides what a wall on the way to the target is: a new obstacle, or the last one again."""
+    if not body.is_stopped(observation, memory, memory[FAR]):
+        return
+    body.begin_following(memory, body.touched(observation))
+    margin = _NEARER * body.stride(observation)
+    if memory[LEAVE_FAR] < math.inf and abs(wrap(memory[body.WALL] - memory[LEAVE + 2])) > _SAME_WALL:
+        margin = 0.0  # a wall across a gap hardly wider than the robot is another, however near
+    memory[MODE] = MEET if observation[layout.OBS_TARGET_DISTANCE] < memory[LEAVE_FAR] - margin else BACK
+    if memory[MODE] == MEET:
+        memory[body.HAND] = 1.0
+
+
+@rare_kernel
+def _bug1(observation: Floats, memory: Floats, command: Floats) -> None:
+    if memory[MODE] == START:
+        memory[MODE] = GOAL
+    elif memory[MODE] == GOAL:
+        _meet(observation, memory)
+    else:
+        touches = body.feel(observation, memory)
+        if memory[MODE] != BACK:
+            _go_round(observation, memory, touches)
+        if body.has_lost_it(memory):
+            memory[MODE], memory[LEAVE_FAR] = GOAL, math.inf
+        elif memory[MODE] == BACK and _passes(observation, memory, LEAVE):
+            memory[MODE] = GOAL
+    memory[FAR] = observation[layout.OBS_TARGET_DISTANCE]
+    if memory[MODE] == GOAL:
+        body.head_for_target(observation, memory, command)
+    else:
+        body.follow(observation, memory, command)
+
+
+def _act(observation: Floats, memory: Floats, command: Floats) -> None:
+    _bug1(observation, memory, command)
+
+
+def _at_reset() -> tuple[float, ...]:
+    memory = [0.0] * SIZE
+    memory[body.HAND], memory[LEAVE_FAR] = 1.0, math.inf
+    return tuple(memory)
+
+
+def shown_map(memory: Floats) -> MemoryMap:
+    """The hit point and the leave point, m, once there are any."""
+    points = {"hit": HIT, "leave": LEAVE} if memory[LEAVE_FAR] < math.inf else {}
+    return MemoryMap(places={name: (float(memory[k]), float(memory[k + 1])) for name, k in points.items()})
+
+
+bug1 = CompiledController(
+    "bug1",
+    _act,
+    _at_reset(),
+    senses=body.SENSES,
+    memory_fields=(
+        MemoryField("doing", MODE, ("start", "to the target", "meets a wall", "round it", "to the leave point")),
+        MemoryField("nearest, m", LEAVE_FAR),
+        MemoryField("way since the hit, m", WAY),
+    ),
+    memory_map=shown_map,
+    memory_map_on=(HIT, HIT + 1, LEAVE, LEAVE + 1, LEAVE_FAR),
+)

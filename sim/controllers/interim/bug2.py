@@ -1,0 +1,133 @@
+"""Bug2: goes round an obstacle until it is back on the straight line to the target, nearer to it.
+
+It drives straight to the target. Where a wall stops it, at the hit point, it follows the wall with its left hand until
+it crosses the line from the hit point to the target at a place nearer to the target than the hit point; it goes back
+to that place and drives on. The line enters the obstacle at the hit point and ends outside, so somewhere on the same
+wall it leaves: there is such a place, and each is nearer than the last. So it arrives if anybody can. Often it is
+quicker than Bug1, for it need not see the whole obstacle; in mazes it may pass the same places many times.
+
+In the paper the line is that from the start to the target. Here each hit point gives a line of its own, which differs
+by what the robot slid along a wall before that stopped it.
+
+Source: V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies for a point mobile automaton moving amidst unknown
+obstacles of arbitrary shape", Algorithmica 2 (1987), section 5.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers.base import CompiledController
+from sim.controllers.interim import _boundary as body
+from sim.controllers.interim._directions import angle_of, distance
+from sim.controllers.memory_view import MemoryField, MemoryMap
+from sim.kernels import layout
+from sim.kernels._jit import rare_kernel
+from sim.kernels.fdlibm import cos, sin
+
+__all__ = ["bug2"]
+
+Floats = npt.NDArray[np.float64]
+
+# Memory after the body's: what it does, its distance to the target before the step; the hit point, its distance to the
+# target and direction of the line (a unit vector); the place to leave at.
+MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
+HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y = (body.BODY_SIZE + k for k in range(2, 7))
+LEAVE_X, LEAVE_Y = body.BODY_SIZE + 7, body.BODY_SIZE + 8
+SIZE = body.BODY_SIZE + 9
+
+START, GOAL, ROUND, BACK = 0.0, 1.0, 2.0, 3.0
+
+_NEARER = 0.05  # of a step: a place to leave at must be that much nearer to the target than the hit point
+_THERE = 0.02  # of a step: nearer to the place to leave at it is there
+
+
+@rare_kernel
+def _hit(observation: Floats, memory: Floats) -> None:
+    """Takes up a wall; with a line of its own if it is nearer to the target than the last."""
+    body.begin_following(memory, body.touched(observation))
+    memory[MODE] = ROUND
+    far = observation[layout.OBS_TARGET_DISTANCE]
+    if far < memory[HIT_FAR] - 0.5 * _NEARER * body.stride(observation):
+        memory[HIT_X], memory[HIT_Y], memory[HIT_FAR] = observation[layout.OBS_X], observation[layout.OBS_Y], far
+        heading = observation[layout.OBS_TARGET_HEADING]
+        memory[LINE_X], memory[LINE_Y] = cos(heading), sin(heading)
+
+
+@rare_kernel
+def _crosses(observation: Floats, memory: Floats) -> bool:
+    """Whether the last step crossed the line at a place to leave at, which is then noted."""
+    from_x, from_y = memory[body.X] - memory[HIT_X], memory[body.Y] - memory[HIT_Y]
+    to_x, to_y = observation[layout.OBS_X] - memory[HIT_X], observation[layout.OBS_Y] - memory[HIT_Y]
+    before = memory[LINE_X] * from_y - memory[LINE_Y] * from_x
+    after = memory[LINE_X] * to_y - memory[LINE_Y] * to_x
+    if (before > 0.0) == (after > 0.0):
+        return False
+    share = before / (before - after)
+    x, y = from_x + share * (to_x - from_x), from_y + share * (to_y - from_y)
+    along = memory[LINE_X] * x + memory[LINE_Y] * y
+    memory[LEAVE_X], memory[LEAVE_Y] = memory[HIT_X] + x, memory[HIT_Y] + y
+    return bool(_NEARER * body.stride(observation) < along < memory[HIT_FAR])
+
+
+@rare_kernel
+def _bug2(observation: Floats, memory: Floats, command: Floats) -> None:
+    far, x, y = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_X], observation[layout.OBS_Y]
+    if memory[MODE] == START:
+        memory[MODE] = GOAL
+    elif memory[MODE] == GOAL and body.is_stopped(observation, memory, memory[FAR]):
+        _hit(observation, memory)
+    elif memory[MODE] == ROUND:
+        body.feel(observation, memory)
+        if body.has_lost_it(memory):
+            memory[MODE], memory[HIT_FAR] = GOAL, math.inf
+        elif _crosses(observation, memory):
+            memory[MODE] = BACK
+    elif memory[MODE] == BACK:
+        memory[MODE] = GOAL
+    memory[FAR] = far
+    left = distance(x, y, memory[LEAVE_X], memory[LEAVE_Y])
+    if memory[MODE] == BACK and left < _THERE * body.stride(observation):
+        memory[MODE] = GOAL
+    if memory[MODE] == GOAL:
+        body.head_for_target(observation, memory, command)
+    elif memory[MODE] == BACK:
+        body.drive(observation, memory, command, angle_of(memory[LEAVE_X] - x, memory[LEAVE_Y] - y), left)
+    else:
+        body.follow(observation, memory, command)
+
+
+def _act(observation: Floats, memory: Floats, command: Floats) -> None:
+    _bug2(observation, memory, command)
+
+
+def _at_reset() -> tuple[float, ...]:
+    memory = [0.0] * SIZE
+    memory[body.HAND], memory[HIT_FAR] = 1.0, math.inf
+    return tuple(memory)
+
+
+def shown_map(memory: Floats) -> MemoryMap:
+    """The hit point, m, and the line from it to the target, once there is one."""
+    if memory[HIT_FAR] == math.inf:
+        return MemoryMap()
+    hit, towards = memory[HIT_X : HIT_Y + 1], memory[LINE_X : LINE_Y + 1]
+    line = np.array((hit, hit + memory[HIT_FAR] * towards))
+    return MemoryMap(plan=line, places={"hit": (float(hit[0]), float(hit[1]))})
+
+
+bug2 = CompiledController(
+    "bug2",
+    _act,
+    _at_reset(),
+    senses=body.SENSES,
+    memory_fields=(
+        MemoryField("doing", MODE, ("start", "to the target", "round the obstacle", "to the line")),
+        MemoryField("hit point's distance, m", HIT_FAR),
+    ),
+    memory_map=shown_map,
+    memory_map_on=(HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y),
+)

@@ -1,0 +1,95 @@
+"""Potential field: the target pulls, walls push, and the robot drives down the slope.
+
+It finds its way round single obstacles without any memory. It stops for ever where push and pull cancel: in front of
+a wall across its way, in any cup, and at doors whose posts push harder than the target pulls.
+
+Source: Oussama Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", The International Journal
+of Robotics Research 5(1), 1986: the pull of equation 10 with the limited speed of equation 13, and the push of
+"FIRAS", equation 18, summed over obstacles. A robot with range beams knows obstacles by their nearest points: the
+beams that are shorter than their neighbours.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers.base import CompiledController
+from sim.controllers.interim._directions import angle_of, bearing_of, steer, target_bearing
+from sim.kernels import layout
+from sim.kernels._jit import kernel
+from sim.kernels.fdlibm import cos, sin
+from sim.robot_options import RobotOptions
+
+__all__ = ["PotentialField", "drive", "potential_field", "potential_field_robot"]
+
+Floats = npt.NDArray[np.float64]
+
+_NEAREST = 0.004  # m: no push is larger than at this gap, so that none is infinite
+SENSES = ("heading", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
+NEEDS = RobotOptions(beams=36, beam_range=2.0)
+
+
+class PotentialField(NamedTuple):
+    """Tuned numbers.
+
+    Args:
+        pull: Force per metre of distance from the target.
+        far: Distance, m, beyond which the pull grows no more, which limits the speed.
+        push: Gain of the walls' push; a larger one keeps further from walls, and out of narrow doors.
+        influence: Gap, m, beyond which a wall does not push.
+        full_force: Force at which the robot drives at its top speed; below, in proportion.
+    """
+
+    pull: float = 1.0
+    far: float = 0.5
+    push: float = 2.5e-5
+    influence: float = 0.15
+    full_force: float = 0.25
+
+
+@kernel
+def _push(gap: float, tuned: PotentialField) -> float:
+    """Khatib's equation 18 for a gap in m."""
+    if gap >= tuned.influence:
+        return 0.0
+    near = max(gap, _NEAREST)
+    return tuned.push * (1.0 / near - 1.0 / tuned.influence) / (near * near)
+
+
+@kernel
+def drive(observation: Floats, memory: Floats, command: Floats, tuned: PotentialField) -> None:
+    """One step: sums the forces in the robot's frame and drives along their sum."""
+    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
+    towards = target_bearing(observation)
+    pull = tuned.pull * min(observation[layout.OBS_TARGET_DISTANCE], tuned.far)
+    force_x, force_y, nearest = pull * cos(towards), pull * sin(towards), math.inf
+    for beam in range(beams):
+        distance = observation[layout.OBS_SIZE + beam]
+        nearest = min(nearest, distance)
+        before = observation[layout.OBS_SIZE + (beam - 1) % beams]
+        after = observation[layout.OBS_SIZE + (beam + 1) % beams]
+        if distance < before and distance <= after:
+            push, angle = _push(distance - radius, tuned), bearing_of(beam, beams)
+            force_x -= push * cos(angle)
+            force_y -= push * sin(angle)
+    force = math.sqrt(force_x * force_x + force_y * force_y)
+    top = observation[layout.OBS_TOP_SPEED]
+    # Half the gap in a step at most: the slope of the push changes within millimetres there.
+    careful = max(nearest - radius, _NEAREST) / (2.0 * observation[layout.OBS_TIME_STEP])
+    steer(observation, command, angle_of(force_x, force_y), min(top * min(force / tuned.full_force, 1.0), careful))
+
+
+def potential_field_robot(tuned: PotentialField, name: str = "potential-field") -> CompiledController:
+    """A robot in a potential field with these numbers."""
+
+    def act(observation: Floats, memory: Floats, command: Floats) -> None:
+        drive(observation, memory, command, tuned)
+
+    return CompiledController(name, act, senses=SENSES, needs=NEEDS)
+
+
+potential_field = potential_field_robot(PotentialField())

@@ -1,0 +1,287 @@
+"""Three layers: one that reacts, one that sees to it that things get done, one that thinks ahead.
+
+The *controller* steers to a waypoint in the nearest direction that is free for the whole disc. The *sequencer* watches
+it: a waypoint is reached when the robot is in its cell; if that takes too long, the sequencer says so to the
+deliberator and starts afresh from where the robot is. The *deliberator* holds a coarse map of where the sequencer got
+nowhere, and plans a way through the rest of it to the target; the next cell of the plan is the next waypoint.
+
+It gets out of cups and through most mazes, by trying. Its map is a square of 48 x 48 cells about the middle between
+start and target, a bit for each way between two cells: what lies outside, and passages that cells of the map cannot
+tell apart, it does not find. When the map leaves no way, all is forgotten and it tries again, now with more patience.
+
+Sources: Erann Gat, "On three-layer architectures", in Artificial Intelligence and Mobile Robots (1998); R. Peter
+Bonasso, R. James Firby, Erann Gat, David Kortenkamp, David P. Miller and Marc G. Slack, "Experiences with an
+architecture for intelligent, reactive agents", Journal of Experimental & Theoretical Artificial Intelligence 9
+(1997). The map, the plan and the steering are our own, as simple as they can be.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers.base import CompiledController
+from sim.controllers.interim._directions import angle_of, bearing_of, steer, target_bearing, wrap
+from sim.controllers.memory_view import MemoryField, MemoryMap
+from sim.kernels import layout
+from sim.kernels._jit import kernel
+from sim.kernels.fdlibm import cos, sin
+from sim.robot_options import RobotOptions
+
+__all__ = ["SIDE", "ThreeLayer", "drive", "next_cell", "three_layer", "three_layer_robot"]
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+SIDE = 48  # cells of the map a side; a row's bits must fit a float64's 53
+_ALL = (1 << SIDE) - 1
+_MOST_FORGOTTEN = 7.0  # a number that grew for ever would let no state come back
+
+# Memory: whether the map has been laid; where its corner is, m, and its cells' side, m; the waypoint's cell (-1:
+# none); steps since it was set; how often the map was forgotten; the robot's cell, the one before, and the target's;
+# then a bit for each closed way from a cell to its right neighbour, a number for each row, and to its upper neighbour.
+LAID, CORNER_X, CORNER_Y, PITCH, TO_X, TO_Y, WAITED, FORGOTTEN = 0, 1, 2, 3, 4, 5, 6, 7
+HERE_X, HERE_Y, FROM_X, FROM_Y, TARGET_X, TARGET_Y = 8, 9, 10, 11, 12, 13
+RIGHT = 14
+UP = RIGHT + SIDE
+MEMORY = UP + SIDE
+AT_RESET = (0.0,) * MEMORY
+SENSES = ("heading", "x", "y", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
+NEEDS = RobotOptions(beams=36, beam_range=2.0)
+
+
+class ThreeLayer(NamedTuple):
+    """Tuned numbers.
+
+    Args:
+        margin: What the robot is taken to be larger by than it is, m.
+        pitch: Side of a cell of the map, in radii of the robot; more where the map would not reach the target.
+        reach: Least side of the map, times the distance from start to target.
+        look: Free way, m, that the controller wants in the direction it takes.
+        patience: Steps after which a waypoint is given up, times one more than the map has been forgotten.
+    """
+
+    margin: float = 0.002
+    pitch: float = 20.0 / 7.0
+    reach: float = 1.6
+    look: float = 0.03
+    patience: int = 40
+
+
+@kernel
+def _lay(observation: Floats, memory: Floats, tuned: ThreeLayer) -> None:
+    """Lays the map about the middle between start and target, the target in the middle of its cell."""
+    towards, far = observation[layout.OBS_TARGET_HEADING], observation[layout.OBS_TARGET_DISTANCE]
+    pitch = max(tuned.pitch * observation[layout.OBS_RADIUS], tuned.reach * far / SIDE)
+    way_x, way_y = far * cos(towards), far * sin(towards)
+    column, row = SIDE // 2 + math.floor(0.5 * way_x / pitch), SIDE // 2 + math.floor(0.5 * way_y / pitch)
+    memory[PITCH], memory[LAID], memory[TO_X] = pitch, 1.0, -1.0
+    memory[TARGET_X], memory[TARGET_Y] = float(column), float(row)
+    memory[CORNER_X] = observation[layout.OBS_X] + way_x - (column + 0.5) * pitch
+    memory[CORNER_Y] = observation[layout.OBS_Y] + way_y - (row + 0.5) * pitch
+
+
+@kernel
+def _cell(memory: Floats, x: float, y: float) -> tuple[int, int]:
+    """Column and row of the map's cell at a place; the nearest for one outside."""
+    column = math.floor((x - memory[CORNER_X]) / memory[PITCH])
+    row = math.floor((y - memory[CORNER_Y]) / memory[PITCH])
+    return min(max(column, 0), SIDE - 1), min(max(row, 0), SIDE - 1)
+
+
+@kernel
+def _spread(memory: Floats, near: Ints, wave: Ints) -> bool:
+    """One round of the flood: cells next to ``near`` go into ``wave``; whether there was a new one."""
+    grown = False
+    for row in range(SIDE):
+        right, cells = int(memory[RIGHT + row]), near[row]
+        new = cells | ((cells & ~right) << 1) | ((cells >> 1) & ~right)
+        if row > 0:
+            new |= near[row - 1] & ~int(memory[UP + row - 1])
+        if row < SIDE - 1:
+            new |= near[row + 1] & ~int(memory[UP + row])
+        wave[row] = new & _ALL
+        grown = grown or wave[row] != cells
+    return grown
+
+
+@kernel
+def next_cell(
+    memory: Floats, here: tuple[int, int], target: tuple[int, int], near: Ints, wave: Ints
+) -> tuple[int, int]:
+    """The deliberator's plan: the cell after this one on a shortest way to the target's; (-1, -1) if there is none.
+
+    Floods the map from the target, a whole row of cells at a time, until the robot's cell is next to the flood.
+
+    Args:
+        memory: The map.
+        here: Column and row of the robot.
+        target: Of the target.
+        near: (SIDE,) zeros, to work in.
+        wave: Likewise.
+    """
+    column, row = here
+    near[target[1]] = 1 << target[0]
+    for _ in range(SIDE * SIDE):
+        if column < SIDE - 1 and (near[row] >> (column + 1)) & 1 and not (int(memory[RIGHT + row]) >> column) & 1:
+            return column + 1, row
+        if column > 0 and (near[row] >> (column - 1)) & 1 and not (int(memory[RIGHT + row]) >> (column - 1)) & 1:
+            return column - 1, row
+        if row < SIDE - 1 and (near[row + 1] >> column) & 1 and not (int(memory[UP + row]) >> column) & 1:
+            return column, row + 1
+        if row > 0 and (near[row - 1] >> column) & 1 and not (int(memory[UP + row - 1]) >> column) & 1:
+            return column, row - 1
+        if not _spread(memory, near, wave):
+            break
+        for k in range(SIDE):
+            near[k] = wave[k]
+    return -1, -1
+
+
+@kernel
+def _steps_between(here: tuple[int, int], there: tuple[int, int]) -> int:
+    """Columns and rows between two cells."""
+    return abs(there[0] - here[0]) + abs(there[1] - here[1])
+
+
+@kernel
+def _close(memory: Floats, here: tuple[int, int], there: tuple[int, int]) -> None:
+    """Marks the way between two cells as closed, if they are neighbours."""
+    if _steps_between(here, there) != 1:
+        return
+    column, row = min(here[0], there[0]), min(here[1], there[1])
+    first = RIGHT if here[1] == there[1] else UP
+    memory[first + row] = float(int(memory[first + row]) | (1 << column))
+
+
+@kernel
+def _forget(memory: Floats) -> None:
+    """Opens the whole map again."""
+    for k in range(2 * SIDE):
+        memory[RIGHT + k] = 0.0
+    memory[FORGOTTEN] = min(memory[FORGOTTEN] + 1.0, _MOST_FORGOTTEN)
+
+
+@kernel
+def _sequence(observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned: ThreeLayer) -> None:
+    """The sequencer: sees whether the waypoint is reached or given up, and asks the deliberator for the next."""
+    here = _cell(memory, observation[layout.OBS_X], observation[layout.OBS_Y])
+    target = (int(memory[TARGET_X]), int(memory[TARGET_Y]))
+    before = (int(memory[HERE_X]), int(memory[HERE_Y]))
+    if here != before:
+        memory[FROM_X], memory[FROM_Y] = memory[HERE_X], memory[HERE_Y]
+        memory[HERE_X], memory[HERE_Y] = float(here[0]), float(here[1])
+    there = (int(memory[TO_X]), int(memory[TO_Y]))
+    memory[WAITED] += 1.0
+    late = memory[WAITED] > tuned.patience * (1.0 + memory[FORGOTTEN])
+    if there[0] < 0 and here == target and not late:
+        return  # on the last bit of the way
+    if there[0] >= 0 and _steps_between(here, there) == 1 and not late:
+        return
+    if there[0] >= 0 and there != here:  # given up, or driven off
+        _close(memory, here if late else before, there)
+    elif there[0] < 0 and late:  # the target's cell was entered on the wrong side of a wall
+        _close(memory, here, (int(memory[FROM_X]), int(memory[FROM_Y])))
+    memory[TO_X], memory[TO_Y], memory[WAITED] = -1.0, -1.0, 0.0
+    if here == target and not late:
+        return
+    there = next_cell(memory, here, target, near, wave)
+    if there[0] < 0:
+        _forget(memory)
+    memory[TO_X], memory[TO_Y] = float(there[0]), float(there[1])
+
+
+@kernel
+def _is_free(observation: Floats, turn: float, look: float, tuned: ThreeLayer) -> bool:
+    """Whether the disc can drive straight on so far, m, in a direction from the heading, by what the beams see."""
+    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS] + tuned.margin
+    for beam in range(beams):
+        distance = observation[layout.OBS_SIZE + beam]
+        if distance > look + radius:
+            continue
+        angle = bearing_of(beam, beams) - turn
+        along, across = distance * cos(angle), distance * sin(angle)
+        short = radius * radius - across * across
+        if along > 0.0 and short > 0.0 and along - math.sqrt(short) < look:
+            return False
+    return True
+
+
+@kernel
+def _react(observation: Floats, memory: Floats, command: Floats, tuned: ThreeLayer) -> None:
+    """The controller: drives in the free direction nearest to the waypoint's, or to the target's in the last cell."""
+    wanted, beams = target_bearing(observation), observation.size - layout.OBS_SIZE
+    look = min(tuned.look, observation[layout.OBS_TARGET_DISTANCE])
+    if memory[TO_X] >= 0.0:
+        x = memory[CORNER_X] + (memory[TO_X] + 0.5) * memory[PITCH] - observation[layout.OBS_X]
+        y = memory[CORNER_Y] + (memory[TO_Y] + 0.5) * memory[PITCH] - observation[layout.OBS_Y]
+        wanted = wrap(angle_of(x, y) - observation[layout.OBS_HEADING])
+    for k in range(beams + 1):
+        away = bearing_of((k + 1) // 2, beams)
+        turn = wrap(wanted + (away if k % 2 == 0 else -away))
+        if _is_free(observation, turn, look, tuned):
+            steer(observation, command, turn, observation[layout.OBS_TOP_SPEED])
+            return
+    steer(observation, command, wanted, observation[layout.OBS_TOP_SPEED])
+
+
+@kernel
+def drive(observation: Floats, memory: Floats, command: Floats, near: Ints, wave: Ints, tuned: ThreeLayer) -> None:
+    """One step of all three layers.
+
+    Args:
+        observation: ``OBS_``.
+        memory: See the top of the file.
+        command: ``CMD_``.
+        near: (SIDE,) zeros, to work in.
+        wave: Likewise.
+        tuned: Numbers.
+    """
+    if memory[LAID] == 0.0:
+        _lay(observation, memory, tuned)
+    _sequence(observation, memory, near, wave, tuned)
+    _react(observation, memory, command, tuned)
+
+
+def shown_map(memory: Floats) -> MemoryMap:
+    """The closed borders between cells of the map, and the waypoint, in m."""
+    if memory[LAID] == 0.0:
+        return MemoryMap()
+    corner, pitch = np.array((memory[CORNER_X], memory[CORNER_Y])), memory[PITCH]
+    bits = np.arange(SIDE)
+    row, column = np.nonzero((memory[RIGHT : RIGHT + SIDE].astype(np.int64)[:, None] >> bits) & 1)
+    upright = np.column_stack((column + 1, row, column + 1, row + 1))
+    row, column = np.nonzero((memory[UP : UP + SIDE].astype(np.int64)[:, None] >> bits) & 1)
+    level = np.column_stack((column, row + 1, column + 1, row + 1))
+    point = corner + (memory[TO_X : TO_Y + 1] + 0.5) * pitch
+    return MemoryMap(
+        blocked=np.concatenate((upright, level)) * pitch + np.tile(corner, 2),
+        places={"waypoint": (float(point[0]), float(point[1]))} if memory[TO_X] >= 0.0 else {},
+    )
+
+
+_FIELDS = (MemoryField("steps to the waypoint", WAITED), MemoryField("map forgotten", FORGOTTEN))
+
+
+def three_layer_robot(tuned: ThreeLayer, name: str = "three-layer") -> CompiledController:
+    """A robot of three layers with these numbers."""
+
+    def act(observation: Floats, memory: Floats, command: Floats) -> None:
+        drive(observation, memory, command, np.zeros(SIDE, np.int64), np.zeros(SIDE, np.int64), tuned)
+
+    return CompiledController(
+        name,
+        act,
+        AT_RESET,
+        senses=SENSES,
+        needs=NEEDS,
+        memory_fields=_FIELDS,
+        memory_map=shown_map,
+        memory_map_on=(LAID, TO_X, TO_Y, *range(RIGHT, MEMORY)),
+    )
+
+
+three_layer = three_layer_robot(ThreeLayer())

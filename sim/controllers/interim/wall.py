@@ -1,0 +1,57 @@
+"""Wall following: drives to the target until it touches a wall, and then keeps its hand on that wall for ever.
+
+It finds the way out of any maze whose walls all hang together, and goes round an island, or round the room it is in,
+without end: the simplest example of a rule that works until it does not.
+
+Source: the hand-on-wall rule, W. H. Matthews, "Mazes and Labyrinths: A General Account of Their History and
+Developments" (1922), on the solution of mazes; for robots V. J. Lumelsky and A. A. Stepanov, "Path-planning strategies
+for a point mobile automaton moving amidst unknown obstacles of arbitrary shape", Algorithmica 2 (1987), for the step
+from a wall at hand to the next one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.controllers.base import CompiledController
+from sim.controllers.interim import _boundary as body
+from sim.controllers.memory_view import MemoryField
+from sim.kernels import layout
+from sim.kernels._jit import rare_kernel
+
+__all__ = ["wall_left", "wall_right"]
+
+Floats = npt.NDArray[np.float64]
+
+MODE = body.BODY_SIZE
+GOAL, WALL = 0.0, 1.0
+
+
+@rare_kernel
+def _follow_wall(observation: Floats, memory: Floats, command: Floats) -> None:
+    if memory[MODE] == GOAL and observation[layout.OBS_BUMP] != 0.0:
+        memory[MODE] = WALL
+        body.begin_following(memory, body.touched(observation))
+    elif memory[MODE] == WALL:
+        body.feel(observation, memory)
+        memory[MODE] = GOAL if body.has_lost_it(memory) else WALL
+    if memory[MODE] == WALL:
+        body.follow(observation, memory, command)
+    else:
+        body.head_for_target(observation, memory, command)
+
+
+def _act(observation: Floats, memory: Floats, command: Floats) -> None:
+    _follow_wall(observation, memory, command)
+
+
+def _controller(name: str, hand: float) -> CompiledController:
+    memory = [0.0] * (MODE + 1)
+    memory[body.HAND] = hand
+    doing = MemoryField("doing", MODE, ("to the target", "along the wall"))
+    return CompiledController(name, _act, tuple(memory), senses=body.SENSES, memory_fields=(doing,))
+
+
+wall_left = _controller("wall-left", 1.0)
+wall_right = _controller("wall-right", -1.0)
