@@ -13,15 +13,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim import _core
+from sim._core import ffi as _ffi
+from sim._core import lib as _lib
 from sim.controllers.interim import numba_act
 
 __all__ = ["CoreAct", "default_of", "memory_at_reset", "place", "size_of"]
 
 Floats = npt.NDArray[np.float64]
 
-ffi: Any = _core.ffi
-lib: Any = _core.lib
+ffi: Any = _ffi
+lib: Any = _lib
 
 SENSES = 17  # numbers of an observation before its beams
 _NUMBER = 8  # bytes
