@@ -11,6 +11,7 @@
 #include "thesis_arbiter.h"
 #include "thesis_judge.h"
 #include "thesis_parts.h"
+#include "thesis_tick.h"
 
 static const uint64_t HASH_START = 1469598103934665603u;
 static const uint64_t HASH_PRIME = 1099511628211u;
@@ -104,10 +105,9 @@ static void look_for_loop(const WgThesisSettings *settings, WgThesisRun *run, Wg
 }
 
 // One tick; false if it needs a draw and none is left.
-static bool tick(const WgThesisArena *arena, const WgThesisSettings *settings, WgThesisRun *run, const double *draws,
+static bool tick(const ThesisGrid *grid, const WgThesisArena *arena, const WgThesisSettings *settings, WgThesisRun *run, const double *draws,
                  int64_t draw_count, int64_t step)
 {
-    const ThesisGrid grid = {arena->cells, arena->width, arena->height};
     bool changed = step == 1;
     if (run->next_event < arena->event_count && arena->events[run->next_event].step <= step) {
         thesis_apply_events(arena, settings, run, step);
@@ -119,14 +119,21 @@ static bool tick(const WgThesisArena *arena, const WgThesisSettings *settings, W
     const ThesisPoint start = {run->state.x, run->state.y};
     int64_t touched = run->state.collision;
     ThesisPoint before;
-    if (!thesis_tick(grid, settings, draws, draw_count, &run->state, step, &before)) {
-        return false;
+    if (settings->rule == WG_RULE_RANDOM && run->state.draws_used >= draw_count) {
+        // The tick may need the draw that is not there: then it has not happened.
+        const WgThesisState state = run->state;
+        if (!thesis_tick(grid, settings, draws, draw_count, &run->state, step, &before)) {
+            run->state = state;
+            return false;
+        }
+    } else {
+        (void)thesis_tick(grid, settings, draws, draw_count, &run->state, step, &before);
     }
     run->collisions += run->state.collision != 0 && touched == 0 ? 1 : 0;
     run->activations += run->state.escapes;
     if (changed || run->state.x != start.x || run->state.y != start.y) {
-        thesis_judge_place(arena, settings, run, step, before);
-        thesis_judge_path(arena, settings, run, step, start);
+        thesis_judge_place(grid, arena->visited, settings, run, step, before);
+        thesis_judge_path(grid, settings, run, step, start);
     }
     int64_t own_x = thesis_cell_of(run->state.x);
     int64_t own_y = thesis_cell_of(run->state.y);
@@ -151,7 +158,7 @@ static WgStatus check(const WgThesisArena *arena, const WgThesisSettings *settin
     bool rule = settings->rule >= WG_RULE_ADD && settings->rule <= WG_RULE_RANDOM;
     bool charge = state->behaviour >= WG_IDLE && state->behaviour <= WG_DRIVE && state->draws_used >= 0;
     bool place = thesis_fits(arena->width, arena->height, settings->radius, state->x, state->y);
-    if (!(place && moves && heads && turns && counts && rule && charge && thesis_can_sense(grid, settings))) {
+    if (!(place && moves && heads && turns && counts && rule && charge && thesis_can_sense(&grid, settings))) {
         return WG_BAD_VALUE;
     }
     for (int64_t i = run->next_event; i < arena->event_count; i++) {
@@ -186,9 +193,10 @@ WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *setti
     if (row >= 0 && row < row_count) {
         record(&run->state, &rows[row]);
     }
+    const ThesisGrid grid = {arena->cells, arena->width, arena->height};
     int64_t last = thesis_min(settings->steps, until);
     while (run->steps < last && run->ending == WG_LIMIT) {
-        if (!tick(arena, settings, run, draws, draw_count, run->steps + 1)) {
+        if (!tick(&grid, arena, settings, run, draws, draw_count, run->steps + 1)) {
             run->ending = WG_NEEDS_DRAWS;
             break;
         }

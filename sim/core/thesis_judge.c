@@ -22,13 +22,13 @@ static inline double gap(ThesisPoint centre, int64_t cell_x, int64_t cell_y)
 }
 
 // Whether the disc cuts a wall by more than rounding.
-static bool overlaps(ThesisGrid grid, ThesisPoint centre, double radius)
+static bool overlaps(const ThesisGrid *grid, ThesisPoint centre, double radius)
 {
     int64_t reach = thesis_reach(radius);
     int64_t own_x = thesis_cell_of(centre.x);
     int64_t own_y = thesis_cell_of(centre.y);
-    int64_t last_x = thesis_min(own_x + reach, grid.width - 1);
-    int64_t last_y = thesis_min(own_y + reach, grid.height - 1);
+    int64_t last_x = thesis_min(own_x + reach, grid->width - 1);
+    int64_t last_y = thesis_min(own_y + reach, grid->height - 1);
     for (int64_t cell_y = thesis_max(own_y - reach, 0); cell_y <= last_y; cell_y++) {
         for (int64_t cell_x = thesis_max(own_x - reach, 0); cell_x <= last_x; cell_x++) {
             bool wall = thesis_value(grid, cell_x, cell_y) == WG_THESIS_WALL;
@@ -68,18 +68,17 @@ void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *set
 }
 
 // What the disc touches at the end of a tick: the deepest cut into a wall, and the first flame, which ends the run.
-static WgThesisPlace deepest_cut(const WgThesisArena *arena, double radius, WgThesisRun *run, int64_t step,
+static WgThesisPlace deepest_cut(const ThesisGrid *grid, double radius, WgThesisRun *run, int64_t step,
                                  double *depth)
 {
-    const ThesisGrid grid = {arena->cells, arena->width, arena->height};
     const ThesisPoint centre = {run->state.x, run->state.y};
     WgThesisPlace deepest = {step, -1, -1, WG_SOLID, -1, 0};
     *depth = 0.0;
     int64_t reach = thesis_reach(radius);
     int64_t own_x = thesis_cell_of(centre.x);
     int64_t own_y = thesis_cell_of(centre.y);
-    int64_t last_x = thesis_min(own_x + reach, grid.width - 1);
-    int64_t last_y = thesis_min(own_y + reach, grid.height - 1);
+    int64_t last_x = thesis_min(own_x + reach, grid->width - 1);
+    int64_t last_y = thesis_min(own_y + reach, grid->height - 1);
     for (int64_t cell_y = thesis_max(own_y - reach, 0); cell_y <= last_y; cell_y++) {
         for (int64_t cell_x = thesis_max(own_x - reach, 0); cell_x <= last_x; cell_x++) {
             int32_t value = thesis_value(grid, cell_x, cell_y);
@@ -101,12 +100,11 @@ static WgThesisPlace deepest_cut(const WgThesisArena *arena, double radius, WgTh
     return deepest;
 }
 
-void thesis_judge_place(const WgThesisArena *arena, const WgThesisSettings *settings, WgThesisRun *run, int64_t step,
-                        ThesisPoint before)
+void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesisSettings *settings, WgThesisRun *run,
+                        int64_t step, ThesisPoint before)
 {
-    const ThesisGrid grid = {arena->cells, arena->width, arena->height};
     double depth = 0.0;
-    WgThesisPlace deepest = deepest_cut(arena, settings->radius, run, step, &depth);
+    WgThesisPlace deepest = deepest_cut(grid, settings->radius, run, step, &depth);
     run->deepest = larger(run->deepest, depth);
 
     // An overlap begins with the move that let the robot in. What overlaps before a wall changed that move, a corner
@@ -129,9 +127,9 @@ void thesis_judge_place(const WgThesisArena *arena, const WgThesisSettings *sett
     if (thesis_value(grid, own_x, own_y) == WG_THESIS_WALL && run->in_wall.step < 0) {
         run->in_wall = (WgThesisPlace){step, own_x, own_y, WG_SOLID, run->overlap_began, run->overlap_cause};
     }
-    uint8_t *visited = &arena->visited[own_x * arena->height + own_y];
-    if (*visited == 0) {
-        *visited = 1;
+    uint8_t *seen = &visited[own_x * grid->height + own_y];
+    if (*seen == 0) {
+        *seen = 1;
         run->last_new_cell = step;
     }
 }
@@ -166,7 +164,7 @@ static double share_inside(ThesisPoint start, ThesisPoint path, int64_t cell_x, 
 }
 
 // The first wall that the straight path enters, rows outer; step -1 if none.
-static WgThesisPlace entered_wall(ThesisGrid grid, ThesisPoint start, ThesisPoint path, double length,
+static WgThesisPlace entered_wall(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path, double length,
                                   const WgThesisRun *run, int64_t step)
 {
     int64_t own_x = thesis_cell_of(start.x);
@@ -186,10 +184,9 @@ static WgThesisPlace entered_wall(ThesisGrid grid, ThesisPoint start, ThesisPoin
     return (WgThesisPlace){-1, 0, 0, WG_FREE, -1, 0};
 }
 
-void thesis_judge_path(const WgThesisArena *arena, const WgThesisSettings *settings, WgThesisRun *run, int64_t step,
+void thesis_judge_path(const ThesisGrid *grid, const WgThesisSettings *settings, WgThesisRun *run, int64_t step,
                        ThesisPoint start)
 {
-    const ThesisGrid grid = {arena->cells, arena->width, arena->height};
     const ThesisPoint path = {run->state.x - start.x, run->state.y - start.y};
     double length = sqrt(path.x * path.x + path.y * path.y);
     run->path_length += length;

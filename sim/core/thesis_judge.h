@@ -10,12 +10,13 @@ void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *set
 
 // Notes what the robot touches where the tick ends: walls, flames, cells that it had not been in.
 //
-// before: the centre before a wall changed the tick's move.
-void thesis_judge_place(const WgThesisArena *arena, const WgThesisSettings *settings, WgThesisRun *run, int64_t step,
-                        ThesisPoint before);
+// visited: (width, height) 1 where the centre has been.
+// before:  the centre before a wall changed the tick's move.
+void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesisSettings *settings, WgThesisRun *run,
+                        int64_t step, ThesisPoint before);
 
 // Adds the tick's straight path to the length, and notes the first wall that it enters.
-void thesis_judge_path(const WgThesisArena *arena, const WgThesisSettings *settings, WgThesisRun *run, int64_t step,
+void thesis_judge_path(const ThesisGrid *grid, const WgThesisSettings *settings, WgThesisRun *run, int64_t step,
                        ThesisPoint start);
 
 #endif

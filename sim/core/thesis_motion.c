@@ -11,6 +11,8 @@
 
 // What one pixel's step meets: nothing; a wall that also one of the two single-axis moves, or both, would touch; or only
 // the corner of a cell. TOUCH_BOTH is the sum of the two before it.
+static const double MOST_OPEN = 60.0;  // px: side of the largest box that is looked at before a move
+
 enum { TOUCH_NOTHING = 0, TOUCH_X = 1, TOUCH_Y = 2, TOUCH_BOTH = 3, TOUCH_CORNER = 4 };
 
 // Distance along one axis from the disc's centre to a cell, in the ellipse's own coordinates, where its radius is 1/2.
@@ -36,17 +38,17 @@ static inline bool touches_cell(ThesisPoint centre, double radius, int64_t cell_
 // What one pixel's step meets: the first wall that a single-axis part of it touches.
 //
 // Rows outside the grid are skipped, where the listing leaves its loop: the same inside a border of walls.
-static int contact(ThesisGrid grid, ThesisPoint next, ThesisPoint here, double radius)
+static int contact(const ThesisGrid *grid, ThesisPoint next, ThesisPoint here, double radius)
 {
-    bool beyond = next.x >= (double)grid.width * THESIS_CELL - radius ||
-                  next.y >= (double)grid.height * THESIS_CELL - radius;
+    bool beyond = next.x >= (double)grid->width * THESIS_CELL - radius ||
+                  next.y >= (double)grid->height * THESIS_CELL - radius;
     int64_t reach = thesis_reach(radius);
     int64_t centre_x = thesis_cell_of(next.x);
     int64_t centre_y = thesis_cell_of(next.y);
     int64_t left = thesis_max(centre_x - reach, 0);
-    int64_t right = thesis_min(centre_x + reach, grid.width - 1);
+    int64_t right = thesis_min(centre_x + reach, grid->width - 1);
     int64_t up = thesis_max(centre_y - reach, 0);
-    int64_t down = thesis_min(centre_y + reach, grid.height - 1);
+    int64_t down = thesis_min(centre_y + reach, grid->height - 1);
     int found = TOUCH_NOTHING;
     for (int64_t cell_y = down; cell_y >= up; cell_y--) {
         for (int64_t cell_x = left; cell_x <= right; cell_x++) {
@@ -71,13 +73,13 @@ static int contact(ThesisGrid grid, ThesisPoint next, ThesisPoint here, double r
 }
 
 // Whether the disc touches no wall.
-static bool is_clear(ThesisGrid grid, ThesisPoint centre, double radius)
+static bool is_clear(const ThesisGrid *grid, ThesisPoint centre, double radius)
 {
     int64_t reach = thesis_reach(radius);
     int64_t centre_x = thesis_cell_of(centre.x);
     int64_t centre_y = thesis_cell_of(centre.y);
-    int64_t last_x = thesis_min(centre_x + reach, grid.width - 1);
-    int64_t last_y = thesis_min(centre_y + reach, grid.height - 1);
+    int64_t last_x = thesis_min(centre_x + reach, grid->width - 1);
+    int64_t last_y = thesis_min(centre_y + reach, grid->height - 1);
     for (int64_t cell_y = thesis_max(centre_y - reach, 0); cell_y <= last_y; cell_y++) {
         for (int64_t cell_x = thesis_max(centre_x - reach, 0); cell_x <= last_x; cell_x++) {
             if (thesis_value(grid, cell_x, cell_y) == WG_THESIS_WALL && touches_cell(centre, radius, cell_x, cell_y)) {
@@ -88,10 +90,39 @@ static bool is_clear(ThesisGrid grid, ThesisPoint centre, double radius)
     return true;
 }
 
+// Whether a move meets no wall and no edge of the grid, judged by the box around it: then no step needs a look.
+//
+// The margin is far more than rounding adds up to in the longest move that is looked at so.
+static bool is_open(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path, double radius)
+{
+    const double margin = 0.5;  // px
+    double around = radius + margin;
+    double low_x = (path.x < 0.0 ? start.x + path.x : start.x) - around;
+    double low_y = (path.y < 0.0 ? start.y + path.y : start.y) - around;
+    double high_x = (path.x > 0.0 ? start.x + path.x : start.x) + around;
+    double high_y = (path.y > 0.0 ? start.y + path.y : start.y) + around;
+    bool inside = low_x >= 0.0 && low_y >= 0.0 && high_x < (double)grid->width * THESIS_CELL &&
+                  high_y < (double)grid->height * THESIS_CELL;
+    if (!inside || high_x - low_x > MOST_OPEN || high_y - low_y > MOST_OPEN) {
+        return false;
+    }
+    int64_t first_y = thesis_cell_of(low_y);
+    int64_t last_x = thesis_cell_of(high_x);
+    int64_t last_y = thesis_cell_of(high_y);
+    for (int64_t cell_x = thesis_cell_of(low_x); cell_x <= last_x; cell_x++) {
+        for (int64_t cell_y = first_y; cell_y <= last_y; cell_y++) {
+            if (thesis_value(grid, cell_x, cell_y) == WG_THESIS_WALL) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
 // Sets the centre after a pixel's step that meets a wall, and returns WG_SLIDE or WG_BACK_OFF.
 //
 // A slide continues along one axis, and one pixel's part back along the other.
-static int64_t meet_wall(ThesisGrid grid, ThesisPoint *here, ThesisPoint next, ThesisPoint unit, double radius, int touched,
+static int64_t meet_wall(const ThesisGrid *grid, ThesisPoint *here, ThesisPoint next, ThesisPoint unit, double radius, int touched,
                          int64_t repairs, double wall_friction)
 {
     ThesisPoint back = {here->x - unit.x, here->y - unit.y};
@@ -113,7 +144,7 @@ static int64_t meet_wall(ThesisGrid grid, ThesisPoint *here, ThesisPoint next, T
     return WG_BACK_OFF;
 }
 
-WgThesisMove thesis_advance(ThesisGrid grid, double x, double y, double goal_x, double goal_y, double radius,
+WgThesisMove thesis_advance(const ThesisGrid *grid, double x, double y, double goal_x, double goal_y, double radius,
                             int64_t repairs, double wall_friction)
 {
     ThesisPoint path = {goal_x - x, goal_y - y};
@@ -126,10 +157,11 @@ WgThesisMove thesis_advance(ThesisGrid grid, double x, double y, double goal_x, 
     // The listing divides by a length of zero and compares with NaN: nothing moves.
     if (length != 0.0) {
         ThesisPoint unit = {1.0 / length * path.x, 1.0 / length * path.y};
+        bool open = is_open(grid, here, path, radius);
         ThesisPoint gone = unit;
         ThesisPoint next = {x + gone.x, y + gone.y};
         while (fabs(gone.x) < fabs(path.x) || fabs(gone.y) < fabs(path.y)) {
-            int touched = contact(grid, next, here, radius);
+            int touched = open ? TOUCH_NOTHING : contact(grid, next, here, radius);
             if (touched == TOUCH_CORNER) {
                 ending = WG_CORNER;
                 if ((repairs & WG_REPAIR_CORNER) != 0) {
@@ -166,6 +198,6 @@ WgStatus wg_thesis_move(const int32_t *cells, int64_t width, int64_t height, dou
         return WG_BAD_VALUE;
     }
     const ThesisGrid grid = {cells, width, height};
-    *move = thesis_advance(grid, x, y, goal_x, goal_y, radius, repairs, wall_friction);
+    *move = thesis_advance(&grid, x, y, goal_x, goal_y, radius, repairs, wall_friction);
     return WG_OK;
 }

@@ -44,9 +44,9 @@ static inline int64_t thesis_cell_of(double place)
     return (int64_t)(place / THESIS_CELL);
 }
 
-static inline int32_t thesis_value(ThesisGrid grid, int64_t x, int64_t y)
+static inline int32_t thesis_value(const ThesisGrid *grid, int64_t x, int64_t y)
 {
-    return grid.cells[x * grid.height + y];
+    return grid->cells[x * grid->height + y];
 }
 
 // fmod(angle, 2 pi), as Java's % on doubles: headings may be negative.
@@ -55,12 +55,12 @@ static inline double thesis_wrap(double angle)
     return fabs(angle) < THESIS_TWO_PI ? angle : fmod(angle, THESIS_TWO_PI);
 }
 
-// Keeps the disc one cell away from the edge of the grid.
-static inline void thesis_clamp(ThesisGrid grid, double radius, double *x, double *y)
+// Keeps the disc one cell away from the edge of the grid->
+static inline void thesis_clamp(const ThesisGrid *grid, double radius, double *x, double *y)
 {
     double low = radius + THESIS_CELL;
-    double high_x = (double)grid.width * THESIS_CELL - radius - THESIS_CELL;
-    double high_y = (double)grid.height * THESIS_CELL - radius - THESIS_CELL;
+    double high_x = (double)grid->width * THESIS_CELL - radius - THESIS_CELL;
+    double high_y = (double)grid->height * THESIS_CELL - radius - THESIS_CELL;
     double right = *x < low ? low : *x;
     double down = *y < low ? low : *y;
     *x = right > high_x ? high_x : right;
@@ -86,27 +86,16 @@ static inline bool thesis_fits(int64_t width, int64_t height, double radius, dou
 // thesis_motion.c
 
 // Moves the disc towards a goal; see wg_thesis_move.
-WgThesisMove thesis_advance(ThesisGrid grid, double x, double y, double goal_x, double goal_y, double radius,
+WgThesisMove thesis_advance(const ThesisGrid *grid, double x, double y, double goal_x, double goal_y, double radius,
                             int64_t repairs, double wall_friction);
 
 // thesis_signal.c
 
 // Returns the heading to the best signal by the sensor of the settings; see wg_thesis_sense.
-double thesis_sensed(ThesisGrid grid, const WgThesisSettings *settings, double x, double y, double looking,
+double thesis_sensed(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y, double looking,
                      int64_t step);
 
 // Returns whether the settings are what these functions rely on.
-bool thesis_can_sense(ThesisGrid grid, const WgThesisSettings *settings);
-
-// thesis_tick.c
-
-// Moves the robot and lets the behaviours act in tick `step`, from 1.
-//
-// draws:   (draw_count,) random numbers in [0, 1) for WG_RULE_RANDOM, in order.
-// before:  gets the centre before a wall changed the move.
-//
-// Returns false if the tick needs a draw and none is left; then nothing has changed.
-bool thesis_tick(ThesisGrid grid, const WgThesisSettings *settings, const double *draws, int64_t draw_count,
-                 WgThesisState *state, int64_t step, ThesisPoint *before);
+bool thesis_can_sense(const ThesisGrid *grid, const WgThesisSettings *settings);
 
 #endif

@@ -83,14 +83,14 @@ static double bearing_to(Cell cell, double side, double x, double y)
 // The cell with the best signal within `sense` cells; the first of equals.
 //
 // In a wall the own value is the lowest, so the robot then seeks the middle of that wall.
-static Cell brightest(ThesisGrid grid, double x, double y, int64_t sense)
+static Cell brightest(const ThesisGrid *grid, double x, double y, int64_t sense)
 {
     const Cell own = {thesis_cell_of(x), thesis_cell_of(y)};
     Cell best = own;
     int32_t lowest = thesis_value(grid, own.x, own.y);
     int64_t first_x = thesis_max(own.x - sense, 1);
-    int64_t last_x = thesis_min(own.x + sense, grid.width - 2);
-    int64_t last_y = thesis_min(own.y + sense, grid.height - 2);
+    int64_t last_x = thesis_min(own.x + sense, grid->width - 2);
+    int64_t last_y = thesis_min(own.y + sense, grid->height - 2);
     for (int64_t cell_y = thesis_max(own.y - sense, 1); cell_y <= last_y; cell_y++) {
         for (int64_t cell_x = first_x; cell_x <= last_x; cell_x++) {
             int32_t value = thesis_value(grid, cell_x, cell_y);
@@ -108,7 +108,7 @@ static Cell brightest(ThesisGrid grid, double x, double y, int64_t sense)
 //
 // John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987; here in whole
 // numbers.
-static int64_t walls_between(ThesisGrid grid, Cell from, Cell to)
+static int64_t walls_between(const ThesisGrid *grid, Cell from, Cell to)
 {
     int64_t path_x = to.x > from.x ? to.x - from.x : from.x - to.x;
     int64_t path_y = to.y > from.y ? to.y - from.y : from.y - to.y;
@@ -136,7 +136,7 @@ static int64_t walls_between(ThesisGrid grid, Cell from, Cell to)
 }
 
 // Signal of a cell as it comes through the walls; below 0 where there is none.
-static double reading_of(ThesisGrid grid, Cell cell, const WgThesisSettings *settings)
+static double reading_of(const ThesisGrid *grid, Cell cell, const WgThesisSettings *settings)
 {
     double value = thesis_value(grid, cell.x, cell.y);
     if (value <= 0.0 || settings->signal == WG_SIGNAL_OPEN) {
@@ -155,11 +155,11 @@ static double reading_of(ThesisGrid grid, Cell cell, const WgThesisSettings *set
 }
 
 // Best signal in a block of the robot's map; -1 if it has none, as in a block of walls.
-static double reading_of_block(ThesisGrid grid, Cell block, const WgThesisSettings *settings)
+static double reading_of_block(const ThesisGrid *grid, Cell block, const WgThesisSettings *settings)
 {
     int64_t scale = settings->map_scale;
-    int64_t end_x = thesis_min((block.x + 1) * scale, grid.width - 1);
-    int64_t end_y = thesis_min((block.y + 1) * scale, grid.height - 1);
+    int64_t end_x = thesis_min((block.x + 1) * scale, grid->width - 1);
+    int64_t end_y = thesis_min((block.y + 1) * scale, grid->height - 1);
     double best = -1.0;
     for (int64_t y = block.y * scale; y < end_y; y++) {
         for (int64_t x = block.x * scale; x < end_x; x++) {
@@ -174,7 +174,7 @@ static double reading_of_block(ThesisGrid grid, Cell block, const WgThesisSettin
 }
 
 // What the sensor reads of a cell, or of a block of the robot's map.
-static double noisy_reading(ThesisGrid grid, Cell cell, const WgThesisSettings *settings, int64_t scale, int64_t draw)
+static double noisy_reading(const ThesisGrid *grid, Cell cell, const WgThesisSettings *settings, int64_t scale, int64_t draw)
 {
     double value = scale == 1 ? reading_of(grid, cell, settings) : reading_of_block(grid, cell, settings);
     if (value > 0.0 && settings->sensor_noise > 0.0) {
@@ -195,15 +195,15 @@ static bool in_field(double dx, double dy, double looking, double field)
 }
 
 // Cell, or block of `scale` cells, with the best reading in reach; the first of equals, the own one before all.
-static Cell best_of(ThesisGrid grid, const WgThesisSettings *settings, double x, double y, double looking,
+static Cell best_of(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y, double looking,
                     int64_t step, int64_t scale)
 {
     double side = THESIS_CELL * (double)scale;
     const Cell own = {(int64_t)(x / side), (int64_t)(y / side)};
     int64_t first = scale == 1 ? 1 : 0;
     int64_t first_x = thesis_max(own.x - settings->sense, first);
-    int64_t last_x = thesis_min(own.x + settings->sense, (grid.width - 2) / scale);
-    int64_t last_y = thesis_min(own.y + settings->sense, (grid.height - 2) / scale);
+    int64_t last_x = thesis_min(own.x + settings->sense, (grid->width - 2) / scale);
+    int64_t last_y = thesis_min(own.y + settings->sense, (grid->height - 2) / scale);
     int64_t draw = step * THESIS_READINGS;
     int64_t count = 0;
     Cell best = own;
@@ -227,7 +227,7 @@ static Cell best_of(ThesisGrid grid, const WgThesisSettings *settings, double x,
     return best;
 }
 
-double thesis_sensed(ThesisGrid grid, const WgThesisSettings *settings, double x, double y, double looking,
+double thesis_sensed(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y, double looking,
                      int64_t step)
 {
     bool plain = settings->signal == WG_SIGNAL_OPEN && settings->sensor_field == 0.0 &&
@@ -246,11 +246,11 @@ double thesis_sensed(ThesisGrid grid, const WgThesisSettings *settings, double x
     return bearing_to(best_of(grid, settings, x, y, looking, step, 1), THESIS_CELL, x, y);
 }
 
-bool thesis_can_sense(ThesisGrid grid, const WgThesisSettings *settings)
+bool thesis_can_sense(const ThesisGrid *grid, const WgThesisSettings *settings)
 {
     const int64_t most = 1 << 20;
-    bool target = settings->target_x >= 0 && settings->target_x < grid.width && settings->target_y >= 0 &&
-                  settings->target_y < grid.height;
+    bool target = settings->target_x >= 0 && settings->target_x < grid->width && settings->target_y >= 0 &&
+                  settings->target_y < grid->height;
     bool sensor = settings->sense >= 0 && settings->sense <= most && settings->map_scale >= 1 &&
                   settings->map_scale <= most;
     return target && sensor;
@@ -260,10 +260,10 @@ WgStatus wg_thesis_sense(const int32_t *cells, int64_t width, int64_t height, co
                          double x, double y, double looking, int64_t step, double *heading)
 {
     const ThesisGrid grid = {cells, width, height};
-    if (!thesis_fits(width, height, settings->radius, x, y) || !thesis_can_sense(grid, settings)) {
+    if (!thesis_fits(width, height, settings->radius, x, y) || !thesis_can_sense(&grid, settings)) {
         return WG_BAD_VALUE;
     }
-    *heading = thesis_sensed(grid, settings, x, y, looking, step);
+    *heading = thesis_sensed(&grid, settings, x, y, looking, step);
     return WG_OK;
 }
 
@@ -278,6 +278,6 @@ WgStatus wg_thesis_walls_between(const int32_t *cells, int64_t width, int64_t he
     const ThesisGrid grid = {cells, width, height};
     const Cell from = {x, y};
     const Cell to = {to_x, to_y};
-    *walls = walls_between(grid, from, to);
+    *walls = walls_between(&grid, from, to);
     return WG_OK;
 }

@@ -3,30 +3,33 @@
 //
 // Source: the thesis's listing, robot.update, robot.turnS and the three behaviours.
 
+#ifndef WG_THESIS_TICK_H
+#define WG_THESIS_TICK_H
+
 #include "fdlibm.h"
 #include "random_draw.h"
 #include "thesis_arbiter.h"
 #include "thesis_parts.h"
 
-static const double TURN_STEP = 0.08;  // rad per tick
-static const double TURN_SNAP = 0.2;   // rad; closer than this the robot takes the heading at once
+static const double THESIS_TURN_STEP = 0.08;  // rad per tick
+static const double THESIS_TURN_SNAP = 0.2;   // rad; closer than this the robot takes the heading at once
 
 // Heading after one tick of turning.
-static double turn_towards(double heading, double target)
+static inline double thesis_turn(double heading, double target)
 {
-    if (!(fabs(target - heading) > TURN_SNAP)) {
+    if (!(fabs(target - heading) > THESIS_TURN_SNAP)) {
         return target;
     }
     if (target < heading) {
-        double turned = target + THESIS_PI > heading ? heading - TURN_STEP : heading + TURN_STEP;
+        double turned = target + THESIS_PI > heading ? heading - THESIS_TURN_STEP : heading + THESIS_TURN_STEP;
         return thesis_wrap(turned);
     }
-    double turned = heading + THESIS_PI > target ? heading + TURN_STEP : THESIS_TWO_PI + heading - TURN_STEP;
+    double turned = heading + THESIS_PI > target ? heading + THESIS_TURN_STEP : THESIS_TWO_PI + heading - THESIS_TURN_STEP;
     return thesis_wrap(turned);
 }
 
 // The speed at which the robot rolls in this tick: inertia and friction keep it from the one that it wants.
-static double rolling_speed(const WgThesisSettings *settings, double rolling, double wanted)
+static inline double thesis_rolling(const WgThesisSettings *settings, double rolling, double wanted)
 {
     if (rolling < wanted) {
         double gained = rolling + settings->acceleration * settings->time_step;
@@ -42,9 +45,9 @@ static double rolling_speed(const WgThesisSettings *settings, double rolling, do
 }
 
 // The tick's move; sets the rolling speed.
-static WgThesisMove move_of(ThesisGrid grid, const WgThesisSettings *settings, WgThesisState *state, int64_t step)
+static inline WgThesisMove thesis_move(const ThesisGrid *grid, const WgThesisSettings *settings, WgThesisState *state, int64_t step)
 {
-    double rolling = rolling_speed(settings, state->rolling, state->speed);
+    double rolling = thesis_rolling(settings, state->rolling, state->speed);
     state->rolling = rolling;
 
     // Most ticks only turn.
@@ -73,7 +76,7 @@ static WgThesisMove move_of(ThesisGrid grid, const WgThesisSettings *settings, W
 }
 
 // Lets the behaviour in charge act: changes the headings, the speed, who is in charge then, and its counter.
-static void act(WgThesisState *state, double signal, double top_speed)
+static inline void thesis_act(WgThesisState *state, double signal, double top_speed)
 {
     if (state->behaviour == WG_SEEK) {
         state->target_heading = signal;
@@ -84,7 +87,7 @@ static void act(WgThesisState *state, double signal, double top_speed)
     state->ticks_left = action.ticks;
     switch (action.wheels) {
     case WG_WHEELS_TURN:
-        state->heading = turn_towards(state->heading, state->target_heading);
+        state->heading = thesis_turn(state->heading, state->target_heading);
         state->speed = 0.0;
         break;
     case WG_WHEELS_HALT:
@@ -102,7 +105,7 @@ static void act(WgThesisState *state, double signal, double top_speed)
 }
 
 // Begins an escape: remembers the speed, stops, and sets the target heading by the rule.
-static void escape(const WgThesisSettings *settings, WgThesisState *state, const double *draws)
+static inline void thesis_escape(const WgThesisSettings *settings, WgThesisState *state, const double *draws)
 {
     // A robot that rolls out, or is interrupted while it turns, still wants the speed that it had before that.
     if (state->speed > 0.0 || (settings->friction == 0.0 && settings->reading != WG_INTERRUPTIBLE)) {
@@ -118,60 +121,66 @@ static void escape(const WgThesisSettings *settings, WgThesisState *state, const
     }
 }
 
-bool thesis_tick(ThesisGrid grid, const WgThesisSettings *settings, const double *draws, int64_t draw_count,
-                 WgThesisState *state, int64_t step, ThesisPoint *before)
+// Moves the robot and lets the behaviours act in tick `step`, from 1.
+//
+// draws:   (draw_count,) random numbers in [0, 1) for WG_RULE_RANDOM, in order.
+// before:  gets the centre before a wall changed the move.
+//
+// Returns false if the tick needs a draw and none is left; then the state is of no use.
+static inline bool thesis_tick(const ThesisGrid *grid, const WgThesisSettings *settings, const double *draws,
+                               int64_t draw_count, WgThesisState *state, int64_t step, ThesisPoint *before)
 {
-    WgThesisState next = *state;
     int64_t reading = settings->reading;
     int64_t old = state->behaviour;
 
     // Move.
-    WgThesisMove move = move_of(grid, settings, &next, step);
-    next.x = move.x;
-    next.y = move.y;
-    next.collision = move.collision;
-    next.move = move.ending;
-    next.active = WG_IDLE;
+    WgThesisMove move = thesis_move(grid, settings, state, step);
+    state->x = move.x;
+    state->y = move.y;
+    state->collision = move.collision;
+    state->move = move.ending;
+    state->active = WG_IDLE;
     bool collision = move.collision != 0;
     *before = (ThesisPoint){move.before_x, move.before_y};
 
     // Sense, where a behaviour can ask for it.
     double signal = 0.0;
     if (old == WG_SEEK || (!collision && (old == WG_IDLE || reading >= WG_A2))) {
-        signal = thesis_sensed(grid, settings, next.x, next.y, next.heading, step);
+        signal = thesis_sensed(grid, settings, state->x, state->y, state->heading, step);
     }
 
     // Some readings act before they look who is next.
     if (old != WG_IDLE && (reading == WG_A2 || reading == WG_A3)) {
-        next.active = old;
-        act(&next, signal, settings->speed);
-        if (next.behaviour == WG_IDLE && !collision) {
-            signal = thesis_sensed(grid, settings, next.x, next.y, next.heading, step);
+        state->active = old;
+        thesis_act(state, signal, settings->speed);
+        if (state->behaviour == WG_IDLE && !collision) {
+            signal = thesis_sensed(grid, settings, state->x, state->y, state->heading, step);
         }
     }
 
     // Select.
-    int64_t behaviour = next.behaviour;
-    bool at_signal = next.target_heading == signal && (reading != WG_INTERRUPTIBLE || next.heading == signal);
-    WgCharge charge = wg_select_behaviour(reading, behaviour, next.ticks_left, collision, at_signal,
+    int64_t behaviour = state->behaviour;
+    bool at_signal = state->target_heading == signal && (reading != WG_INTERRUPTIBLE || state->heading == signal);
+    WgCharge charge = wg_select_behaviour(reading, behaviour, state->ticks_left, collision, at_signal,
                                           settings->collide_ticks, settings->drive_ticks);
     bool escapes = charge.taken && charge.behaviour == WG_COLLIDE;
     if (escapes) {
-        if (settings->rule == WG_RULE_RANDOM && next.draws_used >= draw_count) {
+        if (settings->rule == WG_RULE_RANDOM && state->draws_used >= draw_count) {
             return false;
         }
-        escape(settings, &next, draws);
+        thesis_escape(settings, state, draws);
     }
-    next.behaviour = charge.behaviour;
-    next.ticks_left = charge.ticks;
-    next.escapes = escapes;
+    state->behaviour = charge.behaviour;
+    state->ticks_left = charge.ticks;
+    state->escapes = escapes;
 
     // Act.
     bool waits = reading == WG_A2 || (reading == WG_A1 && charge.taken) || (reading == WG_A3 && behaviour != WG_IDLE);
     if (!waits) {
-        next.active = charge.behaviour;
-        act(&next, signal, settings->speed);
+        state->active = charge.behaviour;
+        thesis_act(state, signal, settings->speed);
     }
-    *state = next;
     return true;
 }
+
+#endif
