@@ -106,6 +106,11 @@ class ThesisOptions(Switches):
         return self.repair_slide and self.repair_back_off and self.repair_corner
 
     @property
+    def sensor_cells(self) -> int:
+        """Reach of the sensor in cells, as the listing divides: 36 px gives 1, 50 px gives 2."""
+        return int((self.sensor_range - 36) / 10) + 1
+
+    @property
     def random(self) -> bool:
         """Whether the simulator itself draws random numbers, so that no state can come back."""
         return self.slip > 0.0 or self.sensor_noise > 0.0

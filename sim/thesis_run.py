@@ -9,30 +9,19 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import thesis_layout as at
-from sim.kernels.geometry import pose_is_clear
-from sim.kernels.layout import NO_LOOP, PROVE_LOOP, SEEK_LOOP, SOLID
-from sim.kernels.recurrence import entry_of_loop
-from sim.kernels.stepped_motion import (
-    BACK_OFF,
-    CORNER,
-    REPAIR_BACK_OFF,
-    REPAIR_CORNER,
-    REPAIR_SLIDE,
-    SLIDE,
-    STRAIGHT,
-)  # fmt: skip
-from sim.kernels.thesis_episode import thesis_episode
-from sim.kernels.thesis_signal import add_noise, signal_map
+from sim import _core
 from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_step, start_overlaps
 from sim.run_options import RunOptions, check_step_length
+from sim.thesis_core import CELL, ROW, STATE_FIELDS, WALL, Setup, ThesisEpisode, add_noise, new_rows, signal_map
 from sim.thesis_options import ARBITERS, SIGNALS, ThesisOptions
 from sim.trace import Trace, Words
+from worldgen.ccall import pointer
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import exact, in_cells, metres_to_lattice, radius_in_cells
 from worldgen.random_streams import RandomStream
@@ -44,19 +33,25 @@ __all__ = ["ThesisRun", "signal_in"]
 
 Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.int32]
+Rows = npt.NDArray[np.void]
+
+_ffi: Any = _core.ffi
+_lib: Any = _core.lib
 
 _ENDINGS = {
-    at.LIMIT: "limit",
-    at.REACHED: "reached",
-    at.LOOP: "loop",
-    at.TUNNEL: "tunnel",
-    at.BURNED: "burned",
+    _lib.WG_LIMIT: "limit",
+    _lib.WG_REACHED: "reached",
+    _lib.WG_LOOP: "loop",
+    _lib.WG_TUNNEL: "tunnel",
+    _lib.WG_BURNED: "burned",
 }
 _FIRST_DRAWS = 256
-_CAUSES = {STRAIGHT: "", SLIDE: "slide", BACK_OFF: "back-off", CORNER: "corner"}
+_CAUSES = {_lib.WG_STRAIGHT: "", _lib.WG_SLIDE: "slide", _lib.WG_BACK_OFF: "back-off", _lib.WG_CORNER: "corner"}
 _REPAIR_BITS = {
-    "repair_slide": REPAIR_SLIDE, "repair_back_off": REPAIR_BACK_OFF, "repair_corner": REPAIR_CORNER,
-}  # fmt: skip
+    "repair_slide": _lib.WG_REPAIR_SLIDE,
+    "repair_back_off": _lib.WG_REPAIR_BACK_OFF,
+    "repair_corner": _lib.WG_REPAIR_CORNER,
+}
 _DRIFT = 1e-6  # px and rad: a pose that comes back is no further off
 _DRIFT_PERIODS = 4  # periods that must be seen
 
@@ -91,20 +86,20 @@ class ThesisRun:
             )
         return float(radius * 10)
 
-    def _robot(self, rule: int, target_x: int, target_y: int) -> at.Setup:
+    def _robot(self, rule: int, target_x: int, target_y: int) -> Setup:
         """The robot in the thesis's units: px and ms."""
         world, options, thesis = self.world, self.options, self.options.thesis
         px = 10 / exact(world.cell_size)
-        return at.Setup(
+        return Setup(
             rule=rule,
             time_step=float(exact(options.time_step) * 1000),
-            sense=at.sensor_cells(thesis.sensor_range),
+            sense=thesis.sensor_cells,
             collide_ticks=thesis.collide_ticks,
             drive_ticks=thesis.drive_ticks,
             turn_angle=thesis.turn_angle,
             radius=self._radius(),
             speed=float(exact(world.robot_speed) * px / 1000),
-            tolerance=options.motion_model().overlap_tolerance * at.CELL,
+            tolerance=options.motion_model().overlap_tolerance * CELL,
             stop_at_tunnel=int(not thesis.keep_going),
             reading=ARBITERS.index(thesis.arbiter),
             repairs=sum(bit for name, bit in _REPAIR_BITS.items() if getattr(thesis, name)),
@@ -140,7 +135,7 @@ class ThesisRun:
     def _signal(self, solid: npt.NDArray[np.bool_], target_x: int, target_y: int) -> tuple[Cells, Cells]:
         """Signal map with walls, and without."""
         light = signal_map(solid.shape[0], self._height, target_x, target_y)
-        cells = np.where(solid, np.int32(at.WALL), light)
+        cells = np.where(solid, np.int32(WALL), light)
         if self.options.thesis.noise:
             add_noise(cells, light)
         return cells, light
@@ -162,7 +157,8 @@ class ThesisRun:
         clear_sq, reach = disc_numbers(world)
         x, y = metres_to_lattice(world.start.x, side), metres_to_lattice(world.start.y, side)
         solid = world.walls.astype(np.uint8)
-        if not pose_is_clear(solid, SOLID, clear_sq, reach, x, y):
+        grid = {"cells": pointer(_ffi, solid, np.uint8), "width": world.width, "height": world.height}
+        if not _lib.wg_disc_is_clear(grid, _lib.WG_SOLID, {"clear_sq": clear_sq, "reach": reach}, x, y):
             raise start_overlaps(world)
         x_px = float(in_cells(world.start.x, side) * 10 + 10 * self._pad)
         y_px = float((self._height - self._pad - in_cells(world.start.y, side)) * 10)
@@ -176,39 +172,29 @@ class ThesisRun:
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Runs up to ``steps`` ticks from the start; with ``find_loop`` a recurrence ends the run."""
         seeks = find_loop and not self.options.thesis.random
-        return self._run(steps, SEEK_LOOP if seeks else NO_LOOP, 0, record=record, digest=digest)[0]
+        search = _lib.WG_SEEK_LOOP if seeks else _lib.WG_NO_LOOP
+        return self._run(steps, record=record, find_loop=search, digest=int(digest))[0]
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`."""
-        outcome, progress = self._run(entry + period, PROVE_LOOP, entry, record=record, digest=True)
-        return (outcome, progress.search.known.view(np.uint64)) if outcome.ending == "loop" else None
+        outcome, episode = self._run(entry + period, record=record, find_loop=_lib.WG_PROVE_LOOP, loop_entry=entry)
+        return (outcome, episode.proved_state()) if outcome.ending == "loop" else None
 
-    def _run(
-        self, steps: int, find_loop: int, entry: int, *, record: bool, digest: bool
-    ) -> tuple[Outcome, at.Progress]:
-        """One run from the start; ``entry`` counts where a loop is proved."""
-        rows = np.zeros((steps + 1 if record else 0, at.ROW_SIZE))
-        seeks = find_loop == SEEK_LOOP
-        progress = at.new_progress(*self._start, self._setup.speed, steps if seeks else 0)
-        setup = self._setup._replace(find_loop=find_loop, entry=entry, digest=int(digest))
-        self._go_on(progress, self._arena(), rows, setup._replace(steps=steps))
-        counts = progress.counts
-        end = int(counts[at.OUT_STEPS])
-        period = int(counts[at.OUT_PERIOD])
-        if seeks and counts[at.OUT_ENDING] == at.LOOP:
-            entry = int(entry_of_loop(progress.search.log, self.last_event_step, end, period))
-        return self._outcome(progress, rows[: end + 1] if record else None, entry), progress
+    def _run(self, steps: int, *, record: bool, **asked: int) -> tuple[Outcome, ThesisEpisode]:
+        """One run from the start; ``asked`` are fields of its setup."""
+        rows = new_rows(steps + 1 if record else 0)
+        episode = self._episode(steps, **asked)
+        self._go_on(episode, steps, rows, 0)
+        return self._outcome(episode.run, rows[: episode.run.steps + 1] if record else None), episode
 
-    def _arena(self) -> at.Arena:
-        return at.new_arena(self._cells, self._light, self._events)
+    def _episode(self, steps: int, **asked: int) -> ThesisEpisode:
+        setup = self._setup._replace(steps=steps, **asked)
+        return ThesisEpisode(self._cells, self._light, self._events, self._start, setup)
 
-    def _go_on(self, progress: at.Progress, arena: at.Arena, rows: Floats, setup: at.Setup) -> None:
-        """Runs until something is decided or the steps are done, with as many draws as that takes."""
-        count = _FIRST_DRAWS if setup.rule == 3 else 0
-        while True:
-            thesis_episode(arena, setup, progress, self._draws(count), rows)
-            if progress.counts[at.OUT_ENDING] != at.NEEDS_DRAWS:
-                return
+    def _go_on(self, episode: ThesisEpisode, until: int, rows: Rows, first_row: int) -> None:
+        """Runs until something is decided or a step is done, with as many draws as that takes."""
+        count = _FIRST_DRAWS if self._setup.rule == _lib.WG_RULE_RANDOM else 0
+        while not episode.go(until, self._draws(count), rows, first_row):
             count *= 4
 
     def _draws(self, count: int) -> Floats:
@@ -228,75 +214,79 @@ class ThesisRun:
             and the step ``entry`` from which they do, else ``confined``; and ``box``, the columns and rows of
             cells that the centre was in.
         """
-        progress, arena = at.new_progress(*self._start, self._setup.speed), self._arena()
         half = steps // 2
-        setup = self._setup._replace(find_loop=NO_LOOP, digest=0)
-        self._go_on(progress, arena, np.zeros((0, at.ROW_SIZE)), setup._replace(steps=half))
-        progress.counts[at.TRACE_START] = half
-        rows = np.zeros((steps - half + 1, at.ROW_SIZE))
-        self._go_on(progress, arena, rows, setup._replace(steps=steps))
-        cells = np.floor(rows[:, [at.X, at.Y]] / at.CELL)
+        episode = self._episode(steps, digest=0)
+        self._go_on(episode, half, new_rows(0), 0)
+        rows = new_rows(steps - half + 1)
+        self._go_on(episode, steps, rows, half)
+        poses = np.stack([rows["x"], rows["y"], rows["heading"]], axis=1)
+        cells = np.floor(poses[:, :2] / CELL)
         box: dict[str, Value] = {"box": [int(side) for side in np.ptp(cells, axis=0) + 1]}
-        period, entry = _drift(rows[:, [at.X, at.Y, at.HEADING]])
+        period, entry = _drift(poses)
         if period == 0:
             return {"kind": "confined", **box}
         return {"kind": "drifting", "entry": half + entry, "period": period, **box}
 
-    def _outcome(self, progress: at.Progress, rows: Floats | None, entry: int) -> Outcome:
-        counts, metres = progress.counts, self.world.cell_size / at.CELL
-        ending = _ENDINGS[int(counts[at.OUT_ENDING])]
-        tunnelled, keeps_going = ending == "tunnel", self.options.thesis.keep_going
-        overlapped = counts[at.OUT_OVERLAP_STEP] >= 0 and not keeps_going
-        cause, cause_step = "", -1
+    def _outcome(self, run: Any, rows: Rows | None) -> Outcome:
+        """What a finished run, ``WgThesisRun``, found, in the world's frame."""
+        metres = self.world.cell_size / CELL
+        ending = _ENDINGS[run.ending]
+        tunnelled = ending == "tunnel"
+        keeps_going = self.options.thesis.keep_going
+        overlapped = run.overlap.step >= 0 and not keeps_going
+        cause = ""
+        cause_step = -1
         if tunnelled or overlapped:
-            cause = _CAUSES[int(counts[at.OUT_TUNNEL_CAUSE if tunnelled else at.OUT_OVERLAP_CAUSE])]
-            cause_step = int(counts[at.OUT_TUNNEL_BEGAN if tunnelled else at.OUT_OVERLAP_BEGAN])
+            place = run.tunnel if tunnelled else run.overlap
+            cause = _CAUSES[place.cause]
+            cause_step = place.began
+        hit = run.tunnel if tunnelled else run.hit
         return Outcome(
             ending=ending,
-            steps=int(counts[at.OUT_STEPS]),
-            period=int(counts[at.OUT_PERIOD]),
-            entry=entry if ending == "loop" else -1,
-            path_length=float(progress.sums[at.SUM_PATH]) * metres,
-            collisions=int(counts[at.OUT_COLLISIONS]),
-            digest=f"{int(counts[at.OUT_DIGEST]) & (2**64 - 1):016x}",
-            last_new_cell=int(counts[at.OUT_LAST_NEW_CELL]),
-            hit_step=int(counts[at.OUT_TUNNEL_STEP if tunnelled else at.OUT_HIT_STEP]),
-            hit_cell=self._cell(counts, at.OUT_TUNNEL_IX if tunnelled else at.OUT_HIT_IX),
-            hit_state=CellState(int(counts[at.OUT_HIT_STATE])).word,
-            overlap_step=int(counts[at.OUT_OVERLAP_STEP]) if overlapped else -1,
-            overlap_cell=self._cell(counts, at.OUT_OVERLAP_IX),
+            steps=run.steps,
+            period=run.period,
+            entry=run.entry,
+            path_length=run.path_length * metres,
+            collisions=run.collisions,
+            digest=f"{run.digest:016x}",
+            last_new_cell=run.last_new_cell,
+            hit_step=hit.step,
+            hit_cell=self._cell(hit),
+            hit_state=CellState(run.hit.state).word,
+            overlap_step=run.overlap.step if overlapped else -1,
+            overlap_cell=self._cell(run.overlap),
             cause=cause,
             cause_step=cause_step,
-            wall_step=int(counts[at.OUT_IN_WALL_STEP]) if keeps_going else -1,
+            wall_step=run.in_wall.step if keeps_going else -1,
             complete=not self.options.thesis.random,
-            random_draws=int(progress.mode[at.DRAWS_USED]),
+            random_draws=run.state.draws_used,
             trace=None if rows is None else self._trace(rows),
         )
 
-    def _cell(self, counts: npt.NDArray[np.int64], first: int) -> tuple[int, int]:
-        """A cell of the thesis's frame in the world's; one of the added border lies just outside."""
-        return int(counts[first]) - self._pad, self._height - 1 - self._pad - int(counts[first + 1])
+    def _cell(self, place: Any) -> tuple[int, int]:
+        """A place's cell in the world's frame; one of the added border lies just outside."""
+        return place.x - self._pad, self._height - 1 - self._pad - place.y
 
-    def _trace(self, rows: Floats) -> Trace:
+    def _trace(self, rows: Rows) -> Trace:
         """The recorded rows in metres and radians."""
         metres = float(exact(self.world.cell_size) / 10)
-        x = (rows[:, at.X] - 10.0 * self._pad) * metres
-        y = ((self._height - self._pad) * 10.0 - rows[:, at.Y]) * metres
-        heading = (2.0 * math.pi - rows[:, at.HEADING]) % (2.0 * math.pi) - math.pi
+        x = (rows["x"] - 10.0 * self._pad) * metres
+        y = ((self._height - self._pad) * 10.0 - rows["y"]) * metres
+        heading = (2.0 * math.pi - rows["heading"]) % (2.0 * math.pi) - math.pi
         return Trace(
             time_step=self.options.time_step,
             x=x,
             y=y,
             heading=heading,
-            bump=rows[:, at.ROW_MODE + at.COLLISION] != 0,
+            bump=rows["collision"] != 0,
             path_x=x,
             path_y=y,
             path_step=np.arange(len(rows)),
             path_share=np.minimum(np.arange(len(rows)), 1.0),
             words=_digest_words(rows[1:]),
-            states=np.ascontiguousarray(rows[:, : at.ROW_MODE + at.MODE_STATE_SIZE]).view(np.uint64),
+            states=np.ascontiguousarray(_table(rows)[:, : len(STATE_FIELDS)]).view(np.uint64),
             complete=not self.options.thesis.random,
-            active=rows[:, at.ROW_MODE + at.ACTIVE].astype(np.int8),
+            active=rows["active"].astype(np.int8),
         )
 
 
@@ -332,12 +322,18 @@ def _drift(poses: Floats) -> tuple[int, int]:
     return 0, 0
 
 
-def _digest_words(rows: Floats) -> npt.NDArray[np.uint64]:
+def _table(rows: Rows) -> Floats:
+    """(n, fields) the rows of a trace as plain numbers."""
+    return rows.view(np.float64).reshape(len(rows), len(ROW))
+
+
+def _digest_words(rows: Rows) -> npt.NDArray[np.uint64]:
     """The seven words a tick that the digest of the recorded vectors runs over."""
     words = np.zeros((len(rows), 7), np.uint64)
-    words[:, :5] = np.ascontiguousarray(rows[:, : at.SPEED + 1]).view(np.uint64)
-    behaviour = rows[:, at.ROW_MODE + at.BEHAVIOUR].astype(np.int64)
+    for k, name in enumerate(("x", "y", "heading", "target_heading", "speed")):
+        words[:, k] = rows[name].copy().view(np.uint64)
+    behaviour = rows["behaviour"].astype(np.int64)
     busy = np.where(behaviour < 0, 0, 2 + 4 * (behaviour + 1))
-    words[:, 5] = (rows[:, at.ROW_MODE + at.COLLISION].astype(np.int64) + busy).astype(np.uint64)
-    words[:, 6] = np.ascontiguousarray(rows[:, at.ROW_MODE + at.TICKS_LEFT]).view(np.uint64)
+    words[:, 5] = (rows["collision"].astype(np.int64) + busy).astype(np.uint64)
+    words[:, 6] = rows["ticks_left"].copy().view(np.uint64)
     return words

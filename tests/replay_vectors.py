@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from sim.kernels import thesis_layout as at
-from sim.kernels.fdlibm import float_bits
-from sim.kernels.thesis_episode import thesis_episode
-from sim.kernels.thesis_signal import add_noise, signal_map
+from sim.thesis_core import CELL, WALL, Setup, ThesisEpisode, add_noise, new_rows, signal_map
 from tests.helpers.java_random import java_doubles
 from tests.helpers.recordings import NotARecordingError, parse, read_lines
 
 Vector = dict[str, Any]
+
+FLOATS = ("x", "y", "heading", "target_heading", "speed")
+"""The numbers of a state that a recording holds."""
 
 
 def mismatches(vector: Vector) -> list[str]:
@@ -35,20 +35,20 @@ def mismatches(vector: Vector) -> list[str]:
     draws = random_numbers(vector)
     rows = simulate(vector, cells, light, draws, vector["maxTicks"])[1]
     outcome = judge(vector, rows)
-    progress, rows = simulate(vector, cells, light, draws, outcome["ticks"])
+    run, rows = simulate(vector, cells, light, draws, outcome["ticks"])
     outcome["simTime"] = float(outcome["ticks"] * vector["timeSize"])
-    outcome["hash"] = f"{int(progress.counts[at.OUT_DIGEST]) & (2**64 - 1):016x}"
-    outcome["collideActivations"] = int(progress.counts[at.OUT_ACTIVATIONS])
-    outcome["firstCentreInWall"] = int(progress.counts[at.OUT_IN_WALL_STEP])
-    outcome["firstPen1"] = int(progress.counts[at.OUT_OVERLAP_STEP])
+    outcome["hash"] = f"{run.digest:016x}"
+    outcome["collideActivations"] = run.activations
+    outcome["firstCentreInWall"] = run.in_wall.step
+    outcome["firstPen1"] = run.overlap.step
     outcome["firstCross"] = first_crossing(vector, rows)
     for key, value in outcome.items():
         if value != vector.get(key, value):
             found.append(f"{key} {value}, recorded {vector[key]}")
-    deepest = float(progress.sums[at.SUM_OVERLAP])
+    deepest = run.deepest
     if abs(deepest - vector.get("maxPen", deepest)) > 1e-9:  # px; measured at tick ends, not part of the listing
         found.append(f"maxPen {deepest}, recorded {vector['maxPen']}")
-    used = draws[: progress.mode[at.DRAWS_USED]].tolist()
+    used = draws[: run.state.draws_used].tolist()
     return found + draw_mismatches(vector, used) + checkpoint_mismatches(vector, rows)
 
 
@@ -78,33 +78,38 @@ def signal_cells(vector: Vector) -> tuple[Any, Any]:
     target_y = next(y for y, row in enumerate(rows) if "T" in row)
     light = signal_map(n, n, rows[target_y].index("T"), target_y)
     solid = np.array([[rows[y][x] == "#" for y in range(n)] for x in range(n)])
-    cells = np.where(solid, np.int32(at.WALL), light)
+    cells = np.where(solid, np.int32(WALL), light)
     if vector["noise"]:
         add_noise(cells, light)
     return cells, light
 
 
-def simulate(vector: Vector, cells: Any, light: Any, draws: Any, ticks: int) -> tuple[at.Progress, Any]:
-    """Runs a recording's scenario and returns the reports and the rows of the ticks."""
-    setup = at.Setup(
+def setup_of(vector: Vector) -> Setup:
+    """Return a recording's robot."""
+    return Setup(
         rule=vector["rule"],
         time_step=float(vector["timeSize"]),
-        sense=at.sensor_cells(vector["sensorRange"]),
+        sense=int((vector["sensorRange"] - 36) / 10) + 1,
         collide_ticks=vector["collTicks"],
         drive_ticks=vector["driveTicks"],
-        steps=ticks,
     )
-    progress = at.new_progress(*map(float, vector["start"]))
-    rows = np.zeros((ticks + 1, at.ROW_SIZE))
-    thesis_episode(at.new_arena(cells, light), setup, progress, draws, rows)
-    return progress, rows[: progress.counts[at.OUT_STEPS] + 1]
+
+
+def simulate(vector: Vector, cells: Any, light: Any, draws: Any, ticks: int) -> tuple[Any, Any]:
+    """Runs a recording's scenario and returns the report and the rows of the ticks."""
+    start = (float(vector["start"][0]), float(vector["start"][1]), float(vector["start"][2]))
+    setup = setup_of(vector)._replace(steps=ticks)
+    episode = ThesisEpisode(cells, light, np.zeros((0, 4), np.int64), start, setup)
+    rows = new_rows(ticks + 1)
+    episode.go(ticks, draws, rows)
+    return episode.run, rows[: episode.run.steps + 1]
 
 
 def judge(vector: Vector, rows: Any) -> Vector:
     """Verdict, ticks and loop from the states: the target entered, the first repetition, or neither."""
     loop = None if vector["rule"] == 3 else first_repetition(rows)
     ticks = len(rows) - 1
-    cell = tuple((rows[-1, [at.X, at.Y]] // at.CELL).astype(int))
+    cell = (int(rows[-1]["x"] // CELL), int(rows[-1]["y"] // CELL))
     reached = vector["rows"][cell[1]][cell[0]] == "T"
     if loop is not None:
         return {"verdict": "loop", "ticks": sum(loop), "loopStart": loop[0], "period": loop[1]}
@@ -125,19 +130,19 @@ def first_repetition(rows: Any) -> tuple[int, int] | None:
 def state_words(rows: Any) -> Any:
     """(n, 7) uint64: the recording's seven words of each state."""
     words = np.zeros((len(rows), 7), np.uint64)
-    words[:, :5] = np.ascontiguousarray(rows[:, : at.SPEED + 1]).view(np.uint64)
-    mode = rows[:, at.ROW_MODE :].astype(np.int64)
-    busy = mode[:, at.BEHAVIOUR] >= 0
-    words[:, 5] = mode[:, at.COLLISION] + np.where(busy, 2 + 4 * (mode[:, at.BEHAVIOUR] + 1), 0)
-    words[:, 6] = mode[:, at.TICKS_LEFT].astype(np.float64).view(np.uint64)
+    for k, name in enumerate(FLOATS):
+        words[:, k] = rows[name].copy().view(np.uint64)
+    behaviour = rows["behaviour"].astype(np.int64)
+    words[:, 5] = rows["collision"].astype(np.int64) + np.where(behaviour >= 0, 2 + 4 * (behaviour + 1), 0)
+    words[:, 6] = rows["ticks_left"].copy().view(np.uint64)
     return words
 
 
 def first_crossing(vector: Vector, rows: Any) -> int:
     """First tick that ends in a free cell of another 4-connected component than the start's; -1 if none."""
-    component = flood(vector["rows"], *(int(value // at.CELL) for value in vector["start"][:2]))
+    component = flood(vector["rows"], *(int(value // CELL) for value in vector["start"][:2]))
     for tick in range(1, len(rows)):
-        x, y = int(rows[tick, at.X] // at.CELL), int(rows[tick, at.Y] // at.CELL)
+        x, y = int(rows[tick]["x"] // CELL), int(rows[tick]["y"] // CELL)
         if vector["rows"][y][x] != "#" and (x, y) not in component:
             return tick
     return -1
@@ -162,10 +167,11 @@ def checkpoint_mismatches(vector: Vector, rows: Any) -> list[str]:
         if not 0 < tick < len(rows):
             found.append(f"checkpoint {tick}: the replay has ticks 1 to {len(rows) - 1}")
             continue
-        row, mode = rows[tick, : at.SPEED + 1].tolist(), rows[tick, at.ROW_MODE :].astype(int).tolist()
-        busy = int(mode[at.BEHAVIOUR] >= 0)
-        bits = " ".join(f"{int(float_bits(value)) & (2**64 - 1):016x}" for value in row[: at.TARGET_HEADING + 1])
-        ours = [*row, mode[at.COLLISION], busy, mode[at.ACTIVE], mode[at.TICKS_LEFT], bits]
+        row = rows[tick]
+        floats = [float(row[name]) for name in FLOATS]
+        busy = int(row["behaviour"] >= 0)
+        bits = " ".join(f"{np.float64(value).view(np.uint64):016x}" for value in floats[:4])
+        ours = [*floats, int(row["collision"]), busy, int(row["active"]), int(row["ticks_left"]), bits]
         if ours != recorded:
             found.append(f"checkpoint {tick}: {ours}, recorded {recorded}")
     return found

@@ -12,7 +12,6 @@ from scipy import ndimage
 
 from fuzz.asked.trial import Trial
 from sim.controllers import CONTROLLERS
-from sim.kernels.thesis_layout import sensor_cells
 from sim.lattice_run import LatticeRun
 from sim.motion.base import THESIS
 from worldgen.errors import InvalidParameter
@@ -119,7 +118,7 @@ def _reach(trial: Trial) -> int:
             f"oracle wall: under stepped, signal={options.thesis.signal} is sensed through the whole world, so no wall "
             "is far enough; ask it without, or with --motion swept"
         )
-    return max(touch, sensor_cells(options.thesis.sensor_range) + _FILTER_REACH + options.thesis.map_scale) + _SPARE
+    return max(touch, options.thesis.sensor_cells + _FILTER_REACH + options.thesis.map_scale) + _SPARE
 
 
 def _far_sighted(trial: Trial, world: World) -> LatticeRun:

@@ -1,6 +1,7 @@
 // Whole runs of the thesis's robot.
 //
-// A tick: events that are due, then the move and the behaviours (thesis_tick.c), then what they led to.
+// A tick: events that are due, then the move and the behaviours (thesis_tick.c), then what they led
+// to.
 //
 // Source: the thesis's listing, simGuiExp.actionPerformed.
 
@@ -84,7 +85,8 @@ static void record(const WgThesisState *state, WgThesisRow *row)
 }
 
 // Ends the run if its state has been there before, and a recurrence is looked for here.
-static void look_for_loop(const WgThesisSettings *settings, WgThesisRun *run, WgSearch *search, int64_t quiet)
+static void look_for_loop(const WgThesisSettings *settings, WgThesisRun *run, WgSearch *search,
+                          int64_t quiet)
 {
     int64_t step = run->steps;
     if (step < quiet) {
@@ -97,7 +99,8 @@ static void look_for_loop(const WgThesisSettings *settings, WgThesisRun *run, Wg
             run->period = period;
             run->entry = wg_entry_of_loop(search->log, quiet, step, period);
         }
-    } else if (wg_search_is_proved(search, &run->state, step, settings->loop_entry, settings->steps)) {
+    } else if (wg_search_is_proved(search, &run->state, step, settings->loop_entry,
+                                   settings->steps)) {
         run->ending = WG_LOOP;
         run->period = settings->steps - settings->loop_entry;
         run->entry = settings->loop_entry;
@@ -105,7 +108,8 @@ static void look_for_loop(const WgThesisSettings *settings, WgThesisRun *run, Wg
 }
 
 // One tick; false if it needs a draw and none is left.
-static bool tick(const ThesisGrid *grid, const WgThesisArena *arena, const WgThesisSettings *settings, WgThesisRun *run, const double *draws,
+static bool tick(const ThesisGrid *grid, const WgThesisArena *arena,
+                 const WgThesisSettings *settings, WgThesisRun *run, const double *draws,
                  int64_t draw_count, int64_t step)
 {
     bool changed = step == 1;
@@ -143,22 +147,48 @@ static bool tick(const ThesisGrid *grid, const WgThesisArena *arena, const WgThe
     return true;
 }
 
-// Whether everything is in its range; what a world's file and a user's options can be is far inside.
-static WgStatus check(const WgThesisArena *arena, const WgThesisSettings *settings, const WgThesisRun *run,
-                      const WgSearch *search)
+static bool is_share(double value)
+{
+    return value >= 0.0 && value <= 1.0;
+}
+
+// Whether the robot's numbers are such that every tick ends and no whole number overflows.
+static bool robot_is_sound(const WgThesisSettings *settings)
+{
+    const int64_t most = (int64_t)1 << 40;
+    bool rule = settings->rule >= WG_RULE_ADD && settings->rule <= WG_RULE_RANDOM;
+    bool counters = settings->collide_ticks >= -most && settings->collide_ticks <= most &&
+                    settings->drive_ticks >= -most && settings->drive_ticks <= most;
+    bool turns = settings->turn_angle >= 0.0 && settings->turn_angle <= THESIS_TWO_PI;
+    bool shares = is_share(settings->slip) && is_share(settings->wall_friction) &&
+                  is_share(settings->sensor_noise);
+    bool forces = settings->acceleration >= 0.0 && settings->friction >= 0.0;
+    return rule && counters && turns && shares && forces && settings->steps <= most;
+}
+
+// The same of the state that a run begins with.
+static bool state_is_sound(const WgThesisSettings *settings, const WgThesisState *state)
+{
+    const double farthest = 1e6; // px in a tick, and rad
+    double fastest =
+        fabs(state->speed) + fabs(state->old_speed) + fabs(state->rolling) + fabs(settings->speed);
+    bool moves = settings->time_step > 0.0 && fastest * settings->time_step <= farthest;
+    bool heads = fabs(state->heading) <= farthest && fabs(state->target_heading) <= farthest;
+    bool charge = state->behaviour >= WG_IDLE && state->behaviour <= WG_DRIVE;
+    return moves && heads && charge && state->draws_used >= 0;
+}
+
+static WgStatus check(const WgThesisArena *arena, const WgThesisSettings *settings,
+                      const WgThesisRun *run, const WgSearch *search)
 {
     const ThesisGrid grid = {arena->cells, arena->width, arena->height};
-    const double farthest = 1e6;  // px in a tick
-    const WgThesisState *state = &run->state;
-    double fastest = fabs(state->speed) + fabs(state->old_speed) + fabs(state->rolling) + fabs(settings->speed);
-    bool moves = fastest * settings->time_step <= farthest && settings->time_step > 0.0;
-    bool heads = fabs(state->heading) <= farthest && fabs(state->target_heading) <= farthest;
-    bool turns = settings->turn_angle >= 0.0 && settings->turn_angle <= THESIS_TWO_PI;
-    bool counts = run->steps >= 0 && settings->collide_ticks >= 0 && settings->drive_ticks >= 0;
-    bool rule = settings->rule >= WG_RULE_ADD && settings->rule <= WG_RULE_RANDOM;
-    bool charge = state->behaviour >= WG_IDLE && state->behaviour <= WG_DRIVE && state->draws_used >= 0;
-    bool place = thesis_fits(arena->width, arena->height, settings->radius, state->x, state->y);
-    if (!(place && moves && heads && turns && counts && rule && charge && thesis_can_sense(&grid, settings))) {
+    bool fits =
+        thesis_fits(grid.width, grid.height, settings->radius, run->state.x, run->state.y) &&
+        thesis_can_sense(&grid, settings);
+    if (!(fits && robot_is_sound(settings) && state_is_sound(settings, &run->state))) {
+        return WG_BAD_VALUE;
+    }
+    if (run->steps < 0 || run->next_event < 0) {
         return WG_BAD_VALUE;
     }
     for (int64_t i = run->next_event; i < arena->event_count; i++) {
@@ -173,12 +203,13 @@ static WgStatus check(const WgThesisArena *arena, const WgThesisSettings *settin
     if (search == NULL || search->words != WG_THESIS_WORDS) {
         return WG_BAD_SIZE;
     }
-    return settings->find_loop == WG_SEEK_LOOP && search->log_size <= settings->steps ? WG_BAD_SIZE : WG_OK;
+    return settings->find_loop == WG_SEEK_LOOP && search->log_size <= settings->steps ? WG_BAD_SIZE
+                                                                                      : WG_OK;
 }
 
-WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *settings, WgThesisRun *run,
-                       WgSearch *search, const double *draws, int64_t draw_count, WgThesisRow *rows,
-                       int64_t row_count, int64_t first_row, int64_t until)
+WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *settings,
+                       WgThesisRun *run, WgSearch *search, const double *draws, int64_t draw_count,
+                       WgThesisRow *rows, int64_t row_count, int64_t first_row, int64_t until)
 {
     WgStatus status = check(arena, settings, run, search);
     if (status != WG_OK) {
@@ -194,7 +225,7 @@ WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *setti
         record(&run->state, &rows[row]);
     }
     const ThesisGrid grid = {arena->cells, arena->width, arena->height};
-    int64_t last = thesis_min(settings->steps, until);
+    int64_t last = wg_least(settings->steps, until);
     while (run->steps < last && run->ending == WG_LIMIT) {
         if (!tick(&grid, arena, settings, run, draws, draw_count, run->steps + 1)) {
             run->ending = WG_NEEDS_DRAWS;

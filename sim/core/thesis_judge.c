@@ -1,13 +1,10 @@
-// What a tick of the thesis's robot is judged by: walls and flames that it touches, paths through walls, new cells.
+// What a tick of the thesis's robot is judged by: walls and flames that it touches, paths through
+// walls, new cells.
 
 #include "thesis_judge.h"
 
-static const double LEAST_CROSSING = 1e-6;  // px; a shorter path through a wall is rounding that no checker could confirm
-
-static inline double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
+static const double LEAST_CROSSING =
+    1e-6; // px; a shorter path through a wall is rounding that no checker could confirm
 
 // Distance from a point to a cell, px; 0 inside.
 static inline double gap(ThesisPoint centre, int64_t cell_x, int64_t cell_y)
@@ -16,21 +13,20 @@ static inline double gap(ThesisPoint centre, int64_t cell_x, int64_t cell_y)
     double right = centre.x - (double)(cell_x + 1) * THESIS_CELL;
     double above = (double)cell_y * THESIS_CELL - centre.y;
     double below = centre.y - (double)(cell_y + 1) * THESIS_CELL;
-    double dx = larger(larger(left, 0.0), right);
-    double dy = larger(larger(above, 0.0), below);
+    double dx = wg_higher(wg_higher(left, 0.0), right);
+    double dy = wg_higher(wg_higher(above, 0.0), below);
     return sqrt(dx * dx + dy * dy);
 }
 
 // Whether the disc cuts a wall by more than rounding.
 static bool overlaps(const ThesisGrid *grid, ThesisPoint centre, double radius)
 {
-    int64_t reach = thesis_reach(radius);
     int64_t own_x = thesis_cell_of(centre.x);
     int64_t own_y = thesis_cell_of(centre.y);
-    int64_t last_x = thesis_min(own_x + reach, grid->width - 1);
-    int64_t last_y = thesis_min(own_y + reach, grid->height - 1);
-    for (int64_t cell_y = thesis_max(own_y - reach, 0); cell_y <= last_y; cell_y++) {
-        for (int64_t cell_x = thesis_max(own_x - reach, 0); cell_x <= last_x; cell_x++) {
+    int64_t last_x = wg_least(own_x + THESIS_REACH, grid->width - 1);
+    int64_t last_y = wg_least(own_y + THESIS_REACH, grid->height - 1);
+    for (int64_t cell_y = wg_most(own_y - THESIS_REACH, 0); cell_y <= last_y; cell_y++) {
+        for (int64_t cell_x = wg_most(own_x - THESIS_REACH, 0); cell_x <= last_x; cell_x++) {
             bool wall = thesis_value(grid, cell_x, cell_y) == WG_THESIS_WALL;
             if (wall && radius - gap(centre, cell_x, cell_y) > LEAST_CROSSING) {
                 return true;
@@ -47,7 +43,8 @@ static void burn(WgThesisRun *run, int64_t step, int64_t x, int64_t y, int64_t s
     run->hit = (WgThesisPlace){step, x, y, state, -1, 0};
 }
 
-void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *settings, WgThesisRun *run, int64_t step)
+void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *settings,
+                         WgThesisRun *run, int64_t step)
 {
     while (run->next_event < arena->event_count && arena->events[run->next_event].step <= step) {
         const WgThesisEvent *event = &arena->events[run->next_event++];
@@ -67,20 +64,20 @@ void thesis_apply_events(const WgThesisArena *arena, const WgThesisSettings *set
     }
 }
 
-// What the disc touches at the end of a tick: the deepest cut into a wall, and the first flame, which ends the run.
-static WgThesisPlace deepest_cut(const ThesisGrid *grid, double radius, WgThesisRun *run, int64_t step,
-                                 double *depth)
+// What the disc touches at the end of a tick: the deepest cut into a wall, and the first flame,
+// which ends the run.
+static WgThesisPlace deepest_cut(const ThesisGrid *grid, double radius, WgThesisRun *run,
+                                 int64_t step, double *depth)
 {
     const ThesisPoint centre = {run->state.x, run->state.y};
     WgThesisPlace deepest = {step, -1, -1, WG_SOLID, -1, 0};
     *depth = 0.0;
-    int64_t reach = thesis_reach(radius);
     int64_t own_x = thesis_cell_of(centre.x);
     int64_t own_y = thesis_cell_of(centre.y);
-    int64_t last_x = thesis_min(own_x + reach, grid->width - 1);
-    int64_t last_y = thesis_min(own_y + reach, grid->height - 1);
-    for (int64_t cell_y = thesis_max(own_y - reach, 0); cell_y <= last_y; cell_y++) {
-        for (int64_t cell_x = thesis_max(own_x - reach, 0); cell_x <= last_x; cell_x++) {
+    int64_t last_x = wg_least(own_x + THESIS_REACH, grid->width - 1);
+    int64_t last_y = wg_least(own_y + THESIS_REACH, grid->height - 1);
+    for (int64_t cell_y = wg_most(own_y - THESIS_REACH, 0); cell_y <= last_y; cell_y++) {
+        for (int64_t cell_x = wg_most(own_x - THESIS_REACH, 0); cell_x <= last_x; cell_x++) {
             int32_t value = thesis_value(grid, cell_x, cell_y);
             if (value >= 0) {
                 continue;
@@ -100,15 +97,15 @@ static WgThesisPlace deepest_cut(const ThesisGrid *grid, double radius, WgThesis
     return deepest;
 }
 
-void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesisSettings *settings, WgThesisRun *run,
-                        int64_t step, ThesisPoint before)
+void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesisSettings *settings,
+                        WgThesisRun *run, int64_t step, ThesisPoint before)
 {
     double depth = 0.0;
     WgThesisPlace deepest = deepest_cut(grid, settings->radius, run, step, &depth);
-    run->deepest = larger(run->deepest, depth);
+    run->deepest = wg_higher(run->deepest, depth);
 
-    // An overlap begins with the move that let the robot in. What overlaps before a wall changed that move, a corner
-    // let in.
+    // An overlap begins with the move that let the robot in. What overlaps before a wall changed
+    // that move, a corner let in.
     if (depth <= LEAST_CROSSING) {
         run->overlap_began = -1;
     } else if (run->overlap_began < 0) {
@@ -125,7 +122,8 @@ void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesis
     int64_t own_x = thesis_cell_of(run->state.x);
     int64_t own_y = thesis_cell_of(run->state.y);
     if (thesis_value(grid, own_x, own_y) == WG_THESIS_WALL && run->in_wall.step < 0) {
-        run->in_wall = (WgThesisPlace){step, own_x, own_y, WG_SOLID, run->overlap_began, run->overlap_cause};
+        run->in_wall =
+            (WgThesisPlace){step, own_x, own_y, WG_SOLID, run->overlap_began, run->overlap_cause};
     }
     uint8_t *seen = &visited[own_x * grid->height + own_y];
     if (*seen == 0) {
@@ -134,7 +132,8 @@ void thesis_judge_place(const ThesisGrid *grid, uint8_t *visited, const WgThesis
     }
 }
 
-// Narrows [enter, leave], shares of a path, to where it is between two edges of a cell; false if it never is.
+// Narrows [enter, leave], shares of a path, to where it is between two edges of a cell; false if it
+// never is.
 //
 // low: the first edge from the path's start, px; along: length of the path on this axis, px.
 static bool clip(double low, double along, double *enter, double *leave)
@@ -146,7 +145,7 @@ static bool clip(double low, double along, double *enter, double *leave)
     double last = (low + THESIS_CELL) / along;
     double earlier = last < first ? last : first;
     double later = last > first ? last : first;
-    *enter = larger(*enter, earlier);
+    *enter = wg_higher(*enter, earlier);
     *leave = later < *leave ? later : *leave;
     return true;
 }
@@ -160,32 +159,33 @@ static double share_inside(ThesisPoint start, ThesisPoint path, int64_t cell_x, 
     double leave = 1.0;
     bool crosses = clip((double)cell_x * THESIS_CELL - start.x, path.x, &enter, &leave) &&
                    clip((double)cell_y * THESIS_CELL - start.y, path.y, &enter, &leave);
-    return crosses ? larger(leave - enter, 0.0) : 0.0;
+    return crosses ? wg_higher(leave - enter, 0.0) : 0.0;
 }
 
 // The first wall that the straight path enters, rows outer; step -1 if none.
-static WgThesisPlace entered_wall(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path, double length,
-                                  const WgThesisRun *run, int64_t step)
+static WgThesisPlace entered_wall(const ThesisGrid *grid, ThesisPoint start, ThesisPoint path,
+                                  double length, const WgThesisRun *run, int64_t step)
 {
     int64_t own_x = thesis_cell_of(start.x);
     int64_t own_y = thesis_cell_of(start.y);
     int64_t end_x = thesis_cell_of(run->state.x);
     int64_t end_y = thesis_cell_of(run->state.y);
-    for (int64_t cell_y = thesis_min(own_y, end_y); cell_y <= thesis_max(own_y, end_y); cell_y++) {
-        for (int64_t cell_x = thesis_min(own_x, end_x); cell_x <= thesis_max(own_x, end_x); cell_x++) {
+    for (int64_t cell_y = wg_least(own_y, end_y); cell_y <= wg_most(own_y, end_y); cell_y++) {
+        for (int64_t cell_x = wg_least(own_x, end_x); cell_x <= wg_most(own_x, end_x); cell_x++) {
             if (thesis_value(grid, cell_x, cell_y) != WG_THESIS_WALL) {
                 continue;
             }
             if (share_inside(start, path, cell_x, cell_y) * length > LEAST_CROSSING) {
-                return (WgThesisPlace){step, cell_x, cell_y, WG_SOLID, run->overlap_began, run->overlap_cause};
+                return (WgThesisPlace){
+                    step, cell_x, cell_y, WG_SOLID, run->overlap_began, run->overlap_cause};
             }
         }
     }
     return (WgThesisPlace){-1, 0, 0, WG_FREE, -1, 0};
 }
 
-void thesis_judge_path(const ThesisGrid *grid, const WgThesisSettings *settings, WgThesisRun *run, int64_t step,
-                       ThesisPoint start)
+void thesis_judge_path(const ThesisGrid *grid, const WgThesisSettings *settings, WgThesisRun *run,
+                       int64_t step, ThesisPoint start)
 {
     const ThesisPoint path = {run->state.x - start.x, run->state.y - start.y};
     double length = sqrt(path.x * path.x + path.y * path.y);

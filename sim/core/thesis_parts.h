@@ -7,11 +7,15 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "numbers.h"
 #include "wg_thesis.h"
 
-static const double THESIS_CELL = 10.0;  // px per cell; the listing's `length`
+static const double THESIS_CELL = 10.0; // px per cell; the listing's `length`
 static const double THESIS_PI = 3.14159265358979323846;
 static const double THESIS_TWO_PI = 6.28318530717958647692;
+
+// How many cells around its own a disc can touch: its radius is at most a cell.
+enum { THESIS_REACH = 1 };
 
 // Random numbers of one tick. The last is the slip's, the others are the sensor's.
 enum { THESIS_READINGS = 1 << 16, THESIS_SLIP = THESIS_READINGS - 1 };
@@ -27,16 +31,6 @@ typedef struct ThesisPoint {
     double x;
     double y;
 } ThesisPoint;
-
-static inline int64_t thesis_min(int64_t a, int64_t b)
-{
-    return a < b ? a : b;
-}
-
-static inline int64_t thesis_max(int64_t a, int64_t b)
-{
-    return a > b ? a : b;
-}
 
 // The column or row of a coordinate, as Java's cast truncates.
 static inline int64_t thesis_cell_of(double place)
@@ -67,33 +61,28 @@ static inline void thesis_clamp(const ThesisGrid *grid, double radius, double *x
     *y = down > high_y ? high_y : down;
 }
 
-// How many cells around its own a disc can touch.
-static inline int64_t thesis_reach(double radius)
-{
-    return (int64_t)ceil(radius / THESIS_CELL);
-}
-
 // Returns whether a grid and a disc in it are what the functions of these files rely on.
 static inline bool thesis_fits(int64_t width, int64_t height, double radius, double x, double y)
 {
     const int64_t most = 1 << 24;
     bool grid = width >= 3 && height >= 3 && width <= most && height <= most;
     bool disc = radius > 0.0 && radius <= THESIS_CELL;
-    bool inside = x >= 0.0 && y >= 0.0 && x < (double)width * THESIS_CELL && y < (double)height * THESIS_CELL;
+    bool inside =
+        x >= 0.0 && y >= 0.0 && x < (double)width * THESIS_CELL && y < (double)height * THESIS_CELL;
     return grid && disc && inside;
 }
 
 // thesis_motion.c
 
 // Moves the disc towards a goal; see wg_thesis_move.
-WgThesisMove thesis_advance(const ThesisGrid *grid, double x, double y, double goal_x, double goal_y, double radius,
-                            int64_t repairs, double wall_friction);
+WgThesisMove thesis_advance(const ThesisGrid *grid, double x, double y, double goal_x,
+                            double goal_y, double radius, int64_t repairs, double wall_friction);
 
 // thesis_signal.c
 
 // Returns the heading to the best signal by the sensor of the settings; see wg_thesis_sense.
-double thesis_sensed(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y, double looking,
-                     int64_t step);
+double thesis_sensed(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y,
+                     double looking, int64_t step);
 
 // Returns whether the settings are what these functions rely on.
 bool thesis_can_sense(const ThesisGrid *grid, const WgThesisSettings *settings);

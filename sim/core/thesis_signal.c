@@ -1,19 +1,21 @@
 // The thesis's light: the noise filter, and how the robot reads the signal.
 //
-// What its author left to be done is here too: a sensor that looks one way only, or errs; walls that weaken or end the
-// light behind them; a robot whose own map is coarser than the world.
+// What its author left to be done is here too: a sensor that looks one way only, or errs; walls
+// that weaken or end the light behind them; a robot whose own map is coarser than the world.
 //
-// Source: the thesis's listing, simWorldCreator.noiseMapGen, simGuiExp.scanMultipleCells and calcHeading.
+// Source: the thesis's listing, simWorldCreator.noiseMapGen, simGuiExp.scanMultipleCells and
+// calcHeading.
 
 #include "fdlibm.h"
 #include "random_draw.h"
 #include "thesis_parts.h"
 
-static const double DARK = 1073741824.0;  // 2^30, what is read where no light comes: weaker than any signal
+static const double DARK =
+    1073741824.0; // 2^30, what is read where no light comes: weaker than any signal
 
 enum {
-    MOST_HALVINGS = 30,  // walls that weaken; behind more it is as dark
-    NOISE_REACH = 2,     // cells around a wall whose signal the filter changes
+    MOST_HALVINGS = 30, // walls that weaken; behind more it is as dark
+    NOISE_REACH = 2,    // cells around a wall whose signal the filter changes
 };
 
 typedef struct Cell {
@@ -32,10 +34,10 @@ WgStatus wg_thesis_add_noise(int32_t *cells, const int32_t *light, int64_t width
                 continue;
             }
             int32_t at_wall = light[wall_x * height + wall_y];
-            int64_t last_x = thesis_min(wall_x + NOISE_REACH, width - 2);
-            int64_t last_y = thesis_min(wall_y + NOISE_REACH, height - 2);
-            for (int64_t y = thesis_max(wall_y - NOISE_REACH, 1); y <= last_y; y++) {
-                for (int64_t x = thesis_max(wall_x - NOISE_REACH, 1); x <= last_x; x++) {
+            int64_t last_x = wg_least(wall_x + NOISE_REACH, width - 2);
+            int64_t last_y = wg_least(wall_y + NOISE_REACH, height - 2);
+            for (int64_t y = wg_most(wall_y - NOISE_REACH, 1); y <= last_y; y++) {
+                for (int64_t x = wg_most(wall_x - NOISE_REACH, 1); x <= last_x; x++) {
                     int64_t cell = x * height + y;
                     if (cells[cell] <= 0) {
                         continue;
@@ -88,10 +90,10 @@ static Cell brightest(const ThesisGrid *grid, double x, double y, int64_t sense)
     const Cell own = {thesis_cell_of(x), thesis_cell_of(y)};
     Cell best = own;
     int32_t lowest = thesis_value(grid, own.x, own.y);
-    int64_t first_x = thesis_max(own.x - sense, 1);
-    int64_t last_x = thesis_min(own.x + sense, grid->width - 2);
-    int64_t last_y = thesis_min(own.y + sense, grid->height - 2);
-    for (int64_t cell_y = thesis_max(own.y - sense, 1); cell_y <= last_y; cell_y++) {
+    int64_t first_x = wg_most(own.x - sense, 1);
+    int64_t last_x = wg_least(own.x + sense, grid->width - 2);
+    int64_t last_y = wg_least(own.y + sense, grid->height - 2);
+    for (int64_t cell_y = wg_most(own.y - sense, 1); cell_y <= last_y; cell_y++) {
         for (int64_t cell_x = first_x; cell_x <= last_x; cell_x++) {
             int32_t value = thesis_value(grid, cell_x, cell_y);
             if (value >= 0 && value < lowest) {
@@ -106,8 +108,8 @@ static Cell brightest(const ThesisGrid *grid, double x, double y, int64_t sense)
 
 // Walls between two cells' centres, the two cells left out.
 //
-// John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987; here in whole
-// numbers.
+// John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics
+// 1987; here in whole numbers.
 static int64_t walls_between(const ThesisGrid *grid, Cell from, Cell to)
 {
     int64_t path_x = to.x > from.x ? to.x - from.x : from.x - to.x;
@@ -158,8 +160,8 @@ static double reading_of(const ThesisGrid *grid, Cell cell, const WgThesisSettin
 static double reading_of_block(const ThesisGrid *grid, Cell block, const WgThesisSettings *settings)
 {
     int64_t scale = settings->map_scale;
-    int64_t end_x = thesis_min((block.x + 1) * scale, grid->width - 1);
-    int64_t end_y = thesis_min((block.y + 1) * scale, grid->height - 1);
+    int64_t end_x = wg_least((block.x + 1) * scale, grid->width - 1);
+    int64_t end_y = wg_least((block.y + 1) * scale, grid->height - 1);
     double best = -1.0;
     for (int64_t y = block.y * scale; y < end_y; y++) {
         for (int64_t x = block.x * scale; x < end_x; x++) {
@@ -174,9 +176,11 @@ static double reading_of_block(const ThesisGrid *grid, Cell block, const WgThesi
 }
 
 // What the sensor reads of a cell, or of a block of the robot's map.
-static double noisy_reading(const ThesisGrid *grid, Cell cell, const WgThesisSettings *settings, int64_t scale, int64_t draw)
+static double noisy_reading(const ThesisGrid *grid, Cell cell, const WgThesisSettings *settings,
+                            int64_t scale, int64_t draw)
 {
-    double value = scale == 1 ? reading_of(grid, cell, settings) : reading_of_block(grid, cell, settings);
+    double value =
+        scale == 1 ? reading_of(grid, cell, settings) : reading_of_block(grid, cell, settings);
     if (value > 0.0 && settings->sensor_noise > 0.0) {
         value *= 1.0 + settings->sensor_noise * (2.0 * wg_random_draw(settings->seed, draw) - 1.0);
     }
@@ -194,21 +198,22 @@ static bool in_field(double dx, double dy, double looking, double field)
     return (around < off ? around : off) <= field / 2.0;
 }
 
-// Cell, or block of `scale` cells, with the best reading in reach; the first of equals, the own one before all.
-static Cell best_of(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y, double looking,
-                    int64_t step, int64_t scale)
+// Cell, or block of `scale` cells, with the best reading in reach; the first of equals, the own one
+// before all.
+static Cell best_of(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y,
+                    double looking, int64_t step, int64_t scale)
 {
     double side = THESIS_CELL * (double)scale;
     const Cell own = {(int64_t)(x / side), (int64_t)(y / side)};
     int64_t first = scale == 1 ? 1 : 0;
-    int64_t first_x = thesis_max(own.x - settings->sense, first);
-    int64_t last_x = thesis_min(own.x + settings->sense, (grid->width - 2) / scale);
-    int64_t last_y = thesis_min(own.y + settings->sense, (grid->height - 2) / scale);
+    int64_t first_x = wg_most(own.x - settings->sense, first);
+    int64_t last_x = wg_least(own.x + settings->sense, (grid->width - 2) / scale);
+    int64_t last_y = wg_least(own.y + settings->sense, (grid->height - 2) / scale);
     int64_t draw = step * THESIS_READINGS;
     int64_t count = 0;
     Cell best = own;
     double lowest = noisy_reading(grid, own, settings, scale, draw);
-    for (int64_t cell_y = thesis_max(own.y - settings->sense, first); cell_y <= last_y; cell_y++) {
+    for (int64_t cell_y = wg_most(own.y - settings->sense, first); cell_y <= last_y; cell_y++) {
         for (int64_t cell_x = first_x; cell_x <= last_x; cell_x++) {
             count++;
             const Cell cell = {cell_x, cell_y};
@@ -217,7 +222,8 @@ static Cell best_of(const ThesisGrid *grid, const WgThesisSettings *settings, do
             if (!in_field(dx, dy, looking, settings->sensor_field)) {
                 continue;
             }
-            double value = noisy_reading(grid, cell, settings, scale, draw + count % (THESIS_READINGS - 1));
+            double value =
+                noisy_reading(grid, cell, settings, scale, draw + count % (THESIS_READINGS - 1));
             if (value >= 0.0 && value < lowest) {
                 lowest = value;
                 best = cell;
@@ -227,8 +233,8 @@ static Cell best_of(const ThesisGrid *grid, const WgThesisSettings *settings, do
     return best;
 }
 
-double thesis_sensed(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y, double looking,
-                     int64_t step)
+double thesis_sensed(const ThesisGrid *grid, const WgThesisSettings *settings, double x, double y,
+                     double looking, int64_t step)
 {
     bool plain = settings->signal == WG_SIGNAL_OPEN && settings->sensor_field == 0.0 &&
                  settings->sensor_noise == 0.0 && settings->map_scale == 1;
@@ -249,15 +255,16 @@ double thesis_sensed(const ThesisGrid *grid, const WgThesisSettings *settings, d
 bool thesis_can_sense(const ThesisGrid *grid, const WgThesisSettings *settings)
 {
     const int64_t most = 1 << 20;
-    bool target = settings->target_x >= 0 && settings->target_x < grid->width && settings->target_y >= 0 &&
-                  settings->target_y < grid->height;
+    bool target = settings->target_x >= 0 && settings->target_x < grid->width &&
+                  settings->target_y >= 0 && settings->target_y < grid->height;
     bool sensor = settings->sense >= 0 && settings->sense <= most && settings->map_scale >= 1 &&
                   settings->map_scale <= most;
     return target && sensor;
 }
 
-WgStatus wg_thesis_sense(const int32_t *cells, int64_t width, int64_t height, const WgThesisSettings *settings,
-                         double x, double y, double looking, int64_t step, double *heading)
+WgStatus wg_thesis_sense(const int32_t *cells, int64_t width, int64_t height,
+                         const WgThesisSettings *settings, double x, double y, double looking,
+                         int64_t step, double *heading)
 {
     const ThesisGrid grid = {cells, width, height};
     if (!thesis_fits(width, height, settings->radius, x, y) || !thesis_can_sense(&grid, settings)) {
@@ -267,11 +274,11 @@ WgStatus wg_thesis_sense(const int32_t *cells, int64_t width, int64_t height, co
     return WG_OK;
 }
 
-WgStatus wg_thesis_walls_between(const int32_t *cells, int64_t width, int64_t height, int64_t x, int64_t y,
-                                 int64_t to_x, int64_t to_y, int64_t *walls)
+WgStatus wg_thesis_walls_between(const int32_t *cells, int64_t width, int64_t height, int64_t x,
+                                 int64_t y, int64_t to_x, int64_t to_y, int64_t *walls)
 {
-    bool inside = x >= 0 && y >= 0 && x < width && y < height && to_x >= 0 && to_y >= 0 && to_x < width &&
-                  to_y < height;
+    bool inside = x >= 0 && y >= 0 && x < width && y < height && to_x >= 0 && to_y >= 0 &&
+                  to_x < width && to_y < height;
     if (!inside) {
         return WG_BAD_VALUE;
     }

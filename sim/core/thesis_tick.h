@@ -1,5 +1,5 @@
-// A tick of the thesis's robot: the move at the present speed, then the arbiter, whose turn takes effect at once and
-// whose speed drives the next tick.
+// A tick of the thesis's robot: the move at the present speed, then the arbiter, whose turn takes
+// effect at once and whose speed drives the next tick.
 //
 // Source: the thesis's listing, robot.update, robot.turnS and the three behaviours.
 
@@ -11,8 +11,9 @@
 #include "thesis_arbiter.h"
 #include "thesis_parts.h"
 
-static const double THESIS_TURN_STEP = 0.08;  // rad per tick
-static const double THESIS_TURN_SNAP = 0.2;   // rad; closer than this the robot takes the heading at once
+static const double THESIS_TURN_STEP = 0.08; // rad per tick
+static const double THESIS_TURN_SNAP =
+    0.2; // rad; closer than this the robot takes the heading at once
 
 // Heading after one tick of turning.
 static inline double thesis_turn(double heading, double target)
@@ -21,14 +22,17 @@ static inline double thesis_turn(double heading, double target)
         return target;
     }
     if (target < heading) {
-        double turned = target + THESIS_PI > heading ? heading - THESIS_TURN_STEP : heading + THESIS_TURN_STEP;
+        double turned =
+            target + THESIS_PI > heading ? heading - THESIS_TURN_STEP : heading + THESIS_TURN_STEP;
         return thesis_wrap(turned);
     }
-    double turned = heading + THESIS_PI > target ? heading + THESIS_TURN_STEP : THESIS_TWO_PI + heading - THESIS_TURN_STEP;
+    double turned = heading + THESIS_PI > target ? heading + THESIS_TURN_STEP
+                                                 : THESIS_TWO_PI + heading - THESIS_TURN_STEP;
     return thesis_wrap(turned);
 }
 
-// The speed at which the robot rolls in this tick: inertia and friction keep it from the one that it wants.
+// The speed at which the robot rolls in this tick: inertia and friction keep it from the one that
+// it wants.
 static inline double thesis_rolling(const WgThesisSettings *settings, double rolling, double wanted)
 {
     if (rolling < wanted) {
@@ -45,7 +49,8 @@ static inline double thesis_rolling(const WgThesisSettings *settings, double rol
 }
 
 // The tick's move; sets the rolling speed.
-static inline WgThesisMove thesis_move(const ThesisGrid *grid, const WgThesisSettings *settings, WgThesisState *state, int64_t step)
+static inline WgThesisMove thesis_move(const ThesisGrid *grid, const WgThesisSettings *settings,
+                                       WgThesisState *state, int64_t step)
 {
     double rolling = thesis_rolling(settings, state->rolling, state->speed);
     state->rolling = rolling;
@@ -60,12 +65,13 @@ static inline WgThesisMove thesis_move(const ThesisGrid *grid, const WgThesisSet
     }
     double path = rolling;
     if (settings->slip > 0.0) {
-        path *= 1.0 - settings->slip * wg_random_draw(settings->seed, step * THESIS_READINGS + THESIS_SLIP);
+        path *= 1.0 - settings->slip *
+                          wg_random_draw(settings->seed, step * THESIS_READINGS + THESIS_SLIP);
     }
     double goal_x = state->x - wg_cos(state->heading) * path * settings->time_step;
     double goal_y = state->y - wg_sin(state->heading) * path * settings->time_step;
-    WgThesisMove move = thesis_advance(grid, state->x, state->y, goal_x, goal_y, settings->radius, settings->repairs,
-                                       settings->wall_friction);
+    WgThesisMove move = thesis_advance(grid, state->x, state->y, goal_x, goal_y, settings->radius,
+                                       settings->repairs, settings->wall_friction);
 
     // Only a robot with inertia or friction remembers what a wall did to its speed.
     bool has_forces = settings->acceleration > 0.0 || settings->friction > 0.0;
@@ -75,14 +81,16 @@ static inline WgThesisMove thesis_move(const ThesisGrid *grid, const WgThesisSet
     return move;
 }
 
-// Lets the behaviour in charge act: changes the headings, the speed, who is in charge then, and its counter.
+// Lets the behaviour in charge act: changes the headings, the speed, who is in charge then, and its
+// counter.
 static inline void thesis_act(WgThesisState *state, double signal, double top_speed)
 {
     if (state->behaviour == WG_SEEK) {
         state->target_heading = signal;
     }
     bool turned = state->heading == state->target_heading;
-    WgAction action = wg_run_behaviour(state->behaviour, state->ticks_left, state->collision != 0, turned);
+    WgAction action =
+        wg_run_behaviour(state->behaviour, state->ticks_left, state->collision != 0, turned);
     state->behaviour = action.behaviour;
     state->ticks_left = action.ticks;
     switch (action.wheels) {
@@ -105,10 +113,13 @@ static inline void thesis_act(WgThesisState *state, double signal, double top_sp
 }
 
 // Begins an escape: remembers the speed, stops, and sets the target heading by the rule.
-static inline void thesis_escape(const WgThesisSettings *settings, WgThesisState *state, const double *draws)
+static inline void thesis_escape(const WgThesisSettings *settings, WgThesisState *state,
+                                 const double *draws)
 {
-    // A robot that rolls out, or is interrupted while it turns, still wants the speed that it had before that.
-    if (state->speed > 0.0 || (settings->friction == 0.0 && settings->reading != WG_INTERRUPTIBLE)) {
+    // A robot that rolls out, or is interrupted while it turns, still wants the speed that it had
+    // before that.
+    if (state->speed > 0.0 ||
+        (settings->friction == 0.0 && settings->reading != WG_INTERRUPTIBLE)) {
         state->old_speed = state->speed;
     }
     state->speed = 0.0;
@@ -127,8 +138,9 @@ static inline void thesis_escape(const WgThesisSettings *settings, WgThesisState
 // before:  gets the centre before a wall changed the move.
 //
 // Returns false if the tick needs a draw and none is left; then the state is of no use.
-static inline bool thesis_tick(const ThesisGrid *grid, const WgThesisSettings *settings, const double *draws,
-                               int64_t draw_count, WgThesisState *state, int64_t step, ThesisPoint *before)
+static inline bool thesis_tick(const ThesisGrid *grid, const WgThesisSettings *settings,
+                               const double *draws, int64_t draw_count, WgThesisState *state,
+                               int64_t step, ThesisPoint *before)
 {
     int64_t reading = settings->reading;
     int64_t old = state->behaviour;
@@ -160,9 +172,11 @@ static inline bool thesis_tick(const ThesisGrid *grid, const WgThesisSettings *s
 
     // Select.
     int64_t behaviour = state->behaviour;
-    bool at_signal = state->target_heading == signal && (reading != WG_INTERRUPTIBLE || state->heading == signal);
-    WgCharge charge = wg_select_behaviour(reading, behaviour, state->ticks_left, collision, at_signal,
-                                          settings->collide_ticks, settings->drive_ticks);
+    bool at_signal = state->target_heading == signal &&
+                     (reading != WG_INTERRUPTIBLE || state->heading == signal);
+    WgCharge charge =
+        wg_select_behaviour(reading, behaviour, state->ticks_left, collision, at_signal,
+                            settings->collide_ticks, settings->drive_ticks);
     bool escapes = charge.taken && charge.behaviour == WG_COLLIDE;
     if (escapes) {
         if (settings->rule == WG_RULE_RANDOM && state->draws_used >= draw_count) {
@@ -175,7 +189,8 @@ static inline bool thesis_tick(const ThesisGrid *grid, const WgThesisSettings *s
     state->escapes = escapes;
 
     // Act.
-    bool waits = reading == WG_A2 || (reading == WG_A1 && charge.taken) || (reading == WG_A3 && behaviour != WG_IDLE);
+    bool waits = reading == WG_A2 || (reading == WG_A1 && charge.taken) ||
+                 (reading == WG_A3 && behaviour != WG_IDLE);
     if (!waits) {
         state->active = charge.behaviour;
         thesis_act(state, signal, settings->speed);

@@ -1,8 +1,9 @@
 // The motion model `stepped`: the thesis's own simulator.
 //
-// Its frame: pixels, y down, ten pixels a cell; heading 0 is -x, pi/2 is -y (up), and headings grow clockwise on the
-// screen; milliseconds. Cells are stored column by column: cells[x * height + y]. The border must be
-// WG_THESIS_WALL. Arrays belong to the caller, and no function keeps an address after it returns.
+// Its frame: pixels, y down, ten pixels a cell; heading 0 is -x, pi/2 is -y (up), and headings grow
+// clockwise on the screen; milliseconds. Cells are stored column by column: cells[x * height + y].
+// The border must be WG_THESIS_WALL. Arrays belong to the caller, and no function keeps an address
+// after it returns.
 
 #ifndef WG_THESIS_H
 #define WG_THESIS_H
@@ -12,11 +13,11 @@
 #include "wg_episode.h"
 #include "wg_sim.h"
 
-// Cells that carry no signal. The others hold the squared distance in cells to the target's cell, which has 0, as the
-// noise filter has changed it.
+// Cells that carry no signal. The others hold the squared distance in cells to the target's cell,
+// which has 0, as the noise filter has changed it.
 enum {
-    WG_THESIS_WALL = -2,   // as in the thesis's map files
-    WG_THESIS_FLAME = -3,  // does not stop the robot; the thesis has no fire
+    WG_THESIS_WALL = -2,  // as in the thesis's map files
+    WG_THESIS_FLAME = -3, // does not stop the robot; the thesis has no fire
 };
 
 // An ending besides those of wg_sim.h: no draw was left; append some and call again.
@@ -25,8 +26,8 @@ enum { WG_NEEDS_DRAWS = 6 };
 // Rules: how the robot turns after a collision.
 enum { WG_RULE_ADD = 1, WG_RULE_SUBTRACT = 2, WG_RULE_RANDOM = 3 };
 
-// How a tick's move ends: as it began; sliding; backing off, or standing still if that is repaired; and, instead of
-// WG_STRAIGHT, having continued past a corner that it touched.
+// How a tick's move ends: as it began; sliding; backing off, or standing still if that is repaired;
+// and, instead of WG_STRAIGHT, having continued past a corner that it touched.
 enum { WG_STRAIGHT = 0, WG_SLIDE = 1, WG_BACK_OFF = 2, WG_CORNER = 3 };
 
 // Faults of the motion that can be repaired: bits of WgThesisSettings.repairs.
@@ -68,39 +69,40 @@ typedef struct WgThesisEvent {
     int64_t step;
     int64_t x;
     int64_t y;
-    int64_t state;  // WG_FREE, WG_SOLID or WG_BURNING
+    int64_t state; // WG_FREE, WG_SOLID or WG_BURNING
 } WgThesisEvent;
 
 // What surrounds the robot. `cells` and `visited` change during an episode.
 typedef struct WgThesisArena {
-    int64_t width;  // cells
+    int64_t width; // cells
     int64_t height;
-    int32_t *cells;               // (width, height) the signal now
-    const int32_t *light;         // (width, height) the signal of a cell that becomes free
-    const WgThesisEvent *events;  // sorted by step
+    int32_t *cells;              // (width, height) the signal now
+    const int32_t *light;        // (width, height) the signal of a cell that becomes free
+    const WgThesisEvent *events; // sorted by step
     int64_t event_count;
-    uint8_t *visited;             // (width, height) 1 where the centre has been at the end of a tick
+    uint8_t *visited; // (width, height) 1 where the centre has been at the end of a tick
 } WgThesisArena;
 
-// How many of the words of a WgThesisState, the first, decide the robot's future: what a recurrence must repeat.
+// How many of the words of a WgThesisState, the first, decide the robot's future: what a recurrence
+// must repeat.
 enum { WG_THESIS_WORDS = 11 };
 
 // The robot after a tick.
 typedef struct WgThesisState {
-    double x;  // px
+    double x; // px
     double y;
-    double heading;         // rad
-    double target_heading;  // rad
-    double speed;           // px/ms, wanted
-    double old_speed;       // px/ms, wanted before the collision
-    double rolling;         // px/ms, at which the robot moves: `speed` without inertia and friction
-    int64_t collision;      // 1 if the last move met a wall
-    int64_t behaviour;      // in charge: WG_COLLIDE, ...
-    int64_t ticks_left;     // 0 unless collide or drive is in charge
+    double heading;        // rad
+    double target_heading; // rad
+    double speed;          // px/ms, wanted
+    double old_speed;      // px/ms, wanted before the collision
+    double rolling;        // px/ms, at which the robot moves: `speed` without inertia and friction
+    int64_t collision;     // 1 if the last move met a wall
+    int64_t behaviour;     // in charge: WG_COLLIDE, ...
+    int64_t ticks_left;    // 0 unless collide or drive is in charge
     int64_t draws_used;
-    int64_t active;   // behaviour that acted in the last tick
-    int64_t move;     // how the last tick's move ended: WG_STRAIGHT, ...
-    int64_t escapes;  // 1 if collide took control in the last tick
+    int64_t active;  // behaviour that acted in the last tick
+    int64_t move;    // how the last tick's move ended: WG_STRAIGHT, ...
+    int64_t escapes; // 1 if collide took control in the last tick
 } WgThesisState;
 
 // A row of a trace: WgThesisState as numbers of one kind.
@@ -123,43 +125,44 @@ typedef struct WgThesisRow {
 
 // Where something happened for the first time, and which move had let the robot into the wall.
 typedef struct WgThesisPlace {
-    int64_t step;  // -1: never
-    int64_t x;     // cell
+    int64_t step; // -1: never
+    int64_t x;    // cell
     int64_t y;
-    int64_t state;  // WG_SOLID (debris) or WG_BURNING, of a hit
-    int64_t began;  // step in which the overlap began that lasted then; -1: none lasted
-    int64_t cause;  // the move of that step
+    int64_t state; // WG_SOLID (debris) or WG_BURNING, of a hit
+    int64_t began; // step in which the overlap began that lasted then; -1: none lasted
+    int64_t cause; // the move of that step
 } WgThesisPlace;
 
-// A run: where it is, and what it reports. An episode that ended for want of ticks or draws continues from here.
+// A run: where it is, and what it reports. An episode that ended for want of ticks or draws
+// continues from here.
 typedef struct WgThesisRun {
     WgThesisState state;
-    int64_t ending;  // WG_LIMIT, ... or WG_NEEDS_DRAWS
+    int64_t ending; // WG_LIMIT, ... or WG_NEEDS_DRAWS
     int64_t steps;
-    int64_t period;  // of WG_LOOP
-    int64_t entry;   // where the loop begins; -1
+    int64_t period; // of WG_LOOP
+    int64_t entry;  // where the loop begins; -1
     int64_t collisions;
-    int64_t activations;    // times that the collide behaviour took control
-    int64_t last_new_cell;  // last step that ended in a cell for the first time
-    uint64_t digest;        // rolling FNV-1a hash of seven words a tick
-    WgThesisPlace hit;      // of WG_BURNED
-    WgThesisPlace overlap;  // first tick that ends deeper in a wall than tolerated
-    WgThesisPlace tunnel;   // first tick whose straight path enters a wall
-    WgThesisPlace in_wall;  // first tick that ends with the centre in a wall
-    double path_length;     // px
-    double deepest;         // overlap at the end of a tick, px
+    int64_t activations;   // times that the collide behaviour took control
+    int64_t last_new_cell; // last step that ended in a cell for the first time
+    uint64_t digest;       // rolling FNV-1a hash of seven words a tick
+    WgThesisPlace hit;     // of WG_BURNED
+    WgThesisPlace overlap; // first tick that ends deeper in a wall than tolerated
+    WgThesisPlace tunnel;  // first tick whose straight path enters a wall
+    WgThesisPlace in_wall; // first tick that ends with the centre in a wall
+    double path_length;    // px
+    double deepest;        // overlap at the end of a tick, px
     int64_t next_event;
-    int64_t overlap_began;  // first step of the overlap that lasts now; -1: none
-    int64_t overlap_cause;  // its move
+    int64_t overlap_began; // first step of the overlap that lasts now; -1: none
+    int64_t overlap_cause; // its move
 } WgThesisRun;
 
 // Where a move ended.
 typedef struct WgThesisMove {
-    double x;  // px
+    double x; // px
     double y;
-    int64_t collision;  // the listing's flag
-    int64_t ending;     // WG_STRAIGHT, ...
-    double before_x;    // the centre before a wall changed the move; where none did, x and y
+    int64_t collision; // the listing's flag
+    int64_t ending;    // WG_STRAIGHT, ...
+    double before_x;   // the centre before a wall changed the move; where none did, x and y
     double before_y;
 } WgThesisMove;
 
@@ -172,32 +175,35 @@ void wg_thesis_begin(WgThesisRun *run, double x, double y, double heading, doubl
 
 // Runs until something is decided, settings->steps ticks are done, or tick `until` is.
 //
-// A run that ended as WG_LIMIT or WG_NEEDS_DRAWS continues where it stopped if called again with the same arena, and with
-// more steps or draws; the earlier draws stay in front.
+// A run that ended as WG_LIMIT or WG_NEEDS_DRAWS continues where it stopped if called again with
+// the same arena, and with more steps or draws; the earlier draws stay in front.
 //
 // run:         begun or stopped.
-// search:      for a recurrence of the complete state after the last event; NULL where find_loop is WG_NO_LOOP.
-// draws:       (draw_count,) random numbers in [0, 1) for WG_RULE_RANDOM, in order.
+// search:      for a recurrence of the complete state after the last event; NULL where find_loop is
+// WG_NO_LOOP. draws:       (draw_count,) random numbers in [0, 1) for WG_RULE_RANDOM, in order.
 // rows:        (row_count,) row k gets the state after step first_row + k.
 //
 // Of several endings in one tick the first counts: WG_BURNED, WG_TUNNEL, WG_REACHED, WG_LOOP.
-WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *settings, WgThesisRun *run,
-                       WgSearch *search, const double *draws, int64_t draw_count, WgThesisRow *rows,
-                       int64_t row_count, int64_t first_row, int64_t until);
+WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *settings,
+                       WgThesisRun *run, WgSearch *search, const double *draws, int64_t draw_count,
+                       WgThesisRow *rows, int64_t row_count, int64_t first_row, int64_t until);
 
 // thesis_motion.c
 
-// Moves the disc towards a goal, pixel by pixel, with the thesis's faults but those that are repaired.
+// Moves the disc towards a goal, pixel by pixel, with the thesis's faults but those that are
+// repaired.
 //
 // cells:          (width, height).
 // x, y:           centre, px, in the grid.
 // goal_x, goal_y: where the tick's motion would lead, px.
-WgStatus wg_thesis_move(const int32_t *cells, int64_t width, int64_t height, double x, double y, double goal_x,
-                        double goal_y, double radius, int64_t repairs, double wall_friction, WgThesisMove *move);
+WgStatus wg_thesis_move(const int32_t *cells, int64_t width, int64_t height, double x, double y,
+                        double goal_x, double goal_y, double radius, int64_t repairs,
+                        double wall_friction, WgThesisMove *move);
 
 // thesis_signal.c
 
-// Weakens or strengthens the signal of cells near inner walls, in place; the order of the walls matters.
+// Weakens or strengthens the signal of cells near inner walls, in place; the order of the walls
+// matters.
 //
 // cells: (width, height) the signal with every wall drawn.
 // light: (width, height) the undisturbed signal.
@@ -208,13 +214,15 @@ WgStatus wg_thesis_add_noise(int32_t *cells, const int32_t *light, int64_t width
 // x, y:     centre, px, in the grid.
 // looking:  the robot's heading, rad.
 // step:     number of the tick, which picks the sensor's errors.
-WgStatus wg_thesis_sense(const int32_t *cells, int64_t width, int64_t height, const WgThesisSettings *settings,
-                         double x, double y, double looking, int64_t step, double *heading);
+WgStatus wg_thesis_sense(const int32_t *cells, int64_t width, int64_t height,
+                         const WgThesisSettings *settings, double x, double y, double looking,
+                         int64_t step, double *heading);
 
-// Counts the walls whose inside the straight line between the centres of two cells crosses, those two left out.
+// Counts the walls whose inside the straight line between the centres of two cells crosses, those
+// two left out.
 //
 // A line exactly through a corner crosses neither of the two cells next to it.
-WgStatus wg_thesis_walls_between(const int32_t *cells, int64_t width, int64_t height, int64_t x, int64_t y,
-                                 int64_t to_x, int64_t to_y, int64_t *walls);
+WgStatus wg_thesis_walls_between(const int32_t *cells, int64_t width, int64_t height, int64_t x,
+                                 int64_t y, int64_t to_x, int64_t to_y, int64_t *walls);
 
 #endif

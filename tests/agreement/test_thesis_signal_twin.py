@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.kernels.thesis_layout import WALL
-from sim.kernels.thesis_signal import add_noise, signal_map
+from sim.thesis_core import WALL, add_noise, signal_map
 from worldgen.interop.thesis_map import WALL as FILE_WALL
 from worldgen.interop.thesis_map import filtered, signal
 

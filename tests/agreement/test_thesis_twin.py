@@ -1,38 +1,29 @@
-"""The thesis's simulator has the same bits compiled, interpreted, and as a plain reading of the listing."""
+"""The thesis's simulator in C has the bits of the specification in Python, and of a plain reading of the listing."""
 
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
-from sim.kernels import stepped_motion, thesis_signal
-from sim.kernels import thesis_layout as at
-from sim.kernels.thesis_episode import thesis_episode
-from tests.helpers.twins import twin
-from tests.replay_vectors import random_numbers, read_vectors, signal_cells, simulate
+from sim.thesis_core import Setup, ThesisEpisode, add_noise, new_rows, signal_map
+from tests.helpers import thesis_parts
+from tests.reference.sim import thesis_layout as at
+from tests.reference.sim import thesis_signal
+from tests.reference.sim.stepped_motion import advance
+from tests.reference.sim.thesis_episode import thesis_episode
+from tests.replay_vectors import random_numbers, read_vectors, setup_of, signal_cells, simulate
 from tests.sim.test_thesis_vectors import DATA
 
 VECTORS = {
     vector["id"]: vector for name in ("vectors", "demos") for _, vector in read_vectors(DATA / f"{name}.jsonl.gz")
 }
 SIDE = 12
+NO_EVENTS = np.zeros((0, 4), np.int64)
 WALLS = st.sets(st.tuples(st.integers(1, SIDE - 2), st.integers(1, SIDE - 2)), max_size=25)
 PLACES = st.floats(17.0, SIDE * 10 - 17.0)
 WAYS = st.floats(-30.0, 30.0)
-
-
-def fresh(vector, **changes):
-    """Arena, setup, start, draws and an empty trace for a recording."""
-    cells, light = signal_cells(vector)
-    setup = at.Setup(
-        rule=vector["rule"], time_step=float(vector["timeSize"]), sense=at.sensor_cells(vector["sensorRange"])
-    )
-    steps = changes.get("steps", 0)
-    progress = at.new_progress(*map(float, vector["start"]), steps=steps)
-    trace = np.zeros((steps + 1, at.ROW_SIZE))
-    return at.new_arena(cells, light), setup._replace(**changes), progress, random_numbers(vector), trace
 
 
 def touches(x, y, cell_x, cell_y):
@@ -76,24 +67,89 @@ def listed_advance(walls, x, y, goal_x, goal_y):
     return place[0], place[1], end is not None
 
 
-@given(WALLS, PLACES, PLACES, WAYS, WAYS)
-def test_one_pixel_stepping_is_the_listing_read_plainly(walls, x, y, dx, dy):
-    cells = thesis_signal.signal_map(SIDE, SIDE, 5, 5)
+def walled(walls):
+    """A map with walls, all closed."""
+    cells = signal_map(SIDE, SIDE, 5, 5)
     for wall in walls:
         cells[wall] = at.WALL
+    return cells
+
+
+@given(WALLS, PLACES, PLACES, WAYS, WAYS)
+def test_one_pixel_stepping_is_the_listing_read_plainly(walls, x, y, dx, dy):
     place = (x, y, x + dx, y + dy)
-    assert stepped_motion.advance(cells, *place, 7.0, 0, 0.0)[:3] == listed_advance(walls, *place)
+    move = thesis_parts.move(walled(walls), *place, 7.0, 0, 0.0)
+    assert (move.x, move.y, bool(move.collision)) == listed_advance(walls, *place)
+
+
+@given(WALLS, PLACES, PLACES, WAYS, WAYS, st.floats(0.5, 10.0), st.integers(0, 7), st.floats(0.0, 1.0))
+@example({(6, 6), (7, 7)}, 58.0, 75.0, 20.0, -3.0, 7.0, 4, 0.5)
+def test_a_move_of_any_disc_is_that_of_the_specification(walls, x, y, dx, dy, radius, repairs, friction):
+    cells = walled(walls)
+    move = thesis_parts.move(cells, x, y, x + dx, y + dy, radius, repairs, friction)
+    ours = (move.x, move.y, bool(move.collision), move.ending, move.before_x, move.before_y)
+    assert ours == advance(cells, x, y, x + dx, y + dy, radius, repairs, friction)
+
+
+def specified(cells, light, events, start, setup, draws, row_count):
+    """A run of the specification, in the same form as :func:`seen`."""
+    names = setup._asdict()
+    arena = at.new_arena(cells, light, events)
+    progress = at.new_progress(*start, setup.speed)
+    trace = np.zeros((row_count, at.ROW_SIZE))
+    thesis_episode(arena, at.Setup(**names), progress, draws, trace)
+    counts = progress.counts.tolist()
+    found = {
+        "ending": counts[at.OUT_ENDING],
+        "steps": counts[at.OUT_STEPS],
+        "period": counts[at.OUT_PERIOD],
+        "collisions": counts[at.OUT_COLLISIONS],
+        "activations": counts[at.OUT_ACTIVATIONS],
+        "last_new_cell": counts[at.OUT_LAST_NEW_CELL],
+        "digest": counts[at.OUT_DIGEST] % 2**64,
+        "hit": counts[at.OUT_HIT_STEP : at.OUT_HIT_IY + 1],
+        "hit_state": counts[at.OUT_HIT_STATE],
+        "overlap": counts[at.OUT_OVERLAP_STEP : at.OUT_OVERLAP_IY + 1],
+        "overlap_origin": (counts[at.OUT_OVERLAP_BEGAN], counts[at.OUT_OVERLAP_CAUSE]),
+        "tunnel": counts[at.OUT_TUNNEL_STEP : at.OUT_TUNNEL_IY + 1],
+        "tunnel_origin": (counts[at.OUT_TUNNEL_BEGAN], counts[at.OUT_TUNNEL_CAUSE]),
+        "in_wall": counts[at.OUT_IN_WALL_STEP : at.OUT_IN_WALL_IY + 1],
+        "path_length": float(progress.sums[at.SUM_PATH]),
+        "deepest": float(progress.sums[at.SUM_OVERLAP]),
+    }
+    return found, trace.tobytes(), arena.cells.tobytes(), arena.visited.tobytes()
+
+
+def seen(cells, light, events, start, setup, draws, row_count):
+    """The same run in C."""
+    episode = ThesisEpisode(cells, light, events, start, setup)
+    rows = new_rows(row_count)
+    episode.go(setup.steps, draws, rows)
+    run = episode.run
+    names = ("ending", "steps", "period", "collisions", "activations", "last_new_cell", "digest")
+    found = {name: getattr(run, name) for name in (*names, "path_length", "deepest")}
+    for name in ("hit", "overlap", "tunnel", "in_wall"):
+        place = getattr(run, name)
+        found[name] = [place.step, place.x, place.y]
+    found["hit_state"] = run.hit.state
+    for name in ("overlap", "tunnel"):
+        place = getattr(run, name)
+        found[f"{name}_origin"] = (place.began, place.cause) if place.step >= 0 else (0, 0)
+    return found, rows.tobytes(), episode.cells.tobytes(), episode.visited.tobytes()
+
+
+def of_vector(name, **changes):
+    """A recording's scenario."""
+    vector = VECTORS[name]
+    cells, light = signal_cells(vector)
+    setup = setup_of(vector)._replace(**changes)
+    return cells, light, NO_EVENTS, tuple(map(float, vector["start"])), setup, random_numbers(vector), setup.steps + 1
 
 
 @pytest.mark.parametrize("name", ["pub-001", "pub-012", "pub-057", "demo-4"])
-@pytest.mark.filterwarnings("ignore:overflow encountered:RuntimeWarning")  # wrapping is what fingerprints want
-def test_a_run_has_the_same_bits_compiled_and_interpreted(name):
-    runs = []
-    for episode in (thesis_episode, twin(thesis_episode)):
-        arena, setup, progress, draws, trace = fresh(VECTORS[name], steps=700, find_loop=1)
-        episode(arena, setup, progress, draws, trace)
-        runs.append((trace.tobytes(), progress.counts.tolist(), progress.sums.tobytes(), arena.visited.tobytes()))
-    assert runs[0] == runs[1]
+def test_a_recorded_run_has_the_bits_of_the_specification(name):
+    scenario = of_vector(name, steps=700, find_loop=1)
+    assert seen(*scenario) == specified(*scenario)
 
 
 @pytest.mark.parametrize(
@@ -106,50 +162,115 @@ def test_a_run_has_the_same_bits_compiled_and_interpreted(name):
     ],
     ids=["forces", "sight", "chance", "coarse"],
 )
-@pytest.mark.filterwarnings("ignore:overflow encountered:RuntimeWarning")  # wrapping is what the generator wants
-def test_a_run_with_every_kind_of_switch_has_the_same_bits_compiled_and_interpreted(changes):
-    runs = []
-    for episode in (thesis_episode, twin(thesis_episode)):
-        arena, setup, progress, draws, trace = fresh(VECTORS["demo-1"], steps=500, target_x=8, target_y=9, **changes)
-        episode(arena, setup, progress, draws, trace)
-        runs.append((trace.tobytes(), progress.counts.tolist(), progress.sums.tobytes()))
-    assert runs[0] == runs[1]
+def test_a_run_with_every_kind_of_switch_has_the_bits_of_the_specification(changes):
+    scenario = of_vector("demo-1", steps=500, target_x=8, target_y=9, **changes)
+    assert seen(*scenario) == specified(*scenario)
 
 
-def test_the_signal_map_and_its_noise_are_the_same_interpreted():
-    compiled, interpreted = signal_cells(VECTORS["pub-050"])[1], twin(thesis_signal.signal_map)(16, 16, 3, 9)
-    assert thesis_signal.signal_map(16, 16, 3, 9).tolist() == interpreted.tolist()
-    walled = [np.where(compiled % 7 == 1, np.int32(at.WALL), compiled) for _ in range(2)]
-    thesis_signal.add_noise(walled[0], compiled)
-    twin(thesis_signal.add_noise)(walled[1], compiled)
-    assert walled[0].tolist() == walled[1].tolist()
+@st.composite
+def scenarios(draw):
+    """A small world with walls and changes, a robot with any switches, and what a run takes."""
+    width, height = draw(st.integers(5, 12)), draw(st.integers(5, 12))
+    columns, rows = st.integers(0, width - 1), st.integers(0, height - 1)
+    inner = st.tuples(st.integers(1, width - 2), st.integers(1, height - 2))
+    target, start = draw(inner), draw(inner)
+    light = signal_map(width, height, *target)
+    cells = light.copy()
+    for wall in draw(st.sets(st.tuples(columns, rows), max_size=30)) - {target, start}:
+        cells[wall] = at.WALL
+    changes = draw(st.lists(st.tuples(st.integers(1, 60), columns, rows, st.integers(0, 2)), max_size=4))
+    events = np.array(sorted(changes), np.int64).reshape(-1, 4)
+    share = st.sampled_from([0.0, 0.0, 0.3, 1.0])
+    force = st.sampled_from([0.0, 0.0, 0.0002, 0.001])
+    setup = Setup(
+        rule=draw(st.integers(1, 3)),
+        time_step=draw(st.sampled_from([15.0, 16.0, 60.0, 400.0])),
+        sense=draw(st.integers(0, 3)),
+        collide_ticks=draw(st.sampled_from([5, 0, 9])),
+        drive_ticks=draw(st.sampled_from([2, 0, 6])),
+        turn_angle=draw(st.sampled_from([math.pi / 2, 0.4, 2.5])),
+        radius=draw(st.sampled_from([7.0, 3.0, 10.0])),
+        steps=draw(st.integers(1, 150)),
+        find_loop=draw(st.sampled_from([at.NO_LOOP, at.SEEK_LOOP])),
+        stop_at_tunnel=draw(st.integers(0, 1)),
+        reading=draw(st.integers(0, 7)),
+        repairs=draw(st.integers(0, 7)),
+        acceleration=draw(force),
+        friction=draw(force),
+        wall_friction=draw(share),
+        slip=draw(share),
+        sensor_field=draw(st.sampled_from([0.0, 0.0, 2.0])),
+        sensor_noise=draw(share),
+        signal=draw(st.integers(0, 2)),
+        map_scale=draw(st.sampled_from([1, 1, 2, 3])),
+        target_x=target[0],
+        target_y=target[1],
+        seed=draw(st.integers(0, 2**63)),
+    )
+    place = (start[0] * 10 + draw(st.floats(0, 9)), start[1] * 10 + draw(st.floats(0, 9)), draw(st.floats(0, 6.3)))
+    draws = np.array(draw(st.lists(st.floats(0, 1, exclude_max=True), max_size=12)))
+    return cells, light, events, place, setup, draws, draw(st.sampled_from([0, setup.steps + 1]))
+
+
+@given(scenarios())
+def test_any_run_has_the_bits_of_the_specification(scenario):
+    assert seen(*scenario) == specified(*scenario)
+
+
+def test_the_signal_map_and_its_noise_are_those_of_the_specification():
+    light = signal_map(16, 16, 3, 9)
+    assert light.tobytes() == thesis_signal.signal_map(16, 16, 3, 9).tobytes()
+    ours = np.where(light % 7 == 1, np.int32(at.WALL), light)
+    theirs = ours.copy()
+    add_noise(ours, light)
+    thesis_signal.add_noise(theirs, light)
+    assert ours.tolist() == theirs.tolist()
 
 
 @pytest.mark.parametrize("name", ["pub-044", "pub-018"])
 def test_a_run_in_pieces_is_the_whole_run(name):
-    whole = simulate(VECTORS[name], *signal_cells(VECTORS[name]), random_numbers(VECTORS[name]), 1000)
-    arena, setup, progress, draws, _ = fresh(VECTORS[name])
-    rows = []
-    for used, steps in ((1, 400), (2, 400), (5, 700), (len(draws), 700), (len(draws), 1000)):
-        progress.counts[at.TRACE_START] = progress.counts[at.OUT_STEPS]
-        piece = np.zeros((1001, at.ROW_SIZE))
-        thesis_episode(arena, setup._replace(steps=steps), progress, draws[:used], piece)
-        rows.extend(piece[1 : progress.counts[at.OUT_STEPS] - progress.counts[at.TRACE_START] + 1])
-    assert np.array(rows).tobytes() == whole[1][1:].tobytes()
-    assert progress.counts[at.OUT_DIGEST] == whole[0].counts[at.OUT_DIGEST]
+    whole, rows = simulate(VECTORS[name], *signal_cells(VECTORS[name]), random_numbers(VECTORS[name]), 1000)
+    cells, light, events, start, setup, draws, count = of_vector(name, steps=1000)
+    episode = ThesisEpisode(cells, light, events, start, setup)
+    pieces = new_rows(count)
+    for used, until in ((1, 400), (2, 400), (5, 700), (len(draws), 700), (len(draws), 1000)):
+        episode.go(until, draws[:used], pieces)
+    assert pieces[: len(rows)].tobytes() == rows.tobytes()
+    assert episode.run.digest == whole.digest
 
 
 @pytest.mark.parametrize("name", ["pub-011", "pub-049", "pub-058", "demo-7"])
 def test_the_loop_search_finds_the_recorded_period(name):
-    arena, setup, progress, draws, trace = fresh(VECTORS[name], steps=60_000, find_loop=1)
-    thesis_episode(arena, setup, progress, draws, trace)
-    assert (progress.counts[at.OUT_ENDING], progress.counts[at.OUT_PERIOD]) == (at.LOOP, VECTORS[name]["period"])
+    cells, light, events, start, setup, draws, _ = of_vector(name, steps=60_000, find_loop=at.SEEK_LOOP)
+    episode = ThesisEpisode(cells, light, events, start, setup)
+    episode.go(60_000, draws, new_rows(0))
+    assert (episode.run.ending, episode.run.period) == (at.LOOP, VECTORS[name]["period"])
 
 
 @pytest.mark.parametrize(("cell", "ending"), [((1, 8), at.LIMIT), ((6, 9), at.BURNED)], ids=["elsewhere", "on it"])
 def test_debris_only_strikes_where_it_falls(cell, ending):
-    arena, setup, progress, draws, trace = fresh(VECTORS["demo-1"], steps=140)
-    arena = at.new_arena(arena.cells, arena.light, np.array([[130, *cell, 1]]))
-    thesis_episode(arena, setup, progress, draws, trace)
-    assert progress.sums[at.SUM_OVERLAP] > 2.0  # px: it has worked itself into a wall by then
-    assert progress.counts[at.OUT_ENDING] == ending
+    cells, light, _, start, setup, draws, _ = of_vector("demo-1", steps=140)
+    episode = ThesisEpisode(cells, light, np.array([[130, *cell, 1]]), start, setup)
+    episode.go(140, draws, new_rows(0))
+    assert episode.run.deepest > 2.0  # px: it has worked itself into a wall by then
+    assert episode.run.ending == ending
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"radius": 11.0}, {"radius": math.nan}, {"time_step": 1e9}, {"time_step": 0.0}, {"slip": math.inf},
+        {"friction": -1.0}, {"rule": 4}, {"target_x": 16}, {"map_scale": 0}, {"wall_friction": 1e300},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_robot_whose_ticks_would_not_end_is_refused(changes):
+    scenario = of_vector("pub-050", steps=10, **changes)
+    with pytest.raises(ValueError, match="out of its range"):
+        seen(*scenario)
+
+
+def test_a_change_outside_the_grid_is_refused():
+    cells, light, _, start, setup, draws, count = of_vector("pub-050", steps=10)
+    with pytest.raises(ValueError, match="out of its range"):
+        seen(cells, light, np.array([[5, 99, 3, 1]]), start, setup, draws, count)

@@ -11,11 +11,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from sim import simulate
-from sim.kernels import stepped_motion, thesis_signal
-from sim.kernels import thesis_layout as at
 from sim.robot_options import RobotOptions
+from sim.thesis_core import STATE_FIELDS, WALL, Setup, signal_map
 from sim.thesis_options import ARBITERS, ThesisOptions
 from sim.thesis_run import signal_in
+from tests.helpers import thesis_parts
+from tests.reference.sim.thesis_signal import bearing
 from tests.sim.test_thesis_vectors import VECTORS, world_of
 from worldgen import InvalidParameter, Pose, Target, World, read_world
 
@@ -87,11 +88,12 @@ def test_with_all_three_repairs_no_move_ever_cuts_a_wall(inner, place, moves, fr
     assume(clear(inner | border, *place))
     cells = np.zeros((SIDE, SIDE), np.int32)
     for wall in inner | border:
-        cells[wall] = at.WALL
+        cells[wall] = WALL
     x, y = place
     for heading, length in moves:
         goal = (x + math.cos(heading) * length, y + math.sin(heading) * length)
-        x, y, *_ = stepped_motion.advance(cells, x, y, *goal, 7.0, 7, friction)
+        move = thesis_parts.move(cells, x, y, *goal, 7.0, 7, friction)
+        x, y = move.x, move.y
         assert clear(inner | border, x, y)
 
 
@@ -164,10 +166,10 @@ def test_slip_shortens_the_way_and_differs_from_tick_to_tick():
 
 def test_friction_at_the_wall_takes_its_share_of_a_slide():
     cells = np.full((SIDE, SIDE), 1, np.int32)
-    cells[:, 8] = at.WALL
-    slides = [stepped_motion.advance(cells, 50.0, 72.5, 53.0, 75.0, 7.0, 0, f) for f in (0.0, 0.5, 1.0)]
-    assert [ending for *_, ending, _, _ in slides] == [stepped_motion.SLIDE] * 3
-    along = [x - 50.0 for x, *_ in slides]
+    cells[:, 8] = WALL
+    slides = [thesis_parts.move(cells, 50.0, 72.5, 53.0, 75.0, 7.0, 0, f) for f in (0.0, 0.5, 1.0)]
+    assert [slide.ending for slide in slides] == [thesis_parts.SLIDE] * 3
+    along = [slide.x - 50.0 for slide in slides]
     assert along[0] > along[1] > along[2] and along[1] == pytest.approx((along[0] + along[2]) / 2)
 
 
@@ -178,7 +180,7 @@ def test_friction_at_the_wall_takes_its_share_of_a_slide():
 def test_walls_between_two_cells_are_those_that_the_straight_line_crosses(walls, ends):
     cells = np.ones((12, 12), np.int32)
     for wall in walls:
-        cells[wall] = at.WALL
+        cells[wall] = WALL
     x, y, to_x, to_y = ends
     line = shapely.LineString([(x + 0.5, y + 0.5), (to_x + 0.5, to_y + 0.5)])
     crossed = [
@@ -186,39 +188,39 @@ def test_walls_between_two_cells_are_those_that_the_straight_line_crosses(walls,
         for wall in walls - {(x, y), (to_x, to_y)}
         if line.intersection(shapely.box(wall[0], wall[1], wall[0] + 1, wall[1] + 1)).length > 1e-9
     ]
-    assert thesis_signal.walls_between(cells, x, y, to_x, to_y) == (len(crossed) if x != to_x or y != to_y else 0)
+    assert thesis_parts.walls_between(cells, x, y, to_x, to_y) == (len(crossed) if x != to_x or y != to_y else 0)
 
 
 def sensed(cells, x, y, heading=0.0, step=1, **changes):
-    setup = at.Setup(rule=1, time_step=15.0, target_x=12, target_y=6, **changes)
-    return float(thesis_signal.sensed_direction(cells, x, y, heading, setup, step))
+    setup = Setup(rule=1, time_step=15.0, target_x=12, target_y=6, **changes)
+    return thesis_parts.sensed(cells, setup, x, y, heading, step)
 
 
 def lit(walls=()):
-    cells = thesis_signal.signal_map(SIDE, SIDE, 12, 6)
+    cells = signal_map(SIDE, SIDE, 12, 6)
     for wall in walls:
-        cells[wall] = at.WALL
+        cells[wall] = WALL
     return cells
 
 
 def test_a_wall_in_the_way_hides_the_target_so_the_robot_heads_for_a_lit_cell():
     cells = lit([(9, 6)])
     assert sensed(cells, 75.0, 65.0) == math.pi  # straight at the target, as if there were no wall
-    assert sensed(cells, 75.0, 65.0, signal=at.BLOCKED) == thesis_signal.bearing(10.0, -10.0)  # cell (8, 5)
+    assert sensed(cells, 75.0, 65.0, signal=thesis_parts.BLOCKED) == bearing(10.0, -10.0)  # cell (8, 5)
 
 
 def test_a_signal_is_worth_half_behind_each_wall_cell():
     # from cell (7, 6): (8, 6) is 16 off behind two walls, so 64; (8, 5) is 17 off behind one, so 34
     cells = lit([(9, 6), (10, 6)])
     assert sensed(cells, 75.0, 65.0) == math.pi
-    assert sensed(cells, 75.0, 65.0, signal=at.WEAKENED) == thesis_signal.bearing(10.0, -10.0)
+    assert sensed(cells, 75.0, 65.0, signal=thesis_parts.WEAKENED) == bearing(10.0, -10.0)
 
 
 def test_a_directed_sensor_sees_only_what_lies_ahead():
     ahead = sensed(lit(), 65.0, 65.0, heading=math.pi, sensor_field=1.0)
     away = sensed(lit(), 65.0, 65.0, heading=0.0, sensor_field=1.0)
     assert ahead == pytest.approx(math.pi)
-    assert away == thesis_signal.bearing(0.0, 0.0)  # nothing better in sight than where it is: its own cell
+    assert away == bearing(0.0, 0.0)  # nothing better in sight than where it is: its own cell
 
 
 def test_a_noisy_sensor_errs_anew_in_each_tick_and_the_same_again():
@@ -230,7 +232,7 @@ def test_a_noisy_sensor_errs_anew_in_each_tick_and_the_same_again():
 
 def test_a_coarse_map_makes_the_robot_head_for_the_middle_of_blocks():
     # blocks of 4 cells: from cell (2, 2) the best neighbour holds the cells (4..7, 4..7), its middle is (60, 60) px
-    assert sensed(lit(), 25.0, 25.0, map_scale=4) == thesis_signal.bearing(60.0 - 25.0, 60.0 - 25.0)
+    assert sensed(lit(), 25.0, 25.0, map_scale=4) == bearing(60.0 - 25.0, 60.0 - 25.0)
     assert sensed(lit(), 125.0, 78.0, map_scale=4) == math.pi / 2  # in the best block, cell by cell: up to the target
 
 
@@ -306,7 +308,9 @@ def test_draws_outside_the_unit_interval_are_refused():
 def test_a_robot_that_rolls_out_or_is_interrupted_drives_in_every_escape(switches):
     world = read_world(Path(__file__).parents[2] / "corpora" / "thesis" / "config-06.grid")
     states = run(world, record=True, steps=3000, **switches).trace.states
-    assert (states[:, at.OLD_SPEED].copy().view(float) > 0).all()  # the speed that an escape goes back to
+    assert (
+        states[:, STATE_FIELDS.index("old_speed")].copy().view(float) > 0
+    ).all()  # the speed that an escape goes back to
 
 
 def test_the_signal_of_a_cell_is_its_squared_distance_and_walls_have_none():

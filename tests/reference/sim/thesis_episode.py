@@ -13,14 +13,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import thesis_layout as at
-from sim.kernels._jit import allocating_kernel, kernel
-from sim.kernels.fdlibm import cos, float_bits, sin
-from sim.kernels.lattice_sense import random_draw
-from sim.kernels.layout import BURNING, NO_LOOP, SEEK_LOOP, SOLID
-from sim.kernels.recurrence import begin_search, is_proved, period_at
-from sim.kernels.stepped_motion import CORNER, SLIDE, STRAIGHT, advance, clamp_inside
-from sim.kernels.thesis_arbiter import (
+from tests.reference.sim import thesis_layout as at
+from tests.reference.sim.fdlibm import cos, float_bits, sin
+from tests.reference.sim.random_draw import random_draw
+from tests.reference.sim.stepped_motion import CORNER, SLIDE, STRAIGHT, advance, clamp_inside
+from tests.reference.sim.thesis_arbiter import (
     A1,
     A2,
     A3,
@@ -35,8 +32,19 @@ from sim.kernels.thesis_arbiter import (
     run_behaviour,
     select_behaviour,
 )
-from sim.kernels.thesis_layout import CELL, FLAME, WALL, Arena, Progress, Setup
-from sim.kernels.thesis_signal import sensed_direction, turn_towards
+from tests.reference.sim.thesis_layout import (
+    BURNING,
+    CELL,
+    FLAME,
+    NO_LOOP,
+    PROVE_LOOP,
+    SOLID,
+    WALL,
+    Arena,
+    Progress,
+    Setup,
+)  # fmt: skip
+from tests.reference.sim.thesis_signal import sensed_direction, turn_towards
 
 __all__ = ["thesis_episode", "thesis_tick"]
 
@@ -45,19 +53,20 @@ Ints = npt.NDArray[np.int64]
 Cells = npt.NDArray[np.int32]
 
 _TWO_PI = 2.0 * math.pi
-_WORD = 0xFFFFFFFF
+_MASK = 2**64 - 1
+_HASH_PRIME = 1099511628211
+_FIRST_STEPS = 16  # before the first look-up
 _SLIP = 2**16 - 1  # of the random numbers of a tick, the one that the sensor does not use
 _LEAST_CROSSING = 1e-6  # px; a shorter way through a wall is rounding, and no checker could confirm it
 
 
-@kernel
 def thesis_tick(
     cells: Cells, setup: Setup, draws: Floats, state: Floats, mode: Ints, step: int
 ) -> tuple[bool, float, float]:
     """Moves the robot and lets the behaviours act.
 
     Args:
-        cells: The signal, see :mod:`sim.kernels.thesis_layout`.
+        cells: The signal, see :mod:`tests.reference.sim.thesis_layout`.
         setup: The robot.
         draws: Random numbers in [0, 1) for rule 3, in order.
         state: Changed in place.
@@ -115,9 +124,8 @@ def thesis_tick(
     return True, before_x, before_y
 
 
-@kernel
 def _move(cells: Cells, setup: Setup, state: Floats, step: int) -> tuple[float, float, bool, int, float, float, float]:
-    """The tick's move: what :func:`sim.kernels.stepped_motion.advance` returns, and the rolling speed then."""
+    """The tick's move: what :func:`tests.reference.sim.stepped_motion.advance` returns, and the rolling speed then."""
     x, y, wanted, rolling = state[at.X], state[at.Y], state[at.SPEED], state[at.ROLLING]
     if rolling < wanted:
         gain = setup.acceleration * setup.time_step
@@ -142,7 +150,6 @@ def _move(cells: Cells, setup: Setup, state: Floats, step: int) -> tuple[float, 
     return x, y, collision, move, before_x, before_y, rolling
 
 
-@kernel
 def _act(
     behaviour: int,
     ticks: int,
@@ -169,7 +176,6 @@ def _act(
     return heading, target, speed, behaviour, ticks
 
 
-@kernel
 def _gap(x: float, y: float, cell_x: int, cell_y: int) -> float:
     """Distance from a point to a cell, px; 0 inside."""
     dx = max(cell_x * CELL - x, 0.0, x - (cell_x + 1) * CELL)
@@ -177,10 +183,9 @@ def _gap(x: float, y: float, cell_x: int, cell_y: int) -> float:
     return math.sqrt(dx * dx + dy * dy)
 
 
-@kernel
 def _overlaps(cells: Cells, x: float, y: float, radius: float) -> bool:
     """Whether the disc cuts a wall by more than rounding."""
-    reach = int(math.ceil(radius / CELL))
+    reach = math.ceil(radius / CELL)
     for cell_y in range(max(int(y / CELL) - reach, 0), min(int(y / CELL) + reach, cells.shape[1] - 1) + 1):
         for cell_x in range(max(int(x / CELL) - reach, 0), min(int(x / CELL) + reach, cells.shape[0] - 1) + 1):
             if cells[cell_x, cell_y] == WALL and radius - _gap(x, y, cell_x, cell_y) > _LEAST_CROSSING:
@@ -188,7 +193,6 @@ def _overlaps(cells: Cells, x: float, y: float, radius: float) -> bool:
     return False
 
 
-@kernel
 def _apply_events(arena: Arena, setup: Setup, step: int, state: Floats, counts: Ints) -> None:
     """Applies the events due at ``step``; one that falls on the robot ends the run as ``BURNED``."""
     while counts[at.NEXT_EVENT] < arena.events.shape[0] and arena.events[counts[at.NEXT_EVENT], 0] <= step:
@@ -203,7 +207,6 @@ def _apply_events(arena: Arena, setup: Setup, step: int, state: Floats, counts: 
             counts[at.OUT_HIT_STEP], counts[at.OUT_HIT_IX], counts[at.OUT_HIT_IY] = step, x, y
 
 
-@kernel
 def _judge_place(arena: Arena, setup: Setup, step: int, before: tuple[float, float], run: Progress) -> None:
     """Notes what the robot touches where the tick ends: walls, flames, cells that it had not been in.
 
@@ -212,7 +215,7 @@ def _judge_place(arena: Arena, setup: Setup, step: int, before: tuple[float, flo
     state, counts, sums = run.state, run.counts, run.sums
     x, y = state[at.X], state[at.Y]
     own_x, own_y = int(x / CELL), int(y / CELL)
-    reach = int(math.ceil(setup.radius / CELL))
+    reach = math.ceil(setup.radius / CELL)
     deepest, deepest_x, deepest_y = 0.0, -1, -1
     for cell_y in range(max(own_y - reach, 0), min(own_y + reach, arena.cells.shape[1] - 1) + 1):
         for cell_x in range(max(own_x - reach, 0), min(own_x + reach, arena.cells.shape[0] - 1) + 1):
@@ -245,7 +248,6 @@ def _judge_place(arena: Arena, setup: Setup, step: int, before: tuple[float, flo
         counts[at.OUT_LAST_NEW_CELL] = step
 
 
-@kernel
 def _way_inside(x: float, y: float, dx: float, dy: float, cell_x: int, cell_y: int) -> float:
     """Share, 0 to 1, of the straight way (x, y) + t (dx, dy) that lies inside the cell.
 
@@ -264,7 +266,6 @@ def _way_inside(x: float, y: float, dx: float, dy: float, cell_x: int, cell_y: i
     return max(leave - enter, 0.0)
 
 
-@kernel
 def _judge_way(
     arena: Arena, setup: Setup, step: int, x: float, y: float, state: Floats, counts: Ints, sums: Floats
 ) -> None:
@@ -289,27 +290,20 @@ def _judge_way(
         counts[at.OUT_ENDING] = at.TUNNEL
 
 
-@kernel
 def _hash_word(digest: int, word: int) -> int:
-    """FNV-1a of one 64-bit word, by halves, so that no product overflows in Python either."""
-    low = (digest & _WORD) ^ (word & _WORD)
-    high = ((digest >> 32) & _WORD) ^ ((word >> 32) & _WORD)
-    product = low * 0x1B3  # the prime is 2**40 + 0x1b3
-    high = (high * 0x1B3 + (product >> 32) + (low << 8)) & _WORD
-    return (high << 32) | (product & _WORD)
+    """FNV-1a of one 64-bit word."""
+    return ((digest ^ (word & _MASK)) * _HASH_PRIME) & _MASK
 
 
-@kernel
 def _hash_state(digest: int, state: Floats, mode: Ints) -> int:
     """Adds the seven words of a tick's state to the digest, as the recorded vectors do."""
     for word in range(at.SPEED + 1):
-        digest = _hash_word(digest, float_bits(state[word]))
-    busy = 0 if mode[at.BEHAVIOUR] == IDLE else 2 + 4 * (mode[at.BEHAVIOUR] + 1)
-    digest = _hash_word(digest, mode[at.COLLISION] + busy)
-    return _hash_word(digest, float_bits(float(mode[at.TICKS_LEFT])))
+        digest = _hash_word(digest, int(float_bits(state[word])))
+    busy = 0 if mode[at.BEHAVIOUR] == IDLE else 2 + 4 * (int(mode[at.BEHAVIOUR]) + 1)
+    digest = _hash_word(digest, int(mode[at.COLLISION]) + busy)
+    return _hash_word(digest, int(float_bits(float(mode[at.TICKS_LEFT]))))
 
 
-@kernel
 def _record(state: Floats, mode: Ints, row: int, trace: Floats) -> None:
     """Writes the state to a row of the trace, if it has that row."""
     if 0 <= row < trace.shape[0]:
@@ -319,28 +313,32 @@ def _record(state: Floats, mode: Ints, row: int, trace: Floats) -> None:
             trace[row, at.ROW_MODE + k] = float(mode[k])
 
 
-@kernel
-def _write_words(run: Progress) -> None:
-    """Writes the complete state as words; -0.0 is not 0.0."""
-    for k in range(at.STATE_SIZE):
-        run.words[k] = float_bits(run.state[k])
-    for k in range(at.MODE_STATE_SIZE):
-        run.words[at.STATE_SIZE + k] = float_bits(float(run.mode[k]))
+def _complete_state(run: Progress) -> bytes:
+    """All that decides the future, as bytes: -0.0 is not 0.0."""
+    return run.state.tobytes() + run.mode[: at.MODE_STATE_SIZE].tobytes()
 
 
-@kernel
 def _period(setup: Setup, run: Progress, step: int, quiet: int) -> int:
-    """Steps since the state was there before, if a recurrence is looked for and ends the run here; else 0."""
+    """Steps since the state was there before, if a recurrence is looked for and ends the run here; else 0.
+
+    The last state of the budget is looked up, and before it some that are each twice as far along as the one before.
+    """
     if step < quiet:
         return 0
-    _write_words(run)
-    if setup.find_loop == SEEK_LOOP:
-        return period_at(run.search, run.words, step, quiet, setup.steps)
-    proved = is_proved(run.search, run.words, step, setup.entry, setup.steps)
-    return setup.steps - setup.entry if proved else 0
+    search, state = run.search, _complete_state(run)
+    if setup.find_loop == PROVE_LOOP:
+        if step == setup.loop_entry:
+            search.known = state
+        proved = step == setup.steps and state == search.known
+        return setup.steps - setup.loop_entry if proved else 0
+    search.states[step] = state
+    if step < search.next and step < setup.steps:
+        return 0
+    search.next = 2 * step - quiet + _FIRST_STEPS
+    earlier = [k for k in range(quiet, step) if search.states.get(k) == state]
+    return step - earlier[-1] if earlier else 0
 
 
-@allocating_kernel
 def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, trace: Floats) -> None:
     """Runs until something is decided, or ``setup.steps`` ticks are done.
 
@@ -350,23 +348,18 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
     Args:
         arena: Surroundings, changed in place.
         setup: The robot, and what is asked.
-        run: A fresh or a stopped run; see :mod:`sim.kernels.thesis_layout`, ``OUT_`` and ``SUM_``.
+        run: A fresh or a stopped run; see :mod:`tests.reference.sim.thesis_layout`, ``OUT_`` and ``SUM_``.
         draws: Random numbers in [0, 1) for rule 3, in order.
         trace: (n, ROW_SIZE), n may be 0; row k gets the state after step ``TRACE_START`` + k.
 
     Of several endings in one tick the first counts: ``BURNED``, ``TUNNEL``, ``REACHED``, ``LOOP``. A recurrence of the
-    complete state after the last event is found as :mod:`sim.kernels.recurrence` says.
-
-    Raises:
-        ValueError: If a recurrence is looked for, and ``run`` was made for fewer steps.
+    complete state after the last event is found when it is looked up.
     """
     cells, state, mode, counts = arena.cells, run.state, run.mode, run.counts
-    if setup.find_loop == SEEK_LOOP and run.search.log.size <= setup.steps:
-        raise ValueError("the run's log is shorter than the run; make it with new_progress(..., steps)")
     quiet = arena.events[arena.events.shape[0] - 1, 0] if arena.events.shape[0] > 0 else 0
     if setup.find_loop != NO_LOOP and counts[at.OUT_STEPS] == 0:
-        _write_words(run)
-        begin_search(run.search, run.words, quiet)
+        run.search.states[0] = run.search.known = _complete_state(run)
+        run.search.next = quiet + _FIRST_STEPS
     counts[at.OUT_ENDING] = at.LIMIT
     _record(state, mode, counts[at.OUT_STEPS] - counts[at.TRACE_START], trace)
     for step in range(counts[at.OUT_STEPS] + 1, setup.steps + 1):
@@ -389,7 +382,8 @@ def thesis_episode(arena: Arena, setup: Setup, run: Progress, draws: Floats, tra
                 counts[at.OUT_ENDING] = at.REACHED
         counts[at.OUT_STEPS] = step
         if setup.digest == 1:
-            counts[at.OUT_DIGEST] = _hash_state(counts[at.OUT_DIGEST], state, mode)
+            digests = counts.view(np.uint64)
+            digests[at.OUT_DIGEST] = _hash_state(int(digests[at.OUT_DIGEST]), state, mode)
         if step - counts[at.TRACE_START] < trace.shape[0]:
             _record(state, mode, step - counts[at.TRACE_START], trace)
         if counts[at.OUT_ENDING] == at.LIMIT and setup.find_loop != NO_LOOP:

@@ -14,10 +14,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels._jit import allocating_kernel, kernel
-from sim.kernels.fdlibm import atan
-from sim.kernels.lattice_sense import random_draw
-from sim.kernels.thesis_layout import BLOCKED, CELL, OPEN, WALL, Setup
+from tests.reference.sim.fdlibm import atan
+from tests.reference.sim.random_draw import random_draw
+from tests.reference.sim.thesis_layout import BLOCKED, CELL, OPEN, WALL, Setup
 
 __all__ = [
     "add_noise",
@@ -40,7 +39,6 @@ _READINGS = 2**16  # random numbers of one tick; the last of them is the slip's
 _NOISE_REACH = 2  # cells round a wall whose signal the filter changes
 
 
-@allocating_kernel
 def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
     """(width, height) int32: squared distance in cells to the target's cell; the border is ``WALL``."""
     light = np.full((width, height), WALL, np.int32)
@@ -50,7 +48,6 @@ def signal_map(width: int, height: int, target_x: int, target_y: int) -> Cells:
     return light
 
 
-@kernel
 def add_noise(cells: Cells, light: Cells) -> None:
     """Weakens or strengthens the signal of cells near inner walls, in place; what the order does stays.
 
@@ -72,7 +69,6 @@ def add_noise(cells: Cells, light: Cells) -> None:
                         cells[x, y] = int(0.9 * light[x, y])
 
 
-@kernel
 def bearing(dx: float, dy: float) -> float:
     """Heading of a vector, in the listing's own four quadrants; can be -0.0, and 2 pi is 0."""
     heading = atan(dy / dx) if dx != 0.0 else (1.5 * math.pi if dy > 0.0 else math.pi / 2.0)
@@ -85,7 +81,6 @@ def bearing(dx: float, dy: float) -> float:
     return math.pi + heading if heading >= 0.0 else heading
 
 
-@kernel
 def signal_direction(cells: Cells, x: float, y: float, sense: int) -> float:
     """Heading to the centre of the cell with the best signal within ``sense`` cells; the first of equals.
 
@@ -101,7 +96,6 @@ def signal_direction(cells: Cells, x: float, y: float, sense: int) -> float:
     return bearing((best_x + 0.5) * CELL - x, (best_y + 0.5) * CELL - y)
 
 
-@kernel
 def walls_between(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
     """Walls whose inside the straight line between two cells' centres crosses, the two cells left out.
 
@@ -125,7 +119,6 @@ def walls_between(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
     return walls
 
 
-@kernel
 def _reading(cells: Cells, x: int, y: int, setup: Setup) -> float:
     """Signal of a cell as it comes through the walls; below 0 where there is none."""
     value = float(cells[x, y])
@@ -137,7 +130,6 @@ def _reading(cells: Cells, x: int, y: int, setup: Setup) -> float:
     return _DARK if setup.signal == BLOCKED or walls > _MOST_HALVINGS else min(value * 2.0**walls, _DARK)
 
 
-@kernel
 def _block_reading(cells: Cells, block_x: int, block_y: int, setup: Setup) -> float:
     """Best signal in a block of the robot's map; -1 if it has none, as in a block of walls."""
     best = -1.0
@@ -149,7 +141,6 @@ def _block_reading(cells: Cells, block_x: int, block_y: int, setup: Setup) -> fl
     return best
 
 
-@kernel
 def _noisy_reading(cells: Cells, x: int, y: int, setup: Setup, scale: int, draw: int) -> float:
     """What the sensor says of a cell, or of a block of the robot's map."""
     value = _reading(cells, x, y, setup) if scale == 1 else _block_reading(cells, x, y, setup)
@@ -158,7 +149,6 @@ def _noisy_reading(cells: Cells, x: int, y: int, setup: Setup, scale: int, draw:
     return value
 
 
-@kernel
 def _in_field(x: float, y: float, to_x: float, to_y: float, heading: float, field: float) -> bool:
     """Whether a place lies in the sensor's field of view."""
     if field == 0.0:
@@ -168,7 +158,6 @@ def _in_field(x: float, y: float, to_x: float, to_y: float, heading: float, fiel
     return min(off, _TWO_PI - off) <= field / 2.0
 
 
-@kernel
 def sensed_direction(cells: Cells, x: float, y: float, heading: float, setup: Setup, step: int) -> float:
     """Heading to the best signal by the sensor that ``setup`` describes; the thesis's is :func:`signal_direction`.
 
@@ -194,7 +183,6 @@ def sensed_direction(cells: Cells, x: float, y: float, heading: float, setup: Se
     return bearing((best_x + 0.5) * CELL - x, (best_y + 0.5) * CELL - y)
 
 
-@kernel
 def _best_of(cells: Cells, x: float, y: float, heading: float, setup: Setup, step: int, scale: int) -> tuple[int, int]:
     """Cell, or block of ``scale`` cells, with the best reading in reach; the first of equals, the own one before."""
     side = CELL * scale
@@ -216,7 +204,6 @@ def _best_of(cells: Cells, x: float, y: float, heading: float, setup: Setup, ste
     return best_x, best_y
 
 
-@kernel
 def turn_towards(heading: float, target: float) -> float:
     """Heading after one tick of turning; ``fmod`` as in Java, so headings may be negative."""
     if not abs(target - heading) > _TURN_SNAP:

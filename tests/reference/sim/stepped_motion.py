@@ -16,8 +16,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels._jit import kernel
-from sim.kernels.thesis_layout import CELL, WALL
+from tests.reference.sim.thesis_layout import CELL, WALL
 
 __all__ = [
     "BACK_OFF",
@@ -46,7 +45,6 @@ STRAIGHT, SLIDE, BACK_OFF, CORNER = 0, 1, 2, 3
 REPAIR_SLIDE, REPAIR_BACK_OFF, REPAIR_CORNER = 1, 2, 4
 
 
-@kernel
 def disc_touches_cell(x: float, y: float, radius: float, cell_x: int, cell_y: int) -> bool:
     """Whether the open disc meets the cell, in the ellipse's own coordinates, where its radius is 1/2."""
     width = radius * 2.0
@@ -65,7 +63,6 @@ def disc_touches_cell(x: float, y: float, radius: float, cell_x: int, cell_y: in
     return near_x * near_x + near_y * near_y < 0.25
 
 
-@kernel
 def _contact(cells: Cells, x: float, y: float, previous_x: float, previous_y: float, radius: float) -> int:
     """What one pixel's step meets, ``_FREE`` to ``_TOUCH_CORNER``: the first wall that a single-axis part touches.
 
@@ -73,7 +70,7 @@ def _contact(cells: Cells, x: float, y: float, previous_x: float, previous_y: fl
     """
     beyond = x >= cells.shape[0] * CELL - radius or y >= cells.shape[1] * CELL - radius
     centre_x, centre_y = int(x / CELL), int(y / CELL)
-    reach = int(math.ceil(radius / CELL))
+    reach = math.ceil(radius / CELL)
     found = _FREE
     for cell_y in range(min(centre_y + reach, cells.shape[1] - 1), max(centre_y - reach, 0) - 1, -1):
         for cell_x in range(max(centre_x - reach, 0), min(centre_x + reach, cells.shape[0] - 1) + 1):
@@ -90,11 +87,10 @@ def _contact(cells: Cells, x: float, y: float, previous_x: float, previous_y: fl
     return found
 
 
-@kernel
 def _is_clear(cells: Cells, x: float, y: float, radius: float) -> bool:
     """Whether the disc touches no wall."""
     centre_x, centre_y = int(x / CELL), int(y / CELL)
-    reach = int(math.ceil(radius / CELL))
+    reach = math.ceil(radius / CELL)
     for cell_y in range(max(centre_y - reach, 0), min(centre_y + reach, cells.shape[1] - 1) + 1):
         for cell_x in range(max(centre_x - reach, 0), min(centre_x + reach, cells.shape[0] - 1) + 1):
             if cells[cell_x, cell_y] == WALL and disc_touches_cell(x, y, radius, cell_x, cell_y):
@@ -102,7 +98,6 @@ def _is_clear(cells: Cells, x: float, y: float, radius: float) -> bool:
     return True
 
 
-@kernel
 def clamp_inside(cells: Cells, x: float, y: float, radius: float) -> tuple[float, float]:
     """Keeps the disc one cell away from the grid's edge."""
     low = radius + CELL
@@ -111,14 +106,13 @@ def clamp_inside(cells: Cells, x: float, y: float, radius: float) -> tuple[float
     return min(x, high_x), min(y, high_y)
 
 
-@kernel
 def advance(
     cells: Cells, x: float, y: float, goal_x: float, goal_y: float, radius: float, repairs: int, wall_friction: float
 ) -> tuple[float, float, bool, int, float, float]:
     """Moves the disc towards a goal, px by px, as the thesis does.
 
     Args:
-        cells: (width, height), see :mod:`sim.kernels.thesis_layout`.
+        cells: (width, height), see :mod:`tests.reference.sim.thesis_layout`.
         x: Centre now, px.
         y: Likewise.
         goal_x: Where the tick's motion would lead, px; finite, a few cells away at most.
@@ -162,7 +156,6 @@ def advance(
     return here_x, here_y, False, ending, here_x, here_y
 
 
-@kernel
 def _meet_wall(
     cells: Cells,
     here_x: float,

@@ -1,4 +1,4 @@
-"""What stands where in the arrays of the thesis's simulator, and the numbers that its robot is made of.
+"""What is where in the arrays of the thesis's simulator, and the numbers that its robot is made of.
 
 The thesis's own frame: pixels, y down, ten pixels a cell, ``cells[x, y]``; heading 0 is -x, pi/2 is -y
 (up), growing clockwise on the screen; milliseconds.
@@ -11,13 +11,11 @@ must be ``WALL``.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from sim.kernels.layout import BURNED, LIMIT, LOOP, NO_LOOP, REACHED, TUNNEL
-from sim.kernels.recurrence import Search, new_search
 
 __all__ = [
     "BLOCKED",
@@ -39,8 +37,17 @@ __all__ = [
     "Setup",
     "new_arena",
     "new_progress",
-    "sensor_cells",
 ]
+
+# How an episode ends.
+LIMIT, REACHED, LOOP, TUNNEL, BURNED = 0, 1, 2, 3, 4
+
+# How a recurrence of the complete state ends it: not at all; when it is found; in the last step of the budget, if its
+# state is that of step ``Setup.loop_entry``.
+NO_LOOP, SEEK_LOOP, PROVE_LOOP = 0, 1, 2
+
+# What a cell becomes.
+FREE, SOLID, BURNING = 0, 1, 2
 
 CELL = 10.0  # px per cell; the listing's `length`
 ROBOT_RADIUS = 7.0  # px
@@ -51,7 +58,7 @@ FLAME = -3  # ours; the thesis has no fire
 
 OPEN, WEAKENED, BLOCKED = 0, 1, 2  # what walls do to the signal
 
-# An ending beside those of sim.kernels.layout: no draw was left; append some and call again.
+# One more ending: no draw was left; append some and call again.
 NEEDS_DRAWS = 6
 
 # state (float64)
@@ -62,9 +69,8 @@ STATE_SIZE = 7
 # mode (int64). BEHAVIOUR is IDLE when nobody is in charge; TICKS_LEFT is 0 unless collide or drive is.
 COLLISION, BEHAVIOUR, TICKS_LEFT, DRAWS_USED = 0, 1, 2, 3
 MODE_STATE_SIZE = 4  # up to here: with `state` all that decides the future
-WORDS = STATE_SIZE + MODE_STATE_SIZE  # of the complete state: the bits of `state`, and of `mode` as floats
 ACTIVE = 4  # behaviour that acted in the last tick
-MOVE = 5  # how the last tick's move ended, see sim.kernels.stepped_motion
+MOVE = 5  # how the last tick's move ended, see tests.reference.sim.stepped_motion
 ESCAPES = 6  # 1 if the collide behaviour took control in the last tick
 MODE_SIZE = 7
 
@@ -90,7 +96,7 @@ SUM_SIZE = 2
 ROW_MODE = STATE_SIZE
 ROW_SIZE = STATE_SIZE + MODE_SIZE
 
-_HASH_START = 1469598103934665603
+HASH_START = 1469598103934665603
 
 
 class Setup(NamedTuple):
@@ -107,12 +113,11 @@ class Setup(NamedTuple):
         speed: px per ms.
         tolerance: Overlap with a wall that is not reported, px.
         steps: Ticks at most.
-        find_loop: How a recurrence of the complete state, after the last event, ends the run: ``SET_FIND_LOOP`` of
-            :mod:`sim.kernels.layout`.
+        find_loop: How a recurrence of the complete state, after the last event, ends the run: ``NO_LOOP``, ...
         digest: 1 to work out the digest of the trace; else 0.
         stop_at_tunnel: 1 to end as ``TUNNEL`` when the centre's way enters a wall; else 0.
-        reading: Of the arbiter, see :mod:`sim.kernels.thesis_arbiter`.
-        repairs: Bits of the faults of the motion that are repaired, see :mod:`sim.kernels.stepped_motion`.
+        reading: Of the arbiter, see :mod:`tests.reference.sim.thesis_arbiter`.
+        repairs: Bits of the faults of the motion that are repaired, see :mod:`tests.reference.sim.stepped_motion`.
         acceleration: px per ms gained in a ms at most; 0 for at once.
         friction: px per ms lost in a ms by a robot that rolls out; 0 for at once.
         wall_friction: Share of a slide that friction takes.
@@ -124,7 +129,7 @@ class Setup(NamedTuple):
         target_x: Column of the target's cell, where the signal comes from.
         target_y: Its row.
         seed: Of slip and sensor noise, not negative.
-        entry: Step of the state that ``PROVE_LOOP`` compares with the last one.
+        loop_entry: Step of the state that ``PROVE_LOOP`` compares with the last one.
     """
 
     rule: int
@@ -153,7 +158,7 @@ class Setup(NamedTuple):
     target_x: int = 0
     target_y: int = 0
     seed: int = 0
-    entry: int = 0
+    loop_entry: int = 0
 
 
 class Arena(NamedTuple):
@@ -172,6 +177,21 @@ class Arena(NamedTuple):
     visited: npt.NDArray[np.uint8]
 
 
+@dataclass
+class Search:
+    """What the search for a recurrence remembers.
+
+    Args:
+        states: The bytes of the complete state after each step.
+        next: The step whose state is looked up next.
+        known: While a loop is proved, the state at its entry.
+    """
+
+    states: dict[int, bytes] = field(default_factory=dict)
+    next: int = 0
+    known: bytes = b""
+
+
 class Progress(NamedTuple):
     """Where a run stands; an episode that ended for want of ticks or draws goes on from here.
 
@@ -180,7 +200,6 @@ class Progress(NamedTuple):
         mode: (MODE_SIZE,) int64.
         counts: (COUNTS_SIZE,) int64.
         sums: (SUM_SIZE,) float64.
-        words: (WORDS,) int64, the complete state.
         search: For a state that comes back.
     """
 
@@ -188,24 +207,18 @@ class Progress(NamedTuple):
     mode: npt.NDArray[np.int64]
     counts: npt.NDArray[np.int64]
     sums: npt.NDArray[np.float64]
-    words: npt.NDArray[np.int64]
     search: Search
-
-
-def sensor_cells(sensor_range: int) -> int:
-    """Reach in cells of a sensor range in px, as the listing divides: 36 gives 1, 50 gives 2."""
-    return int((sensor_range - 36) / 10) + 1
 
 
 def new_arena(
     cells: npt.NDArray[np.int32], light: npt.NDArray[np.int32], events: npt.NDArray[np.int64] | None = None
 ) -> Arena:
-    """Surroundings for one episode, with copies of what it changes and of the types that are compiled."""
+    """Return surroundings for one episode, with copies of what it changes."""
     rows = np.zeros((0, 4), np.int64) if events is None else np.array(events, np.int64).reshape(-1, 4)
     return Arena(np.array(cells, np.int32), np.array(light, np.int32), rows, np.zeros(cells.shape, np.uint8))
 
 
-def new_progress(x: float, y: float, heading: float, speed: float = ROBOT_SPEED, steps: int = 0) -> Progress:
+def new_progress(x: float, y: float, heading: float, speed: float = ROBOT_SPEED) -> Progress:
     """A run before its first tick: driving already, aiming at heading 0, nobody in charge, as the thesis's.
 
     Args:
@@ -213,11 +226,10 @@ def new_progress(x: float, y: float, heading: float, speed: float = ROBOT_SPEED,
         y: px.
         heading: rad.
         speed: px per ms.
-        steps: Of the run, if a recurrence is looked for; else 0.
     """
     state = np.array([x, y, heading, 0.0, speed, speed, speed], np.float64)
     mode = np.array([0, -1, 0, 0, -1, 0, 0], np.int64)
     counts = np.zeros(COUNTS_SIZE, np.int64)
     counts[[OUT_HIT_STEP, OUT_OVERLAP_STEP, OUT_TUNNEL_STEP, OUT_IN_WALL_STEP, OVERLAP_BEGAN]] = -1
-    counts[OUT_DIGEST] = _HASH_START
-    return Progress(state, mode, counts, np.zeros(SUM_SIZE), np.zeros(WORDS, np.int64), new_search(WORDS, steps))
+    counts[OUT_DIGEST] = HASH_START
+    return Progress(state, mode, counts, np.zeros(SUM_SIZE), Search())

@@ -1,0 +1,114 @@
+"""Who is in charge of the thesis's robot, and what it then does: a state machine without any geometry.
+
+:func:`select_behaviour` lets somebody take control; the caller then sets the new target heading if collide has
+just come in, and looks whether the robot already points there. :func:`run_behaviour` lets the one in charge act,
+and says what the wheels do.
+
+The arbiter is missing in the thesis's listing and rebuilt from its prose. In reading A0 whoever took control
+keeps it until it gives it up, and acts in the very tick in which it took over. A1 does not act in that tick; A2
+acts first and then selects; A3 acts, selects and acts. A4 asks the one in charge again in every tick whether it
+would take control, and so begins it afresh; A6 does that for collide alone. In A5 nobody is ever in charge for
+longer than a tick. ``INTERRUPTIBLE`` is what the thesis asks for as further work: every tick decides anew, and a
+collision begins the escape afresh whoever is in charge; until then an escape, or a drive, goes on where it stood.
+"""
+
+from __future__ import annotations
+
+__all__ = [
+    "A0",
+    "A1",
+    "A2",
+    "A3",
+    "A4",
+    "A5",
+    "A6",
+    "COAST",
+    "COLLIDE",
+    "DRIVE",
+    "GO",
+    "HALT",
+    "IDLE",
+    "INTERRUPTIBLE",
+    "RESUME",
+    "SEEK",
+    "TURN",
+    "run_behaviour",
+    "select_behaviour",
+]
+
+# Behaviours.
+IDLE, COLLIDE, SEEK, DRIVE = -1, 0, 1, 2
+
+# Readings of the arbiter.
+A0, A1, A2, A3, A4, A5, A6, INTERRUPTIBLE = 0, 1, 2, 3, 4, 5, 6, 7
+
+# What the wheels do: stand and turn towards the target heading; drive at the robot's speed; drive at the
+# speed before the collision; stand; keep the speed, whatever it is.
+TURN, GO, RESUME, HALT, COAST = 0, 1, 2, 3, 4
+
+
+def select_behaviour(
+    reading: int,
+    behaviour: int,
+    ticks: int,
+    collision: bool,
+    at_signal: bool,
+    collide_ticks: int,
+    drive_ticks: int,
+) -> tuple[int, int, bool]:
+    """Lets a behaviour take control, asked in the order drive, seek, collide, if the reading lets it.
+
+    Args:
+        reading: Of the arbiter, ``A0`` to ``INTERRUPTIBLE``.
+        behaviour: Who is in charge.
+        ticks: Its counter.
+        collision: Whether the last move met a wall.
+        at_signal: Whether the target heading already is the signal's direction.
+        collide_ticks: Counter that collide starts with.
+        drive_ticks: Counter that drive starts with.
+
+    Returns:
+        Who is in charge now, its counter, and whether it took control just now. When that is collide, the
+        caller remembers the speed, stops, and sets the target heading by its rule.
+    """
+    if reading == INTERRUPTIBLE:
+        if collision:
+            return COLLIDE, collide_ticks, True
+        if behaviour == COLLIDE or (behaviour == DRIVE and ticks >= 0):
+            return behaviour, ticks, False
+    elif behaviour != IDLE and reading != A5:
+        if collision and behaviour == COLLIDE and reading in (A4, A6):
+            return COLLIDE, collide_ticks, True
+        if not collision and at_signal and behaviour == DRIVE and reading == A4:
+            return DRIVE, drive_ticks, True
+        return behaviour, ticks, False
+    if collision:
+        return COLLIDE, collide_ticks, True
+    if at_signal:
+        return DRIVE, drive_ticks, True
+    return SEEK, 0, True
+
+
+def run_behaviour(behaviour: int, ticks: int, collision: bool, turned: bool) -> tuple[int, int, int]:
+    """Lets the behaviour in charge act.
+
+    Args:
+        behaviour: ``COLLIDE``, ``SEEK`` (the caller has made the signal's direction its target) or ``DRIVE``.
+        ticks: Its counter.
+        collision: Whether the last move met a wall.
+        turned: Whether the robot points along its target heading.
+
+    Returns:
+        What the wheels do, who is in charge afterwards, and the counter.
+    """
+    if behaviour == DRIVE:
+        if ticks >= 0 and not collision:
+            return GO, DRIVE, ticks - 1
+        return COAST, IDLE, 0
+    if not turned:
+        return TURN, behaviour, ticks
+    if behaviour == SEEK:
+        return HALT, IDLE, 0
+    if ticks >= 0:
+        return RESUME, COLLIDE, ticks - 1
+    return COAST, IDLE, 0
