@@ -8,11 +8,16 @@ reactive one: ahead, and after a bump turn on the spot for 5 to 24 steps. Rates 
 time, but for those of several threads or processes, which are per second of wall time; the best of all rounds
 counts. Cases and
 peers take turns in every round, so that other work on the machine hits all alike.
+
+Two peers are C of our own (``peers/plain_disc.c``), compiled where there is a compiler: a disc that drives through the
+maze without a lattice, a verdict or a search for loops. ``plain C`` is always under way, which is what a simulator is
+measured by; ``plain C, bouncer`` turns on the spot as the cases do.
 """
 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import importlib
 import json
 import math
@@ -23,12 +28,14 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
 import shapely
 
+from build_tools.cores import compiler
 from sim import Command, Commands, CompiledController, ProcessController, RobotOptions, RunOptions, simulate_many
 from sim.episode import prepare
 from sim.kernels import layout
@@ -195,6 +202,50 @@ def _boxes(world: World) -> list[tuple[float, float, float, float]]:
     return found
 
 
+def _plain_c(work: Path) -> ctypes.CDLL:
+    """Compile the plain disc.
+
+    Raises:
+        ImportError: If there is no compiler.
+    """
+    source = Path(__file__).parent / "peers" / "plain_disc.c"
+    library = work / "plain_disc.so"
+    try:
+        command = [*compiler(), "-std=c17", "-O3", "-fPIC", "-shared", str(source), "-o", str(library), "-lm"]
+    except RuntimeError as error:
+        raise ImportError(str(error)) from error
+    subprocess.run(command, check=True)
+    return ctypes.CDLL(str(library))
+
+
+def _plain(name: str) -> Callable[[], Rate]:
+    """A function of the plain disc, in the maze of the cases; lengths are cells."""
+    world, steps = maze(), 2_000_000
+    side = world.cell_size
+    cells = np.ascontiguousarray(world.walls, np.uint8)
+    with tempfile.TemporaryDirectory() as folder:
+        function = _plain_c(Path(folder))[name]
+    function.restype = ctypes.c_double
+    pose = (world.start.x / side, world.start.y / side, world.robot_radius / side, 0.03 / side)
+    grid = (ctypes.c_void_p(cells.ctypes.data), ctypes.c_int64(world.width), ctypes.c_int64(world.height))
+    before = (*grid, *map(ctypes.c_double, pose))
+    after = (ctypes.c_uint64(5), ctypes.c_int64(steps))
+    # Places to head for: free cells whose four neighbours are free, so that the disc fits.
+    walls = np.pad(world.walls, 1, constant_values=True)
+    shut = walls[1:-1, 1:-1] | walls[:-2, 1:-1] | walls[2:, 1:-1] | walls[1:-1, :-2] | walls[1:-1, 2:]
+    marks = np.ascontiguousarray(np.argwhere(~shut)[::7, ::-1] + 0.5)
+
+    def once() -> Rate:
+        begin = time.process_time()
+        if name == "bounce":
+            function(*before, ctypes.c_double(RATE * STEP), *after)
+        else:
+            function(*before, ctypes.c_void_p(marks.ctypes.data), ctypes.c_int64(len(marks)), *after)
+        return steps, time.process_time() - begin
+
+    return once
+
+
 def _shapely() -> Callable[[], Rate]:
     world, steps = maze(), 2_000
     tree = shapely.STRtree([shapely.box(*box) for box in _boxes(world)])
@@ -276,7 +327,13 @@ def _mujoco() -> Callable[[], Rate]:
     return once
 
 
-PEERS: dict[str, Callable[[], Callable[[], Rate]]] = {"pymunk": _pymunk, "mujoco": _mujoco, "shapely": _shapely}
+PEERS: dict[str, Callable[[], Callable[[], Rate]]] = {
+    "plain C": lambda: _plain("wander"),
+    "plain C, bouncer": lambda: _plain("bounce"),
+    "pymunk": _pymunk,
+    "mujoco": _mujoco,
+    "shapely": _shapely,
+}
 
 
 def measure(rounds: int) -> tuple[dict[str, float], list[str]]:
@@ -338,9 +395,9 @@ def main() -> None:
     if arguments.json:
         click.echo(json.dumps(result))
         return
-    click.echo("".join([f"{'':36}{'steps/s':>12}", *(f"{'x ' + peer:>12}" for peer in peers)]))
+    click.echo("".join([f"{'':36}{'steps/s':>12}", *(f"{'x ' + peer:>20}" for peer in peers)]))
     for name, case in cases.items():
-        ratios = "".join(f"{case['ratios'][peer]:12.1f}" for peer in peers)
+        ratios = "".join(f"{case['ratios'][peer]:20.2f}" for peer in peers)
         click.echo(f"{name:36}{case['steps_per_second']:12,.0f}{ratios}")
     for peer in peers:
         click.echo(f"{peer:36}{rates[peer]:12,.0f}")

@@ -18,7 +18,7 @@ from sim import _core
 from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_step, start_overlaps
 from sim.run_options import RunOptions, check_step_length
-from sim.thesis_core import CELL, ROW, STATE_FIELDS, WALL, Setup, ThesisEpisode, add_noise, new_rows, signal_map
+from sim.thesis_core import CELL, STATE_FIELDS, WALL, Setup, ThesisEpisode, add_noise, new_rows, signal_map
 from sim.thesis_options import ARBITERS, SIGNALS, ThesisOptions
 from sim.trace import Trace, Words
 from worldgen.ccall import pointer
@@ -324,7 +324,7 @@ def _drift(poses: Floats) -> tuple[int, int]:
 
 def _table(rows: Rows) -> Floats:
     """(n, fields) the rows of a trace as plain numbers."""
-    return rows.view(np.float64).reshape(len(rows), len(ROW))
+    return rows.view(np.float64).reshape(len(rows), -1)
 
 
 def _digest_words(rows: Rows) -> npt.NDArray[np.uint64]:
