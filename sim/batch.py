@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from sim._core import lib
 from sim.controllers import CompiledController, Controller, VectorController
 from sim.controllers.catalogue import called, controller_of
 from sim.episode import Episode, simulate
 from sim.fleet_run import FleetRun
-from sim.kernels import layout
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import LATTICE
@@ -234,7 +234,7 @@ def _run_alike(alike: Sequence[tuple[_Job, LatticeRun]], runs: Runs, digest: boo
         starts.append(places[runs.start[job.rows.start : job.rows.stop]])
     rows = np.concatenate([np.arange(job.rows.start, job.rows.stop) for job, _ in alike])
     world, poses = np.repeat(np.arange(len(alike)), [len(job.rows) for job, _ in alike]), np.concatenate(starts)
-    metres = np.array([float(run.scales[layout.SCALE_METRES]) for run in packed])
+    metres = np.array([float(run.settings.metres) for run in packed])
     most = max(1, min(_MOST_IN_A_FLEET, _FLEET_BYTES // max(run.bytes_per_robot for run in packed)))
     most = _at_once(most, (run.options.steps for run in packed))
     for first in range(0, len(rows), most):
@@ -251,7 +251,7 @@ def _run_alike(alike: Sequence[tuple[_Job, LatticeRun]], runs: Runs, digest: boo
             for row, which in zip(rows[part].tolist(), world[part].tolist(), strict=True):
                 _run_each(alike[which][0], range(row, row + 1), runs, digest)
         else:
-            _fill(runs, rows[part], *found, alike[0][0].options.time_step, metres[world[part]], digest)
+            _fill(runs, rows[part], found, alike[0][0].options.time_step, metres[world[part]], digest)
 
 
 def _run_compiled(job: _Job, runs: Runs, digest: bool) -> None:
@@ -262,35 +262,37 @@ def _run_compiled(job: _Job, runs: Runs, digest: bool) -> None:
     run = LatticeRun(replace(job.world, start=job.starts[0]), controller, job.options)
     places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
     rows = slice(job.rows.start, job.rows.stop)
-    try:
-        counts, sums = run.run_many(controller, places[runs.start[rows]], runs.seed[rows], digest=digest)
-    except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
+    reports = run.run_many(controller, places[runs.start[rows]], runs.seed[rows], digest=digest)
+    if len(reports) and reports["ending"][-1] == lib.WG_CRASH:
         _run_each(job, job.rows, runs, digest)
         return
-    _fill(runs, rows, counts, sums, job.options.time_step, float(run.scales[layout.SCALE_METRES]), digest)
+    _fill(runs, rows, reports, job.options.time_step, float(run.settings.metres), digest)
 
 
 def _fill(
-    runs: Runs, rows: slice | Ints, counts: Ints, sums: Floats, time_step: float, metres: float | Floats, digest: bool
+    runs: Runs,
+    rows: slice | Ints,
+    reports: npt.NDArray[Any],
+    time_step: float,
+    metres: float | Floats,
+    digest: bool,
 ) -> None:
-    """Turns the kernel's reports into results, with the rules of :attr:`sim.outcome.Outcome.verdict`."""
-    ending, steps = counts[:, layout.OUT_ENDING], counts[:, layout.OUT_STEPS]
-    decided = {
-        layout.TUNNEL: "tunnel", layout.BURNED: "burned", layout.INVALID_COMMAND: "invalid-command",
-    }  # fmt: skip
-    confined = counts[:, layout.OUT_LAST_NEW_CELL] <= steps // 2
+    """Turns the core's reports into results, with the rules of :attr:`sim.outcome.Outcome.verdict`."""
+    ending, steps = reports["ending"], reports["steps"]
+    decided = {lib.WG_TUNNEL: "tunnel", lib.WG_BURNED: "burned", lib.WG_INVALID_COMMAND: "invalid-command"}
+    confined = reports["last_new_cell"] <= steps // 2
     verdict = np.where(confined, _CODE["stalled"], _CODE["timeout"])
-    for code, name in ((layout.LOOP, "loop"), (layout.REACHED, "reached")):
+    for code, name in ((lib.WG_LOOP, "loop"), (lib.WG_REACHED, "reached")):
         verdict = np.where(ending == code, _CODE[name], verdict)
-    verdict = np.where(counts[:, layout.OUT_OVERLAP_STEP] >= 0, _CODE["overlap"], verdict)
+    verdict = np.where(reports["overlap_step"] >= 0, _CODE["overlap"], verdict)
     for code, name in decided.items():
         verdict = np.where(ending == code, _CODE[name], verdict)
     runs.verdict[rows], runs.steps[rows] = verdict, steps
     runs.time[rows] = np.round(steps * time_step, 9)
-    runs.path_length[rows] = sums[:, layout.SUM_PATH] * metres
-    runs.collisions[rows] = counts[:, layout.OUT_COLLISIONS]
+    runs.path_length[rows] = reports["path_length"] * metres
+    runs.collisions[rows] = reports["collisions"]
     if digest:
-        runs.digest[rows] = counts[:, layout.OUT_DIGEST].view(np.uint64)
+        runs.digest[rows] = reports["digest"]
 
 
 def _run_each(job: _Job, rows: range, runs: Runs, digest: bool) -> None:

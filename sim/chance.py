@@ -10,26 +10,23 @@ Source: John Kemeny and Laurie Snell, "Finite Markov chains", 1960, chapter 3: a
 
 from __future__ import annotations
 
-import functools
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
+from sim._core import ffi, lib
 from sim.controllers import CompiledController, Controller, controller_of
-from sim.controllers.base import compiled_act, numba_config, robot_for
-from sim.kernel_types import episode_types, typed_kernel
-from sim.kernels import layout
-from sim.kernels.lattice_outcomes import lattice_outcomes
-from sim.kernels.lattice_state import new_robot, new_room, set_out
+from sim.controllers.base import robot_for
+from sim.lattice_core import Driver, Episode
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.run_options import RunOptions
 from sim.trace import Trace
+from worldgen.ccall import check, pointer, writable
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
@@ -42,7 +39,7 @@ crash."""
 UNSEEN = -1
 """Of the next random number: that the controller has not looked at it yet, so that any value is equally likely."""
 
-_CRASHED = -1  # how a step ended in which the controller raised an error; none of the kernel's endings
+_DRAWS = 4  # the word of a state that counts the draws
 
 Ints = npt.NDArray[np.int64]
 Following: TypeAlias = tuple[tuple[int, int], ...]
@@ -148,7 +145,7 @@ def explore(world: World, controller: str | Controller, options: RunOptions, *, 
 def states_of(trace: Trace) -> Ints:
     """The states of a recording as :class:`Outcomes` has them: (n + 1, k), without the number of draws."""
     states = trace.states.view(np.int64).copy()
-    states[:, layout.STATE_DRAWS] = 0
+    states[:, _DRAWS] = 0
     return states
 
 
@@ -179,10 +176,11 @@ class _Search:
         return Outcomes(self.coin, np.array(self._states), faces, following, _ranks(following))
 
     def _start(self) -> Ints:
-        memory = np.array(self._controller.memory, np.float64)
-        robot, room = new_robot(memory.size, self._run.events), new_room(memory.size, self._run.options.robot.beams)
-        set_out(self._run.settings, self._run.scales, memory, room, robot, 0)
-        return robot.state
+        return self._episode().state_words()
+
+    def _episode(self) -> Episode:
+        run = self._run
+        return Episode(run.arena(), run.settings, Driver(self._controller, self._controller.memory))
 
     def _entries(self, states: Ints, faces: Ints) -> Iterator[Following]:
         """What follows each state, in order."""
@@ -206,8 +204,8 @@ class _Search:
 
     def _number(self, state: Ints, ending: int, face: int) -> int:
         """The number of a state, a new one if it is new, or how the run ended."""
-        if ending != layout.LIMIT:
-            return ARRIVED if ending == layout.REACHED else ENDED
+        if ending != lib.WG_LIMIT:
+            return ARRIVED if ending == lib.WG_REACHED else ENDED
         key = (state.tobytes(), face)
         if key not in self._numbers:
             self._numbers[key] = len(self._states)
@@ -217,29 +215,20 @@ class _Search:
 
     def _step(self, states: Ints, values: Ints) -> tuple[Ints, Ints, Ints]:
         """States after one step, how it ended, and whether the random number was used up."""
-        run, memory = self._run, states.shape[1] - layout.STATE_MEMORY
-        robot, room = new_robot(memory, run.events), new_room(memory, run.options.robot.beams)
-        after, endings, drew = np.empty_like(states), np.zeros(len(states), np.int64), np.zeros(len(states), np.int64)
-        kernel, act = _typed_outcomes(), compiled_act(self._controller.act)
-        try:
-            kernel(run.arena(), run.settings, run.scales, act, room, robot, states, values, after, endings, drew)
-        except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
-            if len(states) == 1:
-                return states, np.array([_CRASHED]), drew
-            half = len(states) // 2  # halved again and again, it is found out which of them raise
-            parts = self._step(states[:half], values[:half]), self._step(states[half:], values[half:])
-            after, endings, drew = (np.concatenate(both) for both in zip(*parts, strict=True))
+        count = len(states)
+        after, endings, drew = np.empty_like(states), np.zeros(count, np.int64), np.zeros(count, np.int64)
+        check(
+            lib.wg_outcomes(
+                self._episode().c,
+                pointer(ffi, states, np.int64),
+                pointer(ffi, values, np.int64),
+                count,
+                writable(ffi, after, np.int64),
+                writable(ffi, endings, np.int64),
+                writable(ffi, drew, np.int64),
+            )
+        )
         return after, endings, drew
-
-
-@functools.cache
-def _typed_outcomes() -> Any:
-    if numba_config.DISABLE_JIT:
-        return lattice_outcomes
-    arena, robot, room, act = episode_types()
-    ints, rows = numba.int64[::1], numba.int64[:, ::1]
-    signature = numba.void(arena, ints, numba.float64[::1], act, room, robot, rows, ints, rows, ints, ints)
-    return typed_kernel(lattice_outcomes, signature)
 
 
 def _ranks(following: tuple[Following, ...]) -> tuple[int, ...]:

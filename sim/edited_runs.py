@@ -2,35 +2,54 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from enum import IntEnum
+from typing import NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController, compiled_act, numba_config
-from sim.kernel_types import episode_types, typed_kernel
-from sim.kernels import lattice_edits as at
-from sim.kernels import layout
-from sim.kernels.lattice_flood import surely_reaches
-from sim.kernels.lattice_state import Arena, new_robot, new_room
+from sim._core import ffi, lib
+from sim.controllers.base import CompiledController
+from sim.lattice_core import Arena, Driver, Episode, copy_of, grid_of
 from sim.lattice_run import LatticeRun
 from sim.packing import disc_numbers, target_sq
 from sim.run_options import RunOptions
+from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import metres_to_lattice
 from worldgen.world import World
 
-__all__ = ["CellEdit", "EditedRuns", "Wanted", "has_sure_way"]
+__all__ = ["ANY_ENDING", "CellEdit", "EditKind", "EditedRuns", "Wanted", "has_sure_way"]
+
+ANY_ENDING = int(lib.WG_ANY_ENDING)
+"""How a run ends that neither went through a wall, nor burned, nor failed."""
 
 _STEPS_AT_ONCE = 200_000  # then Ctrl-C is heard: 0.02 to 2 s
+_IX, _IY = 2, 3  # columns of an event
 
 Ints = npt.NDArray[np.int64]
 
 
+class EditKind(IntEnum):
+    """What an edit does to the grid.
+
+    Args:
+        FREE_BOX: What is solid in a box of cells becomes free: ix, iy, width, height.
+        FREE_RUN: So many of the solid cells, in order of rows: first, count.
+        FREE_RIM: The outermost cells.
+        DROP_ROWS: Rows go: first, count; what is above moves down.
+        DROP_COLUMNS: Columns go: first, count; what is right of them moves left.
+    """
+
+    FREE_BOX = lib.WG_FREE_BOX
+    FREE_RUN = lib.WG_FREE_RUN
+    FREE_RIM = lib.WG_FREE_RIM
+    DROP_ROWS = lib.WG_DROP_ROWS
+    DROP_COLUMNS = lib.WG_DROP_COLUMNS
+
+
 class CellEdit(NamedTuple):
-    """A simpler grid: ``FREE_`` or ``DROP_`` of :mod:`sim.kernels.lattice_edits`, and its numbers."""
+    """A simpler grid: an :class:`EditKind` and its numbers."""
 
     kind: int
     a: int = 0
@@ -41,13 +60,13 @@ class CellEdit(NamedTuple):
     @property
     def frees(self) -> bool:
         """Whether it only frees cells, so that whatever way there is remains."""
-        return self.kind < at.DROP_ROWS
+        return self.kind < EditKind.DROP_ROWS
 
     def shape(self, height: int, width: int) -> tuple[int, int]:
         """Of the grid after the edit."""
         return (
-            height - (self.b if self.kind == at.DROP_ROWS else 0),
-            width - (self.b if self.kind == at.DROP_COLUMNS else 0),
+            height - (self.b if self.kind == EditKind.DROP_ROWS else 0),
+            width - (self.b if self.kind == EditKind.DROP_COLUMNS else 0),
         )
 
 
@@ -55,7 +74,8 @@ class Wanted(NamedTuple):
     """How an edited world's run is to end.
 
     Args:
-        ending: Of ``layout``; ``ANY_ENDING`` for one of ``LIMIT``, ``REACHED``, ``LOOP``.
+        ending: ``WG_LIMIT`` and the like of the core; :data:`ANY_ENDING` for one of ``WG_LIMIT``, ``WG_REACHED`` and
+            ``WG_LOOP``.
         overlap: Whether with an overlap; ``None`` if that does not matter.
         crash: Whether the controller is to crash instead.
     """
@@ -63,18 +83,6 @@ class Wanted(NamedTuple):
     ending: int
     overlap: bool | None = None
     crash: bool = False
-
-
-@functools.cache
-def _kernel() -> Any:
-    if numba_config.DISABLE_JIT:
-        return at.first_edit
-    arena, robot, room, act = episode_types()
-    cells, ints, floats, rows = numba.uint8[:, ::1], numba.int64[::1], numba.float64[::1], numba.int64[:, ::1]
-    types: Any = numba.types
-    places, flood = types.UniTuple(ints, 2), types.Tuple((cells, cells, ints))
-    signature = numba.boolean(cells, arena, places, floats, act, floats, room, robot, rows, ints, flood, ints, rows)
-    return typed_kernel(at.first_edit, signature)
 
 
 class EditedRuns:
@@ -85,11 +93,12 @@ class EditedRuns:
     """
 
     def __init__(self, world: World, controller: CompiledController, options: RunOptions) -> None:
-        self._run = LatticeRun(world, controller, options)
-        self._run.settings[layout.SET_STEPS], self._run.settings[layout.SET_DIGEST] = options.steps, 0
-        self._run.settings[layout.SET_FIND_LOOP] = layout.SEEK_LOOP if self._run.can_loop else layout.NO_LOOP
-        for k, metres in enumerate((world.start.x, world.start.y)):
-            self._run.settings[layout.SET_X + k] = metres_to_lattice(metres, world.cell_size)
+        self._run = run = LatticeRun(world, controller, options)
+        run.settings.steps = options.steps
+        run.settings.digest = 0
+        run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
+        run.settings.start_x = metres_to_lattice(world.start.x, world.cell_size)
+        run.settings.start_y = metres_to_lattice(world.start.y, world.cell_size)
         self._controller, self._world = controller, world
         self.trials = 0
 
@@ -115,32 +124,26 @@ class EditedRuns:
         return (done - 1 if found else None), done
 
     def _try(self, edits: Sequence[CellEdit], shape: tuple[int, int], wanted: Wanted, *, way: bool) -> tuple[bool, int]:
-        run, memory = self._run, np.array(self._controller.memory, np.float64)
-        act = compiled_act(self._controller.act)
-        events = run.events if edits[0].frees else _moved_events(run.events, edits[0])
+        run, controller = self._run, self._controller
         fresh = run.arena()
+        events = run.events if edits[0].frees else _moved_events(run.events, edits[0])
         clearance = np.zeros(shape if len(fresh.clearance) else (0, 0), np.int32)
-        cells, near, visited = np.zeros(shape, np.uint8), np.zeros(shape, np.int32), np.zeros(shape, np.uint8)
-        work = Arena(cells, near, clearance, events, fresh.headings, visited)
-        nodes = (2 * shape[0] + 1, 2 * shape[1] + 1)
-        flood = np.zeros(shape, np.uint8), np.zeros(nodes, np.uint8), np.zeros(nodes[0] * nodes[1], np.int64)
-        overlap = -1 if wanted.overlap is None else int(wanted.overlap)
-        asked = np.array([wanted.ending, overlap, way, _STEPS_AT_ONCE], np.int64)
-        done, found = np.zeros(at.DONE_SIZE, np.int64), False
-        places, nothing = (run.settings, run.settings.copy()), np.zeros((0, 1), np.int64)
-        room = new_room(memory.size, run.options.robot.beams, run.options.steps)
-        robot = new_robot(memory.size, events)
-        kernel = _kernel()
+        work = Arena(np.zeros(shape, np.uint8), np.zeros(shape, np.int32), clearance, events, np.zeros(shape, np.uint8))
+        settings = copy_of(run.settings)
+        episode = Episode(work, settings, Driver(controller, controller.memory))
+
+        wanted_struct = ffi.new("WgWanted *")
+        wanted_struct.ending = lib.WG_CRASH if wanted.crash else wanted.ending
+        wanted_struct.overlap = -1 if wanted.overlap is None or wanted.crash else int(wanted.overlap)
+        wanted_struct.by_way = way
+        wanted_struct.steps = _STEPS_AT_ONCE
+        tried = ffi.new("WgTried *")
         todo = np.array(edits, np.int64)
-        try:
-            found = kernel(
-                fresh.cells, work, places, run.scales, act, memory, room, robot, todo, asked, flood, done, nothing
-            )
-            found = bool(found) and not wanted.crash
-        except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
-            found = wanted.crash
-        self.trials += int(done[at.DONE_TRIALS])
-        return found, int(done[at.DONE_NEXT])
+        rows = ffi.cast("WgEdit *", pointer(ffi, todo, np.int64))
+        grid = grid_of(fresh.cells)
+        check(lib.wg_first_edit(episode.c, settings, run.settings, grid, rows, len(todo), wanted_struct, tried))
+        self.trials += int(tried.runs)
+        return bool(tried.found), int(tried.next)
 
 
 def has_sure_way(world: World, *, regardless_of_time: bool = False) -> bool:
@@ -154,22 +157,24 @@ def has_sure_way(world: World, *, regardless_of_time: bool = False) -> bool:
             of a world that changes, but without such a way there is hardly another.
     """
     side, line = world.cell_size, world.timeline
-    cells = world.walls.astype(np.uint8)
+    cells = np.array(world.walls, np.uint8, order="C")
     if regardless_of_time:
         cells[line.iy[line.states == 0], line.ix[line.states == 0]] = 0
     else:
-        cells[line.iy[line.states > 0], line.ix[line.states > 0]] = layout.SOLID
+        cells[line.iy[line.states > 0], line.ix[line.states > 0]] = lib.WG_SOLID
     points = (world.start.x, world.start.y, world.target.x, world.target.y)
     sx, sy, tx, ty = (metres_to_lattice(metres, side) for metres in points)
-    disc = disc_numbers(world)
-    nodes = (2 * world.height + 1, 2 * world.width + 1)
-    seen, stack = np.zeros(nodes, np.uint8), np.zeros(nodes[0] * nodes[1], np.int64)
-    return bool(surely_reaches(cells, disc, (sx, sy, tx, ty), target_sq(world), seen, stack))
+    disc = ffi.new("WgDisc *", disc_numbers(world))[0]
+    way = ffi.new("WgSegment *", (sx, sy, tx, ty))[0]
+    nodes = (2 * world.height + 1) * (2 * world.width + 1)
+    seen = writable(ffi, np.zeros(nodes, np.uint8), np.uint8)
+    stack = writable(ffi, np.zeros(nodes, np.int64), np.int64)
+    return bool(lib.wg_surely_reaches(grid_of(cells), disc, way, target_sq(world), seen, stack))
 
 
 def _moved_events(events: Ints, edit: CellEdit) -> Ints:
     """Events after rows or columns are dropped."""
-    column = layout.EVENT_IY if edit.kind == at.DROP_ROWS else layout.EVENT_IX
+    column = _IY if edit.kind == EditKind.DROP_ROWS else _IX
     place = events[:, column]
     kept = events[(place < edit.a) | (place >= edit.a + edit.b)].copy()
     kept[kept[:, column] >= edit.a + edit.b, column] -= edit.b

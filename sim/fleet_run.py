@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,7 @@ from sim.controllers.base import VectorController
 from sim.controllers.contract import flat_memory
 from sim.controllers.vector import ask
 from sim.kernels import layout
+from sim.kernels._bridge import reports_of, settings_of
 from sim.kernels.lattice_fleet import CLOCK_SIZE, Fleet, fleet_act, fleet_entries, fleet_move, fleet_set_out
 from sim.kernels.lattice_state import new_robot
 from sim.kernels.recurrence import MARKS, new_search
@@ -49,7 +51,7 @@ class FleetRun:
         self._starts, self._seeds = starts, seeds
         self._memory: Floats = np.zeros(0)
 
-    def run(self, *, digest: bool) -> tuple[Ints, Floats] | None:
+    def run(self, *, digest: bool) -> Any:
         """Runs all; as :meth:`sim.lattice_run.LatticeRun.run_many` reports it.
 
         ``None`` if the controller raised, or changed what is outside its memory: then no robot's run can be trusted
@@ -65,7 +67,7 @@ class FleetRun:
                 found = self._run(digest)
             except ControllerRaised:
                 return None
-        return found if hidden_state(self._controller) == before else None
+        return reports_of(*found) if hidden_state(self._controller) == before else None
 
     def _run(self, digest: bool) -> tuple[Ints, Floats]:
         can_loop = np.array([run.can_loop for run in self._runs])[self._world]
@@ -119,6 +121,7 @@ class FleetRun:
             entries: (n,) ``SET_ENTRY``.
         """
         runs, world, size = self._runs, self._world[robots], self._memory.size
+        packed = [settings_of(run.settings) for run in runs]
         arenas, counts = [run.arena() for run in runs], [run.events for run in runs]
         pages = world if any(map(len, counts)) else np.arange(len(runs))
         ends = np.cumsum([len(rows) for rows in counts])
@@ -139,8 +142,8 @@ class FleetRun:
             page=np.arange(n) if pages is world else world.copy(),
             world=world.copy(),
             span=np.stack([ends - [len(rows) for rows in counts], ends], axis=1),
-            settings=np.stack([runs[index].settings for index in world]),
-            scales=np.stack([run.scales for run in runs]),
+            settings=np.stack([packed[index][0] for index in world]),
+            scales=np.stack([scales for _, scales in packed]),
             state=np.zeros((n, layout.STATE_MEMORY + size), np.int64),
             odometry=np.zeros((n, 3)),
             chain=np.zeros((n, points, 3), np.int64),

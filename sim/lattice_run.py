@@ -1,29 +1,34 @@
-"""Packs a world for the lattice kernels, runs them, and reads the result back. No maths of its own."""
+"""Packs a world for the core's episodes, runs them, and reads the results. No maths of its own."""
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController, Controller, compiled_act, numba_config, robot_for, senses_of
+from sim._core import ffi, lib
+from sim.controllers.base import CompiledController, Controller, compiled_act, robot_for, senses_of
+from sim.controllers.core_act import CoreAct
 from sim.controllers.program import Misbehaviour
 from sim.crash_frames import crash_facts
-from sim.kernel_types import episode_types, typed_kernel
-from sim.kernels import layout
-from sim.kernels.geometry import NEAR, chessboard_clearance, near_masks, pose_is_clear
-from sim.kernels.lattice_batch import lattice_batch
-from sim.kernels.lattice_episode import lattice_episode
-from sim.kernels.lattice_sense import heading_table, sense
-from sim.kernels.lattice_state import Arena, Robot, Room, new_robot, new_room
-from sim.kernels.recurrence import entry_of_loop
+from sim.lattice_core import (
+    EVENT_FIELDS,
+    REPORT,
+    SENSES,
+    STATE_WORDS,
+    Arena,
+    Driver,
+    Episode,
+    Workspace,
+    copy_of,
+    grid_of,
+    near_masks,
+)
 from sim.long_runs import MOST_HELD, portions
 from sim.motion import MOTIONS
 from sim.outcome import Outcome
@@ -32,6 +37,7 @@ from sim.python_loop import PythonLoop
 from sim.robot_options import SIGNALS
 from sim.run_options import MAX_RECORDED, RunOptions, check_recordable, check_step_length
 from sim.trace import Trace, Words
+from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import (
     TURN,
     UNIT,
@@ -47,37 +53,26 @@ __all__ = ["LatticeRun"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
+Reports = npt.NDArray[Any]
 
 _ENDINGS = {
-    layout.LIMIT: "limit",
-    layout.REACHED: "reached",
-    layout.LOOP: "loop",
-    layout.TUNNEL: "tunnel",
-    layout.BURNED: "burned",
-    layout.INVALID_COMMAND: "invalid-command",
+    lib.WG_LIMIT: "limit",
+    lib.WG_REACHED: "reached",
+    lib.WG_LOOP: "loop",
+    lib.WG_TUNNEL: "tunnel",
+    lib.WG_BURNED: "burned",
+    lib.WG_INVALID_COMMAND: "invalid-command",
+    lib.WG_CRASH: "crash",
 }
+_STEP_TIME = 1 << 32  # parts of a step in which times are counted
+_MANY = 64  # runs in one call of the core
 
-
-@functools.cache
-def _headings() -> Ints:
-    return heading_table()
-
-
-@functools.cache
-def _typed(function: Any) -> Any:
-    """An episode kernel, typed for any compiled controller, so that it compiles once for all of them."""
-    if numba_config.DISABLE_JIT:
-        return function
-    arena, robot, room, act = episode_types()
-    ints = numba.int64[::1]
-    floats = numba.float64[::1]
-    rows = numba.int64[:, ::1]
-    numbers = (ints, floats, act, floats, room, robot)
-    signatures = {
-        lattice_episode: numba.void(arena, *numbers, rows, rows),
-        lattice_batch: numba.void(arena, arena, *numbers, rows, ints, rows, rows, numba.float64[:, ::1]),
-    }
-    return typed_kernel(function, signatures[function])
+# A recorded row: whether a wall was touched, then the state; and a point of the path.
+_BUMP = 0
+_STATE = 1
+_HEADING = 2  # in a state, after x and y
+_POINT_STEP, _POINT_TIME, _POINT_X, _POINT_Y = range(4)
+_POINT_FIELDS = 4
 
 
 class LatticeRun:
@@ -100,73 +95,78 @@ class LatticeRun:
         self._lean = lean
         check_step_length(world, options.time_step, Fraction(1, UNIT))
         motion = MOTIONS.get(options.motion)
-        self._cells = world.walls.astype(np.uint8)
+        self._cells = np.array(world.walls, np.uint8, order="C")
         self.events = _event_rows(world, options.time_step)
-        self.settings, self.scales = np.zeros(layout.SET_SIZE, np.int64), np.zeros(layout.SCALE_SIZE)
-        self._fill_settings(motion.code)
-        self._fill_scales(motion.overlap_tolerance)
-        self._near = np.zeros(world.walls.shape, np.int32)
-        near_masks(self._cells, self._near)
+        self.settings: Any = ffi.new("WgSettings *")
+        self._fill_settings(motion.code, motion.overlap_tolerance)
+        self._near = near_masks(self._cells)
         self._clearance = self._clearance_table()
 
-    def _fill_settings(self, motion_code: int) -> None:
+    def _fill_settings(self, motion_code: int, tolerance: float) -> None:
         world, settings = self.world, self.settings
-        clear_sq, reach = disc_numbers(world)
-        settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH] = clear_sq, reach
-        settings[layout.SET_X : layout.SET_HEADING + 1] = self.start_of(world.start)
-        settings[layout.SET_TARGET_X] = metres_to_lattice(world.target.x, world.cell_size)
-        settings[layout.SET_TARGET_Y] = metres_to_lattice(world.target.y, world.cell_size)
-        settings[layout.SET_TARGET_SQ] = target_sq(world)
-        settings[layout.SET_MOTION] = motion_code
-        robot = self.options.robot
-        settings[layout.SET_SENSES] = senses_of(self.controller) & ~(0 if robot.beams else layout.SENSE_BEAMS)
-        settings[layout.SET_BEAMS], settings[layout.SET_SENSOR_CELLS] = robot.beams, robot.sensor_cells
-        settings[layout.SET_SIGNAL] = SIGNALS.index(robot.signal)
-        settings[layout.SET_SMOKE_REACH] = robot.smoke_reach
-        settings[layout.SET_PLAIN_SENSOR] = int(robot.plain_sensor)
-        settings[layout.SET_LATTICE] = UNIT // robot.lattice if robot.lattice else 1
-        settings[layout.SET_COIN] = robot.coin
-        settings[layout.SET_SEED] = np.uint64(self.options.seed).astype(np.int64)
+        step = self.options.time_step
+        settings.clear_sq, settings.reach = disc_numbers(world)
+        settings.start_x, settings.start_y, settings.start_heading = self.start_of(world.start)
+        settings.target_x = metres_to_lattice(world.target.x, world.cell_size)
+        settings.target_y = metres_to_lattice(world.target.y, world.cell_size)
+        settings.target_radius_sq = target_sq(world)
+        settings.motion = motion_code
+        settings.seed = self.options.seed
 
-    def _fill_scales(self, tolerance: float) -> None:
-        world, scales, step = self.world, self.scales, self.options.time_step
-        scales[layout.SCALE_METRES] = float(exact(world.cell_size) / UNIT)
-        scales[layout.SCALE_SPEED] = float(exact(step) / exact(world.cell_size) * UNIT)
-        scales[layout.SCALE_TURN] = step * (TURN / (2.0 * math.pi))
-        scales[layout.SCALE_RADIANS] = 2.0 * math.pi / TURN
-        scales[layout.SCALE_TIME_STEP] = step
-        scales[layout.SCALE_TOP_SPEED], scales[layout.SCALE_RADIUS] = world.robot_speed, world.robot_radius
-        scales[layout.SCALE_TOLERANCE] = tolerance * UNIT
-        self._fill_robot_scales()
+        # Between the lattice and SI units.
+        settings.metres = float(exact(world.cell_size) / UNIT)
+        settings.speed = float(exact(step) / exact(world.cell_size) * UNIT)
+        settings.turn = step * (TURN / (2.0 * math.pi))
+        settings.radians = 2.0 * math.pi / TURN
+        settings.time_step = step
+        settings.top_speed = world.robot_speed
+        settings.radius = world.robot_radius
+        settings.tolerance = tolerance * UNIT
         if isinstance(self.controller, CompiledController):
-            scales[layout.SCALE_START_SPEED] = min(self.controller.start_speed, world.robot_speed)
+            settings.start_speed = min(self.controller.start_speed, world.robot_speed)
+        self._fill_dynamics()
+        self._fill_sensors()
 
-    def _fill_robot_scales(self) -> None:
-        """Dynamics and sensors; an option that is off becomes a limit that nothing reaches."""
-        scales, robot, step = self.scales, self.options.robot, self.options.time_step
-        gain = step * scales[layout.SCALE_SPEED] * layout.SPEED_UNIT
-        scales[layout.SCALE_TURN_LIMIT] = robot.turn_limit or math.inf
-        scales[layout.SCALE_GAIN] = max(1.0, robot.acceleration * gain) if robot.acceleration else math.inf
-        scales[layout.SCALE_LOSS] = max(1.0, robot.friction * gain) if robot.friction else math.inf
-        scales[layout.SCALE_WALL_FRICTION], scales[layout.SCALE_SLIP] = robot.wall_friction, robot.slip
-        scales[layout.SCALE_ODOMETRY_NOISE] = robot.odometry_noise
-        unit = scales[layout.SCALE_METRES]
-        scales[layout.SCALE_SENSOR_RANGE] = robot.sensor_range / unit if robot.sensor_range else math.inf
-        scales[layout.SCALE_SENSOR_FIELD] = _units(robot.sensor_field or 2 * math.pi) / 2
-        scales[layout.SCALE_SENSOR_NOISE], scales[layout.SCALE_SMOKE] = robot.sensor_noise, robot.smoke
-        scales[layout.SCALE_BEAM_RANGE] = robot.beam_range / unit
-        scales[layout.SCALE_BEAM_FIELD] = _units(robot.beam_field or 2 * math.pi)
-        scales[layout.SCALE_BEAM_NOISE], scales[layout.SCALE_BEAM_DROPOUT] = robot.beam_noise, robot.beam_dropout
+    def _fill_dynamics(self) -> None:
+        """An option that is off becomes a limit that nothing reaches."""
+        settings, robot = self.settings, self.options.robot
+        gain = self.options.time_step * settings.speed * lib.WG_SPEED_UNIT
+        settings.turn_limit = robot.turn_limit or math.inf
+        settings.gain = max(1.0, robot.acceleration * gain) if robot.acceleration else math.inf
+        settings.loss = max(1.0, robot.friction * gain) if robot.friction else math.inf
+        settings.wall_friction = robot.wall_friction
+        settings.slip = robot.slip
+        settings.odometry_noise = robot.odometry_noise
+        settings.lattice = UNIT // robot.lattice if robot.lattice else 1
+
+    def _fill_sensors(self) -> None:
+        settings, robot = self.settings, self.options.robot
+        unit = settings.metres
+        settings.senses = senses_of(self.controller) & ~(0 if robot.beams else lib.WG_SENSE_BEAMS)
+        settings.sensor_cells = robot.sensor_cells
+        settings.signal = SIGNALS.index(robot.signal)
+        settings.plain_sensor = int(robot.plain_sensor)
+        settings.sensor_range = robot.sensor_range / unit if robot.sensor_range else math.inf
+        settings.sensor_field = _units(robot.sensor_field or 2 * math.pi) / 2
+        settings.sensor_noise = robot.sensor_noise
+        settings.smoke = robot.smoke
+        settings.smoke_reach = robot.smoke_reach
+        settings.beams = robot.beams
+        settings.beam_range = robot.beam_range / unit
+        settings.beam_field = _units(robot.beam_field or 2 * math.pi)
+        settings.beam_noise = robot.beam_noise
+        settings.beam_dropout = robot.beam_dropout
+        settings.coin = robot.coin
 
     def _clearance_table(self) -> npt.NDArray[np.int32]:
         """Distances to cells that are ever not free; of no rows where the masks reach as far as the fastest step."""
-        fastest = int(self.scales[layout.SCALE_TOP_SPEED] * self.scales[layout.SCALE_SPEED]) + 1
-        if self.settings[layout.SET_REACH] + fastest <= NEAR * UNIT:
+        fastest = int(self.settings.top_speed * self.settings.speed) + 1
+        if self.settings.reach + fastest <= lib.WG_NEAR * UNIT:
             return np.zeros((0, 0), np.int32)
         ever, line = self._cells.copy(), self.world.timeline
         np.maximum.at(ever, (line.iy, line.ix), line.states)  # a cell may change more than once
         table = np.zeros(ever.shape, np.int32)
-        chessboard_clearance(ever, table)
+        lib.wg_chessboard_clearance(grid_of(ever), writable(ffi, table, np.int32))
         return table
 
     def start_of(self, pose: Pose) -> tuple[int, int, int]:
@@ -177,28 +177,28 @@ class LatticeRun:
         """
         side, settings = self.world.cell_size, self.settings
         x, y = metres_to_lattice(pose.x, side), metres_to_lattice(pose.y, side)
-        clear_sq, reach = int(settings[layout.SET_CLEAR_SQ]), int(settings[layout.SET_REACH])
+        grid = grid_of(self._cells)
+        disc = ffi.new("WgDisc *", (settings.clear_sq, settings.reach))[0]
         near = sorted(((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)), key=lambda d: (d[0] ** 2 + d[1] ** 2, d))
         for dx, dy in near:
-            if pose_is_clear(self._cells, layout.SOLID, clear_sq, reach, x + dx, y + dy):
+            if lib.wg_disc_is_clear(grid, lib.WG_SOLID, disc, x + dx, y + dy):
                 return x + dx, y + dy, heading_to_lattice(pose.heading)
         raise start_overlaps(replace(self.world, start=pose))
 
     @property
     def last_event_step(self) -> int:
         """Step in which the world changes for the last time; 0 if it never does."""
-        return int(self.events[-1, layout.EVENT_STEP]) if len(self.events) else 0
+        return int(self.events[-1, 0]) if len(self.events) else 0
 
     def run(self, steps: int, *, find_loop: bool, record: bool, digest: bool = True) -> Outcome:
         """Runs up to ``steps`` steps from the start; with ``find_loop`` a recurrence ends the run."""
-        self.settings[layout.SET_STEPS], self.settings[layout.SET_DIGEST] = steps, int(digest)
-        self.settings[layout.SET_FIND_LOOP] = layout.SEEK_LOOP if find_loop and self.can_loop else layout.NO_LOOP
+        self.settings.steps, self.settings.digest = steps, int(digest)
+        self.settings.find_loop = lib.WG_SEEK_LOOP if find_loop and self.can_loop else lib.WG_NO_LOOP
         if isinstance(self.controller, CompiledController):
             return self._run_compiled(self.controller, record)[0]
-        loop = PythonLoop(self.controller, self.arena(), self.settings, self.scales, self.world)
+        loop = PythonLoop(self.controller, self.arena(), self.settings, self.world)
         loop.run(steps, record=record)
-        entry = self._entry(loop.room, loop.robot)
-        return self._outcome(loop.robot, loop.recording(), entry, loop.complete, loop.fault)
+        return self._outcome(loop.episode, loop.recording(), loop.complete, loop.fault)
 
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`.
@@ -208,10 +208,10 @@ class LatticeRun:
         if not isinstance(self.controller, CompiledController):
             return self._prove_by_recording(entry, period, record)
         settings = self.settings
-        settings[layout.SET_STEPS], settings[layout.SET_DIGEST] = entry + period, 1
-        settings[layout.SET_FIND_LOOP], settings[layout.SET_ENTRY] = layout.PROVE_LOOP, entry
-        outcome, room = self._run_compiled(self.controller, record)
-        return (outcome, room.search.known.view(np.uint64)) if outcome.ending == "loop" else None
+        settings.steps, settings.digest = entry + period, 1
+        settings.find_loop, settings.loop_entry = lib.WG_PROVE_LOOP, entry
+        outcome, episode = self._run_compiled(self.controller, record)
+        return (outcome, episode.known_words()) if outcome.ending == "loop" else None
 
     def _prove_by_recording(self, entry: int, period: int, record: bool) -> tuple[Outcome, Words] | None:
         if record:
@@ -245,19 +245,19 @@ class LatticeRun:
         What a controller does not declare among its ``senses`` it does not get, so noise there decides nothing.
         """
         robot = self.options.robot
-        noisy = layout.SENSE_TIME
+        noisy = lib.WG_SENSE_TIME
         if robot.odometry_noise > 0.0:
-            noisy |= layout.SENSE_ODOMETRY
+            noisy |= lib.WG_SENSE_ODOMETRY
         if robot.sensor_noise > 0.0:
-            noisy |= layout.SENSE_SIGNAL | layout.SENSE_SIGNAL_HEADING
+            noisy |= lib.WG_SENSE_SIGNAL | lib.WG_SENSE_SIGNAL_HEADING
         if robot.beam_noise > 0.0 or robot.beam_dropout > 0.0:
-            noisy |= layout.SENSE_BEAMS
-        return robot.slip == 0.0 and not self.settings[layout.SET_SENSES] & noisy
+            noisy |= lib.WG_SENSE_BEAMS
+        return robot.slip == 0.0 and not self.settings.senses & noisy
 
     def run_many(
         self, controller: CompiledController, starts: Ints, seeds: npt.NDArray[np.uint64], *, digest: bool
-    ) -> tuple[Ints, Floats]:
-        """Runs many episodes in one call of the kernel; several threads may do so at once.
+    ) -> Reports:
+        """Runs many episodes in few calls of the core; several threads may do so at once.
 
         Args:
             controller: The controller of this run.
@@ -266,111 +266,109 @@ class LatticeRun:
             digest: Whether to work out the traces' digests.
 
         Returns:
-            (n, OUT_SIZE) int64 ``OUT_``, and (n, SUM_SIZE) ``SUM_``.
+            (n,) reports, :data:`sim.lattice_core.REPORT`; fewer if the controller failed in one, which is the last.
         """
-        settings = self.settings.copy()
-        settings[layout.SET_STEPS], settings[layout.SET_DIGEST] = self.options.steps, int(digest)
-        settings[layout.SET_FIND_LOOP] = layout.SEEK_LOOP if self.can_loop else layout.NO_LOOP
-        counts, sums = np.zeros((len(seeds), layout.OUT_SIZE), np.int64), np.zeros((len(seeds), layout.SUM_SIZE))
-        memory, act = np.array(controller.memory, np.float64), compiled_act(controller.act)
-        room = self._room(memory.size, settings)
-        robot = new_robot(memory.size, self.events)
-        _typed(lattice_batch)(
-            self.arena(), self.arena(), settings, self.scales, act, memory, room, robot, starts, seeds.view(np.int64),
-            np.zeros((0, 1), np.int64), counts, sums,
-        )  # fmt: skip
-        return counts, sums
+        settings = copy_of(self.settings)
+        settings.steps, settings.digest = self.options.steps, int(digest)
+        settings.find_loop = lib.WG_SEEK_LOOP if self.can_loop else lib.WG_NO_LOOP
+        fresh = self.arena()
+        episode = Episode(self.arena(), settings, Driver(controller, controller.memory))
+        reports = np.zeros(len(seeds), REPORT)
+        for first in range(0, len(seeds), _MANY):
+            part = slice(first, first + _MANY)
+            into = ffi.cast("WgReport *", ffi.from_buffer(reports[part], require_writable=True))
+            own, numbers = np.ascontiguousarray(starts[part]), np.ascontiguousarray(seeds[part])
+            places = ffi.cast("WgStart *", pointer(ffi, own, np.int64))
+            check(
+                lib.wg_run_many(
+                    episode.c, settings, fresh.c, places, pointer(ffi, numbers, np.uint64), len(numbers), into
+                )
+            )
+            if (reports["ending"][part] == lib.WG_CRASH).any():
+                return reports[: first + int((reports["ending"][part] == lib.WG_CRASH).argmax()) + 1]
+        return reports
 
     def sensed_of_walls(self, states: Ints) -> Floats:
-        """What the controller senses, of all that walls decide beside contact, before the first event.
+        """What the controller senses, of all that walls decide besides contact, before the first event.
 
         Args:
-            states: (n, 3) ``STATE_X``, ``STATE_Y``, ``STATE_HEADING``.
+            states: (n, 3) x, y and heading, lattice units.
 
         Returns:
-            (n, OBS_SIZE + beams) observations in which the signal and the beams count, if it looks at them.
+            (n, 17 + beams) observations in which the signal and the beams count, if it looks at them.
         """
-        settings = self.settings.copy()
-        settings[layout.SET_SENSES] &= layout.SENSE_SIGNAL | layout.SENSE_SIGNAL_HEADING | layout.SENSE_BEAMS
-        seen = np.zeros((len(states), layout.OBS_SIZE + self.options.robot.beams))
-        nowhere = np.zeros(3)
-        for state, observation in zip(states, seen, strict=True):
-            sense(self._cells, _headings(), settings, self.scales, state, nowhere, (0.0, 0.0), 0, observation)
+        settings = copy_of(self.settings)
+        settings.senses &= lib.WG_SENSE_SIGNAL | lib.WG_SENSE_SIGNAL_HEADING | lib.WG_SENSE_BEAMS
+        seen = np.zeros((len(states), SENSES + self.options.robot.beams))
+        poses = np.ascontiguousarray(states)
+        arena = self.arena()
+        starts = ffi.cast("WgStart *", pointer(ffi, poses, np.int64))
+        check(lib.wg_sensed_of_walls(arena.c, settings, starts, len(poses), writable(ffi, seen, np.float64)))
         return seen
 
     def arena(self) -> Arena:
         """The world before the first event."""
-        visited = np.zeros(self._cells.shape, np.uint8)
-        visited[self._cell_of(layout.SET_Y, 0), self._cell_of(layout.SET_X, 1)] = 1
+        visited: npt.NDArray[np.uint8] = np.zeros_like(self._cells)
+        height, width = visited.shape
+        row = min(int(self.settings.start_y) // UNIT, height - 1)
+        visited[row, min(int(self.settings.start_x) // UNIT, width - 1)] = 1
         near = self._near.copy() if len(self.events) else self._near
-        return Arena(self._cells.copy(), near, self._clearance, self.events, _headings(), visited)
+        return Arena(self._cells.copy(), near, self._clearance, self.events, visited)
 
-    def _cell_of(self, setting: int, axis: int) -> int:
-        """Row or column of the start."""
-        return int(min(self.settings[setting] // UNIT, self._cells.shape[axis] - 1))
-
-    def _room(self, memory: int, settings: Ints) -> Room:
-        """Room for one run, with a log if it looks for a recurrence."""
-        seeks = settings[layout.SET_FIND_LOOP] == layout.SEEK_LOOP
-        return new_room(memory, self.options.robot.beams, int(settings[layout.SET_STEPS]) if seeks else 0)
-
-    def _entry(self, room: Room | None, robot: Robot) -> int:
-        """Where the loop begins with which a run has ended; -1 if it ended otherwise."""
-        counts = robot.counts
-        if room is None or counts[layout.OUT_ENDING] != layout.LOOP:
-            return -1
-        end = int(counts[layout.OUT_STEPS])
-        period = int(counts[layout.OUT_PERIOD])
-        if self.settings[layout.SET_FIND_LOOP] == layout.PROVE_LOOP:
-            return end - period
-        return int(entry_of_loop(room.search.log, self.last_event_step, end, period))
-
-    def _run_compiled(self, controller: CompiledController, record: bool) -> tuple[Outcome, Room]:
-        nothing = np.zeros((0, 1), np.int64)
-        robot, room, fault = self._episode(controller, nothing, nothing)
-        entry = self._entry(room, robot)
+    def _run_compiled(self, controller: CompiledController, record: bool) -> tuple[Outcome, Episode]:
+        episode = self._episode(controller)
+        episode.run_to_the_end()
+        fault = self._fault(controller, episode) if episode.report.ending == lib.WG_CRASH else None
         if not record:
-            return self._outcome(robot, None, entry, fault=fault), room
-        done, points = int(robot.counts[layout.OUT_STEPS]), int(robot.counts[layout.OUT_POINTS])
-        if self._lean and 8 * (done + 1) * (layout.ROW_STATE + robot.state.size) > MOST_HELD:
-            outcome = self._outcome(robot, None, entry, fault=fault)
-            return replace(outcome, trace=self._lean_trace(controller, done, points)), room
-        rows = np.zeros((done + 1, layout.ROW_STATE + robot.state.size), np.int64)
-        path = np.zeros((points, layout.POINT_SIZE), np.int64)
-        robot, room, fault = self._episode(controller, rows, path)
-        return self._outcome(robot, (rows, path), entry, fault=fault), room
+            return self._outcome(episode, None, fault=fault), episode
+        done, points = int(episode.report.steps), int(episode.report.points)
+        if self._lean and 8 * (done + 1) * (_STATE + episode.words) > MOST_HELD:
+            outcome = self._outcome(episode, None, fault=fault)
+            return replace(outcome, trace=self._lean_trace(controller, done, points)), episode
+        rows = np.zeros((done + 1, _STATE + episode.words), np.int64)
+        path = np.zeros((points, _POINT_FIELDS), np.int64)
+        episode = self._episode(controller)
+        rows[0, _STATE:] = episode.state_words()
+        episode.record(rows[1:], path)
+        episode.run_to_the_end()
+        return self._outcome(episode, (rows, path), fault=fault), episode
 
-    def _episode(
-        self, controller: CompiledController, rows: Ints, path: Ints
-    ) -> tuple[Robot, Room, Misbehaviour | None]:
-        """One run of the kernel, and what the controller raised."""
-        memory = np.array(controller.memory, np.float64)
-        robot = new_robot(memory.size, self.events)
-        room = self._room(memory.size, self.settings)
-        act = compiled_act(controller.act)
-        fault = None
+    def _episode(self, controller: CompiledController) -> Episode:
+        return Episode(self.arena(), self.settings, Driver(controller, controller.memory))
+
+    def _fault(self, controller: CompiledController, failed: Episode) -> Misbehaviour:
+        """What the controller raised in the last step of an episode: found by asking it once more, in Python."""
+        settings = copy_of(self.settings)
+        settings.find_loop = lib.WG_NO_LOOP
+        episode = Episode(self.arena(), settings, Driver(controller, controller.memory))
+        episode.run(int(failed.report.steps) - 1)
+        episode.c.controller.act = ffi.NULL  # from here on the episode stops where the controller is to act
+        episode.c.controller.flat = ffi.NULL
+        lib.wg_episode_step(episode.c)
+        room = Workspace(episode)
+        act = controller.act if isinstance(controller.act, CoreAct) else compiled_act(controller.act)
         try:
-            _typed(lattice_episode)(self.arena(), self.settings, self.scales, act, memory, room, robot, rows, path)
-        except Exception as error:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
+            act(room.observation, room.memory, room.command)
+        except Exception as error:  # noqa: BLE001 - a controller may raise anything
             facts = crash_facts(error, controller) or {"message": str(error)}
-            fault = Misbehaviour("crash", f"{type(error).__name__}: {error}", facts)
-        return robot, room, fault
+            return Misbehaviour("crash", f"{type(error).__name__}: {error}", facts)
+        return Misbehaviour("crash", ffi.string(failed.report.error).decode("utf-8", "replace"))
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
         """The recording without the memory, which it can recall."""
-        settings, size = self.settings.copy(), len(controller.memory)
-        settings[layout.SET_FIND_LOOP] = layout.NO_LOOP
-        rows = np.zeros((steps + 1, layout.ROW_STATE + layout.STATE_MEMORY), np.int64)
-        path, filled = np.zeros((points, layout.POINT_SIZE), np.int64), 0
-        for portion in portions(controller, self.arena(), settings, self.scales, steps):
+        settings, size = copy_of(self.settings), len(controller.memory)
+        settings.find_loop = lib.WG_NO_LOOP
+        rows = np.zeros((steps + 1, _STATE + STATE_WORDS), np.int64)
+        path, filled = np.zeros((points, _POINT_FIELDS), np.int64), 0
+        for portion in portions(controller, self.arena(), settings, steps):
             steps, new = portion.first + len(portion.rows) - 1, len(portion.path)
             rows[portion.first : steps + 1] = portion.rows[:, : rows.shape[1]]
             path[filled : filled + new] = portion.path
             filled += new
 
         def recall(at: Ints, take: Callable[[int, Floats], None]) -> None:
-            for first, states, _ in portions(controller, self.arena(), settings, self.scales, int(at[-1])):
-                memories = states[:, layout.ROW_STATE + layout.STATE_MEMORY :].view(np.float64)
+            for first, states, _ in portions(controller, self.arena(), settings, int(at[-1])):
+                memories = states[:, _STATE + STATE_WORDS :].view(np.float64)
                 begin, end = np.searchsorted(at, (first, first + len(states)))
                 for step in at[begin:end].tolist():
                     take(step, memories[step - first])
@@ -379,32 +377,27 @@ class LatticeRun:
 
     def _outcome(
         self,
-        robot: Robot,
+        episode: Episode | None,
         recording: tuple[Ints, Ints] | None,
-        entry: int,
         complete: bool = True,
         fault: Misbehaviour | None = None,
     ) -> Outcome:
-        counts = robot.counts
-
-        def cell(first: int) -> tuple[int, int]:
-            return int(counts[first]), int(counts[first + 1])
-
+        report: Any = episode.report if episode else ffi.new("WgReport *")
         return Outcome(
-            ending=fault.verdict if fault else _ENDINGS[int(counts[layout.OUT_ENDING])],
-            steps=int(counts[layout.OUT_STEPS]),
-            period=int(counts[layout.OUT_PERIOD]),
-            entry=entry,
-            path_length=float(robot.sums[layout.SUM_PATH]) * float(self.scales[layout.SCALE_METRES]),
-            collisions=int(counts[layout.OUT_COLLISIONS]),
-            digest=f"{int(counts[layout.OUT_DIGEST]) & (2**64 - 1):016x}",
-            last_new_cell=int(counts[layout.OUT_LAST_NEW_CELL]),
-            hit_step=int(counts[layout.OUT_HIT_STEP]),
-            hit_cell=cell(layout.OUT_HIT_IX),
-            hit_state=CellState(int(counts[layout.OUT_HIT_STATE])).word,
-            overlap_step=int(counts[layout.OUT_OVERLAP_STEP]),
-            overlap_cell=cell(layout.OUT_OVERLAP_IX),
-            random_draws=int(robot.state[layout.STATE_DRAWS]),
+            ending=fault.verdict if fault else _ENDINGS[int(report.ending)],
+            steps=int(report.steps),
+            period=int(report.period),
+            entry=episode.entry if episode else -1,
+            path_length=float(report.path_length) * float(self.settings.metres),
+            collisions=int(report.collisions),
+            digest=f"{int(report.digest):016x}",
+            last_new_cell=int(report.last_new_cell),
+            hit_step=int(report.hit_step),
+            hit_cell=(int(report.hit_ix), int(report.hit_iy)),
+            hit_state=CellState(int(report.hit_state)).word,
+            overlap_step=int(report.overlap_step),
+            overlap_cell=(int(report.overlap_ix), int(report.overlap_iy)),
+            random_draws=int(episode.state.draws) if episode else 0,
             complete=complete,
             fault={"error": fault.error, **fault.evidence} if fault else {},
             trace=None if recording is None else self._trace(*recording, complete),
@@ -412,43 +405,43 @@ class LatticeRun:
 
     def _trace(self, rows: Ints, path: Ints, complete: bool, *, lean: bool = False) -> Trace:
         """The recorded rows in metres and radians."""
-        states, side = rows[:, layout.ROW_STATE :], self.world.cell_size
-        turned = states[:, layout.STATE_HEADING]
+        states, side = rows[:, _STATE:], self.world.cell_size
+        turned = states[:, _HEADING]
         way = _with_stands(rows, path)
         return Trace(
             time_step=self.options.time_step,
-            x=_metres(states[:, layout.STATE_X], side),
-            y=_metres(states[:, layout.STATE_Y], side),
-            heading=np.where(turned > TURN // 2, turned - TURN, turned) * float(self.scales[layout.SCALE_RADIANS]),
-            bump=rows[:, layout.ROW_BUMP] != 0,
-            path_x=_metres(way[:, layout.POINT_X], side),
-            path_y=_metres(way[:, layout.POINT_Y], side),
-            path_step=way[:, layout.POINT_STEP].copy(),
-            path_share=way[:, layout.POINT_TIME] / layout.TIME_UNIT,
+            x=_metres(states[:, 0], side),
+            y=_metres(states[:, 1], side),
+            heading=np.where(turned > TURN // 2, turned - TURN, turned) * float(self.settings.radians),
+            bump=rows[:, _BUMP] != 0,
+            path_x=_metres(way[:, _POINT_X], side),
+            path_y=_metres(way[:, _POINT_Y], side),
+            path_step=way[:, _POINT_STEP].copy(),
+            path_share=way[:, _POINT_TIME] / _STEP_TIME,
             words=np.zeros(0, np.uint64) if lean else _words(rows, path),
             states=np.ascontiguousarray(states).view(np.uint64),
             complete=complete and not lean,
-            memory_at=-1 if lean else layout.STATE_MEMORY,
+            memory_at=-1 if lean else STATE_WORDS,
         )
 
 
 def _with_stands(rows: Ints, path: Ints) -> Ints:
     """The path from the start on, with a point at the end of each step in which the robot came to stand."""
     last = np.zeros(len(rows), np.int64)
-    np.maximum.at(last, path[:, layout.POINT_STEP], path[:, layout.POINT_TIME])
+    np.maximum.at(last, path[:, _POINT_STEP], path[:, _POINT_TIME])
     last[0] = -1  # the start
-    stands = np.flatnonzero(last < layout.TIME_UNIT)
-    ends = np.empty((len(stands), layout.POINT_SIZE), np.int64)
-    ends[:, layout.POINT_STEP], ends[:, layout.POINT_TIME] = stands, np.where(stands > 0, layout.TIME_UNIT, 0)
-    ends[:, layout.POINT_X] = rows[stands, layout.ROW_STATE + layout.STATE_X]
-    ends[:, layout.POINT_Y] = rows[stands, layout.ROW_STATE + layout.STATE_Y]
+    stands = np.flatnonzero(last < _STEP_TIME)
+    ends = np.empty((len(stands), _POINT_FIELDS), np.int64)
+    ends[:, _POINT_STEP], ends[:, _POINT_TIME] = stands, np.where(stands > 0, _STEP_TIME, 0)
+    ends[:, _POINT_X] = rows[stands, _STATE]
+    ends[:, _POINT_Y] = rows[stands, _STATE + 1]
     whole = np.concatenate([path, ends])
-    return whole[np.lexsort((whole[:, layout.POINT_TIME], whole[:, layout.POINT_STEP]))]
+    return whole[np.lexsort((whole[:, _POINT_TIME], whole[:, _POINT_STEP]))]
 
 
 def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:
     """What the digest runs over: of each step the contact, the points of its path, and the state after it."""
-    steps = np.concatenate([np.arange(1, len(rows)), path[:, layout.POINT_STEP], np.arange(1, len(rows))])
+    steps = np.concatenate([np.arange(1, len(rows)), path[:, _POINT_STEP], np.arange(1, len(rows))])
     kinds = np.repeat([0, 1, 2], [len(rows) - 1, len(path), len(rows) - 1])
     order = np.lexsort((np.arange(len(steps)), kinds, steps))
     width = np.array([1, 3, rows.shape[1] - 1])[kinds]
@@ -457,11 +450,11 @@ def _words(rows: Ints, path: Ints) -> npt.NDArray[np.uint64]:
     places = np.empty(len(steps), np.int64)
     places[order] = starts[:-1]
     words = np.empty(starts[-1], np.int64)
-    words[places[kinds == 0]] = rows[1:, layout.ROW_BUMP]
-    for k, column in enumerate((layout.POINT_X, layout.POINT_Y, layout.POINT_TIME)):
+    words[places[kinds == 0]] = rows[1:, _BUMP]
+    for k, column in enumerate((_POINT_X, _POINT_Y, _POINT_TIME)):
         words[places[kinds == 1] + k] = path[:, column]
     for k in range(rows.shape[1] - 1):
-        words[places[kinds == 2] + k] = rows[1:, layout.ROW_STATE + k]
+        words[places[kinds == 2] + k] = rows[1:, _STATE + k]
     return words.view(np.uint64)
 
 
@@ -481,7 +474,6 @@ def _metres(units: Ints, cell_size: float) -> Floats:
 def _event_rows(world: World, time_step: float) -> Ints:
     """Events as the kernel takes them, sorted by time."""
     rows = [
-        (*event_time(event, time_step, layout.TIME_UNIT), event.ix, event.iy, int(event.state))
-        for event in world.timeline
+        (*event_time(event, time_step, _STEP_TIME), event.ix, event.iy, int(event.state)) for event in world.timeline
     ]
-    return np.array(rows, np.int64).reshape(-1, layout.EVENT_SIZE)
+    return np.array(rows, np.int64).reshape(-1, EVENT_FIELDS)

@@ -19,16 +19,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from sim._core import lib
 from sim.controllers.base import Command, Memory, Observation, PythonController, VectorController, wants_world
 from sim.controllers.contract import flat_memory, no_command, no_memory
 from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour, WantsMemory
 from sim.controllers.vector import ask
 from sim.crash_frames import crash_facts
-from sim.kernels import layout
-from sim.kernels.lattice_episode import lattice_steps
-from sim.kernels.lattice_motion import MOST_POINTS
-from sim.kernels.lattice_state import Arena, Room, new_robot, new_room
+from sim.lattice_core import MOST_CORNERS, Arena, Driver, Episode, Workspace
 from sim.stopping import OutOfTime, in_time
 from worldgen.neighbours import neighbours_of
 from worldgen.progress import working
@@ -44,28 +42,21 @@ _COMMAND = struct.Struct("3d")  # CMD_SPEED, CMD_TURN_RATE, CMD_DRAW
 
 
 class PythonLoop:
-    """One episode; read ``robot``, ``room``, ``complete`` and ``fault``, and :meth:`recording`, after :meth:`run`.
+    """One episode; read ``episode``, ``complete`` and ``fault``, and :meth:`recording`, after :meth:`run`.
 
     Args:
         controller: What runs.
         arena: Surroundings at the start.
-        settings: As for the compiled episode.
-        scales: Likewise.
+        settings: WgSettings, as for a compiled controller.
         world: What a controller that plans first is told.
     """
 
     def __init__(
-        self,
-        controller: PythonController | VectorController,
-        arena: Arena,
-        settings: Ints,
-        scales: Floats,
-        world: World,
+        self, controller: PythonController | VectorController, arena: Arena, settings: Any, world: World
     ) -> None:
         self._world = world
-        self._controller, self._arena, self._settings, self._scales = controller, arena, settings, scales
-        self.robot = new_robot(0, arena.events)
-        self.room: Room | None = None
+        self._controller, self._arena, self._settings = controller, arena, settings
+        self.episode: Episode | None = None
         self.complete = True
         self.fault: Misbehaviour | None = None
         self._rows, self._path = np.zeros((0, 1), np.int64), np.zeros((0, 1), np.int64)
@@ -79,7 +70,7 @@ class PythonLoop:
         if isinstance(self._controller, ProcessController):
             self.complete = False
             self._controller.start()  # outside the guard: a program that is not there is nobody's crash
-            self._settings[layout.SET_FIND_LOOP] = layout.NO_LOOP
+            self._settings.find_loop = lib.WG_NO_LOOP
             self._guarded(steps, record)
             return
         hidden = hidden_state(self._controller)
@@ -92,11 +83,12 @@ class PythonLoop:
 
         ``None`` of a run that was not recorded, or whose controller failed in ``reset``.
         """
-        if not len(self._rows):
+        if self.episode is None or not len(self._rows):
             return None
-        done = int(self.robot.counts[layout.OUT_STEPS]) - (self.fault is not None)
-        written = self._path[: int(self.robot.counts[layout.OUT_POINTS])]
-        return self._rows[: max(done, 0) + 1], written[written[:, layout.POINT_STEP] > 0]
+        report = self.episode.report
+        done = int(report.steps) - (self.fault is not None)
+        written = self._path[: int(report.points)]
+        return self._rows[: max(done, 0) + 1], written[written[:, 0] > 0]
 
     def _guarded(self, steps: int, record: bool) -> None:
         try:
@@ -110,22 +102,18 @@ class PythonLoop:
             self.fault = crash_of(error, self._controller)
 
     def _episode(self, memory: Memory, steps: int, record: bool) -> None:
-        """Lets the kernel stop in each step, and the controller act."""
-        events, size = self._arena.events, len(memory)
-        self.robot = robot = new_robot(size, events)
-        seeks = self._settings[layout.SET_FIND_LOOP] == layout.SEEK_LOOP
-        self.room = room = new_room(size, int(self._settings[layout.SET_BEAMS]), steps if seeks else 0)
+        """Lets the core stop in each step, and the controller act."""
+        self._settings.steps = steps
+        self.episode = episode = Episode(self._arena, self._settings, Driver(None, memory))
         if record:
-            self._rows = np.zeros((steps + 1, layout.ROW_STATE + robot.state.size), np.int64)
-            self._path = np.zeros((MOST_POINTS * (steps + len(events)), layout.POINT_SIZE), np.int64)
-        self._settings[layout.SET_STEPS] = steps
-        start = np.array(memory, np.float64)
-        stops = in_time(
-            lattice_steps(self._arena, self._settings, self._scales, start, room, robot, self._rows, self._path)
-        )
+            self._rows = np.zeros((steps + 1, 1 + episode.words), np.int64)
+            self._path = np.zeros((MOST_CORNERS * (steps + len(self._arena.events)), 4), np.int64)
+            self._rows[0, 1:] = episode.state_words()
+            episode.record(self._rows[1:], self._path)
+        stops = in_time(iter(functools.partial(lib.wg_episode_step, episode.c), lib.WG_OVER))
         with working("running the controller", often=True) as work:
-            work.say(lambda: f"step {robot.counts[layout.OUT_STEPS]:,} of at most {steps:,}")
-            driver_of(self._controller)(stops, room, memory)
+            work.say(lambda: f"step {episode.report.steps:,} of at most {steps:,}")
+            driver_of(self._controller)(stops, Workspace(episode), memory)
 
 
 def crash_of(error: BaseException, controller: object) -> Misbehaviour:
@@ -156,7 +144,7 @@ def memory_at_start(controller: PythonController | VectorController, world: Worl
     return flat_memory(resetting.reset(replace(world, certificate=None, provenance=None, failure=None)))
 
 
-def driver_of(controller: PythonController | VectorController) -> Callable[[Iterable[int], Room, Memory], Memory]:
+def driver_of(controller: PythonController | VectorController) -> Callable[[Iterable[int], Any, Memory], Memory]:
     """Return what lets a controller act wherever a kernel stops.
 
     It takes the kernel's generator, in each of whose steps the controller is to act, the room that the kernel observes
@@ -167,7 +155,7 @@ def driver_of(controller: PythonController | VectorController) -> Callable[[Iter
     return functools.partial(_act, controller)
 
 
-def _act(controller: PythonController, stops: Iterable[int], room: Room, memory: Memory) -> Memory:
+def _act(controller: PythonController, stops: Iterable[int], room: Any, memory: Memory) -> Memory:
     """Ask a Python class wherever the kernel stops; return its last memory."""
     size, act = len(memory), controller.act
     observation, floats = room.observation, struct.Struct(f"{size}d")
@@ -189,7 +177,7 @@ def _act(controller: PythonController, stops: Iterable[int], room: Room, memory:
     return memory
 
 
-def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room: Room, memory: Memory) -> Memory:
+def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room: Any, memory: Memory) -> Memory:
     """The same for a controller of many robots, of which there is one; the kernel keeps its memory."""
     seen = room.observation[np.newaxis]
     kept = room.memory[np.newaxis]

@@ -22,6 +22,7 @@ from sim.controllers import CONTROLLERS, CompiledController, Controller, Process
 from sim.controllers.base import compiled_act, numba_config
 from sim.kernel_types import episode_types, typed_kernel
 from sim.kernels import layout
+from sim.kernels._bridge import settings_of
 from sim.kernels.lattice_sense import heading_table
 from sim.kernels.lattice_state import new_robot, new_room
 from sim.lattice_run import LatticeRun
@@ -313,13 +314,14 @@ class _Packed:
 
     def batch(self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints) -> Batch:
         """The runs of one call."""
-        settings = np.array([run.settings for run in self.runs]).reshape(-1, layout.SET_SIZE)
+        packed = [settings_of(run.settings) for run in self.runs]
+        settings = np.array([ints for ints, _ in packed]).reshape(-1, layout.SET_SIZE)
         finds = not isinstance(self.controller, ProcessController)  # whose memory cannot be seen
         settings[:, layout.SET_FIND_LOOP] = [
             layout.SEEK_LOOP if finds and run.can_loop else layout.NO_LOOP for run in self.runs
         ]
         settings[:, layout.SET_DIGEST] = 0
-        scales = np.array([run.scales for run in self.runs]).reshape(-1, layout.SCALE_SIZE)
+        scales = np.array([floats for _, floats in packed]).reshape(-1, layout.SCALE_SIZE)
         count = len(layouts)
         patience = _PATIENT if isinstance(self.controller, CompiledController) else _BRISK
         return Batch(

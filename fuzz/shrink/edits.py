@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.edited_runs import CellEdit
-from sim.kernels import lattice_edits as at
+from sim.edited_runs import CellEdit, EditKind
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import exact
 from worldgen.timeline import Timeline
@@ -93,15 +92,15 @@ def changed(world: World, **parts: Any) -> World | None:
 
 def edited(world: World, edit: CellEdit) -> World | None:
     """The world after an edit of its cells; ``None`` if that leaves no grid, or changes nothing."""
-    if edit.kind == at.DROP_ROWS:
+    if edit.kind == EditKind.DROP_ROWS:
         return drop_rows(world, edit.a, edit.b)
-    if edit.kind == at.DROP_COLUMNS:
+    if edit.kind == EditKind.DROP_COLUMNS:
         return drop_columns(world, edit.a, edit.b)
     solid = np.argwhere(world.walls)
     iy, ix = solid.T
-    if edit.kind == at.FREE_BOX:
+    if edit.kind == EditKind.FREE_BOX:
         solid = solid[(ix >= edit.a) & (ix < edit.a + edit.c) & (iy >= edit.b) & (iy < edit.b + edit.d)]
-    elif edit.kind == at.FREE_RUN:
+    elif edit.kind == EditKind.FREE_RUN:
         solid = solid[edit.a : edit.a + edit.b]
     else:
         solid = solid[(ix == 0) | (iy == 0) | (ix == world.width - 1) | (iy == world.height - 1)]

@@ -11,8 +11,7 @@ from typing import Any, NamedTuple
 
 from fuzz.shrink.edits import changed, drop_events, with_time
 from fuzz.shrink.order import Case, rounder
-from sim.edited_runs import CellEdit
-from sim.kernels import lattice_edits as at
+from sim.edited_runs import CellEdit, EditKind
 from sim.run_options import DEFAULT_TIME_STEP
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres, metres_to_lattice
@@ -43,13 +42,13 @@ class Pass(NamedTuple):
 def _drop_rows(case: Case) -> Iterator[Edit]:
     world = case.world
     places = (world.start.y, world.target.y)
-    yield from (CellEdit(at.DROP_ROWS, first, count) for first, count in _runs(world, places, world.height))
+    yield from (CellEdit(EditKind.DROP_ROWS, first, count) for first, count in _runs(world, places, world.height))
 
 
 def _drop_columns(case: Case) -> Iterator[Edit]:
     world = case.world
     places = (world.start.x, world.target.x)
-    yield from (CellEdit(at.DROP_COLUMNS, first, count) for first, count in _runs(world, places, world.width))
+    yield from (CellEdit(EditKind.DROP_COLUMNS, first, count) for first, count in _runs(world, places, world.width))
 
 
 def _runs(world: World, places: tuple[float, float], size: int) -> Iterator[tuple[int, int]]:
@@ -62,11 +61,11 @@ def _runs(world: World, places: tuple[float, float], size: int) -> Iterator[tupl
 
 
 def _free_all(case: Case) -> Iterator[Edit]:
-    yield CellEdit(at.FREE_BOX, 0, 0, case.world.width, case.world.height)
+    yield CellEdit(EditKind.FREE_BOX, 0, 0, case.world.width, case.world.height)
 
 
 def _free_rim(case: Case) -> Iterator[Edit]:
-    yield CellEdit(at.FREE_RIM)
+    yield CellEdit(EditKind.FREE_RIM)
 
 
 def _free_blocks(case: Case) -> Iterator[Edit]:
@@ -77,12 +76,12 @@ def _free_blocks(case: Case) -> Iterator[Edit]:
         for iy in range(0, walls.shape[0], side):
             for ix in range(0, walls.shape[1], side):
                 if walls[iy : iy + side, ix : ix + side].any():
-                    yield CellEdit(at.FREE_BOX, ix, iy, side, side)
+                    yield CellEdit(EditKind.FREE_BOX, ix, iy, side, side)
         side //= 2
 
 
 def _free_cells(case: Case) -> Iterator[Edit]:
-    yield from (CellEdit(at.FREE_RUN, first, 1) for first in range(case.world.solid_cells))
+    yield from (CellEdit(EditKind.FREE_RUN, first, 1) for first in range(case.world.solid_cells))
 
 
 def _drop_events(case: Case) -> Iterator[Edit]:

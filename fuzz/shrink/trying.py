@@ -11,9 +11,8 @@ from fuzz.shrink.order import Case, simplicity
 from fuzz.shrink.passes import Edit
 from fuzz.shrink.predicate import StillFails
 from sim.controllers import CompiledController
-from sim.edited_runs import CellEdit, EditedRuns, Wanted, has_sure_way
+from sim.edited_runs import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_way
 from sim.kernels import layout
-from sim.kernels.lattice_edits import ANY_ENDING
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 

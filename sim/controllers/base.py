@@ -33,6 +33,7 @@ __all__ = [
     "VectorController",
     "check_declared",
     "compiled_act",
+    "flat_address",
     "robot_for",
     "senses_of",
     "wants_world",
@@ -323,6 +324,37 @@ def compiled_act(act: Act | CoreAct) -> Any:
             "no seed of a run decides; use observation[OBS_RANDOM], and say command[CMD_DRAW] = 1.0"
         )
     return compiled
+
+
+@functools.cache
+def flat_address(act: Act) -> int:
+    """Return the address of an act function as the core calls it: a ``WgFlatAct``, which says whether it raised.
+
+    Raises:
+        InvalidParameter: If numba cannot compile it.
+    """
+    compiled = compiled_act(act)
+    types: Any = numba.types
+    numbers = types.CPointer(numba.float64)
+
+    @numba.cfunc(numba.int64(numbers, numba.int64, numbers, numba.int64, numbers))
+    def flat(observation: Any, observation_size: int, memory: Any, memory_size: int, command: Any) -> int:
+        try:
+            compiled(
+                numba.carray(observation, (observation_size,)),  # type: ignore[attr-defined]
+                numba.carray(memory, (memory_size,)),  # type: ignore[attr-defined]
+                numba.carray(command, (3,)),  # type: ignore[attr-defined]
+            )
+        except Exception:  # noqa: BLE001 - a controller may raise anything; which, is found out by a second run
+            return 1
+        return 0
+
+    _kept.append(flat)
+    address: Any = flat.address
+    return int(address)
+
+
+_kept: list[Any] = []  # functions whose addresses the core may have
 
 
 def _reason(error: NumbaError) -> str:

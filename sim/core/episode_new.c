@@ -119,8 +119,7 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
     robot->odometry.y = (double)state->y;
     robot->odometry.heading = (double)state->heading;
     robot->corners = 0;
-    robot->contact_x = 0.0;
-    robot->contact_y = 0.0;
+    robot->contact = (WgNormal){0.0, 0.0};
     robot->touched = 0;
     robot->next_event = 0;
     memset(&robot->report, 0, sizeof robot->report);
@@ -155,4 +154,12 @@ void wg_workspace_begin(WgWorkspace *workspace, const WgSettings *settings)
         workspace->beams[k] = NAN;
     }
     memset(&workspace->command, 0, sizeof workspace->command);
+}
+
+void wg_visit_start(const WgArena *arena, const WgSettings *settings)
+{
+    memset(arena->visited, 0, (size_t)(arena->width * arena->height));
+    int64_t ix = wg_least(wg_cell_of(settings->start_x), arena->width - 1);
+    int64_t iy = wg_least(wg_cell_of(settings->start_y), arena->height - 1);
+    arena->visited[iy * arena->width + ix] = 1;
 }

@@ -54,8 +54,7 @@ typedef struct WgRobot {
     WgOdometry odometry;
     WgCorner *chain;     // corners of the path of the last step
     int64_t corners;     // how many
-    double contact_x;    // normal of its last contact, of any length; 0, 0 for none
-    double contact_y;
+    WgNormal contact;    // of the last step
     int64_t touched;     // 1 if the step before touched a wall
     int64_t next_event;  // index of the first event that has not happened
     WgReport report;
@@ -66,7 +65,7 @@ typedef struct WgWorkspace {
     WgObservation observation;
     WgCommand command;
     double *beams;  // what observation.beams points to
-    double *flat;   // (17 + beams,) copy of the observation for a WgFlatAct
+    double *flat;   // (17 + beams,) copy of the observation for who takes flat arrays
 } WgWorkspace;
 
 // What the search for a recurrence works with: see recurrence.h.
@@ -113,5 +112,19 @@ void wg_episode_free(WgEpisode *episode);
 
 // Puts the robot at its start, its memory at reset. The arena must be as it is before the first event.
 WgStatus wg_episode_begin(WgEpisode *episode);
+
+// Writes steps from the next one on into a recording, `rows` of them, and their path.
+WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count, WgPathPoint *path,
+                           int64_t path_size);
+
+// Runs at most so many steps.
+int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps);
+
+// For a controller that is not a C function. Applies its command and takes its memory, if it was to act; then runs
+// until it is to act again, WG_ACTS, or the episode ends, WG_OVER.
+int64_t wg_episode_step(WgEpisode *episode);
+
+// The first step from which on the states repeat, of an episode that has ended as WG_LOOP; else -1.
+int64_t wg_episode_entry(const WgEpisode *episode);
 
 #endif

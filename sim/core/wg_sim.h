@@ -82,7 +82,7 @@ typedef struct WgArena {
     int64_t height;
     uint8_t *cells;            // (height, width) WG_FREE, WG_SOLID or WG_BURNING
     int32_t *near;             // (height, width) masks of the neighbourhood: wg_near_masks
-    const int32_t *clearance;  // (height, width) chessboard distance to cells that are ever not free; NULL where the
+    int32_t *clearance;        // (height, width) chessboard distance to cells that are ever not free; NULL where the
                                // masks reach as far as any step
     const WgEvent *events;     // sorted by step and time
     int64_t event_count;

@@ -3,7 +3,6 @@
 Contents:
     MOST_HELD: bytes of states that are held at once.
     portions: a run, portion by portion (``in_portions``).
-    lattice_onward: the kernel that goes on where it had stopped (``onward``).
 """
 
 from sim.long_runs.in_portions import MOST_HELD, Portion, portions

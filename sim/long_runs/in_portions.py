@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController, compiled_act, numba_config
-from sim.kernel_types import episode_types, typed_kernel
-from sim.kernels import layout
-from sim.kernels.lattice_motion import MOST_POINTS
-from sim.kernels.lattice_state import Arena, new_robot, new_room, set_out
-from sim.long_runs.onward import lattice_onward
+from sim._core import lib
+from sim.controllers.base import CompiledController
+from sim.lattice_core import MOST_CORNERS, Arena, Driver, Episode, copy_of
 
 __all__ = ["MOST_HELD", "Portion", "portions"]
 
@@ -32,8 +27,8 @@ class Portion(NamedTuple):
 
     Args:
         first: Number of the first of these steps; the start is step 0.
-        rows: (n, ROW_STATE + STATE_MEMORY + memory) ``ROW_``.
-        path: (m, POINT_SIZE) ``POINT_``.
+        rows: (n, 1 + words) int64: whether a wall was touched, then the state.
+        path: (m, 4) int64, WgPathPoint.
     """
 
     first: int
@@ -41,44 +36,32 @@ class Portion(NamedTuple):
     path: Ints
 
 
-def portions(
-    controller: CompiledController, arena: Arena, settings: Ints, scales: Floats, steps: int
-) -> Iterator[Portion]:
+def portions(controller: CompiledController, arena: Arena, settings: Any, steps: int) -> Iterator[Portion]:
     """The run from its start to a step that it is known to reach.
 
     Args:
-        controller: Who drives.
+        controller: What drives.
         arena: The world before the first event; changed.
-        settings: ``SET_``.
-        scales: ``SCALE_``.
+        settings: WgSettings, without a search for a recurrence.
         steps: How many.
     """
-    memory = np.array(controller.memory, np.float64)
-    robot, room = new_robot(memory.size, arena.events), new_room(memory.size, int(settings[layout.SET_BEAMS]))
-    width = layout.ROW_STATE + robot.state.size
+    settings = copy_of(settings)
+    settings.digest = 0
+    settings.steps = steps
+    episode = Episode(arena, settings, Driver(controller, controller.memory))
+    width = 1 + episode.words
     most = min(_MOST_ROWS, max(1, MOST_HELD // 4 // (8 * width)))
     rows = np.zeros((min(most, steps) + 1, width), np.int64)
-    path = np.zeros((MOST_POINTS * (len(rows) + len(arena.events)), layout.POINT_SIZE), np.int64)
-    set_out(settings, scales, memory, room, robot, 0)
-    rows[0, layout.ROW_STATE :] = robot.state
+    path = np.zeros((MOST_CORNERS * (len(rows) + len(arena.events)), 4), np.int64)
+    rows[0, 1:] = episode.state_words()
     yield Portion(0, rows[:1], path[:0])
-    kernel, act, begun = _typed_onward(), compiled_act(controller.act), np.zeros(2, np.int64)
-    while begun[0] < steps and robot.counts[layout.OUT_ENDING] == layout.LIMIT:
-        done, points = int(begun[0]), int(robot.counts[layout.OUT_POINTS])
-        count = min(most, steps - done)
-        try:
-            kernel(arena, settings, scales, act, room, robot, begun, rows[:count], path)
-        except Exception:  # noqa: BLE001 - raised in the compiled controller; the run ended there the first time too
-            count = int(begun[0]) - done
-            steps = done + count
-        yield Portion(done + 1, rows[:count], path[: int(robot.counts[layout.OUT_POINTS]) - points])
-
-
-@functools.cache
-def _typed_onward() -> Any:
-    """The kernel, typed for any compiled controller, so that it compiles once for all of them."""
-    if numba_config.DISABLE_JIT:
-        return lattice_onward
-    arena, robot, room, act = episode_types()
-    ints, floats, rows = numba.int64[::1], numba.float64[::1], numba.int64[:, ::1]
-    return typed_kernel(lattice_onward, numba.void(arena, ints, floats, act, room, robot, ints, rows, rows))
+    while not episode.c.over:
+        done, points = int(episode.report.steps), int(episode.report.points)
+        episode.record(rows[: min(most, steps - done)], path)
+        episode.run(most)
+        count = int(episode.report.steps) - done
+        points = int(episode.report.points) - points
+        if episode.report.ending == lib.WG_CRASH:
+            count -= 1  # the run ended there the first time too
+            points -= int(episode.c.robot.corners)
+        yield Portion(done + 1, rows[:count], path[:points])

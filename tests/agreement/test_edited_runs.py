@@ -7,9 +7,8 @@ import pytest
 
 from fuzz.shrink.edits import edited
 from sim.controllers import CONTROLLERS
-from sim.edited_runs import CellEdit, EditedRuns, Wanted, has_sure_way
+from sim.edited_runs import CellEdit, EditedRuns, EditKind, Wanted, has_sure_way
 from sim.episode import prepare
-from sim.kernels import lattice_edits as at
 from sim.kernels import layout
 from sim.run_options import RunOptions
 from worldgen import CellState, Event, InvalidWorld, Pose, Target, Timeline, World, decide
@@ -27,11 +26,15 @@ def room(dynamic=False, **parts):
 
 
 def edits_of(world):
-    yield from (CellEdit(at.FREE_RUN, first, 1) for first in range(world.solid_cells))
-    yield from (CellEdit(at.FREE_BOX, ix, iy, 3, 2) for iy in range(0, 9, 2) for ix in range(0, 11, 3))
-    yield CellEdit(at.FREE_RIM)
-    yield from (CellEdit(at.DROP_ROWS, first, count) for count in (1, 3) for first in range(world.height - count + 1))
-    yield from (CellEdit(at.DROP_COLUMNS, first, count) for count in (1, 4) for first in range(world.width - count + 1))
+    yield from (CellEdit(EditKind.FREE_RUN, first, 1) for first in range(world.solid_cells))
+    yield from (CellEdit(EditKind.FREE_BOX, ix, iy, 3, 2) for iy in range(0, 9, 2) for ix in range(0, 11, 3))
+    yield CellEdit(EditKind.FREE_RIM)
+    yield from (
+        CellEdit(EditKind.DROP_ROWS, first, count) for count in (1, 3) for first in range(world.height - count + 1)
+    )
+    yield from (
+        CellEdit(EditKind.DROP_COLUMNS, first, count) for count in (1, 4) for first in range(world.width - count + 1)
+    )
 
 
 def plain(world, edit, controller, motion, step):

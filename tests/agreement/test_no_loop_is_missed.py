@@ -7,9 +7,8 @@ import pytest
 
 from sim import Command, CompiledController, RunOptions, simulate, simulate_many
 from sim.controllers import CONTROLLERS, Commands
-from sim.edited_runs import CellEdit, EditedRuns, Wanted
+from sim.edited_runs import ANY_ENDING, CellEdit, EditedRuns, EditKind, Wanted
 from sim.episode import prepare
-from sim.kernels.lattice_edits import ANY_ENDING, FREE_RUN
 from sim.kernels.layout import CMD_SPEED, LOOP
 from worldgen import generate
 from worldgen.family import FAMILIES
@@ -148,7 +147,7 @@ def test_many_runs_at_once_find_the_same_loops(make):
 
 
 def test_edited_worlds_find_the_same_loops():
-    edits = [CellEdit(FREE_RUN, 0, 1)]
+    edits = [CellEdit(EditKind.FREE_RUN, 0, 1)]
     for entry, end in CASES:
         for steps, ending in ((end, LOOP), (end - 1, 0)):
             if steps:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from sim import CompiledController
 from sim.kernels import layout
+from sim.kernels._bridge import settings_of
 from sim.kernels.lattice_state import new_robot, new_room
 from sim.lattice_run import LatticeRun
 from worldgen.lattice import lattice_to_metres
@@ -119,6 +120,7 @@ class Lockstep:
 def _packed(runs: Sequence[LatticeRun], ways: Sequence[Singles]) -> Worlds:
     """All parts of all worlds, one behind the other."""
     arenas = [run.arena() for run in runs]
+    settings = [settings_of(run.settings) for run in runs]
     place = np.zeros((len(runs), at.PLACE_SIZE), np.int64)
     place[:, [at.PLACE_HEIGHT, at.PLACE_WIDTH]] = [arena.cells.shape for arena in arenas]
     place[:, [at.PLACE_ROWS, at.PLACE_COLUMNS]] = [arena.clearance.shape for arena in arenas]
@@ -134,8 +136,8 @@ def _packed(runs: Sequence[LatticeRun], ways: Sequence[Singles]) -> Worlds:
         events=np.concatenate([arena.events for arena in arenas]),
         headings=arenas[0].headings,
         place=place,
-        settings=np.stack([run.settings for run in runs]),
-        scales=np.stack([run.scales for run in runs]),
+        settings=np.stack([ints for ints, _ in settings]),
+        scales=np.stack([floats for _, floats in settings]),
         way=np.concatenate(ways) if ways else np.zeros(0, np.float32),
     )
 

@@ -1,0 +1,220 @@
+// Edited copies of a world, run one after the other: which is the first that ends as it should?
+
+#include <stdlib.h>
+
+#include "step.h"
+#include "wg_runs.h"
+
+// What the work on one edit needs beside the episode.
+typedef struct Scratch {
+    uint8_t *ever;   // (height, width) cells that are ever not free
+    uint8_t *seen;   // (2 height + 1, 2 width + 1)
+    int64_t *stack;  // as many
+} Scratch;
+
+// Whether an edit frees the cell (ix, iy), the `solid`th solid one in order of rows.
+static bool frees(const WgEdit *edit, int64_t ix, int64_t iy, int64_t solid, int64_t width, int64_t height)
+{
+    switch (edit->kind) {
+    case WG_FREE_BOX:
+        return ix >= edit->a && ix < edit->a + edit->c && iy >= edit->b && iy < edit->b + edit->d;
+    case WG_FREE_RUN:
+        return solid >= edit->a && solid < edit->a + edit->b;
+    case WG_FREE_RIM:
+        return ix == 0 || iy == 0 || ix == width - 1 || iy == height - 1;
+    default:
+        return false;
+    }
+}
+
+// Writes the edited cells; returns whether they are others.
+static bool edit_cells(WgGrid old, const WgArena *arena, const WgEdit *edit)
+{
+    bool changed = edit->kind >= WG_DROP_ROWS;
+    int64_t solid = 0;
+    for (int64_t iy = 0; iy < arena->height; iy++) {
+        for (int64_t ix = 0; ix < arena->width; ix++) {
+            int64_t jy = edit->kind == WG_DROP_ROWS && iy >= edit->a ? iy + edit->b : iy;
+            int64_t jx = edit->kind == WG_DROP_COLUMNS && ix >= edit->a ? ix + edit->b : ix;
+            uint8_t state = old.cells[jy * old.width + jx];
+            if (state == WG_SOLID) {
+                if (frees(edit, ix, iy, solid, arena->width, arena->height)) {
+                    state = WG_FREE;
+                    changed = true;
+                }
+                solid++;
+            }
+            arena->cells[iy * arena->width + ix] = state;
+        }
+    }
+    return changed;
+}
+
+// Whether an edit makes a grid of the arena's shape of the old one.
+static bool fits(WgGrid old, const WgArena *arena, const WgEdit *edit)
+{
+    if (edit->kind < WG_DROP_ROWS) {
+        return edit->kind >= WG_FREE_BOX && old.width == arena->width && old.height == arena->height;
+    }
+    if (edit->a < 0 || edit->b < 0) {
+        return false;
+    }
+    if (edit->kind == WG_DROP_ROWS) {
+        return old.width == arena->width && old.height == arena->height + edit->b;
+    }
+    return edit->kind == WG_DROP_COLUMNS && old.height == arena->height && old.width == arena->width + edit->b;
+}
+
+// A coordinate after `count` rows or columns from `first` on have gone.
+static int64_t moved(int64_t coordinate, const WgEdit *edit)
+{
+    return coordinate >= (edit->a + edit->b) * WG_UNIT ? coordinate - edit->b * WG_UNIT : coordinate;
+}
+
+// Moves start and target with the cells that an edit moves.
+static void move_ends(WgSettings *settings, const WgEdit *edit)
+{
+    if (edit->kind == WG_DROP_ROWS) {
+        settings->start_y = moved(settings->start_y, edit);
+        settings->target_y = moved(settings->target_y, edit);
+    } else if (edit->kind == WG_DROP_COLUMNS) {
+        settings->start_x = moved(settings->start_x, edit);
+        settings->target_x = moved(settings->target_x, edit);
+    }
+}
+
+// Moves the start to the nearest clear point of the nine around it, as every run does; false if there is none.
+static bool stand(const WgArena *arena, WgSettings *settings)
+{
+    int64_t x = settings->start_x;
+    int64_t y = settings->start_y;
+    for (int64_t away = 0; away < 3; away++) {  // squared distance
+        for (int64_t dx = -1; dx <= 1; dx++) {
+            for (int64_t dy = -1; dy <= 1; dy++) {
+                if (dx * dx + dy * dy == away
+                    && wg_disc_is_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), x + dx, y + dy)) {
+                    settings->start_x = x + dx;
+                    settings->start_y = y + dy;
+                    return true;
+                }
+            }
+        }
+    }
+    return false;
+}
+
+// Whether the target is surely reached without touching a cell that is ever not free.
+static bool has_way(const WgArena *arena, const WgSettings *settings, const Scratch *scratch)
+{
+    memcpy(scratch->ever, arena->cells, (size_t)(arena->width * arena->height));
+    for (int64_t k = 0; k < arena->event_count; k++) {
+        const WgEvent *event = &arena->events[k];
+        if (event->state != WG_FREE) {
+            scratch->ever[event->iy * arena->width + event->ix] = WG_SOLID;
+        }
+    }
+    WgGrid ever = {scratch->ever, arena->width, arena->height};
+    WgSegment ends = {settings->start_x, settings->start_y, settings->target_x, settings->target_y};
+    return wg_surely_reaches(ever, wg_disc(settings), ends, settings->target_radius_sq, scratch->seen, scratch->stack);
+}
+
+// Fills what an episode looks up in the cells.
+static void survey(const WgArena *arena, const WgSettings *settings, const Scratch *scratch)
+{
+    wg_near_masks(wg_grid(arena), arena->near);
+    wg_visit_start(arena, settings);
+    if (arena->clearance == NULL) {
+        return;
+    }
+    memcpy(scratch->ever, arena->cells, (size_t)(arena->width * arena->height));
+    for (int64_t k = 0; k < arena->event_count; k++) {
+        const WgEvent *event = &arena->events[k];
+        uint8_t *cell = &scratch->ever[event->iy * arena->width + event->ix];
+        *cell = (uint8_t)wg_most(*cell, event->state);
+    }
+    WgGrid ever = {scratch->ever, arena->width, arena->height};
+    wg_chessboard_clearance(ever, arena->clearance);
+}
+
+// Whether a run has ended as asked.
+static bool is_wanted(const WgReport *report, const WgWanted *wanted)
+{
+    bool overlaps = report->overlap_step >= 0;
+    if (wanted->overlap >= 0 && overlaps != (wanted->overlap == 1)) {
+        return false;
+    }
+    if (wanted->ending == WG_ANY_ENDING) {
+        return report->ending == WG_LIMIT || report->ending == WG_REACHED || report->ending == WG_LOOP;
+    }
+    return report->ending == wanted->ending;
+}
+
+// Makes an edit, and whatever there is to do before a run; returns whether one is to be had.
+static bool prepare(const WgArena *arena, WgSettings *settings, const WgSettings *before, WgGrid old,
+                    const WgEdit *edit, bool by_way, const Scratch *scratch)
+{
+    if (!edit_cells(old, arena, edit)) {
+        return false;
+    }
+    *settings = *before;
+    move_ends(settings, edit);
+    bool inside = settings->target_x <= arena->width * WG_UNIT && settings->target_y <= arena->height * WG_UNIT;
+    if (!inside || !stand(arena, settings)) {
+        return false;
+    }
+    if (edit->kind >= WG_DROP_ROWS && by_way && !has_way(arena, settings, scratch)) {
+        return false;
+    }
+    survey(arena, settings, scratch);
+    return true;
+}
+
+static WgStatus try_edits(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
+                          const WgEdit *edits, int64_t count, const WgWanted *wanted, const Scratch *scratch,
+                          WgTried *tried)
+{
+    int64_t steps = 0;
+    while (tried->next < count && steps < wanted->steps) {
+        const WgEdit *edit = &edits[tried->next++];
+        if (!prepare(episode->arena, settings, before, old, edit, wanted->by_way != 0, scratch)) {
+            continue;
+        }
+        tried->runs++;
+        WgStatus status = wg_episode_begin(episode);
+        if (status != WG_OK) {
+            return status;
+        }
+        wg_episode_run(episode, INT64_MAX / 2);
+        steps += episode->robot.report.steps;
+        if (is_wanted(&episode->robot.report, wanted)) {
+            tried->found = 1;
+            break;
+        }
+    }
+    return WG_OK;
+}
+
+WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
+                       const WgEdit *edits, int64_t count, const WgWanted *wanted, WgTried *tried)
+{
+    const WgArena *arena = episode->arena;
+    if (settings != episode->settings || tried->next < 0) {
+        return WG_BAD_VALUE;
+    }
+    for (int64_t k = 0; k < count; k++) {
+        if (!fits(old, arena, &edits[k])) {
+            return WG_BAD_SIZE;
+        }
+    }
+    size_t cells = (size_t)(arena->width * arena->height);
+    size_t nodes = (size_t)((2 * arena->width + 1) * (2 * arena->height + 1));
+    Scratch scratch = {malloc(cells), malloc(nodes), malloc(nodes * sizeof(int64_t))};
+    WgStatus status = WG_OUT_OF_MEMORY;
+    if (scratch.ever != NULL && scratch.seen != NULL && scratch.stack != NULL) {
+        status = try_edits(episode, settings, before, old, edits, count, wanted, &scratch, tried);
+    }
+    free(scratch.ever);
+    free(scratch.seen);
+    free(scratch.stack);
+    return status;
+}

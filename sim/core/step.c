@@ -1,0 +1,283 @@
+// The parts of a step that few steps need: walls and fire nearby, events, noise, digests and recordings.
+
+#include "step.h"
+
+// Notes that fire or debris has caught the robot.
+static void burn(WgRobot *robot, int64_t step, WgFound cell, int state)
+{
+    robot->report.ending = WG_BURNED;
+    robot->report.hit_state = state;
+    robot->report.hit_step = step;
+    robot->report.hit_ix = cell.ix;
+    robot->report.hit_iy = cell.iy;
+}
+
+// Applies all events of one time; one that catches the robot ends the run as WG_BURNED.
+static void apply_events(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
+{
+    int64_t time = arena->events[robot->next_event].time;
+    while (robot->next_event < arena->event_count) {
+        const WgEvent *event = &arena->events[robot->next_event];
+        if (event->step != step || event->time != time) {
+            break;
+        }
+        arena->cells[event->iy * arena->width + event->ix] = (uint8_t)event->state;
+        wg_mark_near(wg_grid(arena), arena->near, event->ix, event->iy);
+        robot->next_event++;
+    }
+    const WgState *state = &robot->body->state;
+    WgSegment here = {state->x, state->y, state->x, state->y};
+    static const int CAUGHT[2] = {WG_SOLID, WG_BURNING};
+    for (int k = 0; k < 2; k++) {
+        if (!wg_disc_is_clear(wg_grid(arena), CAUGHT[k], wg_disc(settings), state->x, state->y)) {
+            burn(robot, step, wg_first_not_clear(wg_grid(arena), CAUGHT[k], wg_disc(settings), here), CAUGHT[k]);
+            break;
+        }
+    }
+}
+
+// Notes walls that a piece of the path of an unsafe motion model cuts: deepest cut, first overlap, first tunnel.
+static void judge_piece(const WgArena *arena, const WgSettings *settings, int64_t step, WgSegment way, WgRobot *robot)
+{
+    WgReport *report = &robot->report;
+    int64_t reach = settings->reach;
+    double radius = sqrt((double)settings->clear_sq);
+    int64_t low = wg_most(wg_cell_of(wg_least(way.py, way.qy) - reach), -1);
+    int64_t high = wg_least(wg_cell_of(wg_most(way.py, way.qy) + reach), arena->height);
+    int64_t left = wg_most(wg_cell_of(wg_least(way.px, way.qx) - reach), -1);
+    int64_t right = wg_least(wg_cell_of(wg_most(way.px, way.qx) + reach), arena->width);
+    for (int64_t iy = low; iy <= high; iy++) {
+        for (int64_t ix = left; ix <= right; ix++) {
+            if (wg_cell_state(wg_grid(arena), ix, iy) != WG_SOLID) {
+                continue;
+            }
+            double depth = wg_segment_box_depth(radius, way, ix, iy);
+            report->overlap = wg_higher(report->overlap, depth);
+            if (depth > settings->tolerance && report->overlap_step < 0) {
+                report->overlap_step = step;
+                report->overlap_ix = ix;
+                report->overlap_iy = iy;
+            }
+            if (report->ending == WG_LIMIT && wg_segment_crosses_box(way, ix, iy)) {
+                report->ending = WG_TUNNEL;
+                report->hit_step = step;
+                report->hit_ix = ix;
+                report->hit_iy = iy;
+            }
+        }
+    }
+}
+
+// Judges a straight piece of the path next to cells that are not free: fire, walls, target, length; and puts the robot
+// at its end.
+static void arrive_closely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t x, int64_t y,
+                           WgRobot *robot)
+{
+    WgSegment way = {robot->body->state.x, robot->body->state.y, x, y};
+    if (arena->event_count > 0 && robot->report.ending == WG_LIMIT) {
+        WgFound fire = wg_first_not_clear(wg_grid(arena), WG_BURNING, wg_disc(settings), way);
+        if (fire.found) {
+            burn(robot, step, fire, WG_BURNING);
+        }
+    }
+    if (settings->motion != WG_SWEPT && wg_first_not_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), way).found) {
+        judge_piece(arena, settings, step, way, robot);
+    }
+    wg_arrive(settings, x, y, robot);
+}
+
+WgNormal wg_move_closely(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
+                          int64_t from, int64_t until, WgRobot *robot)
+{
+    const WgState *state = &robot->body->state;
+    WgSegment way = {state->x, state->y, state->x + dx, state->y + dy};
+    int64_t before = robot->corners;
+    WgMoved moved;
+    if (settings->motion == WG_SWEPT) {
+        double begin = (double)from / (double)WG_STEP_TIME;
+        double end = (double)until / (double)WG_STEP_TIME;
+        moved = wg_swept_move(wg_grid(arena), wg_disc(settings), way, begin, end, settings->wall_friction, robot->chain,
+                              before);
+    } else {
+        moved = wg_endpoint_move(wg_grid(arena), wg_disc(settings), way, robot->chain, before);
+    }
+    robot->corners = moved.count;
+
+    // A robot that stands may still be burnt, or be at the target.
+    if (robot->corners == before) {
+        arrive_closely(arena, settings, step, state->x, state->y, robot);
+    }
+    for (int64_t k = before; k < robot->corners; k++) {
+        arrive_closely(arena, settings, step, robot->chain[k].x, robot->chain[k].y, robot);
+    }
+    return moved.contact;
+}
+
+// What of a displacement is covered by a time in the step, lattice units.
+static int64_t share(int64_t whole, int64_t time)
+{
+    return wg_round_away((double)whole * ((double)time / (double)WG_STEP_TIME));
+}
+
+WgNormal wg_move_through_events(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
+                                 WgRobot *robot)
+{
+    // `endpoint` looks at the world where a step ends only: there all events come first.
+    bool exact = settings->motion == WG_SWEPT;
+    WgNormal last = {0.0, 0.0};
+    int64_t now = 0;
+    int64_t gone_x = 0;
+    int64_t gone_y = 0;
+    while (now < WG_STEP_TIME) {
+        bool due = robot->next_event < arena->event_count && arena->events[robot->next_event].step == step;
+        int64_t until = due && exact ? arena->events[robot->next_event].time : WG_STEP_TIME;
+        if (until > now && (exact || !due)) {
+            int64_t there_x = until == WG_STEP_TIME ? dx : share(dx, until);
+            int64_t there_y = until == WG_STEP_TIME ? dy : share(dy, until);
+            WgNormal contact = wg_move(arena, settings, step, there_x - gone_x, there_y - gone_y, now, until, robot);
+
+            // It waits for what comes.
+            bool waits = robot->corners == 0 || robot->chain[robot->corners - 1].time < until;
+            if (until < WG_STEP_TIME && waits) {
+                wg_add_corner(robot, robot->body->state.x, robot->body->state.y, until);
+            }
+            if (contact.x != 0.0 || contact.y != 0.0) {
+                last = contact;
+            }
+            gone_x = there_x;
+            gone_y = there_y;
+            now = until;
+        }
+        if (due && robot->report.ending == WG_LIMIT) {
+            apply_events(arena, settings, step, robot);
+        }
+        if (robot->report.ending != WG_LIMIT) {
+            break;
+        }
+    }
+    return last;
+}
+
+void wg_round_pose(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot)
+{
+    const WgState *state = &robot->body->state;
+    int64_t grid = settings->lattice;
+    int64_t left = wg_floor_div(state->x, grid) * grid;
+    int64_t low = wg_floor_div(state->y, grid) * grid;
+    if (left == state->x && low == state->y) {
+        return;
+    }
+
+    // Of points that are equally near the first counts, from the lower left.
+    int64_t to_x = state->x;
+    int64_t to_y = state->y;
+    int64_t best = -1;
+    for (int corner = 0; corner < 4; corner++) {
+        WgSegment way = {state->x, state->y, left + (corner & 1) * grid, low + (corner >> 1) * grid};
+        int64_t dx = way.qx - way.px;
+        int64_t dy = way.qy - way.py;
+        int64_t away = dx * dx + dy * dy;
+        if (best >= 0 && away >= best) {
+            continue;
+        }
+        if (!wg_first_not_clear(wg_grid(arena), WG_SOLID, wg_disc(settings), way).found) {
+            to_x = way.qx;
+            to_y = way.qy;
+            best = away;
+        }
+    }
+    if (best > 0) {
+        wg_add_corner(robot, to_x, to_y, WG_STEP_TIME);
+        arrive_closely(arena, settings, step, to_x, to_y, robot);
+    }
+}
+
+int64_t wg_slipped(const WgSettings *settings, int64_t step, int64_t drive)
+{
+    double lost = settings->slip * wg_noise_draw(settings, wg_noise_channel(step, WG_NOISE_SLIP));
+    return wg_whole_speed((double)drive * (1.0 - lost));
+}
+
+// How many times too long a measured length or turn is.
+static double wrong(const WgSettings *settings, int64_t step, int64_t channel)
+{
+    double draw = wg_noise_draw(settings, wg_noise_channel(step, channel));
+    return 1.0 + settings->odometry_noise * (2.0 * draw - 1.0);
+}
+
+void wg_measure_move(const WgArena *arena, const WgSettings *settings, int64_t step, int64_t dx, int64_t dy,
+                     WgRobot *robot)
+{
+    int64_t turned = wg_floor(robot->odometry.heading + 0.5) - robot->body->state.heading;
+    double along = (double)arena->headings[turned & (WG_TURN - 1)] / (double)(1 << 30);
+    double across = (double)arena->headings[(turned - WG_TURN / 4) & (WG_TURN - 1)] / (double)(1 << 30);
+    double scale = wrong(settings, step, WG_NOISE_WAY);
+    robot->odometry.x += scale * (along * (double)dx - across * (double)dy);
+    robot->odometry.y += scale * (across * (double)dx + along * (double)dy);
+}
+
+void wg_measure_turn(const WgSettings *settings, int64_t step, int64_t turn, WgRobot *robot)
+{
+    robot->odometry.heading += wrong(settings, step, WG_NOISE_TURN) * (double)turn;
+}
+
+void wg_flatten(WgWorkspace *workspace)
+{
+    memcpy(workspace->flat, &workspace->observation, WG_SENSES * sizeof(double));
+    int64_t beams = workspace->observation.beam_count;
+    if (beams > 0) {
+        memcpy(workspace->flat + WG_SENSES, workspace->beams, (size_t)beams * sizeof(double));
+    }
+}
+
+void wg_act_flat(const WgController *controller, WgWorkspace *workspace, double *memory)
+{
+    // What a controller writes into the observation is gone after the step: it would be memory that no state holds.
+    wg_flatten(workspace);
+    double command[3] = {0.0, 0.0, 0.0};
+    int64_t size = WG_SENSES + workspace->observation.beam_count;
+    if (controller->flat(workspace->flat, size, memory, controller->memory_size, command) != 0) {
+        workspace->command.error = "the controller failed";
+    }
+    workspace->command.speed = command[0];
+    workspace->command.turn_rate = command[1];
+    workspace->command.used_random = command[2];
+}
+
+static uint64_t hash(uint64_t digest, uint64_t word)
+{
+    return (digest ^ word) * WG_HASH_PRIME;
+}
+
+void wg_hash_step(WgRobot *robot, int64_t words, bool bumped)
+{
+    uint64_t digest = hash(robot->report.digest, bumped);
+    for (int64_t k = 0; k < robot->corners; k++) {
+        digest = hash(digest, (uint64_t)robot->chain[k].x);
+        digest = hash(digest, (uint64_t)robot->chain[k].y);
+        digest = hash(digest, (uint64_t)robot->chain[k].time);
+    }
+    for (int64_t k = 0; k < words; k++) {
+        digest = hash(digest, wg_word(robot->body, k));
+    }
+    robot->report.digest = digest;
+}
+
+void wg_write_step(const WgRecording *recording, const WgRobot *robot, int64_t words, int64_t step, bool bumped)
+{
+    int64_t row = step - recording->first_step;
+    if (row < 0 || row >= recording->row_count) {
+        return;
+    }
+    int64_t *out = recording->rows + row * (words + 1);
+    out[0] = bumped;
+    memcpy(out + 1, robot->body, (size_t)words * sizeof *out);
+    int64_t first = robot->report.points - robot->corners - recording->first_point;
+    for (int64_t k = 0; k < robot->corners && first + k < recording->path_size; k++) {
+        WgPathPoint *point = &recording->path[first + k];
+        point->step = step;
+        point->time = robot->chain[k].time;
+        point->x = robot->chain[k].x;
+        point->y = robot->chain[k].y;
+    }
+}

@@ -1,0 +1,97 @@
+// Many runs in one call: of one world from many starts, of edited copies of a world, of one step from many states.
+//
+// Each takes an episode whose arena and settings are the caller's own; it changes them and leaves them changed.
+
+#ifndef WG_RUNS_H
+#define WG_RUNS_H
+
+#include <stdint.h>
+
+#include "wg_episode.h"
+#include "wg_parts.h"
+
+// A start. As rows of (n, 3) int64 in Python.
+typedef struct WgStart {
+    int64_t x;  // lattice units
+    int64_t y;
+    int64_t heading;  // heading units
+} WgStart;
+
+// batch.c
+
+// Runs one controller in one world many times. A recurrence is counted up to the end of its first period, as proved.
+//
+// fresh:     the surroundings before the first event; not changed.
+// settings:  those of the episode; start, seed, steps and the search for loops are changed and set back.
+// starts:    (count,)
+// seeds:     (count,)
+// reports:   (count,) filled.
+WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fresh, const WgStart *starts,
+                     const uint64_t *seeds, int64_t count, WgReport *reports);
+
+// edits.c
+
+// What an edit does to the grid.
+enum {
+    WG_FREE_BOX = 0,      // ix, iy, width, height: what is solid in this box of cells becomes free
+    WG_FREE_RUN = 1,      // first, count: so many of the solid cells, in order of rows
+    WG_FREE_RIM = 2,      // the outermost cells
+    WG_DROP_ROWS = 3,     // first, count; what is above moves down
+    WG_DROP_COLUMNS = 4,  // first, count; what is right of them moves left
+};
+
+// As rows of (n, 5) int64 in Python.
+typedef struct WgEdit {
+    int64_t kind;
+    int64_t a;
+    int64_t b;
+    int64_t c;
+    int64_t d;
+} WgEdit;
+
+// WgWanted.ending for a run that ends as WG_LIMIT, WG_REACHED or WG_LOOP.
+enum { WG_ANY_ENDING = -1 };
+
+// What is asked of the edited worlds.
+typedef struct WgWanted {
+    int64_t ending;   // WG_LIMIT, ... or WG_ANY_ENDING
+    int64_t overlap;  // 1: with an overlap; 0: without; -1: it does not matter
+    int64_t by_way;   // 1: the target is surely to be reached after an edit that moves cells
+    int64_t steps;    // after which to come back even if nothing was found, so that a clock or Ctrl-C is heard
+} WgWanted;
+
+// What was done.
+typedef struct WgTried {
+    int64_t next;   // index of the edit at which to go on
+    int64_t runs;
+    int64_t found;  // 1: the edit before `next` is one
+} WgTried;
+
+// Tries edits from tried->next on, until one is found or wanted->steps steps are done.
+//
+// settings:  those of the episode, whose arena has the shape after the edits and its events.
+// before:    those of the world before the edit, with the start as the world says it.
+// old:       the cells before the edit, at time 0.
+// edits:     (count,) all of which lead to the arena's shape.
+WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
+                       const WgEdit *edits, int64_t count, const WgWanted *wanted, WgTried *tried);
+
+// outcomes.c
+
+// One step from each of many states. The world must not change, and nothing but the controller may draw numbers.
+//
+// states:   (count, words) complete states; the number of draws is left out of account.
+// faces:    (count,) which value the random number has that is drawn next, from 0, of WgSettings.coin.
+// after:    (count, words) filled; the number of draws is 0.
+// endings:  (count,) filled; WG_LIMIT where the run goes on.
+// drew:     (count,) filled; 1 if the random number was used up.
+WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *faces, int64_t count, int64_t *after,
+                     int64_t *endings, int64_t *drew);
+
+// What a controller senses at each of many poses, of all that walls decide besides contact.
+//
+// seen:  (count, 17 + beams) filled; 0 for what is not sensed.
+WgStatus wg_sensed_of_walls(const WgArena *arena, const WgSettings *settings, const WgStart *poses, int64_t count,
+                            double *seen);
+
+#endif

@@ -1,0 +1,227 @@
+"""What the C core takes, made of arrays: surroundings, controllers and episodes. No maths of its own."""
+
+from __future__ import annotations
+
+import functools
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim._core import ffi, lib
+from sim.controllers.base import Act, CompiledController, flat_address
+from sim.controllers.core_act import CoreAct
+from worldgen.ccall import check, pointer, writable
+
+__all__ = ["REPORT", "Arena", "Driver", "Episode", "Workspace", "copy_of", "grid_of", "headings", "near_masks"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+Cells = npt.NDArray[np.uint8]
+Table = npt.NDArray[np.int32]
+
+SENSES = 17  # numbers of an observation before its beams
+STATE_WORDS = 5  # of a state before the controller's memory
+EVENT_FIELDS = 5
+MOST_CORNERS = int(lib.WG_MOST_CORNERS)
+_FIRST_PORTION = 1 << 12  # steps
+_PORTION_TIME = 0.05  # s that a portion should take at least, so that Ctrl-C is heard soon and costs nothing
+
+
+def _report_type() -> np.dtype[Any]:
+    """Return WgReport as a type of NumPy, so that many of them are columns."""
+    kinds = {"int64_t": "<i8", "uint64_t": "<u8", "double": "<f8"}
+    names, formats, offsets = [], [], []
+    for name, field in ffi.typeof("WgReport").fields:
+        if field.type.cname in kinds:
+            names.append(name)
+            formats.append(kinds[field.type.cname])
+            offsets.append(field.offset)
+    return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": ffi.sizeof("WgReport")})
+
+
+REPORT = _report_type()
+"""One WgReport."""
+
+
+@functools.cache
+def headings() -> Ints:
+    """Return (131072,) cosines and sines of all headings, 2^-30."""
+    table = np.zeros(2 * int(lib.WG_TURN), np.int64)
+    lib.wg_heading_table(writable(ffi, table, np.int64))
+    return table
+
+
+def near_masks(cells: Cells) -> Table:
+    """Return (height, width) masks of the cells around each cell that are not free."""
+    near = np.zeros(cells.shape, np.int32)
+    lib.wg_near_masks(grid_of(cells), writable(ffi, near, np.int32))
+    return near
+
+
+def grid_of(cells: Cells) -> Any:
+    """Return the WgGrid of cells, which must outlive it."""
+    return ffi.new("WgGrid *", (pointer(ffi, cells, np.uint8), cells.shape[1], cells.shape[0]))[0]
+
+
+def copy_of(settings: Any) -> Any:
+    """Return a copy of a WgSettings."""
+    return ffi.new("WgSettings *", settings[0])
+
+
+class Arena:
+    """What surrounds a robot; ``cells``, ``near`` and ``visited`` change during an episode.
+
+    Args:
+        cells: (height, width) uint8, cell states now.
+        near: (height, width) int32, :func:`near_masks` of ``cells``.
+        clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no rows where
+            the masks reach as far as any step.
+        events: (n, 5) int64, WgEvent, sorted by step and time.
+        visited: (height, width) uint8, cells that the centre has been in.
+    """
+
+    def __init__(self, cells: Cells, near: Table, clearance: Table, events: Ints, visited: Cells) -> None:
+        self.cells = cells
+        self.near = near
+        self.clearance = clearance
+        self.events = events
+        self.headings = headings()
+        self.visited = visited
+        self.c: Any = ffi.new("WgArena *")
+        self.c.height, self.c.width = cells.shape
+        self.c.cells = writable(ffi, cells, np.uint8)
+        self.c.near = writable(ffi, near, np.int32)
+        if clearance.size:
+            self.c.clearance = writable(ffi, clearance, np.int32)
+        self.c.events = ffi.cast("WgEvent *", pointer(ffi, events, np.int64))
+        self.c.event_count = len(events)
+        self.c.headings = pointer(ffi, self.headings, np.int64)
+        self.c.visited = writable(ffi, visited, np.uint8)
+
+
+class Driver:
+    """A controller as the core calls it.
+
+    Args:
+        controller: What drives; None for one that acts outside the core.
+        memory: Its memory at reset.
+    """
+
+    def __init__(self, controller: CompiledController | None, memory: Sequence[float]) -> None:
+        self._memory = np.array(memory, np.float64)
+        self.c: Any = ffi.new("WgController *")
+        self.c.memory_size = len(self._memory)
+        if len(self._memory):
+            self.c.memory = pointer(ffi, self._memory, np.float64)
+        if controller is not None:
+            self._set_function(controller.act)
+
+    def _set_function(self, act: Act | CoreAct) -> None:
+        if isinstance(act, CoreAct):
+            self.c.act = ffi.cast("WgAct", act.address)
+        else:
+            self.c.flat = ffi.cast("WgFlatAct", flat_address(act))
+
+
+class Workspace:
+    """What passes between an episode and a controller outside the core, as arrays over the core's memory.
+
+    Args:
+        observation: (17 + beams,) what the controller senses.
+        memory: Its memory.
+        command: (3,) speed, turn rate, and whether the random number was used.
+    """
+
+    def __init__(self, episode: Episode) -> None:
+        c = episode.c
+        self._episode = episode  # whose memory this is
+        self.observation = _array(c.workspace.flat, SENSES + int(c.workspace.observation.beam_count))
+        self.memory = _array(c.robot.body.memory, int(c.controller.memory_size))
+        self.command = _array(ffi.addressof(c.workspace, "command"), 3)
+
+
+def _array(address: Any, count: int) -> Floats:
+    """Return so many float64s at an address."""
+    if count == 0:
+        return np.zeros(0)
+    return np.frombuffer(ffi.buffer(address, 8 * count), np.float64)
+
+
+class Episode:
+    """An episode of the core, at its start.
+
+    Args:
+        arena: As it is before the first event.
+        settings: WgSettings.
+        driver: What drives.
+        log_steps: Steps of the longest run in which a recurrence is searched; 0 if none is.
+
+    Raises:
+        MemoryError: If there is not enough memory.
+    """
+
+    def __init__(self, arena: Arena, settings: Any, driver: Driver, log_steps: int | None = None) -> None:
+        if log_steps is None:
+            log_steps = int(settings.steps) if settings.find_loop == lib.WG_SEEK_LOOP else 0
+        made = ffi.new("WgEpisode **")
+        check(lib.wg_episode_new(arena.c, settings, driver.c, log_steps, made))
+        self.c: Any = ffi.gc(made[0], lib.wg_episode_free)
+        self.words = int(self.c.search.words)
+        self._held = (arena, settings, driver)
+        self._recording: tuple[Ints, Ints] | None = None
+        self.begin()
+
+    def begin(self) -> None:
+        """Put the robot back to its start; the arena must be as it was before the first event."""
+        check(lib.wg_episode_begin(self.c))
+
+    @property
+    def report(self) -> Any:
+        """WgReport."""
+        return self.c.robot.report
+
+    @property
+    def state(self) -> Any:
+        """WgState."""
+        return self.c.robot.body.state
+
+    @property
+    def entry(self) -> int:
+        """The first step of a loop with which the run has ended; -1 if it has ended otherwise."""
+        return int(lib.wg_episode_entry(self.c))
+
+    def state_words(self) -> Ints:
+        """Return (words,) the complete state."""
+        return np.frombuffer(ffi.buffer(self.c.robot.body, 8 * self.words), np.int64).copy()
+
+    def known_words(self) -> npt.NDArray[np.uint64]:
+        """Return (words,) the state at the entry of a loop that was proved."""
+        return np.frombuffer(ffi.buffer(self.c.search.known, 8 * self.words), np.uint64).copy()
+
+    def record(self, rows: Ints, path: Ints) -> None:
+        """Write the next steps into arrays.
+
+        Args:
+            rows: (n, 1 + words) int64, one for each step: whether a wall was touched, then the state.
+            path: (points, 4) int64, WgPathPoint.
+        """
+        self._recording = (rows, path)
+        points = ffi.cast("WgPathPoint *", writable(ffi, path, np.int64))
+        check(lib.wg_episode_record(self.c, writable(ffi, rows, np.int64), len(rows), points, len(path)))
+
+    def run(self, steps: int) -> bool:
+        """Run at most so many steps; return whether the episode goes on."""
+        return bool(lib.wg_episode_run(self.c, steps) == lib.WG_GOES_ON)
+
+    def run_to_the_end(self) -> None:
+        """Run in portions, between which Ctrl-C is heard."""
+        portion = _FIRST_PORTION
+        began = time.monotonic()
+        while self.run(portion):
+            now = time.monotonic()
+            if now - began < _PORTION_TIME:
+                portion *= 2
+            began = now
