@@ -6,8 +6,7 @@ not counted. Start-up is what the clock on the wall shows, compilation not count
 
 - ``worlds``: million cells a second of a layout alone, and of ``generate``: layout, proof and world.
 - ``proofs``: seconds to decide one world of the largest of ``--sizes``, and to check the certificate.
-- ``batch``: microseconds for each of many worlds of 30 x 30 cells, without and with its witness, and one by one in
-  plain Python as a single small world is decided.
+- ``batch``: microseconds for each of many worlds of 30 x 30 cells, without and with its witness.
 - ``files``: seconds to write and read a world of the largest size.
 - ``start``: seconds from the command line.
 
@@ -40,7 +39,6 @@ from worldgen.family import FAMILIES, stream_for
 from worldgen.grid_file import dumps, loads, read_world, write_world
 from worldgen.lattice import radius_in_cells
 from worldgen.reach import REACHABLE, check_certificate, decide, decide_many
-from worldgen.reach.effort import effort
 from worldgen.world import Pose, Target, World
 
 __all__ = ["documented", "measure"]
@@ -161,10 +159,7 @@ def _batch(rounds: int) -> dict[str, Any]:
     result: dict[str, Any] = {}
     for name in STILL:
         worlds = [_layout(name, 30, seed) for seed in range(BATCH)]
-        few, one = worlds[:10], {}
-        effort.spent = -(10**12)  # plain Python, however much there is to do
-        one["plain"] = _best(lambda few=few: [decide(world) for world in few], 1) / len(few) * 1e6
-        effort.spent = 10**12
+        one: dict[str, float] = {}
         one["decided"] = _best(functools.partial(decide_many, worlds, certificate=False), rounds) / BATCH * 1e6
         one["with witness"] = _best(functools.partial(decide_many, worlds), rounds) / BATCH * 1e6
         one["scipy labels"] = _best(lambda worlds=worlds: [_scipy_labels(world) for world in worlds], 1) / BATCH * 1e6
@@ -271,7 +266,7 @@ def _markdown(result: dict[str, Any]) -> str:
         f"Proofs at {side} x {side} cells, s; in brackets the peer's time over ours:",
         _table(["world", "answer", "proof", "check", *PEERS], proofs),
         "Microseconds for a world of 30 x 30 cells:",
-        _table(["family", "one by one, plain Python", "batch, decided", "batch, with witness", "scipy labels"], batch),
+        _table(["family", "decided", "with witness", "scipy labels"], batch),
         f"Files of {side} x {side} cells, s:",
         _table(["world", *list(next(iter(result["files"].values())))[1:]], files),
         "Start-up, s:",

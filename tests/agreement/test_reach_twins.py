@@ -1,4 +1,4 @@
-"""What compiled code proves is what plain Python proves, to the bit; parts of it against fractions and brute force."""
+"""What the prover's C finds is what the reference finds, to the bit; parts of both against brute force."""
 
 import itertools
 from fractions import Fraction
@@ -12,65 +12,71 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 from tests.helpers.drawn_worlds import RADII, still_worlds, tight_worlds
+from tests.reference.worldgen import graph_search, paths
+from tests.reference.worldgen import rasters as reference_rasters
+from worldgen._core import ffi, lib
+from worldgen.ccall import check, pointer
 from worldgen.lattice import UNIT
-from worldgen.reach import check_certificate, lattice_graph, prove
-from worldgen.reach.bucket_search import bucket_search, room_for_search
+from worldgen.reach import check_certificate, lattice_graph, path, prove
 from worldgen.reach.coarse import walk_squares
 from worldgen.reach.cut import find_chain, linked_offsets, rim_cells
 from worldgen.reach.disc import parts
-from worldgen.reach.effort import PATIENCE, Effort, effort
-from worldgen.reach.flood import flood, flood_compiled
-from worldgen.reach.lattice_graph import Graph, build_graph, find_path, neighbour_shifts
+from worldgen.reach.lattice_graph import Graph, build_graph, find_path, flood, neighbour_shifts
 from worldgen.reach.path import clearance_sq, shorten
 from worldgen.reach.prove import decide, decide_many
-from worldgen.reach.segments import scan_piece
 from worldgen.reach.walls import Walls, segment_box_sq
+from worldgen.world import Pose, Target, World
 
 maps = hnp.arrays(np.bool_, st.tuples(st.integers(3, 9), st.integers(3, 9)), fill=st.just(False))
 radii = st.sampled_from(RADII).map(lambda radius: Fraction(str(radius)))
 
 
-@pytest.fixture(autouse=True)
-def _no_effort_spent(monkeypatch):
-    monkeypatch.setattr(effort, "spent", 0)
-
-
-def both_ways(world, monkeypatch):
-    """The decisions of plain and of compiled code."""
-    monkeypatch.setattr(effort, "spent", 0)
-    plain = decide(world)
-    monkeypatch.setattr(effort, "spent", PATIENCE + 1)
-    return plain, decide(world)
+def by_reference(world):
+    """The decision, made by the reference."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(prove, "build_graph", reference_rasters.build_graph)
+        patch.setattr(prove, "find_path", graph_search.find_path)
+        patch.setattr(prove, "shorten", paths.shorten)
+        patch.setattr(path, "clearance_sq", paths.clearance_sq)
+        return decide(world)
 
 
 @pytest.mark.gate
 @given(world=still_worlds())
-def test_a_compiled_decision_is_the_same_to_the_bit(world, monkeypatch):
-    plain, compiled = both_ways(world, monkeypatch)
-    assert plain == compiled
+def test_a_decision_is_that_of_the_reference_to_the_bit(world):
+    assert decide(world) == by_reference(world)
 
 
 @given(world=tight_worlds())
-def test_a_compiled_decision_about_a_tight_world_is_the_same_to_the_bit(world, monkeypatch):
-    plain, compiled = both_ways(world, monkeypatch)
-    assert plain == compiled
+def test_a_decision_about_a_tight_world_is_that_of_the_reference_to_the_bit(world):
+    assert decide(world) == by_reference(world)
+
+
+@pytest.mark.parametrize("density", [0.05, 0.3])
+def test_a_decision_about_scattered_cells_is_that_of_the_reference(density):
+    walls = np.random.default_rng(1).random((40, 40)) < density
+    walls[:3, :3] = walls[-3:, -3:] = False
+    world = World(walls, Pose(0.15, 0.15), Target(3.85, 3.85, 0.05))
+    assert decide(world) == by_reference(world)
+
+
+def same_rasters(walls, radius, k):
+    ours = build_graph(walls, radius, k)
+    reference = reference_rasters.build_graph(walls, radius, k)
+    return np.array_equal(ours.clear, reference.clear) and np.array_equal(ours.middle, reference.middle)
 
 
 @pytest.mark.gate
-@given(maps, radii, st.sampled_from([2, 4]))
-def test_compiled_rasters_are_the_same(walls, radius, k):
-    plain, compiled = build_graph(walls, radius, k), build_graph(walls, radius, k, compiled=True)
-    assert np.array_equal(plain.clear, compiled.clear)
-    assert np.array_equal(plain.middle, compiled.middle)
+@given(maps, radii, st.sampled_from([2, 3, 4]))
+def test_rasters_are_those_of_the_reference(walls, radius, k):
+    assert same_rasters(walls, radius, k)
 
 
-def test_compiled_rasters_of_a_disc_wider_than_a_byte_counts_are_the_same():
+def test_rasters_of_a_disc_wider_than_a_byte_counts_are_those_of_the_reference():
     walls = np.zeros((280, 280), bool)
     walls[0, 0] = walls[279, 100] = True
-    plain, compiled = build_graph(walls, Fraction(260, 2), 2), build_graph(walls, Fraction(260, 2), 2, compiled=True)
-    assert plain.clear.any()
-    assert np.array_equal(plain.clear, compiled.clear)
-    assert np.array_equal(plain.middle, compiled.middle)
+    assert build_graph(walls, Fraction(260, 2), 2).clear.any()
+    assert same_rasters(walls, Fraction(260, 2), 2)
 
 
 @st.composite
@@ -91,30 +97,26 @@ def graphs(draw, side=24):
 
 @given(graphs())
 def test_a_search_with_buckets_finds_the_path_of_the_search_with_a_heap(asked):
-    assert find_path(*asked, compiled=True) == find_path(*asked)
+    assert find_path(*asked) == graph_search.find_path(*asked)
 
 
 @pytest.mark.gate
 @given(graphs())
 def test_a_search_that_is_stopped_looks_first_whether_there_is_a_way(asked):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(lattice_graph, "_HASTY", 3)
-        assert find_path(*asked, compiled=True) == find_path(*asked)
+        patch.setattr(lattice_graph, "_LOOK", 200)
+        patch.setattr(lattice_graph, "_PORTION", 5)
+        assert find_path(*asked) == graph_search.find_path(*asked)
 
 
-@given(graphs(side=8))
-def test_the_search_with_buckets_is_the_same_interpreted(asked):
+@given(graphs(), st.data())
+def test_a_search_over_bridges_finds_the_path_of_the_reference(asked, data):
     graph, sources, ends, spare, toward = asked
-    goal, size = np.zeros(graph.clear.size, np.uint8), graph.clear.size
-    goal[spare], goal[ends] = 2 if ends else 1, 1
-    across, up = [1, -1, 0, 0, 1, -1, -1, 1], [0, 0, 1, -1, 1, -1, 1, -1]
-    steps = np.array([*neighbour_shifts(graph.stride), across, up]).T
-    path = bucket_search(
-        graph.clear.ravel(), graph.middle.ravel(), goal, graph.stride, steps, np.unique(sources), np.array([0, size]),
-        toward, np.zeros(size, np.int64), 2**31 - 1, np.zeros(size, np.uint8), np.array([size]),
-        *room_for_search(size),
-    )  # fmt: skip
-    assert path.tolist() == find_path(*asked)  # both without the nodes in the middle of a line
+    free = st.sampled_from(np.flatnonzero(graph.clear).tolist())
+    bridges = data.draw(st.lists(st.tuples(free, free), max_size=12))
+    apart = [*sources, data.draw(free)]
+    asked = (graph, apart, ends, spare, toward, bridges)
+    assert find_path(*asked) == graph_search.find_path(*asked)
 
 
 @given(graphs(side=12))
@@ -130,25 +132,23 @@ def test_a_flood_reaches_what_is_connected(asked):
     ]
     joined = sparse.coo_matrix((np.ones(len(pairs)), np.array(pairs).reshape(-1, 2).T), shape=(clear.size,) * 2)
     part = csgraph.connected_components(joined, directed=False)[1]
-    for run in (flood, flood_compiled):
-        seen = np.zeros(clear.size, np.uint8)
-        run(clear, middle, graph.stride, np.array(sources[:1]), seen)
-        assert np.array_equal(seen > 0, part == part[sources[0]])
+    seen = np.zeros(clear.size, np.uint8)
+    graph_search.flood(clear, middle, graph.stride, sources[:1], seen)
+    assert np.array_equal(seen > 0, part == part[sources[0]])
+    assert np.array_equal(flood(graph, np.array(sources[:1])), seen > 0)
 
 
 points = st.tuples(st.integers(0, 9 * UNIT), st.integers(0, 9 * UNIT))
 
 
 @given(maps, radii, points, points)
-def test_a_scan_of_a_piece_has_the_least_distance_to_any_cell(walls, radius, p, q):
-    of, reach = Walls(walls, radius), 20 * UNIT
-    least, side, length_sq, _ = scan_piece(*p, *q, of.cells, reach, float(reach) ** 2, reach**2, False)
-    exact = min(Fraction(*segment_box_sq(p, q, cell)) for cell in of.near(p, q, reach))
-    assert exact == (min(Fraction(least), Fraction(int(side) ** 2, int(length_sq))) if length_sq else least)
+def test_the_clearance_of_a_piece_is_the_least_distance_to_any_cell(walls, radius, p, q):
+    of = Walls(walls, radius)
+    assert clearance_sq(of, [p, q]) == min(Fraction(*segment_box_sq(p, q, cell)) for cell in of.near(p, q, 20 * UNIT))
 
 
 @st.composite
-def paths(draw):
+def drawn_paths(draw):
     """A map and a path through it, mostly of half cells."""
     walls, radius = draw(maps), draw(radii)
     half = st.integers(0, 16).map(lambda value: value * UNIT // 2)
@@ -158,25 +158,29 @@ def paths(draw):
     return Walls(walls, radius), corners
 
 
-@given(paths())
-def test_compiled_shortening_goes_by_the_same_corners(drawn):
-    assert shorten(*drawn, compiled=True) == shorten(*drawn)
+@given(drawn_paths())
+def test_shortening_goes_by_the_corners_of_the_reference(drawn):
+    assert shorten(*drawn) == paths.shorten(*drawn)
 
 
-@given(paths())
-def test_compiled_clearance_is_the_same_fraction(drawn):
-    assert clearance_sq(*drawn, compiled=True) == clearance_sq(*drawn)
+@given(drawn_paths())
+def test_the_clearance_of_a_path_is_the_fraction_of_the_reference(drawn):
+    assert clearance_sq(*drawn) == paths.clearance_sq(*drawn)
 
 
 def test_a_slanting_distance_that_equals_the_radius_is_clear_but_only_fractions_say_so():
     walls = np.zeros((15, 15), bool)
     walls[5, 5] = True  # (7, 6.75) is 1.25 from its corner (6, 6), and so is the line at right angles through it
     p, q = (11 * UNIT // 2, 35 * UNIT // 4), (17 * UNIT // 2, 19 * UNIT // 4)
-    of, square = Walls(walls, Fraction(5, 4)), (5 * UNIT // 4) ** 2
-    _, side, _, nearer = scan_piece(*p, *q, of.cells, 3 * UNIT, float(square), square, False)
-    assert side > 0
-    assert not nearer
-    assert shorten(of, [p, (q[0], p[1]), q], compiled=True) == [p, q]
+    of = Walls(walls, Fraction(5, 4))
+    state, kept = np.array([0, 1, 1, 1, 2]), np.zeros(2, np.int64)
+    x, y = np.array([p[0], q[0]]), np.array([p[1], q[1]])
+    arrays = [pointer(ffi, array, np.int64) for array in (x, y, state, kept)]
+    done = ffi.new("int64_t *")
+    whole = ffi.new("uint8_t[]", [1, 1])
+    check(lib.wg_shorten(of.described, of.disc, *arrays[:2], whole, 2, 6, *arrays[2:], done))
+    assert not done[0]
+    assert shorten(of, [p, (q[0], p[1]), q]) == [p, q]
 
 
 def chain_exists(world, radius, points):
@@ -210,27 +214,11 @@ def test_a_chain_is_found_exactly_where_a_look_at_every_link_finds_one(world):
             assert (found is not None) == expected
 
 
-def test_small_worlds_are_left_to_plain_python_until_that_has_cost_as_much_as_loading():
-    spent = Effort()
-    done = [spent.pays_to_compile(3600) for _ in range(1 + PATIENCE // 3600)]
-    assert not any(done[:-1])
-    assert done[-1]
-    assert Effort().pays_to_compile(10**6)
-
-
 @given(worlds=st.lists(still_worlds(), min_size=1, max_size=4))
 def test_many_worlds_are_decided_as_one_by_one(worlds):
     assert decide_many(worlds) == [decide(world) for world in worlds]
     bare = decide_many(worlds, certificate=False)
     assert [decision.result for decision in bare] == [decide(world).result for world in worlds]
-
-
-def test_thousands_of_worlds_are_decided_by_compiled_code_from_the_first_on():
-    expecting = Effort()
-    expecting.expect(PATIENCE // 2)
-    assert not expecting.pays_to_compile(3600)
-    expecting.expect(PATIENCE)
-    assert expecting.pays_to_compile(3600)
 
 
 @pytest.mark.gate

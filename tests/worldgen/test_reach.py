@@ -17,7 +17,6 @@ from worldgen.errors import InvalidParameter
 from worldgen.lattice import radius_in_cells
 from worldgen.reach import BLOCKED, REACHABLE, check_certificate, decide
 from worldgen.reach.cut import find_chain, linked_offsets
-from worldgen.reach.effort import PATIENCE, effort
 from worldgen.reach.walls import segment_box_sq
 from worldgen.world import Pose, Target, World
 
@@ -169,17 +168,6 @@ def test_a_small_world_is_decided_without_numba_scipy_and_shapely():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split(maxsplit=1) == [REACHABLE, "set()\n"]
-
-
-@pytest.mark.parametrize("density", [0.05, 0.3])
-def test_compiled_searches_find_what_plain_python_finds(density, monkeypatch):
-    walls = np.random.default_rng(1).random((40, 40)) < density
-    walls[:3, :3] = walls[-3:, -3:] = False
-    world = World(walls, Pose(0.15, 0.15), Target(3.85, 3.85, 0.05))
-    monkeypatch.setattr(effort, "spent", 0)
-    plain = decide(world)
-    monkeypatch.setattr(effort, "spent", PATIENCE)
-    assert decide(world) == plain
 
 
 @pytest.mark.parametrize(("density", "result"), [(0.06, REACHABLE), (0.3, BLOCKED)])

@@ -1,6 +1,7 @@
 // Proofs of reachability.
 //
-// Arrays are row-major. Functions check the sizes that they are given; none keeps a pointer.
+// Arrays are row-major. Functions check the sizes that they are given; none keeps a pointer longer than it says.
+// Lengths in lu are 1/1024 of a cell's side. A graph has nodes at multiples of 1/k cell.
 
 #ifndef WG_REACH_H
 #define WG_REACH_H
@@ -8,6 +9,18 @@
 #include <stdint.h>
 
 #include "wg_types.h"
+
+// rasters.c
+
+// Where a disc is clear, for every node of a graph and every middle of four.
+//
+// solid:      (height, width) 1 is solid; everything outside is.
+// k:          nodes in a cell's side, 1 to 64.
+// limit:      least squared distance, in 1/(2 k) cell, at which the disc is clear; at most (2 k * 20,000)^2.
+// clear:      (k height + 1, k width + 1) gets 1 where the disc is clear at the node, else 0.
+// middle:     the same, half a step right of and above each node; 0 in the last row and column.
+WgStatus wg_disc_rasters(const uint8_t *solid, int64_t height, int64_t width, int64_t k, int64_t limit,
+                         uint8_t *clear, uint8_t *middle);
 
 // flood.c
 
@@ -20,5 +33,94 @@
 // seen:       (nodes,) zeros; 1 for what is reached.
 WgStatus wg_flood(const uint8_t *clear, const uint8_t *middle, int64_t nodes, int64_t stride,
                   const int64_t *sources, int64_t source_count, uint8_t *seen);
+
+// search.c
+
+typedef struct WgGraph {
+    const uint8_t *clear;   // (nodes,) 1 where the disc is clear; 0 on the rim of the grid
+    const uint8_t *middle;  // (nodes,) 1 where it is clear half a step right of and above each node
+    int64_t nodes;          // less than 2^31
+    int64_t stride;         // nodes in a row
+} WgGraph;
+
+typedef enum WgProgress {
+    WG_GOING = 0,      // there is more to search
+    WG_FOUND = 1,      // an end, or the best spare end
+    WG_EXHAUSTED = 2,  // there is no path
+} WgProgress;
+
+// A search for the shortest path from any source to any end; bounded work at a time.
+typedef struct WgSearch WgSearch;
+
+// Begins a search. The graph's rasters and the bridges must outlive it.
+//
+// sources:    (source_count,) clear nodes.
+// ends:       (end_count,) nodes at which the search stops.
+// spare:      (spare_count,) nodes to be content with where no end can be reached.
+// toward_x:   node that the search leans to, across; toward_y: up.
+// bridges:    (bridge_count, 2) pairs of clear nodes that are joined too, either way; used once there is no other way.
+// made:       gets the search, for wg_search_free.
+WgStatus wg_search_new(const WgGraph *graph, const int64_t *sources, int64_t source_count, const int64_t *ends,
+                       int64_t end_count, const int64_t *spare, int64_t spare_count, int64_t toward_x,
+                       int64_t toward_y, const int64_t *bridges, int64_t bridge_count, WgSearch **made);
+
+// Goes on, until it is done or ``most`` nodes more were expanded.
+WgStatus wg_search_advance(WgSearch *search, int64_t most, WgProgress *progress);
+
+// Says that no end can be reached, so that the first spare one will do.
+void wg_search_be_content(WgSearch *search);
+
+// Number of nodes of the path that was found, without those in the middle of a straight line; 0 if none was.
+int64_t wg_search_path_length(const WgSearch *search);
+
+// These nodes, from source to end.
+void wg_search_path(const WgSearch *search, int64_t *nodes);
+
+void wg_search_free(WgSearch *search);
+
+// segments.c
+
+typedef struct WgWalls {
+    const uint8_t *solid;  // (height, width) 1 is solid; everything outside is
+    int64_t height;        // cells, at most 20,000
+    int64_t width;         // cells, at most 20,000
+} WgWalls;
+
+// A disc, so that whole numbers and floats can be compared with its radius.
+typedef struct WgDisc {
+    int64_t reach;     // at least the radius, lu
+    int64_t limit;     // least whole square that is not below the radius's, lu^2
+    double radius_sq;  // its square, lu^2
+} WgDisc;
+
+// Whether the disc may sweep a piece; unsure if only fractions can tell.
+typedef enum WgAnswer {
+    WG_CLEAR = 0,
+    WG_MEETS = 1,
+    WG_UNSURE = 2,
+} WgAnswer;
+
+// Goes from corner to corner of a path as far as the disc may sweep; stops where only fractions can tell.
+//
+// x, y:       (count,) corners, lu, rounded down.
+// whole:      (count,) 0 where a corner is not a whole point: each piece there is asked about.
+// patience:   corners in a row that may be out of sight.
+// state:      (5,) index of the corner gone from, of the farthest one seen, of the one looked at; number of corners
+//             kept; the WgAnswer to what was asked, WG_UNSURE for none. At first 0, 1, 2, 1, WG_UNSURE.
+// kept:       (count,) gets the indices of the corners kept; the first is 0.
+// done:       gets 1; or 0 if the piece from state[0] to state[2] is asked about.
+WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, const int64_t *y,
+                    const uint8_t *whole, int64_t count, int64_t patience, int64_t *state, int64_t *kept,
+                    int64_t *done);
+
+// Least distance from a path to a solid cell, as far as ``reach``.
+//
+// x, y:       (count,) whole corners, lu; two or more, or one.
+// sides:      (count,) gets, of the pieces that may be nearest by a corner next to them, the distance times length.
+// lengths_sq: (count,) gets the squared lengths of these.
+// found:      gets their number.
+// least:      gets the least other square, lu^2; at most reach^2.
+WgStatus wg_sweep_least(const WgWalls *walls, const int64_t *x, const int64_t *y, int64_t count, int64_t reach,
+                        int64_t *sides, int64_t *lengths_sq, int64_t *found, int64_t *least);
 
 #endif

@@ -11,7 +11,6 @@ import numpy.typing as npt
 from worldgen.difficulty.way import Ints
 from worldgen.jit import lazy_kernel
 from worldgen.lattice import UNIT, radius_in_cells
-from worldgen.reach.effort import effort
 from worldgen.reach.lattice_graph import Graph, build_graph
 from worldgen.reach.walls import ExactPoint, Walls
 from worldgen.world import World
@@ -41,8 +40,8 @@ class Nodes:
 
     @property
     def is_small(self) -> bool:
-        """Whether plain Python is quick enough; after many small worlds kernels are loaded, and quicker."""
-        return self.graph.clear.size <= SMALL and not effort.is_loaded
+        """Whether plain Python is quick enough."""
+        return self.graph.clear.size <= SMALL
 
     def beside(self, point: ExactPoint) -> list[int]:
         """Flat indices of the clear nodes near a point (1/1024 cell) to which the robot may go straight from it."""

@@ -7,13 +7,14 @@ import itertools
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from worldgen._core import ffi, lib
+from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import UNIT, exact
-from worldgen.reach.segments import CLEAR, MEETS, UNSURE, shorten_pieces_compiled, sweep_least_compiled
 from worldgen.reach.walls import ExactPoint, Number, Walls, segment_box_sq
 from worldgen.world import Witness
 
@@ -57,42 +58,36 @@ def merge_straight(points: list[ExactPoint]) -> list[ExactPoint]:
     return kept
 
 
-def shorten(walls: Walls, points: list[ExactPoint], *, compiled: bool = False) -> list[ExactPoint]:
-    """Replaces corners by straight lines that the disc may sweep.
+def shorten(walls: Walls, points: list[ExactPoint]) -> list[ExactPoint]:
+    """Replace corners by straight lines that the disc may sweep.
 
     Args:
         walls: The walls with the disc's radius.
         points: The path, lu.
-        compiled: Whether to run compiled code; the result is the same.
     """
     points = merge_straight(points)
     patience = max(1, min(_PATIENCE, _TESTS // len(points)))
-    if compiled:
-        return merge_straight(_shorten_compiled(walls, points, patience))
-    kept, at = [points[0]], 0
-    while at < len(points) - 1:
-        seen, far = at + 1, at + 2
-        while far < len(points) and far <= seen + patience:
-            if walls.is_clear(points[at], points[far]):
-                seen = far
-            far += 1
-        kept.append(points[seen])
-        at = seen
-    return merge_straight(kept)
-
-
-def _shorten_compiled(walls: Walls, points: list[ExactPoint], patience: int) -> list[ExactPoint]:
     x, y, whole = _whole_points(points)
-    reach, limit = math.ceil(walls.radius * UNIT), math.ceil(walls.radius_sq)
-    state, kept = np.array([0, 1, 2, 1, UNSURE]), np.zeros(len(points), np.int64)
-    inputs = (x, y, whole, walls.cells, reach, float(walls.radius_sq), limit, patience, state, kept)
-    while not shorten_pieces_compiled(*inputs):
-        state[4] = CLEAR if walls.is_clear(points[state[0]], points[state[2]]) else MEETS
-    return [points[index] for index in kept[: state[3]].tolist()]
+    state = np.array([0, 1, 2, 1, lib.WG_UNSURE])
+    kept = np.zeros(len(points), np.int64)
+    inputs = (walls.described, walls.disc, *_as_read(x, y), pointer(ffi, whole, np.uint8), len(points), patience)
+    outputs = (writable(ffi, state, np.int64), writable(ffi, kept, np.int64))
+    done = ffi.new("int64_t *")
+    while True:
+        check(lib.wg_shorten(*inputs, *outputs, done))
+        if done[0]:
+            break
+        # Only fractions can tell whether this piece is clear.
+        state[4] = lib.WG_CLEAR if walls.is_clear(points[state[0]], points[state[2]]) else lib.WG_MEETS
+    return merge_straight([points[index] for index in kept[: state[3]].tolist()])
+
+
+def _as_read(x: Ints, y: Ints) -> tuple[Any, Any]:
+    return pointer(ffi, x, np.int64), pointer(ffi, y, np.int64)
 
 
 def _whole_points(points: Sequence[ExactPoint]) -> tuple[Ints, Ints, npt.NDArray[np.uint8]]:
-    """Both coordinates in lu, rounded down; and whether they are whole, so that this left them as they were."""
+    """Return both coordinates in lu, rounded down; and whether they are whole, so that this left them as they were."""
     whole = np.array([isinstance(x, int) and isinstance(y, int) for x, y in points], np.uint8)
     floors = list(points)
     for i in np.flatnonzero(whole == 0).tolist():  # few: all others are nodes of a graph
@@ -101,14 +96,11 @@ def _whole_points(points: Sequence[ExactPoint]) -> tuple[Ints, Ints, npt.NDArray
     return np.ascontiguousarray(both[:, 0]), np.ascontiguousarray(both[:, 1]), whole
 
 
-def clearance_sq(walls: Walls, points: Sequence[ExactPoint], *, compiled: bool = False) -> Fraction:
-    """Squared distance from a path to the nearest solid cell, lu squared, exactly."""
-    pieces = list(itertools.pairwise(points)) or [(points[0], points[0])]
+def clearance_sq(walls: Walls, points: Sequence[ExactPoint]) -> Fraction:
+    """Return the squared distance from a path to the nearest solid cell, lu squared, exactly."""
     reach = 2 * math.ceil(walls.radius * UNIT)
     while True:
-        best = Fraction(reach * reach)
-        if compiled:
-            best, pieces = _least_compiled(walls, points, reach)
+        best, pieces = _least_of_whole(walls, points, reach)
         for p, q in pieces:
             for cell in walls.near(p, q, math.isqrt(math.ceil(best)) + 1):
                 distance, over = segment_box_sq(p, q, cell)
@@ -119,28 +111,25 @@ def clearance_sq(walls: Walls, points: Sequence[ExactPoint], *, compiled: bool =
         reach *= 2
 
 
-def _least_compiled(
+def _least_of_whole(
     walls: Walls, points: Sequence[ExactPoint], reach: int
 ) -> tuple[Fraction, list[tuple[ExactPoint, ExactPoint]]]:
-    """The least squared distance, at most that of ``reach``, and the pieces that it does not count."""
-    x, y, whole = _whole_points(points)
+    """Return the least squared distance, at most that of ``reach``, and the pieces that it does not count."""
     if len(points) == 1:
         return Fraction(reach * reach), [(points[0], points[0])]
+    x, y, whole = _whole_points(points)
     first = int(np.flatnonzero(whole[: len(points) // 2] == 0).max(initial=-1)) + 1
     last = first + int(whole[first:].argmin()) if not whole[first:].all() else len(points)
     odd = [(points[i], points[i + 1]) for i in (*range(first), *range(max(first, last - 1), len(points) - 1))]
     if last - first < 2:
         return Fraction(reach * reach), odd
     x, y = x[first:last], y[first:last]
-    sides, lengths_sq = np.zeros(len(x) - 1, np.int64), np.zeros(len(x) - 1, np.int64)
-    best = Fraction(int(sweep_least_compiled(x, y, walls.cells, reach, reach * reach, sides, lengths_sq)))
-    found = np.flatnonzero(lengths_sq)
-    if len(found):
-        squares = sides[found].astype(np.float64) ** 2 / lengths_sq[found]
-        found = found[squares <= squares.min() * (1 + 1e-12)]  # floats are right to 1e-15
-        pairs = set(zip(sides[found].tolist(), lengths_sq[found].tolist(), strict=True))
-        best = min(best, *(Fraction(side * side, length_sq) for side, length_sq in pairs))
-    return best, odd
+    sides, lengths_sq = np.empty(len(x), np.int64), np.empty(len(x), np.int64)
+    found, least = ffi.new("int64_t *"), ffi.new("int64_t *")
+    nearest = (writable(ffi, sides, np.int64), writable(ffi, lengths_sq, np.int64), found, least)
+    check(lib.wg_sweep_least(walls.described, *_as_read(x, y), len(x), reach, *nearest))
+    pairs = set(zip(sides[: found[0]].tolist(), lengths_sq[: found[0]].tolist(), strict=True))
+    return min([Fraction(least[0]), *(Fraction(side * side, length_sq) for side, length_sq in pairs)]), odd
 
 
 @functools.lru_cache(maxsize=1024)
@@ -187,9 +176,7 @@ def _ticks(length_sq: Number, numerator: int, denominator: int) -> int:
     return least if least * least * under >= over else least + 1
 
 
-def make_witness(
-    walls: Walls, points: Sequence[ExactPoint], cell_size: float, speed: float, *, compiled: bool = False
-) -> Witness:
+def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, speed: float) -> Witness:
     """The path at the robot's speed, each time rounded up to a tick so that no piece is too fast.
 
     Args:
@@ -197,7 +184,6 @@ def make_witness(
         points: The path, lu.
         cell_size: m.
         speed: m/s.
-        compiled: Whether to run compiled code; the result is the same.
     """
     x, y = metres(points, cell_size)
     ticks, times = ticks_per_second(cell_size, speed), [0]
@@ -208,7 +194,7 @@ def make_witness(
         if length_sq not in known:
             known[length_sq] = _ticks(length_sq, *per_unit_sq)
         times.append(times[-1] + known[length_sq])
-    clearance = root_down(clearance_sq(walls, points, compiled=compiled) * (exact(cell_size) / UNIT) ** 2)
+    clearance = root_down(clearance_sq(walls, points) * (exact(cell_size) / UNIT) ** 2)
     return Witness(np.array([time / ticks for time in times]), np.array(x), np.array(y), clearance)
 
 

@@ -16,7 +16,6 @@ from worldgen.reach.coarse import FROM_CELLS, coarse_way
 from worldgen.reach.cut import MOST_TARGETS, find_chain
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_margin, check_radius
 from worldgen.reach.disc import Disc, beyond, parts, target_disc
-from worldgen.reach.effort import SMALL, effort
 from worldgen.reach.lattice_graph import Graph, build_graph, find_path, nodes_within
 from worldgen.reach.path import make_witness, root_up, shorten
 from worldgen.reach.pinch import bridges
@@ -63,7 +62,7 @@ def decide(world: World, *, radius: float | None = None, margin: float = 0.0, ce
 
 
 def decide_many(worlds: Sequence[World], *, radius: float | None = None, certificate: bool = True) -> list[Decision]:
-    """What :func:`decide` says of each of many worlds; of thousands of small ones in compiled code from the first on.
+    """Return what :func:`decide` says of each of many worlds.
 
     Args:
         worlds: Any worlds.
@@ -73,7 +72,6 @@ def decide_many(worlds: Sequence[World], *, radius: float | None = None, certifi
     Raises:
         InvalidParameter: If the radius is not a finite number above 0.
     """
-    effort.expect(4 * sum(world.walls.size for world in worlds))
     return [decide(world, radius=radius, certificate=certificate) for world in worlds]
 
 
@@ -115,7 +113,6 @@ class _Question:
         exact_start: The start as the world's decimals say it, lu.
         disc: The target.
         goal: A clear pose in the target's disc, if one is known.
-        compiled: Whether compiled code is worth its loading; the answer is the same.
     """
 
     world: World
@@ -134,7 +131,6 @@ class _Question:
         )
         self.disc: Disc = target_disc(world)
         self.goal: ExactPoint | None = None
-        self.compiled = effort.pays_to_compile(4 * world.walls.size)
 
     @functools.cached_property
     def goal_walls(self) -> Walls:
@@ -144,12 +140,12 @@ class _Question:
     @functools.cached_property
     def _halves(self) -> Graph:
         """The graph over half cells."""
-        return build_graph(self.world.walls, self.walls.radius, 2, compiled=self.compiled)
+        return build_graph(self.world.walls, self.walls.radius, 2)
 
     def _is_clear(self, point: ExactPoint) -> bool:
         """Whether the disc may be at a point."""
         x, y = point
-        if self.compiled and x % (UNIT // 2) == 0 == y % (UNIT // 2) and 4 * self.world.walls.size < SMALL:
+        if x % (UNIT // 2) == 0 == y % (UNIT // 2) and self.world.walls.size <= FROM_CELLS:
             column, row = int(x) // (UNIT // 2), int(y) // (UNIT // 2)  # the graph knows, and is needed anyway
             rows, columns = self._halves.clear.shape
             return 0 <= column < columns and 0 <= row < rows and bool(self._halves.clear[row, column])
@@ -176,10 +172,10 @@ class _Question:
             return Decision(UNDECIDED, None, reason)
         if not certificate:
             return Decision(REACHABLE, None, "a path was found; its witness was not asked for")
-        points: list[ExactPoint] = [*shorten(self.walls, found, compiled=self.compiled)]
+        points: list[ExactPoint] = [*shorten(self.walls, found)]
         if self.exact_start != points[0]:
             points.insert(0, self.exact_start)
-        witness = make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed, compiled=self.compiled)
+        witness = make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed)
         reason = f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through"
         return Decision(REACHABLE, witness, reason)
 
@@ -208,7 +204,7 @@ class _Question:
         """
         graph = self._halves
         if k > 2:
-            graph = build_graph(self.world.walls, self.walls.radius, k, compiled=self.compiled)
+            graph = build_graph(self.world.walls, self.walls.radius, k)
         unit = UNIT // k
         sources = _links(self.walls, graph, self.start)
         ends = _links(self.goal_walls, graph, self.goal) if self.goal is not None else []
@@ -218,15 +214,14 @@ class _Question:
             return []
         toward = _nearest_node(self.disc, unit)
         nodes: list[int] = []
-        if self.compiled and ends and not pinched:  # mostly there is no need to look for other ends
-            nodes = find_path(graph, sources, ends, _NONE, toward, compiled=True)
+        if ends and not pinched:  # mostly there is no need to look for other ends
+            nodes = find_path(graph, sources, ends, _NONE, toward)
         if not nodes:
             spare = nodes_within(self.disc, graph)
             if not (ends or len(spare)):
                 return []
             extra = bridges(self.walls, graph) if pinched else []
-            compiled = self.compiled and not cornered  # whose sources lie near each other
-            nodes = find_path(graph, sources, ends, spare, toward, extra, compiled=compiled)
+            nodes = find_path(graph, sources, ends, spare, toward, extra)
         if not nodes:
             return []
         stride = graph.stride
@@ -291,7 +286,7 @@ class _Question:
         return Decision(UNDECIDED, None, "each pose in the target's disc is walled off, and no single ring was found")
 
     def _chain(self, poses: Sequence[ExactPoint]) -> list[Cell] | None:
-        return find_chain(self.world.walls, self.walls.radius, self.start, poses, compiled=self.compiled)
+        return find_chain(self.world.walls, self.walls.radius, self.start, poses)
 
     def _stopped_sq(self, chain: list[Cell]) -> Fraction | None:
         """Squared radius, cells, above which a chain stops every disc; None if that is known of the robot's only."""

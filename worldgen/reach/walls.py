@@ -10,11 +10,13 @@ import functools
 import math
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from worldgen._core import ffi
+from worldgen.ccall import pointer
 from worldgen.lattice import UNIT
 
 __all__ = [
@@ -41,6 +43,13 @@ def _in_units_sq(radius: Fraction) -> Fraction:
     return (radius * UNIT) ** 2
 
 
+@functools.lru_cache(maxsize=256)
+def _disc(radius: Fraction) -> Any:
+    """Return a disc of ``radius`` cells as C compares with it."""
+    square = _in_units_sq(radius)
+    return ffi.new("WgDisc *", (math.ceil(radius * UNIT), math.ceil(square), float(square)))
+
+
 class Walls:
     """The solid cells with the ring of cells round the grid, for exact questions.
 
@@ -55,6 +64,19 @@ class Walls:
         self.radius = radius
         self.radius_sq = _in_units_sq(radius)
         self._stride = self.width + 2
+
+    @functools.cached_property
+    def described(self) -> Any:
+        """The cells as C reads them."""
+        held = np.ascontiguousarray(self.solid)
+        made = ffi.new("WgWalls *", (pointer(ffi, held, np.bool_), self.height, self.width))
+        self._held = held  # C has its address only
+        return made
+
+    @functools.cached_property
+    def disc(self) -> Any:
+        """The radius as C compares with it."""
+        return _disc(self.radius)
 
     @functools.cached_property
     def cells(self) -> npt.NDArray[np.uint8]:
