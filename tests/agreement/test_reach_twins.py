@@ -34,6 +34,7 @@ radii = st.sampled_from(RADII).map(lambda radius: Fraction(str(radius)))
 def by_reference(world):
     """The decision, made by the reference."""
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(prove, "ask_still", lambda *_: None)
         patch.setattr(prove, "build_graph", reference_rasters.build_graph)
         patch.setattr(prove, "find_path", graph_search.find_path)
         patch.setattr(prove, "shorten", paths.shorten)

@@ -123,4 +123,44 @@ WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, 
 WgStatus wg_sweep_least(const WgWalls *walls, const int64_t *x, const int64_t *y, int64_t count, int64_t reach,
                         int64_t *sides, int64_t *lengths_sq, int64_t *found, int64_t *least);
 
+// still.c
+
+// How lattice units become metres and ticks: fractions of whole numbers.
+typedef struct WgPace {
+    int64_t metre_over;   // metres of a lu
+    int64_t metre_under;  // less than 2^53
+    int64_t tick_over;    // squared ticks of a squared lu
+    int64_t tick_under;
+    int64_t ticks;        // of a second, less than 2^53
+} WgPace;
+
+// A question about a still world, and its answer.
+typedef struct WgStill {
+    int64_t start_x;  // lu
+    int64_t start_y;
+    int64_t goal_x;  // a point in the target's disc, lu
+    int64_t goal_y;
+    int64_t toward_x;  // node over half cells that the search leans to
+    int64_t toward_y;
+    int64_t clear_from;  // least squared distance, in quarters of a cell, at which the disc is clear
+    WgDisc disc;
+    WgDisc goal_disc;  // on the way to the goal: a touch smaller
+    WgPace pace;
+    int64_t wants_path;  // 0 if it is enough to know that there is one
+
+    int64_t reachable;  // 1 if there is a path; 0 says nothing
+    int64_t count;      // of its points
+    int64_t room;       // of each part of the following
+    int64_t *points;    // (4 room,) x, y in lu; then sides and squared lengths, as from wg_sweep_least
+    double *metres;     // (3 room,) x, y in m; then times in s
+    int64_t least;      // least whole square of the distance to a solid cell, lu^2
+    int64_t corners;    // number of sides
+} WgStill;
+
+// Looks for a path over half cells, from a lattice pose to another.
+WgStatus wg_still_decide(const WgWalls *walls, WgStill *still);
+
+// Releases what an answer holds.
+void wg_still_free(WgStill *still);
+
 #endif

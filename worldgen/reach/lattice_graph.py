@@ -23,7 +23,16 @@ from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import UNIT
 from worldgen.reach.disc import Disc
 
-__all__ = ["Graph", "build_graph", "find_path", "neighbour_shifts", "nodes_within", "touching_cells"]
+__all__ = [
+    "Graph",
+    "build_graph",
+    "clear_from",
+    "find_path",
+    "flood",
+    "neighbour_shifts",
+    "nodes_within",
+    "touching_cells",
+]
 
 _PORTION = 2_000_000  # nodes expanded between two looks at Ctrl-C: 0.2 s
 _LOOK = 32  # a node is expanded in the time in which a flood fills so many
@@ -66,12 +75,12 @@ def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph
     clear, middle = np.empty(shape, np.bool_), np.empty(shape, np.bool_)
     cells = pointer(ffi, np.ascontiguousarray(solid), np.bool_)
     made = writable(ffi, clear, np.bool_), writable(ffi, middle, np.bool_)
-    check(lib.wg_disc_rasters(cells, height, width, k, _clear_from(radius, 2 * k), *made))
+    check(lib.wg_disc_rasters(cells, height, width, k, clear_from(radius, 2 * k), *made))
     return Graph(k, clear, middle)
 
 
 @functools.lru_cache(maxsize=256)
-def _clear_from(radius: Fraction, m: int) -> int:
+def clear_from(radius: Fraction, m: int) -> int:
     """Return the least squared distance, in 1/m cell, at which a disc is clear.
 
     The distance from a multiple of 1/m cell to a cell is the root of such a whole number, so comparing is exact.

@@ -23,10 +23,12 @@ __all__ = [
     "make_witness",
     "merge_straight",
     "metres",
+    "metres_per_unit",
     "root_down",
     "root_up",
     "shorten",
     "ticks_per_second",
+    "ticks_per_unit_sq",
 ]
 
 _PATIENCE = 6  # corners in a row that may be out of sight before a straight line ends at the last one seen
@@ -161,11 +163,12 @@ def ticks_per_second(cell_size: float, speed: float) -> int:
 
 def travel_ticks(p: ExactPoint, q: ExactPoint, cell_size: float, speed: float, ticks: int) -> int:
     """The least whole number of ticks in which the robot gets from p to q; exact."""
-    return _ticks((q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2, *_ticks_per_unit_sq(cell_size, speed, ticks))
+    return _ticks((q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2, *ticks_per_unit_sq(cell_size, speed, ticks))
 
 
 @functools.lru_cache(maxsize=256)
-def _ticks_per_unit_sq(cell_size: float, speed: float, ticks: int) -> tuple[int, int]:
+def ticks_per_unit_sq(cell_size: float, speed: float, ticks: int) -> tuple[int, int]:
+    """Return the square of the ticks that 1/1024 cell takes, as a fraction."""
     per_unit = exact(cell_size) * ticks / (UNIT * exact(speed))
     return per_unit.numerator**2, per_unit.denominator**2
 
@@ -187,7 +190,7 @@ def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, s
     """
     x, y = metres(points, cell_size)
     ticks, times = ticks_per_second(cell_size, speed), [0]
-    per_unit_sq = _ticks_per_unit_sq(cell_size, speed, ticks)
+    per_unit_sq = ticks_per_unit_sq(cell_size, speed, ticks)
     known: dict[Number, int] = {}  # a long path has few lengths: fractions are slow
     for p, q in itertools.pairwise(points):
         length_sq = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2
@@ -200,7 +203,7 @@ def make_witness(walls: Walls, points: Sequence[ExactPoint], cell_size: float, s
 
 def metres(points: Sequence[ExactPoint], cell_size: float) -> tuple[list[float], list[float]]:
     """The x and y of points in m, correctly rounded: their shortest decimals are the ones to write."""
-    over, under = _metres_per_unit(cell_size)
+    over, under = metres_per_unit(cell_size)
     known = {
         value: value.numerator * over / (value.denominator * under)  # Python divides whole numbers correctly rounded
         for value in {value for point in points for value in point}
@@ -209,6 +212,7 @@ def metres(points: Sequence[ExactPoint], cell_size: float) -> tuple[list[float],
 
 
 @functools.lru_cache(maxsize=256)
-def _metres_per_unit(cell_size: float) -> tuple[int, int]:
+def metres_per_unit(cell_size: float) -> tuple[int, int]:
+    """Return the metres of 1/1024 cell, as a fraction."""
     scale = exact(cell_size) / UNIT
     return scale.numerator, scale.denominator

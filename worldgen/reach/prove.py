@@ -11,6 +11,8 @@ from fractions import Fraction
 
 import numpy as np
 
+from worldgen._core import lib
+from worldgen.ccall import check
 from worldgen.lattice import UNIT, exact, in_cells, lattice_units, metres_to_lattice
 from worldgen.reach.coarse import FROM_CELLS, coarse_way
 from worldgen.reach.cut import MOST_TARGETS, find_chain
@@ -20,19 +22,20 @@ from worldgen.reach.lattice_graph import Graph, build_graph, find_path, nodes_wi
 from worldgen.reach.path import make_witness, root_up, shorten
 from worldgen.reach.pinch import bridges
 from worldgen.reach.spans import ChangingWalls, Spans
+from worldgen.reach.still import ROUNDING, ask_still, witness_of
 from worldgen.reach.target_poses import deciding_poses
 from worldgen.reach.timed import find_timed_path, make_timed_witness, shorten_timed
-from worldgen.reach.walls import Cell, ExactPoint, Walls
+from worldgen.reach.walls import Cell, ExactPoint, Point, Walls
 from worldgen.timeline import Timeline
-from worldgen.world import Cut, World
+from worldgen.world import Cut, Witness, World
 
 __all__ = ["decide", "decide_many"]
 
 _FINER = (4, 8, 16)  # nodes per cell side where half cells neither find a path nor leave a cut
 _MOST_NODES = 40_000_000  # a finer graph than this is not searched: about 1 GB
 _MOST_TIMED_NODES = 4_000_000  # likewise in time
+_NOT_ASKED = "a path was found; its witness was not asked for"
 _NONE = np.zeros(0, np.int64)
-_ROUNDING = Fraction(1, 2**120)  # share of the radius by which a way to a pose that is no fraction may be too near
 
 
 def decide(world: World, *, radius: float | None = None, margin: float = 0.0, certificate: bool = True) -> Decision:
@@ -135,7 +138,7 @@ class _Question:
     @functools.cached_property
     def goal_walls(self) -> Walls:
         """The walls for a disc smaller by what the goal may be rounded."""
-        return Walls(self.world.walls, self.walls.radius * (1 - _ROUNDING))
+        return Walls(self.world.walls, self.walls.radius * (1 - ROUNDING))
 
     @functools.cached_property
     def _halves(self) -> Graph:
@@ -153,13 +156,14 @@ class _Question:
 
     def answer(self, *, certificate: bool = True) -> Decision:
         """The decision, with its witness if that is asked for; a cut comes with it always."""
+        answer = self._at_once(certificate)
+        if answer is not None:
+            return answer
         bad_start = self.judge_start()
         if bad_start is not None:
             return bad_start
-        target, cell_size = self.world.target, self.world.cell_size
-        centre = (metres_to_lattice(target.x, cell_size), metres_to_lattice(target.y, cell_size))
-        in_the_middle = centre[0] == self.disc.x and centre[1] == self.disc.y  # mostly, and quicker to see
-        if (in_the_middle or self.disc.holds(centre)) and self._is_clear(centre):
+        centre = self._centre()
+        if centre is not None and self._is_clear(centre):
             self.goal = centre
         found = self._coarse_way() or self._path(2)
         if not found:
@@ -171,13 +175,40 @@ class _Question:
             reason = "there is a way, only just wide enough for the disc, and no path along it was found"
             return Decision(UNDECIDED, None, reason)
         if not certificate:
-            return Decision(REACHABLE, None, "a path was found; its witness was not asked for")
+            return Decision(REACHABLE, None, _NOT_ASKED)
         points: list[ExactPoint] = [*shorten(self.walls, found)]
         if self.exact_start != points[0]:
             points.insert(0, self.exact_start)
-        witness = make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed)
-        reason = f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through"
-        return Decision(REACHABLE, witness, reason)
+        return _reached(make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed))
+
+    def _centre(self) -> Point | None:
+        """Return the lattice pose nearest to the target's centre, if it is in the target."""
+        target, cell_size = self.world.target, self.world.cell_size
+        centre = (metres_to_lattice(target.x, cell_size), metres_to_lattice(target.y, cell_size))
+        in_the_middle = centre[0] == self.disc.x and centre[1] == self.disc.y  # mostly, and quicker to see
+        return centre if in_the_middle or self.disc.holds(centre) else None
+
+    def _at_once(self, certificate: bool) -> Decision | None:
+        """Return the decision about a small world whose poses are on the lattice, in one call; None if it is open."""
+        world = self.world
+        if self.start != self.exact_start or world.walls.size > FROM_CELLS:
+            return None
+        goal = self._centre()
+        asked = ask_still(self.walls.radius, world.cell_size, world.robot_speed)
+        if goal is None or asked is None:
+            return None
+        (asked.start_x, asked.start_y), (asked.goal_x, asked.goal_y) = self.start, goal
+        asked.toward_x, asked.toward_y = _nearest_node(self.disc, UNIT // 2)
+        asked.wants_path = certificate
+        check(lib.wg_still_decide(self.walls.described, asked))
+        if not asked.reachable:
+            return None
+        if not certificate:
+            return Decision(REACHABLE, None, _NOT_ASKED)
+        try:
+            return _reached(witness_of(asked, world.cell_size))
+        finally:
+            lib.wg_still_free(asked)
 
     def _coarse_way(self) -> list[ExactPoint]:
         if self.goal is None or self.world.walls.size <= FROM_CELLS:
@@ -301,6 +332,11 @@ class _Question:
         if stopped_sq is not None:
             clearance = min(clearance, root_up(stopped_sq * cell_size**2))
         return Cut(np.array(chain, np.int64), clearance)
+
+
+def _reached(witness: Witness) -> Decision:
+    reason = f"a path of {witness.length:.4g} m lets discs of up to {witness.clearance:.4g} m through"
+    return Decision(REACHABLE, witness, reason)
 
 
 @functools.lru_cache(maxsize=1024)

@@ -25,6 +25,7 @@ __all__ = [
     "Number",
     "Point",
     "Walls",
+    "described_disc",
     "point_box_sq",
     "segment_box_sq",
     "segment_meets_box",
@@ -44,7 +45,7 @@ def _in_units_sq(radius: Fraction) -> Fraction:
 
 
 @functools.lru_cache(maxsize=256)
-def _disc(radius: Fraction) -> Any:
+def described_disc(radius: Fraction) -> Any:
     """Return a disc of ``radius`` cells as C compares with it."""
     square = _in_units_sq(radius)
     return ffi.new("WgDisc *", (math.ceil(radius * UNIT), math.ceil(square), float(square)))
@@ -76,7 +77,7 @@ class Walls:
     @functools.cached_property
     def disc(self) -> Any:
         """The radius as C compares with it."""
-        return _disc(self.radius)
+        return described_disc(self.radius)
 
     @functools.cached_property
     def cells(self) -> npt.NDArray[np.uint8]:
