@@ -208,23 +208,3 @@ int64_t wg_strongest_heading(const WgArena *arena, const WgSettings *settings, c
     return wg_signal_heading(wg_grid(arena), state->x, state->y, settings->target_x, settings->target_y,
                              state->heading);
 }
-
-void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step,
-                    double *beams)
-{
-    WgGrid grid = wg_grid(arena);
-    double longest = settings->beam_range;
-    for (int64_t beam = 0; beam < settings->beams; beam++) {
-        int64_t towards = wg_beam_heading(state->heading, beam, settings->beams, settings->beam_field);
-        double distance = wg_ray_distance(grid, arena->headings, state->x, state->y, towards, longest);
-        if (settings->beam_noise > 0.0) {
-            double wrong = 2.0 * wg_noise_draw(settings, wg_noise_channel(step, WG_NOISE_BEAMS + beam)) - 1.0;
-            distance = wg_lower(distance * (1.0 + settings->beam_noise * wrong), longest);
-        }
-        if (settings->beam_dropout > 0.0 &&
-            wg_noise_draw(settings, wg_noise_channel(step, 2 * WG_NOISE_BEAMS + beam)) < settings->beam_dropout) {
-            distance = longest;
-        }
-        beams[beam] = distance * settings->metres;
-    }
-}

@@ -76,6 +76,12 @@ typedef struct WgPathPoint {
     int64_t y;
 } WgPathPoint;
 
+// A direction in the first eighth of a turn.
+typedef struct WgRay {
+    double share[2];  // of a length: along the x axis, and across it
+    int64_t slope;    // the first divided by the second, 2^-32, rounded down; 0 on the axis
+} WgRay;
+
 // What surrounds a robot. `cells`, `near` and `visited` change during an episode.
 typedef struct WgArena {
     int64_t width;   // cells
@@ -88,6 +94,8 @@ typedef struct WgArena {
     int64_t event_count;
     const int64_t *headings;   // (131072,) cosines and sines, 2^-30: sim/motion's heading table
     uint8_t *visited;          // (height, width) 1 where the centre has been
+    const WgRay *rays;         // (8193,) wg_ray_table; NULL where there are no beams, or the world changes
+    const uint16_t *runs;      // (height + 2, width + 2, 4) wg_free_runs; NULL likewise
 } WgArena;
 
 // What an episode is asked to do, and the robot's dynamics and sensors. A limit that is off is infinity.
