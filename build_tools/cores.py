@@ -113,7 +113,7 @@ CORES = (
     Core(
         "fuzz._core",
         ("fuzz/core", "sim/core"),
-        (_TYPES, _CONTROLLER, *_SIM, "fuzz/core/wg_faults.h"),
+        (_TYPES, _CONTROLLER, *_SIM, "sim/core/wg_parts.h", "fuzz/core/wg_looks.h", "fuzz/core/wg_faults.h"),
         ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers", "fuzz/core"),
     ),
 )

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.kernels.layout_bytes import (
+from fuzz.layout_bytes import (
     CLEAR,
     FEATURE_BYTES,
     FINER,

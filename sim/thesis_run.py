@@ -135,7 +135,7 @@ class ThesisRun:
     def _signal(self, solid: npt.NDArray[np.bool_], target_x: int, target_y: int) -> tuple[Cells, Cells]:
         """Signal map with walls, and without."""
         light = signal_map(solid.shape[0], self._height, target_x, target_y)
-        cells = np.where(solid, np.int32(WALL), light)
+        cells = np.ascontiguousarray(np.where(solid, np.int32(WALL), light))
         if self.options.thesis.noise:
             add_noise(cells, light)
         return cells, light
@@ -156,7 +156,7 @@ class ThesisRun:
         world, side = self.world, self.world.cell_size
         clear_sq, reach = disc_numbers(world)
         x, y = metres_to_lattice(world.start.x, side), metres_to_lattice(world.start.y, side)
-        solid = world.walls.astype(np.uint8)
+        solid = np.array(world.walls, np.uint8, order="C")
         grid = {"cells": pointer(_ffi, solid, np.uint8), "width": world.width, "height": world.height}
         if not _lib.wg_disc_is_clear(grid, _lib.WG_SOLID, {"clear_sq": clear_sq, "reach": reach}, x, y):
             raise start_overlaps(world)

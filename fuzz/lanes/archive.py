@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.kernels.layout_bytes import FEATURE_BYTES, HEAD_BYTES, MAX_FEATURES, SCENE_BYTES
 from fuzz.lanes.native import look_through, pace_of, scenes
 from fuzz.lanes.task import Task
+from fuzz.layout_bytes import FEATURE_BYTES, HEAD_BYTES, MAX_FEATURES, SCENE_BYTES
 from fuzz.native import Looks
 from fuzz.result import Elite
 from worldgen.random_streams import RandomStream

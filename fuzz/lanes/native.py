@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from fuzz.config import CampaignConfig
 from fuzz.features import decode_scene
-from fuzz.kernels.layout_bytes import SCENE_BYTES
 from fuzz.lanes.task import Task
+from fuzz.layout_bytes import SCENE_BYTES
 from fuzz.native import Looks, can_look, evaluate
 from fuzz.variation import applied
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController

@@ -30,6 +30,7 @@ _OWN = ("worldgen", "sim", "fuzz")
 _SHOWS = ("fuzz/ci", "fuzz/commands", "fuzz/player", "fuzz/report", "fuzz/studio", "worldgen/cli")
 """What shows campaigns and decides nothing in them; that no search imports it is a contract in pyproject.toml."""
 _LEFT_OUT = tuple(f"{folder}/" for folder in _SHOWS)
+_COMPILED = (".so", ".pyd")
 _DIGITS = 16  # hex, of every digest here
 _LONGEST = 60  # characters of a value in a message
 
@@ -137,6 +138,8 @@ def _own_sources() -> str:
 def digest_of_sources(folders: Sequence[Path]) -> str:
     """A digest of packages' files, comments and tables included, without those that only show what was found.
 
+    What is compiled of them is left out: another compiler's core computes the same.
+
     Args:
         folders: Of the packages.
     """
@@ -144,7 +147,9 @@ def digest_of_sources(folders: Sequence[Path]) -> str:
     for folder in folders:
         for file in sorted(folder.rglob("*")):
             name = file.relative_to(folder.parent).as_posix()
-            if file.is_file() and "__pycache__" not in file.parts and not name.startswith(_LEFT_OUT):
+            if file.suffix in _COMPILED or "__pycache__" in file.parts or name.startswith(_LEFT_OUT):
+                continue
+            if file.is_file():
                 digest.update(f"{name}\0".encode() + file.read_bytes())
     return digest.hexdigest()[:_DIGITS]
 

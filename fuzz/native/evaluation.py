@@ -1,38 +1,28 @@
-"""First looks at many layouts: packs them for the kernel, runs it, reads the results back."""
+"""First looks at many layouts: packs them for the core, runs it, reads the results back."""
 
 from __future__ import annotations
 
-import functools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.features import RADII, TARGET_RADII, decode_scene, decode_world
-from fuzz.kernels import layout_bytes, looks
-from fuzz.kernels.layouts import ROWS
-from fuzz.kernels.looks import Batch, Desk, look_at_layouts
+from fuzz import layout_bytes
+from fuzz.features import RADII, decode_scene, decode_world
+from fuzz.native.batch import CRASH, Batch, Patience, Seat, lib
 from fuzz.native.in_lockstep import look_in_batch, look_in_lockstep
-from fuzz.native.one_by_one import CRASH, OneByOne
+from fuzz.native.one_by_one import OneByOne
 from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController, VectorController
-from sim.controllers.base import compiled_act, numba_config
-from sim.kernel_types import episode_types, typed_kernel
-from sim.kernels import layout
-from sim.kernels._bridge import settings_of
-from sim.kernels.lattice_sense import heading_table
-from sim.kernels.lattice_state import new_robot, new_room
+from sim.lattice_core import Driver
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import LATTICE
-from sim.packing import disc_numbers
 from sim.run_options import MAX_STEPS
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
-from worldgen.lattice import in_cells
+from worldgen.lattice import TURN, UNIT
 from worldgen.world import DEFAULT_CELL_SIZE, World
 
 __all__ = ["Looks", "can_look", "evaluate"]
@@ -43,12 +33,12 @@ Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 _MOST_KEYS = 1 << 16  # more than the facts of a run without a crash can make
-_LARGEST = layout_bytes.SMALLEST_SIDE + layout_bytes.SPREAD_OF_SIDES - 1
+_PORTION = 1 << 20  # steps of a compiled controller, about 0.1 s: between two portions Ctrl-C is heard
 
 # Patience of first looks: as long as a witness's budget, so that who spends it has failed, but for the longest ways.
-_PATIENT = np.array([50, 4_000, 8_000, 600])
+_PATIENT = Patience(50, 4_000, 8_000, 600)
 # Where each step takes microseconds, runs that fail take most of the time: they are shorter, and proved all the same.
-_BRISK = np.array([15, 800, 2_400, 150])
+_BRISK = Patience(15, 800, 2_400, 150)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +53,7 @@ class Looks:
         scenario: What ran; of each run :meth:`scenario_of` knows its seed and time step.
         seeds: uint64.
         time_steps: s.
-        raw: (n, LOOK_SIZE) int64, columns of :mod:`fuzz.kernels.looks`.
-        path: Driven length, lattice units.
+        raw: (n,) :data:`fuzz.native.batch.LOOK`.
         robot: Size and speed of all robots, where the scenes have no say.
     """
 
@@ -72,8 +61,7 @@ class Looks:
     scenario: Scenario
     seeds: npt.NDArray[np.uint64]
     time_steps: Floats
-    raw: Ints
-    path: Floats
+    raw: npt.NDArray[np.void]
     robot: Mapping[str, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -82,20 +70,20 @@ class Looks:
     @property
     def ran(self) -> Flags:
         """Whether the robot can surely reach the target, so that the controller was run."""
-        found: Flags = self.raw[:, looks.LOOK_DISTANCE] >= 0
+        found: Flags = self.raw["distance"] >= 0
         return found
 
     @property
     def ending(self) -> Ints:
-        """``LIMIT`` and the like of :mod:`sim.kernels.layout`."""
-        return self.raw[:, layout.OUT_ENDING]
+        """``WG_LIMIT`` and the like of ``sim/core/wg_sim.h``."""
+        return self.raw["ending"]
 
     @property
     def verdict(self) -> npt.NDArray[np.str_]:
         """At first look: ``undecided`` where the budget was spent, empty where nothing ran."""
         words = np.array(["", "undecided", "reached", "loop", "tunnel", "burned", "invalid-command", "crash", "hang"])
-        ending, overlaps = self.ending, self.raw[:, layout.OUT_OVERLAP_STEP] >= 0
-        covered = overlaps & np.isin(ending, (layout.LIMIT, layout.REACHED, layout.LOOP))
+        ending, overlaps = self.ending, self.raw["overlap_step"] >= 0
+        covered = overlaps & np.isin(ending, (lib.WG_LIMIT, lib.WG_REACHED, lib.WG_LOOP))
         return np.where(covered, "overlap", words[ending + 1])
 
     @property
@@ -107,61 +95,66 @@ class Looks:
     @property
     def steps(self) -> Ints:
         """Steps until the run ended, for a loop until it was found."""
-        return self.raw[:, layout.OUT_STEPS]
+        return self.raw["steps"]
 
     @property
     def budget(self) -> Ints:
         """Steps that the run was given."""
-        return self.raw[:, looks.LOOK_BUDGET]
+        return self.raw["budget"]
 
     @property
     def simulated(self) -> int:
         """Steps simulated in all, with those that were only watched."""
-        return int(self.steps.sum() + self.raw[:, looks.LOOK_WATCHED].sum())
+        return int(self.steps.sum() + self.raw["watched"].sum())
 
     @property
     def period(self) -> Ints:
         """Steps of a loop's period."""
-        return self.raw[:, layout.OUT_PERIOD]
+        return self.raw["period"]
 
     @property
     def collisions(self) -> Ints:
         """Times that the robot began to touch a wall."""
-        return self.raw[:, layout.OUT_COLLISIONS]
+        return self.raw["collisions"]
 
     @property
     def solid(self) -> Ints:
         """Solid cells."""
-        return self.raw[:, looks.LOOK_SOLID]
+        return self.raw["solid"]
 
     @property
     def density(self) -> Floats:
         """Share of the cells inside the border that are solid."""
-        width, height = self.raw[:, looks.LOOK_WIDTH], self.raw[:, looks.LOOK_HEIGHT]
+        width, height = self.raw["width"], self.raw["height"]
         share: Floats = (self.solid - 2 * (width + height - 2)) / ((width - 2) * (height - 2))
         return share
 
     @property
     def way(self) -> Ints:
         """Cells of a way to the target along edges, an upper bound of the shortest."""
-        return self.raw[:, looks.LOOK_DISTANCE]
+        return self.raw["distance"]
 
     @property
     def straight(self) -> Floats:
         """Distance of start and target, cells."""
-        cells: Floats = np.sqrt(self.raw[:, looks.LOOK_STRAIGHT_SQ])
+        cells: Floats = np.sqrt(self.raw["straight_sq"])
         return cells
+
+    @property
+    def path(self) -> Floats:
+        """Driven length, lattice units."""
+        return self.raw["path_length"]
 
     @property
     def driven(self) -> Floats:
         """Driven length, cells."""
-        cells: Floats = self.path / layout.UNIT
+        cells: Floats = self.path / UNIT
         return cells
 
     @property
     def visited(self) -> Ints:
         """Cells that the robot's centre was in."""
-        return self.raw[:, looks.LOOK_VISITED]
+        return self.raw["visited"]
 
     @property
     def revisits(self) -> Floats:
@@ -171,12 +164,12 @@ class Looks:
     @property
     def least_clearance(self) -> Ints:
         """Distance of the cell nearest to a wall among those that the centre was in: 1, 2, or 3 for more."""
-        return self.raw[:, looks.LOOK_LEAST_CLEARANCE]
+        return self.raw["least_clearance"]
 
     @property
     def mean_clearance(self) -> Floats:
         """The mean of these distances, 1 to 3."""
-        return self.raw[:, looks.LOOK_CLEARANCES] / np.maximum(self.visited, 1)
+        return self.raw["clearances"] / np.maximum(self.visited, 1)
 
     @property
     def key(self) -> Ints:
@@ -188,18 +181,18 @@ class Looks:
         """
         raw, made = self.raw, self.ending + 1
         facts = (
-            (raw[:, layout.OUT_OVERLAP_STEP] >= 0, 2),
-            (np.minimum(raw[:, looks.LOOK_BUMPS], 3), 4),
-            (raw[:, looks.LOOK_CONTACT], 6),
-            (np.abs(raw[:, looks.LOOK_TURNED]) >= layout.TURN, 2),
-            (np.searchsorted(np.array([0.5, 4.0, 16.0]) * layout.UNIT, self._extent), 4),
-            (raw[:, looks.LOOK_CLOSER], 2),
-            (np.minimum(raw[:, looks.LOOK_AROUND], 3) + 1, 5),
+            (raw["overlap_step"] >= 0, 2),
+            (np.minimum(raw["bumps"], 3), 4),
+            (raw["contact"], 6),
+            (np.abs(raw["turned"]) >= TURN, 2),
+            (np.searchsorted(np.array([0.5, 4.0, 16.0]) * UNIT, self._extent), 4),
+            (raw["closer"], 2),
+            (np.minimum(raw["around"], 3) + 1, 5),
         )
         for fact, kinds in facts:
             made = made * kinds + fact
         # OneByOne tells crashes apart by a number here; compiled controllers leave 0.
-        crashed = np.where(self.ending == CRASH, np.maximum(raw[:, layout.OUT_HIT_IX], 0), 0)
+        crashed = np.where(self.ending == CRASH, np.maximum(raw["hit_ix"], 0), 0)
         made += crashed * _MOST_KEYS
         return np.where(self.failed, made, 0)
 
@@ -207,8 +200,8 @@ class Looks:
     def _extent(self) -> Ints:
         """Larger side of the box in which the robot was while it was watched, lattice units."""
         raw = self.raw
-        wide = raw[:, looks.LOOK_RIGHT] - raw[:, looks.LOOK_LEFT]
-        larger: Ints = np.maximum(wide, raw[:, looks.LOOK_HIGH] - raw[:, looks.LOOK_LOW])
+        wide = raw["right"] - raw["left"]
+        larger: Ints = np.maximum(wide, raw["high"] - raw["low"])
         return larger
 
     def world(self, n: int) -> World:
@@ -261,11 +254,11 @@ def evaluate(
     packed = _Packed.of(scenario, tuple(values.tolist()), robot)
     batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
     packed.run(batch, lambda n: _world_of(layouts, n, robot))
-    return Looks(layouts, scenario, numbers, steps, batch.looks, batch.sums[:, layout.SUM_PATH].copy(), robot)
+    return Looks(layouts, scenario, numbers, steps, batch.looks, robot)
 
 
 def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, float]) -> None:
-    """Refuses what the kernel cannot take."""
+    """Refuses what the core cannot take."""
     widths = (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES)
     if layouts.ndim != 2 or layouts.shape[1] not in widths or layouts.dtype != np.uint8:
         raise InvalidParameter(
@@ -297,7 +290,7 @@ def _spread(values: Any, count: int, name: str) -> Any:
 
 @dataclass(frozen=True)
 class _Packed:
-    """A scenario as the kernel takes it."""
+    """A scenario as the core takes it."""
 
     controller: Controller
     runs: tuple[LatticeRun, ...]
@@ -314,100 +307,33 @@ class _Packed:
 
     def batch(self, layouts: Bytes, seeds: npt.NDArray[np.uint64], kinds: Ints, budgets: Ints) -> Batch:
         """The runs of one call."""
-        packed = [settings_of(run.settings) for run in self.runs]
-        settings = np.array([ints for ints, _ in packed]).reshape(-1, layout.SET_SIZE)
         finds = not isinstance(self.controller, ProcessController)  # whose memory cannot be seen
-        settings[:, layout.SET_FIND_LOOP] = [
-            layout.SEEK_LOOP if finds and run.can_loop else layout.NO_LOOP for run in self.runs
-        ]
-        settings[:, layout.SET_DIGEST] = 0
-        scales = np.array([floats for _, floats in packed]).reshape(-1, layout.SCALE_SIZE)
-        count = len(layouts)
+        for run in self.runs:
+            run.settings.find_loop = lib.WG_SEEK_LOOP if finds and run.can_loop else lib.WG_NO_LOOP
+            run.settings.digest = 0
         patience = _PATIENT if isinstance(self.controller, CompiledController) else _BRISK
-        return Batch(
-            layouts, seeds.view(np.int64), kinds, budgets, settings, scales, *_discs(self.radii), patience,
-            np.zeros((count, looks.LOOK_SIZE), np.int64), np.zeros((count, layout.SUM_SIZE)), np.zeros(1, np.int64),
-        )  # fmt: skip
+        return Batch(layouts, seeds, kinds, budgets, [run.settings for run in self.runs], self.radii, patience)
 
     def run(self, batch: Batch, world: Callable[[int], World]) -> None:
         """Fills in the results."""
-        beams = max((run.options.robot.beams for run in self.runs), default=0)
-        if isinstance(self.controller, CompiledController):
-            _run_compiled(self.controller, batch, beams)
+        if len(batch) == 0:
             return
-        desk = _desk()
-        alone = OneByOne(self.controller, batch, desk, beams, world)
+        if isinstance(self.controller, CompiledController):
+            memory = self.controller.memory
+            seat = Seat(batch, memory, Driver(self.controller, memory))
+            while lib.wg_looks_run(seat.c, _PORTION) == lib.WG_GOES_ON:
+                pass
+            return
+        alone = OneByOne(self.controller, batch, world)
         if isinstance(self.controller, ProcessController):
             if self.controller.offer is None:
                 alone.run(1)  # its first answer may make an offer
-            begun = int(batch.at[0])
-            if look_in_batch(self.controller, batch, desk, beams):
+            begun = batch.at
+            if look_in_batch(self.controller, batch):
                 return
-            batch.at[0] = begun
+            batch.at = begun
         elif isinstance(self.controller, VectorController):
-            if look_in_lockstep(self.controller, batch, desk, beams):
+            if look_in_lockstep(self.controller, batch):
                 return
-            batch.at[0] = 0
-        alone.run(len(batch.seeds))
-
-
-def _run_compiled(controller: CompiledController, batch: Batch, beams: int) -> None:
-    """Runs all in the kernel; a run in which the controller raises ends there as a crash."""
-    memory = np.array(controller.memory, np.float64)
-    act = compiled_act(controller.act)
-    kernel = _typed_kernel()
-    desk = _desk()
-    nothing = np.zeros((0, layout.EVENT_SIZE), np.int64)
-    while batch.at[0] < len(batch.seeds):
-        robot = new_robot(memory.size, nothing)
-        room = new_room(memory.size, beams, looks.longest(batch))
-        try:
-            kernel(batch, desk, act, memory, room, robot)
-        except Exception:  # noqa: BLE001 - raised in the compiled controller, which may raise anything
-            crashed = batch.looks[batch.at[0]]
-            crashed[: layout.OUT_SIZE], crashed[layout.OUT_ENDING] = robot.counts, CRASH
-            crashed[layout.OUT_OVERLAP_STEP], batch.sums[batch.at[0]] = -1, robot.sums
-            crashed[looks.LOOK_WATCHED : looks.LOOK_AROUND] = 0  # it may have raised while it was watched
-            batch.at[0] += 1
-
-
-@functools.cache
-def _typed_kernel() -> Any:
-    """The kernel, typed for any compiled controller."""
-    if numba_config.DISABLE_JIT:
-        return look_at_layouts
-    types_of = episode_types()
-    ints, floats, bytes_1d = numba.int64[::1], numba.float64[::1], numba.uint8[::1]
-    rows, bytes_2d, floats_2d = numba.int64[:, ::1], numba.uint8[:, ::1], numba.float64[:, ::1]
-    types: Any = numba.types
-    batch = types.NamedTuple(
-        (bytes_2d, ints, ints, ints, rows, floats_2d, rows, floats, ints, ints, rows, floats_2d, ints), Batch
-    )
-    desk = types.NamedTuple(
-        (ints, rows, bytes_1d, numba.int32[::1], numba.int32[::1], bytes_1d, rows, ints, ints, floats, rows), Desk
-    )
-    return typed_kernel(look_at_layouts, numba.void(batch, desk, types_of.act, floats, types_of.room, types_of.robot))
-
-
-@functools.cache
-def _headings() -> Ints:
-    return heading_table()
-
-
-def _desk() -> Desk:
-    """A desk large enough for every layout."""
-    cells = _LARGEST * _LARGEST
-    return Desk(
-        np.zeros(ROWS, np.int64), np.zeros((3, ROWS), np.int64), np.zeros(cells, np.uint8), np.zeros(cells, np.int32),
-        np.zeros(cells, np.int32), np.zeros(cells, np.uint8), np.zeros((0, layout.EVENT_SIZE), np.int64), _headings(),
-        np.zeros(layout.SET_SIZE, np.int64), np.zeros(layout.SCALE_SIZE), np.zeros((0, 1), np.int64),
-    )  # fmt: skip
-
-
-@functools.cache
-def _discs(radii: tuple[float, ...]) -> tuple[Ints, Floats, Ints]:
-    """Squared clear distances and reaches of a scene's robots, their radii in m, and squared radii of its targets."""
-    discs = [disc_numbers(decode_world(bytes(layout_bytes.LAYOUT_BYTES), robot_radius=radius)) for radius in radii]
-    side = decode_world(bytes(layout_bytes.LAYOUT_BYTES)).cell_size
-    within = [in_cells(radius, side) * layout.UNIT for radius in TARGET_RADII]
-    return np.array(discs, np.int64), np.array(radii), np.array([math.floor(w * w) for w in within], np.int64)
+            batch.at = 0
+        alone.run(len(batch))

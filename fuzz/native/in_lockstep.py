@@ -9,40 +9,77 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.kernels import looks
-from fuzz.kernels.fleet_looks import RIDE_RUN, RIDE_SIZE, board_fleet, settle_fleet
-from fuzz.kernels.looks import Batch, Desk, longest
+from fuzz.native.batch import Batch, Seat, ffi, lib
 from sim.controllers import ProcessController, VectorController
 from sim.controllers.contract import flat_memory
 from sim.controllers.program import Misbehaviour
 from sim.controllers.vector import ask
 from sim.fleet_run import ControllerRaised, its_own_fault
-from sim.kernels import layout
-from sim.kernels.lattice_fleet import CLOCK_SIZE, CLOCK_STEP, SHAPE_SIZE, Fleet, fleet_act, fleet_move
-from sim.kernels.lattice_state import new_robot
-from sim.kernels.recurrence import MARKS, new_search
+from sim.lattice_core import SENSES
 from sim.python_loop import hidden_state
 from sim.stopping import is_out_of_time
+from worldgen.ccall import writable
 
 __all__ = ["look_in_batch", "look_in_lockstep"]
 
 Floats = npt.NDArray[np.float64]
 
-Ask = Callable[[Fleet, int, Floats], None]
-"""Fills in the commands of the first slots, so many, and (n, memory) their memories after the step."""
-
 PLACES = 512  # with 2,048 their worlds do not fit into a cache, and a step took 1.4 times as long
 """Robots of a vector class that act at once, at most."""
 
 
-def look_in_lockstep(controller: VectorController, batch: Batch, desk: Desk, beams: int) -> bool:
+class _Places:
+    """Robots that act at once; those whose controller is to act come first in every array.
+
+    Args:
+        batch: The runs.
+        memory: The controller's at reset.
+        count: How many places.
+    """
+
+    def __init__(self, batch: Batch, memory: Floats, count: int) -> None:
+        self.observation = np.full((count, SENSES + batch.beams), np.nan)
+        self.memory = np.zeros((count, memory.size))
+        self.after = np.zeros((count, memory.size))
+        self.command = np.zeros((count, 3))  # speed, turn rate, whether the random number was used
+        self.numbers = np.zeros(count, np.int64)
+        self.fresh = np.zeros(count, np.uint8)
+        self._kept = [Seat(batch, memory.tolist(), number=k) for k in range(count)]
+        self._seats = ffi.new("WgSeat *[]", [seat.c for seat in self._kept])
+        self.taken = int(lib.wg_seats_board(self._seats, count))
+
+    def sense(self) -> None:
+        """Fill in what the robots sense, and their memories."""
+        lib.wg_seats_sense(
+            self._seats,
+            self.taken,
+            writable(ffi, self.observation, np.float64),
+            writable(ffi, self.memory, np.float64),
+            writable(ffi, self.numbers, np.int64),
+            writable(ffi, self.fresh, np.uint8),
+        )
+        self.command[:] = 0.0
+
+    def act(self) -> None:
+        """Let the robots continue, each up to where its controller is to act again."""
+        commands = writable(ffi, self.command, np.float64)
+        self.taken = int(lib.wg_seats_act(self._seats, self.taken, commands, writable(ffi, self.after, np.float64)))
+
+    def runs(self) -> list[int]:
+        """Return the runs that are under way."""
+        return [int(self._seats[k].run) for k in range(self.taken)]
+
+
+Ask = Callable[[_Places], None]
+"""Fills in commands and memories of the places that are taken."""
+
+
+def look_in_lockstep(controller: VectorController, batch: Batch) -> bool:
     """Run a vector class in the worlds of a batch.
 
     Args:
         controller: The controller.
         batch: The runs; their results are filled in.
-        desk: To be used.
-        beams: Range beams of the robots.
 
     Returns:
         False if the controller raised, or changed what is outside its memory: then no run can be trusted to be its own,
@@ -52,28 +89,27 @@ def look_in_lockstep(controller: VectorController, batch: Batch, desk: Desk, bea
     if before is None:
         return False
 
-    def act(fleet: Fleet, count: int, after: Floats) -> None:
+    def act(places: _Places) -> None:
+        n = places.taken
         with its_own_fault():
-            ask(controller, fleet.observation[:count], fleet.memory[:count], fleet.command[:count], after)
+            ask(controller, places.observation[:n], places.memory[:n], places.command[:n], places.after[:n])
 
     with contextlib.redirect_stdout(sys.stderr):
         try:
             with its_own_fault():
                 memory = np.array(flat_memory(controller.reset()), np.float64)
-            _run(act, memory, batch, desk, beams, PLACES)
+            _run(act, memory, batch, PLACES)
         except ControllerRaised:
             return False
     return hidden_state(controller) == before
 
 
-def look_in_batch(controller: ProcessController, batch: Batch, desk: Desk, beams: int) -> bool:
+def look_in_batch(controller: ProcessController, batch: Batch) -> bool:
     """Run a program that offers it in the worlds of a batch, many at a time.
 
     Args:
         controller: The program.
         batch: The runs from ``at`` on; their results are filled in.
-        desk: To be used.
-        beams: Range beams of the robots.
 
     Returns:
         False if the program offers nothing, or does anything wrong: then it must be seen alone in each world.
@@ -82,71 +118,27 @@ def look_in_batch(controller: ProcessController, batch: Batch, desk: Desk, beams
     if offer is None:
         return False
 
-    def act(fleet: Fleet, count: int, after: Floats) -> None:
-        robots = fleet.order[:count]
-        fresh = robots[fleet.clock[robots, CLOCK_STEP] == 1]
-        controller.act_in_batch(offer, robots, fresh, fleet.observation[:count], fleet.command[:count])
+    def act(places: _Places) -> None:
+        robots = places.numbers[: places.taken]
+        fresh = robots[places.fresh[: places.taken] != 0]
+        observation = places.observation[: places.taken]
+        controller.act_in_batch(offer, robots, fresh, observation, places.command[: places.taken])
 
     controller.begin_batch(offer.robots)
     try:
-        _run(act, np.zeros(0), batch, desk, beams, offer.robots)
+        _run(act, np.zeros(0), batch, offer.robots)
     except Misbehaviour:
         return False
     return True
 
 
-def _run(act: Ask, memory: Floats, batch: Batch, desk: Desk, beams: int, places: int) -> None:
+def _run(act: Ask, memory: Floats, batch: Batch, most: int) -> None:
     """Run all while there is time; a place whose robot is done takes the next world."""
-    n = min(places, len(batch.seeds))
-    fleet = _fleet(desk, n, memory.size, beams, longest(batch))
-    rides = np.zeros((n, RIDE_SIZE), np.int64)
-    over = np.zeros(n, np.bool_)
-    count = board_fleet(batch, desk, fleet, rides, memory)
-    while count:
+    places = _Places(batch, memory, min(most, len(batch)))
+    while places.taken:
         if is_out_of_time():
-            cut = rides[fleet.order[:count], RIDE_RUN].tolist() + list(range(int(batch.at[0]), len(batch.seeds)))
-            batch.looks[cut, looks.LOOK_DISTANCE] = -1
-            batch.looks[cut, layout.OUT_ENDING] = looks.NOT_RUN
+            batch.leave_out(places.runs() + list(range(batch.at, len(batch))))
             return
-        fleet_move(fleet, count)
-        after = np.empty((count, memory.size))
-        act(fleet, count, after)
-        fleet_act(fleet, count, after, over)
-        count = settle_fleet(batch, desk, fleet, rides, memory, over, count)
-
-
-def _fleet(desk: Desk, n: int, size: int, beams: int, steps: int) -> Fleet:
-    """A fleet of n robots in as many worlds, none of them begun."""
-    robot, cells = new_robot(size, desk.events), desk.cells.size
-    search = new_search(robot.state.size, 0)
-    memory = np.zeros((n, size))
-    return Fleet(
-        shape=np.zeros((n, SHAPE_SIZE), np.int64),
-        cells=np.zeros((n, cells), np.uint8),
-        near=np.zeros((n, cells), np.int32),
-        clearance=np.zeros((n, cells), np.int32),
-        events=desk.events,
-        headings=desk.headings,
-        visited=np.zeros((n, cells), np.uint8),
-        page=np.arange(n),
-        world=np.arange(n),
-        span=np.zeros((n, 2), np.int64),
-        settings=np.zeros((n, layout.SET_SIZE), np.int64),
-        scales=np.zeros((n, layout.SCALE_SIZE)),
-        state=np.zeros((n, robot.state.size), np.int64),
-        odometry=np.zeros((n, 3)),
-        chain=np.zeros((n, *robot.chain.shape), np.int64),
-        counts=np.zeros((n, layout.OUT_SIZE), np.int64),
-        sums=np.zeros((n, layout.SUM_SIZE)),
-        known=np.zeros((n, robot.state.size), np.int64),
-        prints=np.zeros((n, search.prints.size), np.uint64),
-        log=np.zeros((n, steps + 1), np.uint64),
-        marks=np.zeros((n, MARKS), np.int64),
-        clock=np.zeros((n, CLOCK_SIZE), np.int64),
-        order=np.arange(n),
-        observation=np.full((n, layout.OBS_SIZE + beams), np.nan),
-        memory=memory,
-        words=memory.view(np.int64),
-        command=np.zeros((n, layout.CMD_SIZE)),
-        nothing=desk.nothing,
-    )
+        places.sense()
+        act(places)
+        places.act()

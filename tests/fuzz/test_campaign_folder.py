@@ -504,9 +504,9 @@ def test_a_configuration_comes_back_from_its_folder_as_it_was():
 @pytest.mark.parametrize(
     ("file", "same"),
     [("fuzz/studio/page/campaign.js", True), ("fuzz/player/page/map.js", True), ("fuzz/report/page.py", True),
-     ("fuzz/kernels/looks.py", False), ("fuzz/studio_of_mine.py", False)],
+     ("fuzz/core/looks.c", False), ("fuzz/_core.abi3.so", True), ("fuzz/studio_of_mine.py", False)],
 )  # fmt: skip
-def test_an_edit_of_what_shows_a_campaign_leaves_it_as_it_is_and_one_of_a_kernel_does_not(tmp_path, file, same):
+def test_an_edit_of_what_shows_a_campaign_leaves_it_as_it_is_and_one_of_the_core_does_not(tmp_path, file, same):
     (tmp_path / file).parent.mkdir(parents=True)
     (tmp_path / "fuzz/campaign.py").write_text("")
     before = digest_of_sources([tmp_path / "fuzz"])

@@ -1,4 +1,4 @@
-"""Native search: what its kernel says of a layout is what the rest of the product says of the world it decodes to."""
+"""Native search: what the core says of a layout is what the rest of the product says of the world it decodes to."""
 
 import numpy as np
 import pytest
@@ -14,10 +14,10 @@ from sim import CompiledController
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
 from sim.kernels import layout
-from sim.kernels.layout import UNIT
 from sim.scenario import Scenario
 from worldgen.errors import InvalidParameter
 from worldgen.grid_file import dumps
+from worldgen.lattice import UNIT
 from worldgen.random_streams import RandomStream
 
 SCENE = st.binary(min_size=SCENE_BYTES, max_size=SCENE_BYTES)
@@ -56,8 +56,8 @@ def test_a_look_is_the_run_in_the_decoded_world_bit_for_bit(data, name, seed, ti
         assert looks.verdict[0] in (run.ending, "undecided", "overlap")
         assert (looks.steps[0], looks.period[0], looks.collisions[0]) == (run.steps, run.period, run.collisions)
         assert looks.path[0] / metres == pytest.approx(run.path_length, rel=1e-12)
-        assert looks.raw[0, layout.OUT_LAST_NEW_CELL] == run.last_new_cell
-        assert (looks.raw[0, layout.OUT_OVERLAP_STEP], looks.raw[0, layout.OUT_HIT_STEP]) == (
+        assert looks.raw["last_new_cell"][0] == run.last_new_cell
+        assert (looks.raw["overlap_step"][0], looks.raw["hit_step"][0]) == (
             run.overlap_step,
             run.hit_step,
         )

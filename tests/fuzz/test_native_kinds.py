@@ -18,9 +18,9 @@ from sim import Command, Commands
 from sim.controllers import CONTROLLERS
 from sim.controllers.program_batch import Offer
 from sim.episode import prepare
-from sim.kernels import layout
 from sim.scenario import Scenario
 from worldgen.grid_file import dumps
+from worldgen.lattice import UNIT
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
 
@@ -215,8 +215,8 @@ def assert_looks_are_runs(looks):
         assert looks.verdict[n] in (run.ending, "undecided", "overlap")
         assert (looks.steps[n], looks.collisions[n]) == (run.steps, run.collisions)
         assert looks.period[n] == run.period or run.ending != "loop"
-        assert looks.path[n] * world.cell_size / layout.UNIT == pytest.approx(run.path_length, rel=1e-12)
-        assert looks.raw[n, layout.OUT_LAST_NEW_CELL] == run.last_new_cell
+        assert looks.path[n] * world.cell_size / UNIT == pytest.approx(run.path_length, rel=1e-12)
+        assert looks.raw["last_new_cell"][n] == run.last_new_cell
 
 
 @pytest.mark.gate

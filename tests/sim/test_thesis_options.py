@@ -313,6 +313,13 @@ def test_a_robot_that_rolls_out_or_is_interrupted_drives_in_every_escape(switche
     ).all()  # the speed that an escape goes back to
 
 
+@pytest.mark.parametrize("noise", [False, True])
+def test_walls_that_are_stored_by_columns_are_the_same_world(noise):
+    world = hall((20, 20), walls=[(x, 12) for x in range(5, 16)])
+    turned = replace(world, walls=np.asfortranarray(world.walls))
+    assert run(turned, noise=noise, steps=300).trace_digest == run(world, noise=noise, steps=300).trace_digest
+
+
 def test_the_signal_of_a_cell_is_its_squared_distance_and_walls_have_none():
     walls = np.zeros((5, 7), bool)
     walls[[0, -1]] = walls[:, [0, -1]] = walls[1, 4] = True

@@ -1,4 +1,4 @@
-"""What stands where in the bytes of a layout, for :mod:`fuzz.features` and the kernels that read the same bytes."""
+"""What is where in the bytes of a layout; ``fuzz/core/wg_looks.h`` says the same to the core."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Layout bytes to worlds as the simulator's kernels take them, and whether a robot can surely reach the target.
+"""Layout bytes to worlds as the simulator takes them, and whether a robot can surely reach the target.
 
 A row of cells is one number here: bit ``ix + MARGIN`` of row ``iy + MARGIN`` is 1 where the cell is solid, and all
 around a world is solid. What the bytes mean is fixed by :func:`fuzz.features.decode_world`, the same bit for bit.
@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.kernels import layout_bytes
-from fuzz.kernels._jit import kernel, rare_kernel
-from fuzz.kernels.layout_bytes import CLEAR, HEAD_BYTES, SMALLEST_SIDE, SPREAD_OF_SIDES
-from sim.kernels.geometry import NEAR
-from sim.kernels.lattice_state import Arena
+from fuzz import layout_bytes
+from fuzz.layout_bytes import CLEAR, HEAD_BYTES, SMALLEST_SIDE, SPREAD_OF_SIDES
 
 __all__ = ["MARGIN", "ROWS", "byte_of", "draw_layout", "fill_arena", "flood_length", "places_of", "size_of"]
 
 Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
+
+NEAR = 2
+"""How many cells the simulator's masks see to each side."""
 
 MARGIN = NEAR
 """Rows and columns of solid cells around a world, as many as the simulator's masks see."""
@@ -32,20 +32,17 @@ _WINDOW = 2 * NEAR + 1
 _ROW_OF_MASK = (1 << _WINDOW) - 1
 
 
-@kernel
 def byte_of(layouts: Bytes, n: int, k: int) -> Any:
     """Byte k of layout n as a number that does not wrap round."""
-    return np.int64(layouts[n, k])
+    return int(layouts[n, k])
 
 
-@kernel
 def size_of(layouts: Bytes, n: int) -> tuple[int, int]:
     """Width and height of a layout's world, cells."""
     wide, high = byte_of(layouts, n, 0) % SPREAD_OF_SIDES, byte_of(layouts, n, 1) % SPREAD_OF_SIDES
     return SMALLEST_SIDE + wide, SMALLEST_SIDE + high
 
 
-@kernel
 def places_of(layouts: Bytes, n: int) -> tuple[int, int, int, int]:
     """Cells of a layout's start and target: ix, iy, ix, iy."""
     width, height = size_of(layouts, n)
@@ -57,7 +54,6 @@ def places_of(layouts: Bytes, n: int) -> tuple[int, int, int, int]:
     )
 
 
-@kernel
 def _stamp_size(kind: int, length: int, depth: int, thickness: int) -> tuple[int, int]:
     """Height and width of a feature before it is turned."""
     if kind == layout_bytes.BOX:
@@ -75,7 +71,6 @@ def _stamp_size(kind: int, length: int, depth: int, thickness: int) -> tuple[int
     return depth + thickness, 3 * (1 + length // 3) + 1
 
 
-@kernel
 def _is_in_stamp(kind: int, i: int, j: int, form: tuple[int, int, int]) -> bool:
     """Whether row i, column j of a feature is solid."""
     length, depth, thickness = form
@@ -92,7 +87,6 @@ def _is_in_stamp(kind: int, i: int, j: int, form: tuple[int, int, int]) -> bool:
     return True
 
 
-@rare_kernel
 def _draw_feature(layouts: Bytes, n: int, first: int, solid: Ints) -> None:
     """Draws the feature whose bytes begin at ``first``; what falls outside the world is cut off."""
     width, height = size_of(layouts, n)
@@ -116,7 +110,6 @@ def _draw_feature(layouts: Bytes, n: int, first: int, solid: Ints) -> None:
                 solid[y + i + MARGIN] |= 1 << (x + j + MARGIN)
 
 
-@rare_kernel
 def draw_layout(layouts: Bytes, n: int, solid: Ints) -> None:
     """Draws a layout's cells.
 
@@ -140,33 +133,26 @@ def draw_layout(layouts: Bytes, n: int, solid: Ints) -> None:
         solid[iy] = -1 if iy <= MARGIN or iy >= height - 1 + MARGIN else solid[iy] | border
 
 
-@rare_kernel
-def fill_arena(solid: Ints, arena: Arena) -> int:
-    """Writes cells and masks of a drawn world into an arena of its size, and forgets where a robot was.
-
-    Returns:
-        How many cells are solid.
-    """
-    height, width = arena.cells.shape
+def fill_arena(solid: Ints, cells: Bytes, near: npt.NDArray[np.int32]) -> int:
+    """Write cells and masks of a drawn world, (height, width), and return how many cells are solid."""
+    height, width = cells.shape
     count = 0
     for iy in range(height):
         for ix in range(width):
-            near = 0
+            mask = 0
             for k in range(_WINDOW):
-                near |= ((solid[iy + k] >> ix) & _ROW_OF_MASK) << (_WINDOW * k)
-            taken = (solid[iy + MARGIN] >> (ix + MARGIN)) & 1
-            arena.cells[iy, ix], arena.near[iy, ix], arena.visited[iy, ix] = taken, near, 0
+                mask |= ((int(solid[iy + k]) >> ix) & _ROW_OF_MASK) << (_WINDOW * k)
+            taken = (int(solid[iy + MARGIN]) >> (ix + MARGIN)) & 1
+            cells[iy, ix], near[iy, ix] = taken, mask
             count += taken
     return count
 
 
-@kernel
 def _joined(clear: int, row: int, below: int, above: int, seen: int) -> int:
     """Corners that can be reached in one more step, in one row."""
     return (row | row << 1 | row >> 1 | below | above) & clear & ~seen
 
 
-@rare_kernel
 def flood_length(layouts: Bytes, n: int, solid: Ints, room: Ints) -> int:
     """Steps of one cell from a corner of the start's cell to one of the target's, along corners of four free cells.
 

@@ -1,0 +1,238 @@
+#include "looks.h"
+
+#include <string.h>
+
+#include "step.h"
+
+enum {
+    SLACK = 20, // lattice units: walls that are no further away than they could be and this are touched
+    NEXT = 0x39CE << (2 * WG_NEAR + 1), // bits of a mask: the eight cells next to a cell, and itself
+};
+
+// Lattice units that no step exceeds.
+static int64_t fastest(const WgSettings *settings)
+{
+    return (int64_t)(settings->top_speed * settings->speed) + 1;
+}
+
+// Fills in the settings of a run, without its budget.
+static void set_up(const WgLooks *looks, const WgPlaces *places, int64_t run, WgSettings *settings)
+{
+    const uint8_t *bytes = looks->layouts + run * looks->layout_bytes;
+    *settings = looks->settings[looks->kinds[run]];
+    settings->start_x = places->start_x * WG_UNIT + WG_UNIT / 2;
+    settings->start_y = places->start_y * WG_UNIT + WG_UNIT / 2;
+    settings->target_x = places->target_x * WG_UNIT + WG_UNIT / 2;
+    settings->target_y = places->target_y * WG_UNIT + WG_UNIT / 2;
+
+    // A scene says more about the robot and its target.
+    int64_t heading = bytes[4] % WG_LAYOUT_HEADINGS * WG_FINER_HEADINGS;
+    int64_t radius = 0;
+    int64_t target = 0;
+    if (looks->layout_bytes == WG_SCENE_BYTES) {
+        radius = bytes[WG_LAYOUT_BYTES] % looks->radius_count;
+        target = bytes[WG_LAYOUT_BYTES + 1] % looks->target_count;
+        heading += bytes[WG_LAYOUT_BYTES + 2] % WG_FINER_HEADINGS;
+    }
+    settings->start_heading = heading * (WG_TURN / (WG_LAYOUT_HEADINGS * WG_FINER_HEADINGS));
+    settings->clear_sq = looks->discs[radius].clear_sq;
+    settings->reach = looks->discs[radius].reach;
+    settings->target_radius_sq = looks->targets[target];
+    settings->seed = looks->seeds[run];
+    settings->radius = looks->radii[radius];
+}
+
+static int64_t own_budget(const WgPatience *patience, const WgSettings *settings, int64_t distance)
+{
+    int64_t by_path = patience->multiple * distance * WG_UNIT / fastest(settings);
+    return wg_least(wg_most(by_path, patience->fewest), patience->most);
+}
+
+// Draws a layout, and notes what can be said of its world before anything runs.
+static WgPlaces note_world(const uint8_t *layout, uint64_t solid[WG_ROWS], WgLook *look)
+{
+    WgPlaces places = wg_layout_places(layout);
+    wg_layout_draw(layout, solid);
+    memset(look, 0, sizeof *look);
+    look->report.ending = WG_NOT_RUN;
+    look->report.hit_step = -1;
+    look->report.overlap_step = -1;
+    look->around = -1;
+    int64_t dx = places.target_x - places.start_x;
+    int64_t dy = places.target_y - places.start_y;
+    look->straight_sq = dx * dx + dy * dy;
+    look->width = places.width;
+    look->height = places.height;
+    int64_t length = wg_layout_distance(&places, solid);
+    look->distance = length >= 0 ? length + 2 : -1;
+    return places;
+}
+
+bool wg_look_open(WgSeat *seat, int64_t run)
+{
+    const WgLooks *looks = seat->looks;
+    WgSettings *settings = seat->settings;
+    WgArena *arena = seat->arena;
+    WgLook *look = &looks->looks[run];
+    uint64_t solid[WG_ROWS];
+    WgPlaces places = note_world(looks->layouts + run * looks->layout_bytes, solid, look);
+    if (look->distance < 0) {
+        return false;
+    }
+    set_up(looks, &places, run, settings);
+    int64_t budget = looks->budgets[run];
+    settings->steps = budget > 0 ? budget : own_budget(&looks->patience, settings, look->distance);
+    look->budget = settings->steps;
+    arena->width = places.width;
+    arena->height = places.height;
+    look->solid = wg_layout_fill(solid, arena);
+    arena->visited[places.start_y * places.width + places.start_x] = 1;
+
+    // Where the masks reach as far as a step, a run needs no table of distances.
+    arena->clearance = NULL;
+    if (settings->reach + fastest(settings) > WG_NEAR * WG_UNIT) {
+        wg_chessboard_clearance(wg_grid(arena), seat->clearance);
+        arena->clearance = seat->clearance;
+    }
+    return true;
+}
+
+// Notes how many cells the robot was in, and how close they are to solid ones.
+static void note_path(const WgArena *arena, WgLook *look)
+{
+    look->least_clearance = WG_FAR;
+    for (int64_t cell = 0; cell < arena->width * arena->height; cell++) {
+        if (arena->visited[cell] == 0) {
+            continue;
+        }
+        int32_t mask = arena->near[cell];
+        int64_t clearance = WG_FAR;
+        if (mask != 0) {
+            clearance = (mask & NEXT) != 0 ? 1 : 2;
+        }
+        look->visited++;
+        look->least_clearance = wg_least(look->least_clearance, clearance);
+        look->clearances += clearance;
+    }
+}
+
+// How many of the four cells that share an edge with a cell are solid.
+static int64_t solid_beside(WgGrid grid, int64_t ix, int64_t iy)
+{
+    return (wg_cell_state(grid, ix + 1, iy) == WG_SOLID) + (wg_cell_state(grid, ix - 1, iy) == WG_SOLID) +
+           (wg_cell_state(grid, ix, iy + 1) == WG_SOLID) + (wg_cell_state(grid, ix, iy - 1) == WG_SOLID);
+}
+
+// Notes of what kind the wall is that the robot went through or into.
+static void note_wall(const WgArena *arena, WgLook *look)
+{
+    const WgReport *report = &look->report;
+    if (report->ending == WG_TUNNEL) {
+        look->around = solid_beside(wg_grid(arena), report->hit_ix, report->hit_iy);
+    } else if (report->overlap_step >= 0) {
+        look->around = solid_beside(wg_grid(arena), report->overlap_ix, report->overlap_iy);
+    }
+}
+
+void wg_look_close(WgSeat *seat)
+{
+    WgLook *look = &seat->looks->looks[seat->run];
+    look->report = seat->episode->robot.report;
+    note_path(seat->arena, look);
+    note_wall(seat->arena, look);
+}
+
+// The kind of wall that a robot touches, by the solid cells next to its disc.
+static int64_t contact_of(WgGrid grid, int64_t reach, int64_t x, int64_t y)
+{
+    int64_t farthest = (reach + SLACK) * (reach + SLACK);
+    int across = 0; // bits: right, left
+    int along = 0;  // bits: above, below
+    bool aslant = false;
+    int64_t fewest = 4;
+    for (int64_t iy = wg_cell_of(y - reach - SLACK); iy <= wg_cell_of(y + reach + SLACK); iy++) {
+        for (int64_t ix = wg_cell_of(x - reach - SLACK); ix <= wg_cell_of(x + reach + SLACK); ix++) {
+            bool touches = wg_cell_state(grid, ix, iy) == WG_SOLID &&
+                           wg_point_box_distance_sq(x, y, ix, iy) <= farthest;
+            if (!touches) {
+                continue;
+            }
+            fewest = wg_least(fewest, solid_beside(grid, ix, iy));
+            bool beside_x = ix * WG_UNIT > x || (ix + 1) * WG_UNIT < x;
+            bool beside_y = iy * WG_UNIT > y || (iy + 1) * WG_UNIT < y;
+            if (beside_x && beside_y) {
+                aslant = true;
+            } else if (beside_x) {
+                across |= ix * WG_UNIT > x ? 1 : 2;
+            } else {
+                along |= iy * WG_UNIT > y ? 1 : 2;
+            }
+        }
+    }
+    if ((across != 0 && along != 0) || across == 3 || along == 3) {
+        return WG_NOOK;
+    }
+    if (fewest <= 1) {
+        return fewest == 0 ? WG_POST : WG_END;
+    }
+    return aslant && across == 0 && along == 0 ? WG_EDGE : WG_FACE;
+}
+
+void wg_look_watch(WgSeat *seat)
+{
+    WgLook *look = &seat->looks->looks[seat->run];
+    WgRobot *robot = &seat->episode->robot;
+    const WgState *state = &robot->body->state;
+    look->left = state->x;
+    look->right = state->x;
+    look->low = state->y;
+    look->high = state->y;
+    look->contact = WG_NO_CONTACT;
+    robot->report.ending = WG_LIMIT;
+    seat->touched = robot->touched;
+    bool loops = look->report.ending == WG_LOOP;
+    seat->watch = loops ? look->report.period : seat->looks->patience.watched;
+}
+
+bool wg_look_goes_on(WgSeat *seat)
+{
+    const WgLook *look = &seat->looks->looks[seat->run];
+    const WgRobot *robot = &seat->episode->robot;
+    seat->heading = robot->body->state.heading;
+    return look->watched < seat->watch && robot->report.ending == WG_LIMIT &&
+           wg_is_inside(seat->arena, &robot->body->state);
+}
+
+void wg_look_note_step(WgSeat *seat)
+{
+    WgLook *look = &seat->looks->looks[seat->run];
+    const WgSettings *settings = seat->settings;
+    const WgState *state = &seat->episode->robot.body->state;
+    look->watched++;
+    bool touches = seat->episode->workspace.observation.bump != 0.0;
+    if (touches && seat->touched == 0) {
+        look->bumps++;
+        int64_t contact = contact_of(wg_grid(seat->arena), settings->reach, state->x, state->y);
+        look->contact = wg_least(look->contact, contact);
+    }
+    seat->touched = touches;
+    int64_t dx = state->x - settings->target_x;
+    int64_t dy = state->y - settings->target_y;
+    if (dx * dx + dy * dy < look->straight_sq * WG_UNIT * WG_UNIT) {
+        look->closer = 1;
+    }
+    look->turned += wg_turn_towards(seat->heading, state->heading);
+    look->left = wg_least(look->left, state->x);
+    look->right = wg_most(look->right, state->x);
+    look->low = wg_least(look->low, state->y);
+    look->high = wg_most(look->high, state->y);
+}
+
+int64_t wg_look_draw(const uint8_t *layout, WgSeat *seat, WgLook *look)
+{
+    uint64_t solid[WG_ROWS];
+    WgPlaces places = note_world(layout, solid, look);
+    seat->arena->width = places.width;
+    seat->arena->height = places.height;
+    return wg_layout_fill(solid, seat->arena);
+}
