@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim import _core
+from sim._core import ffi as _ffi
+from sim._core import lib as _lib
 from worldgen.ccall import check, pointer, writable
 
 __all__ = [
@@ -35,9 +36,6 @@ Cells = npt.NDArray[np.int32]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.void]
-
-_ffi: Any = _core.ffi
-_lib: Any = _core.lib
 
 CELL = 10.0  # px per cell; the listing's `length`
 ROBOT_SPEED = 0.2  # px per ms; at 15 ms a tick moves 2 or 3 px, decided by the last bit of a cosine

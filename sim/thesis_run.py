@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim import _core
+from sim._core import ffi as _ffi
+from sim._core import lib as _lib
 from sim.outcome import Outcome
 from sim.packing import disc_numbers, event_step, start_overlaps
 from sim.run_options import RunOptions, check_step_length
@@ -34,9 +35,6 @@ __all__ = ["ThesisRun", "signal_in"]
 Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.int32]
 Rows = npt.NDArray[np.void]
-
-_ffi: Any = _core.ffi
-_lib: Any = _core.lib
 
 _ENDINGS = {
     _lib.WG_LIMIT: "limit",

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from fuzz import _core, layout_bytes
+from fuzz import layout_bytes
+from fuzz._core import ffi, lib
 from fuzz.features import TARGET_RADII, decode_world
 from sim.lattice_core import Driver, headings
 from sim.packing import disc_numbers
@@ -24,9 +25,6 @@ Bytes = npt.NDArray[np.uint8]
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Columns = npt.NDArray[np.void]
-
-ffi: Any = _core.ffi
-lib: Any = _core.lib
 
 NOT_RUN: int = lib.WG_NOT_RUN
 """An ending: the flood found no path, so nothing was simulated."""

@@ -6,12 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from sim import _core
+from sim._core import ffi as _ffi
+from sim._core import lib as _lib
 from sim.thesis_core import Setup
 from worldgen.ccall import check, pointer
-
-_ffi: Any = _core.ffi
-_lib: Any = _core.lib
 
 SLIDE: int = _lib.WG_SLIDE
 WEAKENED: int = _lib.WG_SIGNAL_WEAKENED
