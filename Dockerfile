@@ -11,9 +11,6 @@ RUN pip install "/opt/worldgen[studio]" && rm -rf /opt/worldgen
 
 RUN useradd --create-home worldgen
 USER worldgen
-# The first use compiles the simulator; do it now, not in each new container.
-RUN cd /tmp && worldgen demo --out demo && rm -rf demo
-
 WORKDIR /work
 ENTRYPOINT ["worldgen"]
 CMD ["--help"]
