@@ -121,6 +121,7 @@ class CampaignSession:
         baseline: Failures whose classes are known: they are counted only; none if left out.
         count_hazards: Whether a robot burned by what its controller cannot sense makes the exit code 1, too.
         began: When the command began, by ``time.monotonic``.
+        lasts: Whether the folder is still there after the command, so that a message can name it.
     """
 
     def __init__(
@@ -133,10 +134,12 @@ class CampaignSession:
         baseline: Baseline | None = None,
         count_hazards: bool = False,
         began: float | None = None,
+        lasts: bool = True,
     ) -> None:
         self._baseline, self._count_hazards = baseline or Baseline(), count_hazards
         self._config, self._folder, self._quiet, self._outputs = sitting.config, sitting.folder, quiet, outputs
         self._out = sitting.folder.out
+        self._lasts = lasts
         goal = sitting.goal
         self._campaign = Campaign(
             sitting.config,
@@ -154,25 +157,35 @@ class CampaignSession:
 
     def run(self) -> int:
         """Does the campaign; returns the exit code."""
-        way_on = f"worldgen fuzz --resume {shlex.quote(str(self._out))} goes on"
         try:
             with contextlib.closing(self._folder):
                 stopped = self._search()
         except WorkersLost as error:
-            raise OutputError(f"{error}; what was found until then is in {self._out}, and {way_on}") from error
+            if not self._lasts:
+                raise OutputError(f"{error}; nothing was kept: begin again") from error
+            raise OutputError(f"{error}; what was found until then is in {self._out}, and {self._way_on}") from error
         except OutputError as error:
-            raise OutputError(f"{error}; what is there is whole: make room, and {way_on}") from error
+            if not self._lasts:
+                raise OutputError(f"{error}; nothing was kept: make room, and begin again") from error
+            raise OutputError(f"{error}; what is there is whole: make room, and {self._way_on}") from error
         end = time.monotonic() + _TO_DRAW  # a run of a slow controller may take longer than the budget
         with stopping_when(lambda: time.monotonic() > end):
             self._report()
             if self._outputs:
                 self._outputs.write(self._as_report())
-        if stopped:
+        if stopped and self._lasts:
             kept = counted(len(self._campaign.state.best), "failure")
-            note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {way_on}")
+            note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {self._way_on}")
+        elif stopped:
+            note("interrupted; nothing was kept")
+        if stopped:
             return 130
         self._check_that_anything_ran()
         return 1 if self._failing() else 0
+
+    @property
+    def _way_on(self) -> str:
+        return f"worldgen fuzz --resume {shlex.quote(str(self._out))} goes on"
 
     def _failing(self) -> dict[str, World]:
         """By class, what makes the exit code 1."""
@@ -227,12 +240,17 @@ class CampaignSession:
             self._folder.remove_failures_but([self._path(kind).name for kind in self._campaign.state.best])
         late = sum(not is_shrunk(world) for world in {**self._campaign.state.best, **self._save_pending()}.values())
         if late and self._config.shrink:
-            state = self._campaign.state
-            kinds = counted(len(state.best), "class", "classes")
-            note(
-                f"{late} of {kinds} {'is' if late == 1 else 'are'} as found, for the time was over before shrinking "
-                f"was: worldgen fuzz --resume {shlex.quote(str(self._out))} --units {state.until} does the rest"
-            )
+            self._say_late(late)
+
+    def _say_late(self, late: int) -> None:
+        """Say how many classes were not shrunk, and what shrinks them: nothing does where time was not the reason."""
+        state = self._campaign.state
+        are = f"{late} of {counted(len(state.best), 'class', 'classes')} {'is' if late == 1 else 'are'} as found"
+        if self._campaign.units is not None:
+            note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
+            return
+        resume = f"worldgen fuzz --resume {shlex.quote(str(self._out))} --units {state.until}"
+        note(f"{are}, because the time ended before shrinking did: {resume} does the rest")
 
     def _so_far(self) -> str:
         """The campaign in half a line."""
