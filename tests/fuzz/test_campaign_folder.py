@@ -211,7 +211,7 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
     said = capsys.readouterr()
     failures = json.loads(said.out)["failures"]
     assert failures and not any(one["shrunk"] for one in failures)
-    assert "as found, for the time was over" in said.err and re.search("--units [1-3] does the rest", said.err)
+    assert "as found, because the time ended" in said.err and re.search("--units [1-3] does the rest", said.err)
     run(resume(tmp_path / "out", Goal(units=UNITS)))
     assert left_in(tmp_path / "out") == left_in(whole)
 
