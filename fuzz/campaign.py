@@ -12,7 +12,7 @@ from typing import Any, Generic, TypeVar
 from fuzz.boundary import with_boundaries
 from fuzz.config import CampaignConfig
 from fuzz.crews import Crew, crew_of
-from fuzz.deadline import Deadline
+from fuzz.deadline import TO_HAND_IN, Deadline
 from fuzz.ledger import Ledger
 from fuzz.ledger.entry import Done
 from fuzz.result import Memory, UnitResult
@@ -42,7 +42,6 @@ T = TypeVar("T")
 _RESTARTS = 6  # failures of one class that are shrunk; the smallest result stays
 GRACE = 1.0  # s after the end of the time in which work under way may still come in
 _AHEAD = 64  # units that may be done while the one before them is not
-TO_HAND_IN = 3.0  # s after Ctrl-C that the units under way have to hand in what they met
 
 
 @dataclass(frozen=True)
@@ -107,8 +106,8 @@ class CampaignState:
 
     Args:
         units: Done and merged.
-        cut: Units that were cut short by the time or by Ctrl-C, beside these; also those that knew too little, since
-            an earlier unit was cut short.
+        cut: Units beside these that are to be done again: cut short by the time or by Ctrl-C, or too early.
+        too_early: Those of them that were done whole, but knew too little, since an earlier unit was cut short.
         until: One more than the greatest number of a unit, whole or cut.
         worlds: Scenarios simulated.
         steps: Steps simulated.
@@ -124,6 +123,7 @@ class CampaignState:
 
     units: int = 0
     cut: int = 0
+    too_early: int = 0
     until: int = 0
     worlds: int = 0
     steps: int = 0
@@ -413,6 +413,7 @@ class Campaign:
         if result.cut and under.seconds is None:
             result = self._more_of(unit, result)
         if under.seconds is None and unit // self.config.epoch >= self._knows_too_little:
+            state.too_early += not result.cut
             result = replace(result, cut=True)
         state.times |= self._schedule.times()
         state.seconds = self._before + self._schedule.sat() if under.seconds is None else under.seconds

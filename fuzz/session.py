@@ -22,7 +22,7 @@ from fuzz.lanes import check_lane
 from fuzz.lanes.database import DATABASE
 from fuzz.lanes.drawn import TIME_STEPS
 from fuzz.ledger import Sitting
-from fuzz.summary import lanes_in_words, summary_of, times_in_words, whole_time
+from fuzz.summary import lanes_in_words, summary_of, times_in_words, units_in_words, whole_time
 from fuzz.telling import describe, replay_line
 from fuzz.variation import Variation
 from sim.motion import MOTIONS
@@ -257,6 +257,8 @@ class CampaignSession:
         if not self._campaign.is_ready:
             return "loading the simulator in each process (compiled once after an installation)"
         state = self._campaign.state
+        if not state.until:
+            return "the first units are under way"
         failed = sum(count for verdict, count in state.verdicts.items() if verdict not in _NO_FAILURE)
         shrunk = sum(is_shrunk(world) for world in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
@@ -310,9 +312,8 @@ class CampaignSession:
             click.echo(describe(world, self._path(kind), met=state.met))
         click.echo(lanes_in_words(state))
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
-        cut = f" and {state.cut} cut short" if state.cut else ""
         click.echo(
-            f"seed {self._config.seed}: {counted(state.units, 'unit')}{cut}, {counted(state.worlds, 'world')}, "
+            f"seed {self._config.seed}: {units_in_words(state)}, {counted(state.worlds, 'world')}, "
             f"{counted(state.steps, 'step')} in {whole_time(state):.1f} s; at first look {verdicts or 'nothing'}"
         )
         if self._campaign.units is None:

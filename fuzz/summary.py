@@ -8,9 +8,9 @@ from fuzz.campaign import CampaignState
 from fuzz.config import CampaignConfig
 from fuzz.failure import failure_id
 from fuzz.lanes.archive import archive_table
-from worldgen.plain_text import aligned
+from worldgen.plain_text import aligned, counted
 
-__all__ = ["lanes_in_words", "summary_of", "times_in_words", "whole_time"]
+__all__ = ["lanes_in_words", "summary_of", "times_in_words", "units_in_words", "whole_time"]
 
 _VERSION = 1
 
@@ -23,7 +23,8 @@ def summary_of(config: CampaignConfig, state: CampaignState) -> dict[str, Any]:
         "motion": config.scenario.motion,
         "seed": config.seed,
         "units": state.units,
-        "units_cut": state.cut,
+        "units_cut": state.cut - state.too_early,
+        "units_too_early": state.too_early,
         "worlds": state.worlds,
         "steps": state.steps,
         "seconds": round(state.seconds, 3),
@@ -70,6 +71,17 @@ def lanes_in_words(state: CampaignState) -> str:
 def whole_time(state: CampaignState) -> float:
     """How long this sitting took, start-up included, s; of one that had nothing to do, all sittings before it."""
     return sum(state.times.values()) or state.seconds
+
+
+def units_in_words(state: CampaignState) -> str:
+    """Return the units by what became of them: ``9 units and 2 cut short and 1 that learned too little from those``."""
+    words = counted(state.units, "unit")
+    cut = state.cut - state.too_early
+    if cut:
+        words += f" and {cut} cut short"
+    if state.too_early:
+        words += f" and {state.too_early} that learned too little from those"
+    return words
 
 
 def times_in_words(state: CampaignState) -> str:

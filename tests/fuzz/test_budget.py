@@ -2,16 +2,19 @@
 
 import json
 import math
+import os
+import signal
+from collections import deque
 from dataclasses import replace
 from itertools import count
 from types import SimpleNamespace
 
 import pytest
 
-from fuzz.campaign import TO_HAND_IN, Campaign, is_shrunk, shrunk_or_same
+from fuzz.campaign import Campaign, is_shrunk, shrunk_or_same
 from fuzz.config import CampaignConfig
 from fuzz.crews import Alone
-from fuzz.deadline import Deadline
+from fuzz.deadline import TO_HAND_IN, Deadline
 from fuzz.door import Door
 from fuzz.failure import failure_of
 from fuzz.native import evaluate
@@ -129,6 +132,59 @@ def test_ctrl_c_in_a_unit_keeps_what_it_met(tmp_path):
         for _ in campaign.run():
             pass
     assert campaign.state.cut == 1 and campaign.state.worlds and campaign.state.met
+
+
+PRESSES = """
+import os, signal
+from itertools import count
+from sim import Command
+
+EPISODES = count()
+
+class Mine:
+    def reset(self):
+        if next(EPISODES) == 30:
+            os.kill(os.getpid(), signal.SIGINT)
+        return ()
+
+    def act(self, observation, memory):
+        return Command(0.0, 0.0), memory
+"""
+
+
+@pytest.fixture
+def heard():
+    """Ctrl-C as Python has it, whatever the tests were started with."""
+    if os.name == "nt":
+        pytest.skip("sends itself SIGINT")
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heard")
+def test_ctrl_c_in_the_first_batch_of_a_unit_keeps_what_was_met_until_then(tmp_path):
+    (tmp_path / "mine.py").write_text(PRESSES)
+    scenario = Scenario(f"{tmp_path}/mine.py:Mine")
+    config = replace(CONFIG, scenario=scenario, families=("native",), shrink=False)
+    campaign = Campaign(config, units=2, crew=Alone())
+    with pytest.raises(KeyboardInterrupt):
+        deque(campaign.run(), maxlen=0)
+    assert campaign.state.cut == 1 and 0 < campaign.state.worlds <= 30 and campaign.state.met
+
+
+@pytest.mark.usefixtures("heard")
+def test_work_that_does_not_end_after_ctrl_c_is_interrupted(monkeypatch):
+    monkeypatch.setattr("fuzz.crews.local.TO_HAND_IN", 0.0)
+
+    def endless():
+        os.kill(os.getpid(), signal.SIGINT)
+        while True:
+            pass
+
+    with pytest.raises(KeyboardInterrupt), Alone() as crew:
+        crew.submit(endless)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 @pytest.fixture
