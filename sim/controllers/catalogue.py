@@ -15,8 +15,9 @@ from sim.robot_options import RobotOptions
 from worldgen.errors import InvalidParameter
 from worldgen.registry import Registry, check_code, user_code
 
-__all__ = ["CONTROLLERS", "called", "controller_of", "in_plain_place"]
+__all__ = ["CONTROLLERS", "called", "controller_of", "in_plain_place", "names_in"]
 
+_NAMES_CODE = re.compile(r"[\w./~-]+:[A-Za-z_]\w*(\+.*)?", re.DOTALL)
 _IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)
 
 
@@ -115,6 +116,27 @@ def in_plain_place(name: str, *, resolve: bool = False) -> str:
         return name
     plain = os.path.realpath if resolve else os.path.normpath
     return f"{plain(found['file'])}{found['rest']}"
+
+
+def names_in(text: str) -> list[str]:
+    """Return the controllers of a list with commas between them.
+
+    A comma in the command line of a program belongs to it, unless another controller follows: a registered one,
+    ``file.py:name`` or ``module:name``, or another program.
+    """
+    names: list[str] = []
+    for part in text.split(","):
+        in_command = bool(names) and is_process_name(names[-1].lstrip())
+        if in_command and not _begins_a_controller(part.strip()):
+            names[-1] += f",{part}"
+        else:
+            names.append(part)
+    return names
+
+
+def _begins_a_controller(text: str) -> bool:
+    registered = text.partition("+")[0] in CONTROLLERS.names()
+    return registered or is_process_name(text) or _NAMES_CODE.fullmatch(text) is not None
 
 
 def called(given: object) -> str:
