@@ -127,7 +127,8 @@ def _watch(search: Find, out: Path, force: bool) -> bool:
         with working("searching") as work:
             work.say(lambda: f"{counted(search.done, 'unit')}, {counted(search.tried, 'world')}")
             for found in search.run():
-                note(f"unit {found.unit}: off by {found.distance:.4g}")
+                off = f"off by {found.distance:.4g}" if found.distance else "as wanted"
+                note(f"unit {found.unit}: {off}")
     except KeyboardInterrupt:
         stopped = True
     except BrokenProcessPool as error:
