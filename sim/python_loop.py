@@ -23,7 +23,7 @@ from sim.controllers.base import Command, Memory, Observation, PythonController,
 from sim.controllers.contract import flat_memory, no_command, no_memory
 from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour, WantsMemory
-from sim.controllers.vector import ask
+from sim.controllers.vector import Asker
 from sim.crash_frames import crash_facts
 from sim.kernels import layout
 from sim.kernels.lattice_episode import lattice_steps
@@ -195,8 +195,9 @@ def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room
     kept = room.memory[np.newaxis]
     command = room.command[np.newaxis]
     after = kept.copy()
+    asker = Asker(controller, seen, kept, command)
     for _ in stops:
-        ask(controller, seen, kept, command, after)
+        asker.ask(1, after)
         kept[...] = after
     return memory
 

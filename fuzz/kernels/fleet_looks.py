@@ -29,14 +29,16 @@ from sim.kernels.lattice_fleet import (
     SHAPE_TABLE,
     SHAPE_WIDTH,
     Fleet,
+    act_slot,
     arena_of,
     fleet_begin,
+    move_slot,
     robot_of,
     room_of,
 )
 from sim.kernels.recurrence import TOUCHED
 
-__all__ = ["RIDE_SIZE", "board_fleet", "settle_fleet"]
+__all__ = ["RIDE_RUN", "RIDE_SIZE", "board_fleet", "next_step"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
@@ -48,35 +50,45 @@ RIDE_SIZE = 4
 _ENDLESS = 1 << 62  # steps
 
 
+@kernel
+def _desk_at(desk: Desk, fleet: Fleet, robot: int) -> Desk:
+    """A desk on which a world is drawn right into a robot's own arrays."""
+    return Desk(
+        desk.solid,
+        desk.flood,
+        row(fleet.cells, robot),
+        row(fleet.near, robot),
+        row(fleet.clearance, robot),
+        row(fleet.visited, robot),
+        desk.events,
+        desk.headings,
+        row(fleet.settings, robot),
+        row(fleet.scales, robot),
+        desk.nothing,
+    )
+
+
 @rare_kernel
 def _board(batch: Batch, desk: Desk, fleet: Fleet, rides: Ints, memory: Floats, slot: int) -> bool:
-    """Puts a robot in the next world where there is a way to the target; false if none is left."""
-    n, robot = next_look(batch, desk), fleet.order[slot]
+    """Put a robot in the next world where there is a way to the target; false if none is left."""
+    robot = fleet.order[slot]
+    place = _desk_at(desk, fleet, robot)
+    n = next_look(batch, place)
     if n < 0:
         return False
     batch.at[0] = n + 1
-    rides[robot, RIDE_RUN], rides[robot, RIDE_WATCH] = n, 0
-    for k in range(layout.SET_SIZE):
-        fleet.settings[robot, k] = desk.settings[k]
-    for k in range(layout.SCALE_SIZE):
-        fleet.scales[robot, k] = desk.scales[k]
-    height, width = batch.looks[n, LOOK_HEIGHT], batch.looks[n, LOOK_WIDTH]
-    has_table = not masks_do(desk.settings, desk.scales)
-    fleet.shape[robot, SHAPE_HEIGHT], fleet.shape[robot, SHAPE_WIDTH] = height, width
-    fleet.shape[robot, SHAPE_TABLE] = 1 if has_table else 0
-    for k in range(height * width):
-        fleet.cells[robot, k], fleet.near[robot, k] = desk.cells[k], desk.near[k]
-        fleet.visited[robot, k] = desk.visited[k]
-    if has_table:
-        for k in range(height * width):
-            fleet.clearance[robot, k] = desk.clearance[k]
+    rides[robot, RIDE_RUN] = n
+    rides[robot, RIDE_WATCH] = 0
+    fleet.shape[robot, SHAPE_HEIGHT] = batch.looks[n, LOOK_HEIGHT]
+    fleet.shape[robot, SHAPE_WIDTH] = batch.looks[n, LOOK_WIDTH]
+    fleet.shape[robot, SHAPE_TABLE] = 0 if masks_do(place.settings, place.scales) else 1
     fleet_begin(fleet, slot, memory)
     return True
 
 
 @rare_kernel
 def board_fleet(batch: Batch, desk: Desk, fleet: Fleet, rides: Ints, memory: Floats) -> int:
-    """Fills all places, as far as there are worlds.
+    """Fill all places, as far as there are worlds, and move their robots for the first time.
 
     Args:
         batch: The runs, from ``at`` on.
@@ -90,6 +102,7 @@ def board_fleet(batch: Batch, desk: Desk, fleet: Fleet, rides: Ints, memory: Flo
     """
     count = 0
     while count < fleet.order.size and _board(batch, desk, fleet, rides, memory, count):
+        move_slot(fleet, count)
         count += 1
     return count
 
@@ -119,18 +132,18 @@ def _rides_on(batch: Batch, fleet: Fleet, rides: Ints, slot: int, is_over: bool)
 
 
 @rare_kernel
-def settle_fleet(
-    batch: Batch, desk: Desk, fleet: Fleet, rides: Ints, memory: Floats, over: npt.NDArray[np.bool_], count: int
-) -> int:
-    """Notes what a step says of each robot, and gives the places of those that are done to the next worlds.
+def next_step(batch: Batch, desk: Desk, fleet: Fleet, rides: Ints, memory: Floats, after: Floats, count: int) -> int:
+    """Let each robot obey, note what its step says, and move it on; whoever is done makes room for the next world.
+
+    All of this is one pass over the robots, because what one of them needs is read from memory only once then.
 
     Args:
         batch: The runs; the results of those that are done are filled in.
         desk: To be used.
-        fleet: After :func:`sim.kernels.lattice_fleet.fleet_act`; its order changes.
+        fleet: After the controller acted; its order changes.
         rides: As :func:`board_fleet` filled them.
         memory: The controller's memory at reset.
-        over: (n,) by slot, whether that was the last step of a run.
+        after: (n, memory) by slot, memory as the controller wants it.
         count: Slots that are taken.
 
     Returns:
@@ -138,8 +151,9 @@ def settle_fleet(
     """
     kept = 0
     for slot in range(count):
-        on = _rides_on(batch, fleet, rides, slot, over[slot])
-        if not on and not _board(batch, desk, fleet, rides, memory, slot):
+        is_last = act_slot(fleet, slot, after)
+        stays = _rides_on(batch, fleet, rides, slot, is_last)
+        if not stays and not _board(batch, desk, fleet, rides, memory, slot):
             continue
         if kept != slot:
             fleet.order[kept] = fleet.order[slot]
@@ -148,5 +162,6 @@ def settle_fleet(
             # A robot that ends in its next move senses nothing there: what it sensed last still counts.
             for k in range(fleet.observation.shape[1]):
                 fleet.observation[kept, k] = fleet.observation[slot, k]
+        move_slot(fleet, kept)
         kept += 1
     return kept

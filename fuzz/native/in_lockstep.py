@@ -10,15 +10,15 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzz.kernels import looks
-from fuzz.kernels.fleet_looks import RIDE_RUN, RIDE_SIZE, board_fleet, settle_fleet
+from fuzz.kernels.fleet_looks import RIDE_RUN, RIDE_SIZE, board_fleet, next_step
 from fuzz.kernels.looks import Batch, Desk, longest
 from sim.controllers import ProcessController, VectorController
 from sim.controllers.contract import flat_memory
 from sim.controllers.program import Misbehaviour
-from sim.controllers.vector import ask
+from sim.controllers.vector import Asker
 from sim.fleet_run import ControllerRaised, its_own_fault
 from sim.kernels import layout
-from sim.kernels.lattice_fleet import CLOCK_SIZE, CLOCK_STEP, SHAPE_SIZE, Fleet, fleet_act, fleet_move
+from sim.kernels.lattice_fleet import CLOCK_SIZE, CLOCK_STEP, SHAPE_SIZE, Fleet
 from sim.kernels.lattice_state import new_robot
 from sim.kernels.recurrence import MARKS, new_search
 from sim.python_loop import hidden_state
@@ -28,10 +28,10 @@ __all__ = ["look_in_batch", "look_in_lockstep"]
 
 Floats = npt.NDArray[np.float64]
 
-Ask = Callable[[Fleet, int, Floats], None]
+Ask = Callable[[int, Floats], None]
 """Fills in the commands of the first slots, so many, and (n, memory) their memories after the step."""
 
-PLACES = 512  # with 2,048 their worlds do not fit into a cache, and a step took 1.4 times as long
+PLACES = 1_024
 """Robots of a vector class that act at once, at most."""
 
 
@@ -52,15 +52,14 @@ def look_in_lockstep(controller: VectorController, batch: Batch, desk: Desk, bea
     if before is None:
         return False
 
-    def act(fleet: Fleet, count: int, after: Floats) -> None:
-        with its_own_fault():
-            ask(controller, fleet.observation[:count], fleet.memory[:count], fleet.command[:count], after)
+    def asker(fleet: Fleet) -> Ask:
+        return its_own_fault()(Asker(controller, fleet.observation, fleet.memory, fleet.command).ask)
 
     with contextlib.redirect_stdout(sys.stderr):
         try:
             with its_own_fault():
                 memory = np.array(flat_memory(controller.reset()), np.float64)
-            _run(act, memory, batch, desk, beams, PLACES)
+            _run(asker, memory, batch, desk, beams, PLACES)
         except ControllerRaised:
             return False
     return hidden_state(controller) == before
@@ -82,25 +81,30 @@ def look_in_batch(controller: ProcessController, batch: Batch, desk: Desk, beams
     if offer is None:
         return False
 
-    def act(fleet: Fleet, count: int, after: Floats) -> None:
-        robots = fleet.order[:count]
-        fresh = robots[fleet.clock[robots, CLOCK_STEP] == 1]
-        controller.act_in_batch(offer, robots, fresh, fleet.observation[:count], fleet.command[:count])
+    def asker(fleet: Fleet) -> Ask:
+        def ask(count: int, _after: Floats) -> None:
+            robots = fleet.order[:count]
+            fresh = robots[fleet.clock[robots, CLOCK_STEP] == 1]
+            controller.act_in_batch(offer, robots, fresh, fleet.observation[:count], fleet.command[:count])
+
+        return ask
 
     controller.begin_batch(offer.robots)
     try:
-        _run(act, np.zeros(0), batch, desk, beams, offer.robots)
+        _run(asker, np.zeros(0), batch, desk, beams, offer.robots)
     except Misbehaviour:
         return False
     return True
 
 
-def _run(act: Ask, memory: Floats, batch: Batch, desk: Desk, beams: int, places: int) -> None:
+def _run(
+    asker: Callable[[Fleet], Ask], memory: Floats, batch: Batch, desk: Desk, beams: int, places: int
+) -> None:
     """Run all while there is time; a place whose robot is done takes the next world."""
     n = min(places, len(batch.seeds))
     fleet = _fleet(desk, n, memory.size, beams, longest(batch))
     rides = np.zeros((n, RIDE_SIZE), np.int64)
-    over = np.zeros(n, np.bool_)
+    ask = asker(fleet)
     count = board_fleet(batch, desk, fleet, rides, memory)
     while count:
         if is_out_of_time():
@@ -108,11 +112,9 @@ def _run(act: Ask, memory: Floats, batch: Batch, desk: Desk, beams: int, places:
             batch.looks[cut, looks.LOOK_DISTANCE] = -1
             batch.looks[cut, layout.OUT_ENDING] = looks.NOT_RUN
             return
-        fleet_move(fleet, count)
         after = np.empty((count, memory.size))
-        act(fleet, count, after)
-        fleet_act(fleet, count, after, over)
-        count = settle_fleet(batch, desk, fleet, rides, memory, over, count)
+        ask(count, after)
+        count = next_step(batch, desk, fleet, rides, memory, after, count)
 
 
 def _fleet(desk: Desk, n: int, size: int, beams: int, steps: int) -> Fleet:
