@@ -19,6 +19,7 @@ from fuzz.result import Memory, UnitResult
 from fuzz.schedule import Schedule
 from fuzz.shrink import shrink
 from fuzz.unit import run_unit
+from sim.effort import Effort
 from sim.stopping import OutOfTime, check_time, stopping_when
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import dumps
@@ -113,6 +114,7 @@ class CampaignState:
         steps: Steps simulated.
         seconds: Of all sittings together.
         times: Of this sitting, s: ``start-up``, ``search`` and ``shrinking``.
+        effort: Of this sitting, of all workers together: where the time of units and of shrinking went.
         verdicts: At first look.
         met: How often each class was met.
         known: The same, for classes that the baseline has.
@@ -129,6 +131,7 @@ class CampaignState:
     steps: int = 0
     seconds: float = 0.0
     times: dict[str, float] = field(default_factory=dict)
+    effort: Effort = field(default_factory=Effort)
     verdicts: Counter[str] = field(default_factory=Counter)
     met: Counter[str] = field(default_factory=Counter)
     known: Counter[str] = field(default_factory=Counter)
@@ -157,10 +160,12 @@ class Shrinking:
     Args:
         world: The failure.
         complete: Whether shrinking ended by itself, and not by the clock.
+        effort: Where its time went.
     """
 
     world: World
     complete: bool = True
+    effort: Effort = field(default_factory=Effort)
 
 
 @dataclass(frozen=True, eq=False)
@@ -410,6 +415,8 @@ class Campaign:
     def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_Job]:
         """Adds a unit's result and remembers it; returns what is to be shrunk, the same for any timing."""
         state, result = self.state, under.future.result()
+        if under.seconds is None:
+            state.effort += result.effort
         if result.cut and under.seconds is None:
             result = self._more_of(unit, result)
         if under.seconds is None and unit // self.config.epoch >= self._knows_too_little:
@@ -485,6 +492,7 @@ class Campaign:
             self._shrinks.remove((job, under))
             result = under.future.result()
             shrunk = result.world
+            self.state.effort += result.effort
             if under.seconds is None and result.complete:
                 self._ledger.save_shrunk(job.failure, job.kept, shrunk)
             self.state.times |= self._schedule.times()
@@ -510,6 +518,11 @@ def shrunk_or_same(
         seconds: Stop after this time with the best so far.
         end: By :func:`fuzz.deadline.now`: if even that is not proved until then, the failure stays as it was.
     """
+    began = Effort.so_far()
+    return replace(_shrunk_or_same(failure, kept, seconds, end), effort=began.since())
+
+
+def _shrunk_or_same(failure: World, kept: str, seconds: float | None, end: float) -> Shrinking:
     try:
         with stopping_when(Deadline(end, end).to_begin_is_over):
             check_time()

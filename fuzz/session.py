@@ -22,7 +22,14 @@ from fuzz.lanes import check_lane
 from fuzz.lanes.database import DATABASE
 from fuzz.lanes.drawn import TIME_STEPS
 from fuzz.ledger import Sitting
-from fuzz.summary import lanes_in_words, summary_of, times_in_words, units_in_words, whole_time
+from fuzz.summary import (
+    controller_share,
+    lanes_in_words,
+    summary_of,
+    times_in_words,
+    units_in_words,
+    whole_time,
+)
 from fuzz.telling import describe, replay_line
 from fuzz.variation import Variation
 from sim.motion import MOTIONS
@@ -316,8 +323,8 @@ class CampaignSession:
             f"seed {self._config.seed}: {units_in_words(state)}, {counted(state.worlds, 'world')}, "
             f"{counted(state.steps, 'step')} in {whole_time(state):.1f} s; at first look {verdicts or 'nothing'}"
         )
-        if self._campaign.units is None:
-            note(times_in_words(state))
+        if self._campaign.units is None or controller_share(self._config, state) is not None:
+            note(times_in_words(self._config, state))
         if state.known:
             often = ", ".join(f"{shown(kind)} {counted(times, 'time')}" for kind, times in sorted(state.known.items()))
             click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import io
+import itertools
 import math
 import pickle
 import random
@@ -25,6 +26,7 @@ from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour, WantsMemory
 from sim.controllers.vector import Asker
 from sim.crash_frames import crash_facts
+from sim.effort import sampled, timed
 from sim.kernels import layout
 from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_motion import MOST_POINTS
@@ -152,8 +154,8 @@ def memory_at_start(controller: PythonController | VectorController, world: Worl
     """
     resetting: Any = controller
     if world is None:
-        return flat_memory(resetting.reset())
-    return flat_memory(resetting.reset(replace(world, certificate=None, provenance=None, failure=None)))
+        return flat_memory(timed(resetting.reset)())
+    return flat_memory(timed(resetting.reset)(replace(world, certificate=None, provenance=None, failure=None)))
 
 
 def driver_of(controller: PythonController | VectorController) -> Callable[[Iterable[int], Room, Memory], Memory]:
@@ -169,10 +171,12 @@ def driver_of(controller: PythonController | VectorController) -> Callable[[Iter
 
 def _act(controller: PythonController, stops: Iterable[int], room: Room, memory: Memory) -> Memory:
     """Ask a Python class wherever the kernel stops; return its last memory."""
-    size, act = len(memory), controller.act
+    size = len(memory)
+    is_program = isinstance(controller, ProcessController)  # which is measured where it is waited for
+    calls = itertools.repeat(controller.act) if is_program else sampled(controller.act)
     observation, floats = room.observation, struct.Struct(f"{size}d")
     kept, command = room.memory.data, room.command.data
-    for _ in stops:
+    for _, act in zip(stops, calls, strict=False):
         answer = act(Observation.of(observation), memory)
         try:
             asked, after = answer

@@ -97,9 +97,7 @@ def look_in_batch(controller: ProcessController, batch: Batch, desk: Desk, beams
     return True
 
 
-def _run(
-    asker: Callable[[Fleet], Ask], memory: Floats, batch: Batch, desk: Desk, beams: int, places: int
-) -> None:
+def _run(asker: Callable[[Fleet], Ask], memory: Floats, batch: Batch, desk: Desk, beams: int, places: int) -> None:
     """Run all while there is time; a place whose robot is done takes the next world."""
     n = min(places, len(batch.seeds))
     fleet = _fleet(desk, n, memory.size, beams, longest(batch))

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sim.controllers.crash_report import report_of
+from sim.effort import timed
 from worldgen.errors import InvalidParameter
 from worldgen.registry import ONLY_CODE
 from worldgen.world import Value
@@ -176,8 +177,7 @@ class Program:
             self._hear(0)
             if self._answer:
                 raise Misbehaviour("invalid-command", "more than one line", {"answer": shown(self._answer)})
-            self._send(line, end, seconds)
-            answer = self._receive(end, seconds)
+            answer = self._exchange(line, end, seconds)
             self._answers += 1
             return answer
         except Misbehaviour as found:
@@ -185,6 +185,12 @@ class Program:
         except BaseException:
             self.stop()
             raise
+
+    @timed
+    def _exchange(self, line: bytes, end: float, seconds: float) -> bytes:
+        """Send a line and receive one; the wait is the program's own time."""
+        self._send(line, end, seconds)
+        return self._receive(end, seconds)
 
     def ended_by(self, found: Misbehaviour) -> Misbehaviour:
         """End it; return the finding with what it last said on stderr, and what a crash's report there says."""

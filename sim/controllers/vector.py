@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from sim.controllers.base import Command, Commands, Memory, Observation, Observations, VectorController
 from sim.controllers.contract import ContractBroken, no_command, no_memory
+from sim.effort import timed
 from sim.kernels import layout
 
 __all__ = ["Asker", "OneOfMany"]
@@ -27,7 +28,7 @@ class Asker:
     """
 
     def __init__(self, controller: VectorController, seen: Floats, memory: Floats, command: Floats) -> None:
-        self._controller = controller
+        self._act = timed(controller.act_many)
         self._seen = _locked(seen)
         self._memory = _locked(memory)
         self._command = command
@@ -53,7 +54,7 @@ class Asker:
         else:
             bump = self._seen[:count, layout.OBS_BUMP] != 0.0
             self._observed = Observations._make((bump, *self._observed[1:]))
-        answer = self._controller.act_many(self._observed, self._memories)
+        answer = self._act(self._observed, self._memories)
 
         # What came back must have one command and one memory for each robot.
         try:
