@@ -196,6 +196,7 @@ class Campaign:
         ledger: Remembers what was done, so that another campaign of the same configuration goes on with it.
         is_known: Whether a failure is of a class that is no news: those are counted, but not shrunk and not kept.
         began: When the time began, by ``time.monotonic``; with :meth:`run` if omitted.
+        own: Seconds since then that the controller's own code took.
 
     Iterating over :meth:`run` does the work. Whatever stops it, ``state.best`` and :meth:`pending` keep all
     that was found. Whatever was stopped and when, once it has gone on to as many units the state is the same.
@@ -212,13 +213,14 @@ class Campaign:
         ledger: Ledger | None = None,
         is_known: Callable[[World], bool] = lambda _: False,
         began: float | None = None,
+        own: float = 0.0,
     ) -> None:
         self._is_known = is_known
         self.config, self.units, self.seconds = config, units, seconds
         self.state = CampaignState()
         self._crew: Crew = crew or crew_of(workers)
         self._ledger = ledger or Ledger()
-        self._schedule = Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began)
+        self._schedule = Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began, own=own)
         self._candidates: dict[str, list[World]] = {}  # by class, those that are shrunk
         self._known_ones: dict[str, list[World]] = {}  # likewise, those that would be were their class no known one
         self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
@@ -353,9 +355,7 @@ class Campaign:
         loading = [] if self._schedule.is_unlimited else crew.prepare(self.config)
         while loading and wait(loading, LISTEN).not_done:
             crew.listen()
-        for one in loading:
-            one.result()
-        self._schedule.begin()
+        self._schedule.begin(max((one.result() for one in loading), default=0.0))
 
     def _next_job(self, *, first_only: bool = False) -> _Job | None:
         """A failure to be shrunk, the first of each class before others; ``None`` when none has its turn."""

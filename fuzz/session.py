@@ -66,8 +66,9 @@ def configure(
     shrink: bool | None = None,
     oracles: tuple[str, ...] = (),
     epoch: int = CampaignConfig.epoch,
+    seconds: float | None = None,
 ) -> CampaignConfig:
-    """Checks a campaign's parts before any work begins.
+    """Check a campaign's parts before any work begins; ``seconds`` are the most that trying the controller may take.
 
     Raises:
         InvalidParameter: If a name is unknown, or controller and motion model do not fit.
@@ -99,14 +100,14 @@ def configure(
         epoch=epoch,
     )
     with working("loading the simulator (compiled once after an installation, for about a minute)"):
-        _try_out(config, [Asked.parse(text) for text in oracles])
+        _try_out(config, seconds, [Asked.parse(text) for text in oracles])
     return config
 
 
-def _try_out(config: CampaignConfig, asked: list[Asked]) -> None:
+def _try_out(config: CampaignConfig, seconds: float | None, asked: list[Asked]) -> None:
     """One short run in an empty arena, judged by each oracle, so that a name or a compile error shows at once."""
     scenario = config.scenario
-    outcome = try_out(scenario)
+    outcome = try_out(scenario, seconds)
     if outcome.verdict == "hang" and outcome.steps == 1:  # so would every run, each for the whole start-up deadline
         raise InvalidParameter(
             f"{scenario.controller} does not answer its first observation within {outcome.fault['deadline']} s; does "
@@ -129,6 +130,7 @@ class CampaignSession:
         count_hazards: Whether a robot burned by what its controller cannot sense makes the exit code 1, too.
         began: When the command began, by ``time.monotonic``.
         lasts: Whether the folder is still there after the command, so that a message can name it.
+        own: Seconds since then that the controller's own code took.
     """
 
     def __init__(
@@ -142,6 +144,7 @@ class CampaignSession:
         count_hazards: bool = False,
         began: float | None = None,
         lasts: bool = True,
+        own: float = 0.0,
     ) -> None:
         self._baseline, self._count_hazards = baseline or Baseline(), count_hazards
         self._config, self._folder, self._quiet, self._outputs = sitting.config, sitting.folder, quiet, outputs
@@ -156,6 +159,7 @@ class CampaignSession:
             ledger=sitting.folder,
             is_known=self._baseline.has,
             began=began,
+            own=own,
         )
         self._limit = f"{goal.seconds:g} s" if goal.units is None else counted(goal.units, "unit")
         self._unsaved: set[str] = set()
@@ -325,6 +329,13 @@ class CampaignSession:
         )
         if self._campaign.units is None or controller_share(self._config, state) is not None:
             note(times_in_words(self._config, state))
+        if state.effort.broken:
+            steps = counted(state.effort.broken, "step")
+            note(
+                f"{steps} of {self._config.scenario.controller} went on when the time was over, and had to be broken "
+                "off; if a step may hang, run the controller as a program: each step has a deadline then, and a hang "
+                "is a failure (docs/controllers.md)"
+            )
         if state.known:
             often = ", ".join(f"{shown(kind)} {counted(times, 'time')}" for kind, times in sorted(state.known.items()))
             click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")

@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import ParamSpec, Self, TypeVar
 
+from sim.stopping import steps_broken_off
+
 __all__ = ["Effort", "sampled", "timed"]
 
 P = ParamSpec("P")
@@ -31,24 +33,26 @@ class Effort:
     Args:
         seconds: In all.
         own: Of these, in controllers' own code.
+        broken: Steps that were broken off, because they did not end when the time was over.
     """
 
     seconds: float = 0.0
     own: float = 0.0
+    broken: int = 0
 
     @classmethod
     def so_far(cls) -> Self:
         """Return a reading of this process; the difference of two is the effort between them."""
-        return cls(time.perf_counter(), _spent[0])
+        return cls(time.perf_counter(), _spent[0], steps_broken_off())
 
     def since(self) -> Effort:
         """Return the effort since a reading."""
         now = Effort.so_far()
-        return Effort(now.seconds - self.seconds, now.own - self.own)
+        return Effort(now.seconds - self.seconds, now.own - self.own, now.broken - self.broken)
 
     def __add__(self, other: Effort) -> Effort:
         """Return both together."""
-        return Effort(self.seconds + other.seconds, self.own + other.own)
+        return Effort(self.seconds + other.seconds, self.own + other.own, self.broken + other.broken)
 
     @property
     def share(self) -> float:

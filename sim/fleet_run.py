@@ -18,6 +18,7 @@ from sim.kernels.lattice_state import new_robot
 from sim.kernels.recurrence import MARKS, new_search
 from sim.lattice_run import LatticeRun
 from sim.python_loop import hidden_state
+from sim.stopping import OutOfTime
 from worldgen.lattice import UNIT
 
 __all__ = ["ControllerRaised", "FleetRun", "its_own_fault"]
@@ -180,11 +181,11 @@ def its_own_fault() -> Iterator[None]:
     """Tell what a controller raises from what is raised elsewhere.
 
     Raises:
-        ControllerRaised: If anything but ``KeyboardInterrupt`` is raised inside.
+        ControllerRaised: If anything is raised inside but ``KeyboardInterrupt`` and :class:`OutOfTime`.
     """
     try:
         yield
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, OutOfTime):
         raise
     except BaseException as error:
         raise ControllerRaised from error

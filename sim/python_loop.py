@@ -31,7 +31,7 @@ from sim.kernels import layout
 from sim.kernels.lattice_episode import lattice_steps
 from sim.kernels.lattice_motion import MOST_POINTS
 from sim.kernels.lattice_state import Arena, Room, new_robot, new_room
-from sim.stopping import OutOfTime, in_time
+from sim.stopping import OutOfTime, breakable, in_time
 from worldgen.neighbours import neighbours_of
 from worldgen.progress import working
 from worldgen.world import World
@@ -142,6 +142,7 @@ def plans(controller: PythonController | VectorController) -> bool:
     return not isinstance(controller, VectorController) and wants_world(controller)
 
 
+@breakable
 def memory_at_start(controller: PythonController | VectorController, world: World | None) -> Memory:
     """Reset a controller and return its memory as floats.
 
@@ -169,6 +170,7 @@ def driver_of(controller: PythonController | VectorController) -> Callable[[Iter
     return functools.partial(_act, controller)
 
 
+@breakable
 def _act(controller: PythonController, stops: Iterable[int], room: Room, memory: Memory) -> Memory:
     """Ask a Python class wherever the kernel stops; return its last memory."""
     size = len(memory)

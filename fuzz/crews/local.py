@@ -52,11 +52,10 @@ class Alone:
             future.set_result(work(*args, **kwargs))
         return future
 
-    def prepare(self, config: CampaignConfig) -> list[Future[None]]:
+    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
         """Load it here; Ctrl-C ends that at once, because nothing is met by then."""
-        load(config)
-        future: Future[None] = Future()
-        future.set_result(None)
+        future: Future[float] = Future()
+        future.set_result(load(config))
         return [future]
 
     def listen(self) -> None:
@@ -103,7 +102,7 @@ class Processes:
         with workers_begin_deaf():
             return self._pool.submit(work, *args, **kwargs)
 
-    def prepare(self, config: CampaignConfig) -> list[Future[None]]:
+    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
         """Start all processes, and load it in each."""
         return [self.submit(load, config) for _ in range(self._workers)]
 

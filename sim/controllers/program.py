@@ -17,6 +17,7 @@ from pathlib import Path
 
 from sim.controllers.crash_report import report_of
 from sim.effort import timed
+from sim.stopping import unbreakable
 from worldgen.errors import InvalidParameter
 from worldgen.registry import ONLY_CODE
 from worldgen.world import Value
@@ -158,6 +159,7 @@ class Program:
         self._hear(0)
         return not (self._ended or self._answer or self._has_exited())
 
+    @unbreakable
     def ask(self, line: bytes, seconds: float) -> bytes:
         """Sends a line and waits for one.
 
@@ -326,6 +328,7 @@ class Program:
             del self._said[:-_KEPT]
         return _plain(self._said)
 
+    @unbreakable
     def stop(self) -> None:
         """Ends it: SIGTERM to its whole group, half a second to tidy up, then SIGKILL to the group."""
         if self.stopped:

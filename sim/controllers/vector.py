@@ -11,6 +11,7 @@ from sim.controllers.base import Command, Commands, Memory, Observation, Observa
 from sim.controllers.contract import ContractBroken, no_command, no_memory
 from sim.effort import timed
 from sim.kernels import layout
+from sim.stopping import breakable
 
 __all__ = ["Asker", "OneOfMany"]
 
@@ -36,6 +37,7 @@ class Asker:
         self._observed = Observations.of(self._seen[:0])
         self._memories = self._memory[:0]
 
+    @breakable
     def ask(self, count: int, after: Floats) -> None:
         """Let the controller act for the robots in the first ``count`` rows.
 

@@ -315,3 +315,11 @@ def test_json_of_a_campaign_says_how_long_each_part_took(tmp_path):
                          "--workers", 1, "--seed", 1, "--out", tmp_path / "out", "--json")  # fmt: skip
     said = json.loads(found.out)
     assert set(said["times"]) == {"start-up", "search", "shrinking"} and said["units_cut"] == 0
+
+
+@pytest.mark.parametrize(("tried", "loading", "is_over"), [(0.0, 0.0, False), (6.0, 0.0, False), (6.0, 5.0, True)])
+def test_what_the_controller_took_before_the_search_counts_in_full(tried, loading, is_over, monkeypatch):
+    monkeypatch.setattr("fuzz.schedule.time.monotonic", lambda: 100.0)
+    schedule = Schedule(10.0, began=80.0, own=tried)
+    schedule.begin(loading)
+    assert schedule.is_over() == is_over
