@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from fuzz.asked import objection_in_words
 from fuzz.failure import Replay, certificate_fault, replay
-from fuzz.regression import fixed
+from fuzz.fixed import fixed
 from sim.episode import Episode
 from worldgen.errors import WorldgenError
 from worldgen.world import Cut, FailureRecord, Value, World

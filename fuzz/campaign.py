@@ -12,13 +12,14 @@ from typing import Any, Generic, TypeVar
 from fuzz.boundary import with_boundaries
 from fuzz.config import CampaignConfig
 from fuzz.crews import Crew, crew_of
-from fuzz.deadline import Deadline
+from fuzz.deadline import TO_HAND_IN, Deadline
 from fuzz.ledger import Ledger
 from fuzz.ledger.entry import Done
 from fuzz.result import Memory, UnitResult
 from fuzz.schedule import Schedule
 from fuzz.shrink import shrink
 from fuzz.unit import run_unit
+from sim.effort import Effort
 from sim.stopping import OutOfTime, check_time, stopping_when
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import dumps
@@ -42,7 +43,6 @@ T = TypeVar("T")
 _RESTARTS = 6  # failures of one class that are shrunk; the smallest result stays
 GRACE = 1.0  # s after the end of the time in which work under way may still come in
 _AHEAD = 64  # units that may be done while the one before them is not
-TO_HAND_IN = 3.0  # s after Ctrl-C that the units under way have to hand in what they met
 
 
 @dataclass(frozen=True)
@@ -107,13 +107,14 @@ class CampaignState:
 
     Args:
         units: Done and merged.
-        cut: Units that were cut short by the time or by Ctrl-C, beside these; also those that knew too little, since
-            an earlier unit was cut short.
+        cut: Units beside these that are to be done again: cut short by the time or by Ctrl-C, or too early.
+        too_early: Those of them that were done whole, but knew too little, since an earlier unit was cut short.
         until: One more than the greatest number of a unit, whole or cut.
         worlds: Scenarios simulated.
         steps: Steps simulated.
         seconds: Of all sittings together.
         times: Of this sitting, s: ``start-up``, ``search`` and ``shrinking``.
+        effort: Of this sitting, of all workers together: where the time of units and of shrinking went.
         verdicts: At first look.
         met: How often each class was met.
         known: The same, for classes that the baseline has.
@@ -124,11 +125,13 @@ class CampaignState:
 
     units: int = 0
     cut: int = 0
+    too_early: int = 0
     until: int = 0
     worlds: int = 0
     steps: int = 0
     seconds: float = 0.0
     times: dict[str, float] = field(default_factory=dict)
+    effort: Effort = field(default_factory=Effort)
     verdicts: Counter[str] = field(default_factory=Counter)
     met: Counter[str] = field(default_factory=Counter)
     known: Counter[str] = field(default_factory=Counter)
@@ -157,10 +160,12 @@ class Shrinking:
     Args:
         world: The failure.
         complete: Whether shrinking ended by itself, and not by the clock.
+        effort: Where its time went.
     """
 
     world: World
     complete: bool = True
+    effort: Effort = field(default_factory=Effort)
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,6 +196,7 @@ class Campaign:
         ledger: Remembers what was done, so that another campaign of the same configuration goes on with it.
         is_known: Whether a failure is of a class that is no news: those are counted, but not shrunk and not kept.
         began: When the time began, by ``time.monotonic``; with :meth:`run` if omitted.
+        own: Seconds since then that the controller's own code took.
 
     Iterating over :meth:`run` does the work. Whatever stops it, ``state.best`` and :meth:`pending` keep all
     that was found. Whatever was stopped and when, once it has gone on to as many units the state is the same.
@@ -207,13 +213,14 @@ class Campaign:
         ledger: Ledger | None = None,
         is_known: Callable[[World], bool] = lambda _: False,
         began: float | None = None,
+        own: float = 0.0,
     ) -> None:
         self._is_known = is_known
         self.config, self.units, self.seconds = config, units, seconds
         self.state = CampaignState()
         self._crew: Crew = crew or crew_of(workers)
         self._ledger = ledger or Ledger()
-        self._schedule = Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began)
+        self._schedule = Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began, own=own)
         self._candidates: dict[str, list[World]] = {}  # by class, those that are shrunk
         self._known_ones: dict[str, list[World]] = {}  # likewise, those that would be were their class no known one
         self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
@@ -348,9 +355,7 @@ class Campaign:
         loading = [] if self._schedule.is_unlimited else crew.prepare(self.config)
         while loading and wait(loading, LISTEN).not_done:
             crew.listen()
-        for one in loading:
-            one.result()
-        self._schedule.begin()
+        self._schedule.begin(max((one.result() for one in loading), default=0.0))
 
     def _next_job(self, *, first_only: bool = False) -> _Job | None:
         """A failure to be shrunk, the first of each class before others; ``None`` when none has its turn."""
@@ -410,9 +415,12 @@ class Campaign:
     def _merge(self, unit: int, under: _Under[UnitResult]) -> list[_Job]:
         """Adds a unit's result and remembers it; returns what is to be shrunk, the same for any timing."""
         state, result = self.state, under.future.result()
+        if under.seconds is None:
+            state.effort += result.effort
         if result.cut and under.seconds is None:
             result = self._more_of(unit, result)
         if under.seconds is None and unit // self.config.epoch >= self._knows_too_little:
+            state.too_early += not result.cut
             result = replace(result, cut=True)
         state.times |= self._schedule.times()
         state.seconds = self._before + self._schedule.sat() if under.seconds is None else under.seconds
@@ -484,6 +492,7 @@ class Campaign:
             self._shrinks.remove((job, under))
             result = under.future.result()
             shrunk = result.world
+            self.state.effort += result.effort
             if under.seconds is None and result.complete:
                 self._ledger.save_shrunk(job.failure, job.kept, shrunk)
             self.state.times |= self._schedule.times()
@@ -509,6 +518,11 @@ def shrunk_or_same(
         seconds: Stop after this time with the best so far.
         end: By :func:`fuzz.deadline.now`: if even that is not proved until then, the failure stays as it was.
     """
+    began = Effort.so_far()
+    return replace(_shrunk_or_same(failure, kept, seconds, end), effort=began.since())
+
+
+def _shrunk_or_same(failure: World, kept: str, seconds: float | None, end: float) -> Shrinking:
     try:
         with stopping_when(Deadline(end, end).to_begin_is_over):
             check_time()

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-__all__ = ["NO_DEADLINE", "Deadline", "now", "stop_from"]
+__all__ = ["NO_DEADLINE", "TO_HAND_IN", "Deadline", "now", "stop_from", "stopping_from"]
 
-_TO_PROVE = 2.0  # s after a stop in which failures met before it are still proved; less than the driver waits for them
+TO_HAND_IN = 3.0  # s after a stop that the units under way have to hand in what they met
+_TO_PROVE = 2.0  # s after a stop in which failures met before it are still proved; less than anybody waits for them
 
 _stops: list[Callable[[], float]] = []  # what this process asks besides the clock: when did somebody press Ctrl-C?
 
@@ -26,6 +28,17 @@ def stop_from(stopped_at: Callable[[], float]) -> None:
         stopped_at: Returns that time, by :func:`now`; infinity until it is known.
     """
     _stops[:] = [stopped_at]
+
+
+@contextlib.contextmanager
+def stopping_from(stopped_at: Callable[[], float]) -> Iterator[None]:
+    """End work inside as :func:`stop_from` does."""
+    before = [*_stops]
+    _stops.append(stopped_at)
+    try:
+        yield
+    finally:
+        _stops[:] = before
 
 
 @dataclass(frozen=True)

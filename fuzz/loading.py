@@ -13,6 +13,7 @@ from fuzz.lanes.plan import lanes_for
 from fuzz.result import Memory
 from fuzz.shrink import shrink
 from fuzz.unit import run_unit
+from sim.effort import Effort
 from sim.try_out import EMPTY_ARENA, try_out
 from worldgen.errors import WorldgenError
 from worldgen.world import World
@@ -22,13 +23,22 @@ __all__ = ["load"]
 _LANES = ("native", "features")  # whose kernels all the others need, too
 
 
-def load(config: CampaignConfig) -> None:
+def load(config: CampaignConfig) -> float:
     """Load what the first units need.
 
     Args:
         config: The campaign's. A quick controller does a little work for its lanes; of a slow one nobody knows how
             long that would take, so it only takes two steps.
+
+    Returns:
+        Seconds that the controller's own code took of this.
     """
+    began = Effort.so_far()
+    _load(config)
+    return began.since().own
+
+
+def _load(config: CampaignConfig) -> None:
     try_out(config.scenario)
     certified(EMPTY_ARENA)
     if config.slower > 1 or config.fixed_map is not None:

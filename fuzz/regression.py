@@ -4,59 +4,27 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from fuzz.asked import asked_by, objection_in_words
-from fuzz.failure import certificate_fault, certified, failure_of, judge, judge_asked, scenario_of
+from fuzz.answer import State, answer
+from fuzz.failure import failure_of, scenario_of
+from fuzz.fixed import Checked, Seen, fixed, who_drives
 from sim.controllers.contract import check_contract
 from sim.episode import Episode, simulate
 from sim.picture import trail_of
-from sim.run_options import RunOptions, step_budget
+from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from sim.words import evidence_in_words
-from worldgen.errors import InvalidParameter, InvalidWorld, WorldgenError
+from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.grid_file import read_world, write_world
 from worldgen.plain_text import shown_lines
 from worldgen.render import draw_terminal
-from worldgen.world import Cut, World
+from worldgen.world import World
 
 __all__ = ["CONFIRMED", "FIXED", "Checked", "Seen", "Told", "check", "fixed", "run", "tell"]
 
 FIXED, CONFIRMED = "fixed", "confirmed"
-_STAYS_OUT = ("loop", "stalled", "timeout")  # verdicts that are right where the target is walled off
-
-
-@dataclass(frozen=True)
-class Seen:
-    """What a test looked at.
-
-    Args:
-        world: The world, without a record of an older failure.
-        scenario: What ran in it; ``None`` if nothing did.
-        options: How it ran.
-        episode: How it ended, recorded.
-        stored: The file, if it shows the same again.
-    """
-
-    world: World
-    scenario: Scenario | None = None
-    options: RunOptions | None = None
-    episode: Episode | None = None
-    stored: str = ""
-
-
-@dataclass(frozen=True)
-class Checked:
-    """Whether a stored failure is as expected.
-
-    Args:
-        reason: Why it is not; empty if it is.
-        seen: What was looked at.
-    """
-
-    reason: str
-    seen: Seen
 
 
 @dataclass(frozen=True)
@@ -97,8 +65,6 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
 
 
 def _confirmed(path: Path, world: World, controller: str | None) -> Checked:
-    from fuzz.answer import State, answer  # noqa: PLC0415 - which asks here whether a failure is fixed
-
     record, options = scenario_of(world)
     now = answer(world, controller)
     name = controller or record.controller
@@ -108,43 +74,6 @@ def _confirmed(path: Path, world: World, controller: str | None) -> Checked:
         return Checked("", seen)
     hint = "; expect it to be fixed" if now.state is State.ARRIVES else ""
     return Checked(f"{name} under {record.motion}: not confirmed: {now.words}{hint}", seen)
-
-
-def fixed(world: World, controller: str | None = None) -> Checked:
-    """What :func:`check` does with a file that is expected to be fixed, with a world that has been read already."""
-    asked = asked_by(world.failure.evidence) if world.failure else None
-    world, scenario, options = _what_runs(world, controller)
-    fault = certificate_fault(world)
-    if fault:
-        return Checked(f"the file proves nothing: {fault}; make the failure again", Seen(world))
-    episode, wrong = judge(world, scenario.controller, options)
-    check_contract(scenario.controller, episode.evidence, episode.steps)
-    seen = Seen(world, scenario, options, episode)
-    ended = f"{_who(scenario)}: {episode.verdict}{evidence_in_words(episode)}"
-    if isinstance(world.certificate, Cut):
-        return Checked("" if episode.verdict in _STAYS_OUT else f"{ended}, where the target is walled off", seen)
-    if episode.verdict == "reached" and asked is not None and not wrong:
-        said = judge_asked(world, scenario.controller, options, asked)[1]
-        words = "" if said is None else objection_in_words({"oracle": asked.text, "objection": said})
-        return Checked(f"{ended}{words}" if words else "", seen)
-    if episode.verdict == "reached":
-        return Checked(f"{ended}, but {wrong}" if wrong else "", seen)
-    return Checked(f"{ended}, though the target can be reached", seen)
-
-
-def _what_runs(world: World, controller: str | None) -> tuple[World, Scenario, RunOptions]:
-    """The world without its record, what is to run in it, and with which budget."""
-    if world.failure is not None:
-        record, stored = scenario_of(world)
-        options = replace(stored, steps=max(stored.steps, step_budget(world, stored.time_step)))
-        return replace(world, failure=None), Scenario.of(controller or record.controller, options), options
-    if controller is None:
-        raise InvalidParameter("this world holds no failure, so it names no controller; give --worldgen-controller")
-    proved = world if world.certificate is not None else certified(world)
-    if proved is None:
-        raise InvalidWorld("it is not proved that this world's target can be reached; worldgen verify says more")
-    scenario = Scenario.parse(controller)
-    return proved, scenario, scenario.options(proved)
 
 
 def run(world: World, controller: str, seed: int = 0) -> tuple[Seen, Episode]:
@@ -170,7 +99,7 @@ def tell(seen: Seen, path: Path | None) -> Told:
     """
     lines, properties = [], {}
     if seen.scenario is not None and seen.episode is not None:
-        lines.append(f"{_who(seen.scenario)}: {seen.episode.verdict}{evidence_in_words(seen.episode)}")
+        lines.append(f"{who_drives(seen.scenario)}: {seen.episode.verdict}{evidence_in_words(seen.episode)}")
     trail = None if seen.episode is None else trail_of(seen.episode, seen.world)
     lines.append(draw_terminal(seen.world, trail=trail, color=False).rstrip("\n"))
     replayed_by = seen.stored
@@ -203,10 +132,6 @@ def _keep(seen: Seen, path: Path) -> str:
         return f"worldgen replay {file}"
     label = seen.scenario.label(RunOptions.motion, RunOptions.time_step)
     return f"worldgen run {file} --controller {shlex.quote(label)} --seed {seen.scenario.seed}"
-
-
-def _who(scenario: Scenario) -> str:
-    return f"{scenario.label(scenario.motion, scenario.time_step)} under {scenario.motion}"
 
 
 def _near(path: Path) -> str:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from sim.effort import Effort
 from worldgen.world import World
 
 __all__ = ["Elite", "LaneYield", "Memory", "UnitResult"]
@@ -41,6 +42,7 @@ class UnitResult:
         elites: By cell of the archive, what deserves to be there.
         cut: Whether its time was over before its work was done; the rest holds what it had until then.
         interrupted: Whether Ctrl-C did that.
+        effort: Where its time went, which no ledger keeps and no other unit knows.
     """
 
     lane: str = ""
@@ -52,6 +54,7 @@ class UnitResult:
     elites: dict[tuple[int, ...], Elite] = field(default_factory=dict)
     cut: bool = False
     interrupted: bool = False
+    effort: Effort = field(default_factory=Effort, compare=False)
 
 
 @dataclass(frozen=True)

@@ -26,19 +26,23 @@ class Schedule:
     """A campaign's clock. The time begins with the first work that no earlier sitting did.
 
     What start-up takes counts, up to three seconds and a quarter of the time: compiling on a new installation takes a
-    minute, which would leave nothing of a short budget.
+    minute, which would leave nothing of a short budget. What the controller's own code took of it counts in full.
 
     Args:
         seconds: Of search and shrinking together; ``None`` for no limit.
         shrinks: Whether failures are shrunk.
         began: When the command began, by ``time.monotonic``; now if omitted.
+        own: Seconds since then that the controller's own code took already.
     """
 
-    def __init__(self, seconds: float | None, *, shrinks: bool = True, began: float | None = None) -> None:
+    def __init__(
+        self, seconds: float | None, *, shrinks: bool = True, began: float | None = None, own: float = 0.0
+    ) -> None:
         self._seconds, self._shrinks = seconds, shrinks
         self._began = time.monotonic() if began is None else began
         self._ready = self._last = math.inf
         self._search = self._shrinking = 0.0  # s
+        self._own = own  # s
         self.start_up = 0.0  # s
 
     @property
@@ -61,9 +65,14 @@ class Schedule:
         """Return True if a unit may still begin."""
         return self._left(self._share_to_search(urgent=False)) > 0.0
 
-    def begin(self) -> None:
-        """Begin the time: all that is needed is loaded."""
+    def begin(self, own: float = 0.0) -> None:
+        """Begin the time: all that is needed is loaded.
+
+        Args:
+            own: Seconds that the controller's own code took of that.
+        """
         self._ready = time.monotonic()
+        self._own += own
         self.start_up = self._ready - self._began
 
     def is_over(self, grace: float = 0.0) -> bool:
@@ -129,5 +138,6 @@ class Schedule:
         """Seconds until this share of the time is over; all of it before it began."""
         if self._seconds is None:
             return math.inf
-        counted = min(self.start_up, _COUNTED, self._seconds * (1.0 - _SEARCH))
+        ours = max(self.start_up - self._own, 0.0)
+        counted = self._own + min(ours, _COUNTED, self._seconds * (1.0 - _SEARCH))
         return share * (self._seconds - counted) - self.sat()

@@ -22,7 +22,14 @@ from fuzz.lanes import check_lane
 from fuzz.lanes.database import DATABASE
 from fuzz.lanes.drawn import TIME_STEPS
 from fuzz.ledger import Sitting
-from fuzz.summary import lanes_in_words, summary_of, times_in_words, whole_time
+from fuzz.summary import (
+    controller_share,
+    lanes_in_words,
+    summary_of,
+    times_in_words,
+    units_in_words,
+    whole_time,
+)
 from fuzz.telling import describe, replay_line
 from fuzz.variation import Variation
 from sim.motion import MOTIONS
@@ -59,8 +66,9 @@ def configure(
     shrink: bool | None = None,
     oracles: tuple[str, ...] = (),
     epoch: int = CampaignConfig.epoch,
+    seconds: float | None = None,
 ) -> CampaignConfig:
-    """Checks a campaign's parts before any work begins.
+    """Check a campaign's parts before any work begins; ``seconds`` are the most that trying the controller may take.
 
     Raises:
         InvalidParameter: If a name is unknown, or controller and motion model do not fit.
@@ -92,14 +100,14 @@ def configure(
         epoch=epoch,
     )
     with working("loading the simulator (compiled once after an installation, for about a minute)"):
-        _try_out(config, [Asked.parse(text) for text in oracles])
+        _try_out(config, seconds, [Asked.parse(text) for text in oracles])
     return config
 
 
-def _try_out(config: CampaignConfig, asked: list[Asked]) -> None:
+def _try_out(config: CampaignConfig, seconds: float | None, asked: list[Asked]) -> None:
     """One short run in an empty arena, judged by each oracle, so that a name or a compile error shows at once."""
     scenario = config.scenario
-    outcome = try_out(scenario)
+    outcome = try_out(scenario, seconds)
     if outcome.verdict == "hang" and outcome.steps == 1:  # so would every run, each for the whole start-up deadline
         raise InvalidParameter(
             f"{scenario.controller} does not answer its first observation within {outcome.fault['deadline']} s; does "
@@ -121,6 +129,8 @@ class CampaignSession:
         baseline: Failures whose classes are known: they are counted only; none if left out.
         count_hazards: Whether a robot burned by what its controller cannot sense makes the exit code 1, too.
         began: When the command began, by ``time.monotonic``.
+        lasts: Whether the folder is still there after the command, so that a message can name it.
+        own: Seconds since then that the controller's own code took.
     """
 
     def __init__(
@@ -133,10 +143,13 @@ class CampaignSession:
         baseline: Baseline | None = None,
         count_hazards: bool = False,
         began: float | None = None,
+        lasts: bool = True,
+        own: float = 0.0,
     ) -> None:
         self._baseline, self._count_hazards = baseline or Baseline(), count_hazards
         self._config, self._folder, self._quiet, self._outputs = sitting.config, sitting.folder, quiet, outputs
         self._out = sitting.folder.out
+        self._lasts = lasts
         goal = sitting.goal
         self._campaign = Campaign(
             sitting.config,
@@ -146,6 +159,7 @@ class CampaignSession:
             ledger=sitting.folder,
             is_known=self._baseline.has,
             began=began,
+            own=own,
         )
         self._limit = f"{goal.seconds:g} s" if goal.units is None else counted(goal.units, "unit")
         self._unsaved: set[str] = set()
@@ -154,25 +168,35 @@ class CampaignSession:
 
     def run(self) -> int:
         """Does the campaign; returns the exit code."""
-        way_on = f"worldgen fuzz --resume {shlex.quote(str(self._out))} goes on"
         try:
             with contextlib.closing(self._folder):
                 stopped = self._search()
         except WorkersLost as error:
-            raise OutputError(f"{error}; what was found until then is in {self._out}, and {way_on}") from error
+            if not self._lasts:
+                raise OutputError(f"{error}; nothing was kept: begin again") from error
+            raise OutputError(f"{error}; what was found until then is in {self._out}, and {self._way_on}") from error
         except OutputError as error:
-            raise OutputError(f"{error}; what is there is whole: make room, and {way_on}") from error
+            if not self._lasts:
+                raise OutputError(f"{error}; nothing was kept: make room, and begin again") from error
+            raise OutputError(f"{error}; what is there is whole: make room, and {self._way_on}") from error
         end = time.monotonic() + _TO_DRAW  # a run of a slow controller may take longer than the budget
         with stopping_when(lambda: time.monotonic() > end):
             self._report()
             if self._outputs:
                 self._outputs.write(self._as_report())
-        if stopped:
+        if stopped and self._lasts:
             kept = counted(len(self._campaign.state.best), "failure")
-            note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {way_on}")
+            note(f"interrupted; {kept} {'is' if kept.startswith('1 ') else 'are'} kept in {self._out}; {self._way_on}")
+        elif stopped:
+            note("interrupted; nothing was kept")
+        if stopped:
             return 130
         self._check_that_anything_ran()
         return 1 if self._failing() else 0
+
+    @property
+    def _way_on(self) -> str:
+        return f"worldgen fuzz --resume {shlex.quote(str(self._out))} goes on"
 
     def _failing(self) -> dict[str, World]:
         """By class, what makes the exit code 1."""
@@ -227,18 +251,25 @@ class CampaignSession:
             self._folder.remove_failures_but([self._path(kind).name for kind in self._campaign.state.best])
         late = sum(not is_shrunk(world) for world in {**self._campaign.state.best, **self._save_pending()}.values())
         if late and self._config.shrink:
-            state = self._campaign.state
-            kinds = counted(len(state.best), "class", "classes")
-            note(
-                f"{late} of {kinds} {'is' if late == 1 else 'are'} as found, for the time was over before shrinking "
-                f"was: worldgen fuzz --resume {shlex.quote(str(self._out))} --units {state.until} does the rest"
-            )
+            self._say_late(late)
+
+    def _say_late(self, late: int) -> None:
+        """Say how many classes were not shrunk, and what shrinks them: nothing does where time was not the reason."""
+        state = self._campaign.state
+        are = f"{late} of {counted(len(state.best), 'class', 'classes')} {'is' if late == 1 else 'are'} as found"
+        if self._campaign.units is not None:
+            note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
+            return
+        resume = f"worldgen fuzz --resume {shlex.quote(str(self._out))} --units {state.until}"
+        note(f"{are}, because the time ended before shrinking did: {resume} does the rest")
 
     def _so_far(self) -> str:
         """The campaign in half a line."""
         if not self._campaign.is_ready:
             return "loading the simulator in each process (compiled once after an installation)"
         state = self._campaign.state
+        if not state.until:
+            return "the first units are under way"
         failed = sum(count for verdict, count in state.verdicts.items() if verdict not in _NO_FAILURE)
         shrunk = sum(is_shrunk(world) for world in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
@@ -292,13 +323,19 @@ class CampaignSession:
             click.echo(describe(world, self._path(kind), met=state.met))
         click.echo(lanes_in_words(state))
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
-        cut = f" and {state.cut} cut short" if state.cut else ""
         click.echo(
-            f"seed {self._config.seed}: {counted(state.units, 'unit')}{cut}, {counted(state.worlds, 'world')}, "
+            f"seed {self._config.seed}: {units_in_words(state)}, {counted(state.worlds, 'world')}, "
             f"{counted(state.steps, 'step')} in {whole_time(state):.1f} s; at first look {verdicts or 'nothing'}"
         )
-        if self._campaign.units is None:
-            note(times_in_words(state))
+        if self._campaign.units is None or controller_share(self._config, state) is not None:
+            note(times_in_words(self._config, state))
+        if state.effort.broken:
+            steps = counted(state.effort.broken, "step")
+            note(
+                f"{steps} of {self._config.scenario.controller} went on when the time was over, and had to be broken "
+                "off; if a step may hang, run the controller as a program: each step has a deadline then, and a hang "
+                "is a failure (docs/controllers.md)"
+            )
         if state.known:
             often = ", ".join(f"{shown(kind)} {counted(times, 'time')}" for kind, times in sorted(state.known.items()))
             click.echo(f"known: {counted(len(state.known), 'class', 'classes')}, met {often}")

@@ -9,6 +9,7 @@ from fuzz.lanes import lane_of
 from fuzz.lanes.plan import planned_lane
 from fuzz.lanes.task import Task
 from fuzz.result import Memory, UnitResult
+from sim.effort import Effort
 from sim.stopping import OutOfTime, check_time, stopping_when
 
 __all__ = ["run_unit"]
@@ -25,6 +26,7 @@ def run_unit(
         memory: What the units up to the epoch before the last one found; nothing if omitted.
         deadline: When it ends with what it has until then, as ``cut`` in the result says.
     """
+    began = Effort.so_far()
     known = Memory() if memory is None else memory
     name = planned_lane(config, unit, known)
     result = UnitResult(lane=name)
@@ -36,4 +38,5 @@ def run_unit(
         result.cut = True
     except KeyboardInterrupt:
         result.cut = result.interrupted = True
+    result.effort = began.since()
     return result

@@ -132,8 +132,11 @@ def _arrived(total: Total) -> str:
 def _agreement_text(beside: Agreement) -> str:
     if not beside.figures:
         return "No published figure is of one of these worlds and controllers."
-    parts = [f"same ranking in {beside.rankings[0]} of {beside.rankings[1]} worlds"]
-    parts.append(f'"never" agrees in {beside.never[0]} of {beside.never[1]} cells')
+    parts = []
+    if beside.rankings[1]:
+        parts.append(f"same ranking in {beside.rankings[0]} of {beside.rankings[1]} worlds")
+    if beside.never[1]:
+        parts.append(f'"never" agrees in {beside.never[0]} of {beside.never[1]} cells')
     if beside.within[1]:
         parts.append(f"{beside.within[0]} of {beside.within[1]} figures lie within the middle 95 % of our seeds")
     if beside.largest is not None:
@@ -142,6 +145,8 @@ def _agreement_text(beside: Agreement) -> str:
             f"largest deviation without chance {far.relative:+.1%} "
             f"({far.label} in {far.world}: {far.ours:.3f} against {far.theirs:.3f})"
         )
+    if not parts:
+        return "None of the published figures of these worlds and controllers can be compared."
     return _wrapped("Against the published figures: " + "; ".join(parts) + ".")
 
 

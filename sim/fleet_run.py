@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from sim.controllers.base import VectorController
 from sim.controllers.contract import flat_memory
-from sim.controllers.vector import ask
+from sim.controllers.vector import Asker
 from sim.kernels import layout
 from sim.kernels._bridge import reports_of, settings_of
 from sim.kernels.lattice_fleet import CLOCK_SIZE, Fleet, fleet_act, fleet_entries, fleet_move, fleet_set_out
@@ -20,6 +20,7 @@ from sim.kernels.lattice_state import new_robot
 from sim.kernels.recurrence import MARKS, new_search
 from sim.lattice_run import LatticeRun
 from sim.python_loop import hidden_state
+from sim.stopping import OutOfTime
 from worldgen.lattice import UNIT
 
 __all__ = ["ControllerRaised", "FleetRun", "its_own_fault"]
@@ -100,15 +101,16 @@ class FleetRun:
         fleet.settings[:, layout.SET_DIGEST] = int(digest)
         count = len(fleet.order)
         over = np.zeros(count, np.bool_)
+        asker = Asker(self._controller, fleet.observation, fleet.memory, fleet.command)
         while count:
-            if self._step(fleet, count, over):
+            if self._step(fleet, asker, count, over):
                 count = _keep(fleet, ~over[:count])
 
-    def _step(self, fleet: Fleet, count: int, over: npt.NDArray[np.bool_]) -> int:
+    def _step(self, fleet: Fleet, asker: Asker, count: int, over: npt.NDArray[np.bool_]) -> int:
         fleet_move(fleet, count)
         after = np.empty((count, self._memory.size))
         with its_own_fault():
-            ask(self._controller, fleet.observation[:count], fleet.memory[:count], fleet.command[:count], after)
+            asker.ask(count, after)
         return int(fleet_act(fleet, count, after, over))
 
     def _fleet(self, robots: Ints, steps: Ints, find_loop: Ints, entries: Ints | None = None) -> Fleet:
@@ -182,11 +184,11 @@ def its_own_fault() -> Iterator[None]:
     """Tell what a controller raises from what is raised elsewhere.
 
     Raises:
-        ControllerRaised: If anything but ``KeyboardInterrupt`` is raised inside.
+        ControllerRaised: If anything is raised inside but ``KeyboardInterrupt`` and :class:`OutOfTime`.
     """
     try:
         yield
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, OutOfTime):
         raise
     except BaseException as error:
         raise ControllerRaised from error

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import io
+import itertools
 import math
 import pickle
 import random
@@ -24,10 +25,11 @@ from sim.controllers.base import Command, Memory, Observation, PythonController,
 from sim.controllers.contract import flat_memory, no_command, no_memory
 from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour, WantsMemory
-from sim.controllers.vector import ask
+from sim.controllers.vector import Asker
 from sim.crash_frames import crash_facts
+from sim.effort import sampled, timed
 from sim.lattice_core import MOST_CORNERS, Arena, Driver, Episode, Workspace
-from sim.stopping import OutOfTime, in_time
+from sim.stopping import OutOfTime, breakable, in_time
 from worldgen.neighbours import neighbours_of
 from worldgen.progress import working
 from worldgen.world import World
@@ -128,6 +130,7 @@ def plans(controller: PythonController | VectorController) -> bool:
     return not isinstance(controller, VectorController) and wants_world(controller)
 
 
+@breakable
 def memory_at_start(controller: PythonController | VectorController, world: World | None) -> Memory:
     """Reset a controller and return its memory as floats.
 
@@ -140,8 +143,8 @@ def memory_at_start(controller: PythonController | VectorController, world: Worl
     """
     resetting: Any = controller
     if world is None:
-        return flat_memory(resetting.reset())
-    return flat_memory(resetting.reset(replace(world, certificate=None, provenance=None, failure=None)))
+        return flat_memory(timed(resetting.reset)())
+    return flat_memory(timed(resetting.reset)(replace(world, certificate=None, provenance=None, failure=None)))
 
 
 def driver_of(controller: PythonController | VectorController) -> Callable[[Iterable[int], Any, Memory], Memory]:
@@ -155,12 +158,15 @@ def driver_of(controller: PythonController | VectorController) -> Callable[[Iter
     return functools.partial(_act, controller)
 
 
+@breakable
 def _act(controller: PythonController, stops: Iterable[int], room: Any, memory: Memory) -> Memory:
     """Ask a Python class wherever the kernel stops; return its last memory."""
-    size, act = len(memory), controller.act
+    size = len(memory)
+    is_program = isinstance(controller, ProcessController)  # which is measured where it is waited for
+    calls = itertools.repeat(controller.act) if is_program else sampled(controller.act)
     observation, floats = room.observation, struct.Struct(f"{size}d")
     kept, command = room.memory.data, room.command.data
-    for _ in stops:
+    for _, act in zip(stops, calls, strict=False):
         answer = act(Observation.of(observation), memory)
         try:
             asked, after = answer
@@ -183,8 +189,9 @@ def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room
     kept = room.memory[np.newaxis]
     command = room.command[np.newaxis]
     after = kept.copy()
+    asker = Asker(controller, seen, kept, command)
     for _ in stops:
-        ask(controller, seen, kept, command, after)
+        asker.ask(1, after)
         kept[...] = after
     return memory
 

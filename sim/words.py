@@ -16,7 +16,9 @@ def evidence_in_words(episode: Episode) -> str:
     evidence = episode.evidence
     verdict = episode.verdict
     if verdict == "loop":
-        return f" for ever (the state after step {evidence['entry']} comes back every {evidence['period']} steps)"
+        period = evidence["period"]
+        often = "in every step" if period == 1 else f"every {period} steps"
+        return f" for ever (the state after step {evidence['entry']} comes back {often})"
     if verdict in ("tunnel", "overlap") and "cell" in evidence:
         since = f", since a {evidence['cause']} in step {evidence['since']}" if "cause" in evidence else ""
         return f" (step {evidence['step']}, wall cell {tuple(_list(evidence['cell']))}{since})"

@@ -29,6 +29,7 @@ _FIRST = 2.0  # s of silence before the first line
 _EVERY = 5.0  # s between two lines in a log ...
 _LATER = 15.0  # s ... once the work has taken longer than
 _LONG = 60.0  # s
+_WORTH_SAYING = 1.0  # s that a piece of work has taken
 _REDRAW = 0.25  # s between two looks at the clock, and two drawings of the live line
 _LOOK = 0.001  # s between two looks whether the thread has drawn its line ...
 _PATIENT_LOOKS = 100  # ... and how many of them, should standard error block
@@ -189,13 +190,14 @@ class Display:
             return
         # Details of the innermost only: on one line there is no room for more.
         parts = list(dict.fromkeys([*(shown(work.message) for work in works[:-1]), works[-1].text()]))
-        took = f" ({_duration(now - works[0].begun)})"
+        spent = now - works[0].begun
+        took = f" ({_duration(spent)})" if spent >= _WORTH_SAYING else ""  # short work after other short work
         if terminal:
             self._drawn = True
             self._put(_CLEAR + _fitted(parts, took, _columns() - 1))
         else:
             self._write(f"{'; '.join(parts)}{took}\n")
-            self._patience = _LATER if now - works[0].begun > _LONG else _EVERY
+            self._patience = _LATER if spent > _LONG else _EVERY
 
     def _watch(self, over: threading.Event) -> None:
         while not over.wait(_REDRAW):

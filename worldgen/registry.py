@@ -235,8 +235,11 @@ class Registry(Generic[T]):
             if hasattr(module, attribute):
                 return getattr(module, attribute)
         public = [key for key in vars(module) if not key.startswith("_")]
+        own = [key for key in public if getattr(vars(module)[key], "__module__", None) == module.__name__]
+        close = difflib.get_close_matches(attribute, public, n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
         raise InvalidParameter(
-            f"{self.noun} {name!r}: {place} has no {attribute!r}; it has {', '.join(public) or 'nothing'}"
+            f"{self.noun} {name!r}: {place} has no {attribute!r}; {hint}it has {', '.join(own or public) or 'nothing'}"
         )
 
 

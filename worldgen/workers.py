@@ -19,12 +19,15 @@ _TO_TERMINATE = 1.0  # s that all processes have together
 
 
 @contextlib.contextmanager
-def ctrl_c_held_back() -> Iterator[Callable[[], None]]:
+def ctrl_c_held_back(at_once: Callable[[], None] = lambda: None) -> Iterator[Callable[[], None]]:
     """Holds Ctrl-C back until what this yields is called, which then raises ``KeyboardInterrupt``.
 
     Locks of queues and futures may stay locked for ever if an exception comes between any two instructions.
     A second Ctrl-C is not held back: the way out if something hangs. Outside the main thread, which alone
     hears Ctrl-C, this does nothing.
+
+    Args:
+        at_once: Called when Ctrl-C comes.
     """
     if threading.current_thread() is not threading.main_thread():
         yield lambda: None
@@ -36,6 +39,7 @@ def ctrl_c_held_back() -> Iterator[Callable[[], None]]:
         nonlocal came
         came = True
         signal.signal(signal.SIGINT, before)
+        at_once()
 
     def listen() -> None:
         nonlocal came

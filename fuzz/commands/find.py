@@ -119,14 +119,16 @@ def _watch(search: Find, out: Path, force: bool) -> bool:
 
     from worldgen.errors import OutputError
     from worldgen.grid_file import write_world
+    from worldgen.plain_text import counted
     from worldgen.progress import working
 
     stopped, broken = False, None
     try:
         with working("searching") as work:
-            work.say(lambda: f"{search.done} units, {search.tried} worlds")
+            work.say(lambda: f"{counted(search.done, 'unit')}, {counted(search.tried, 'world')}")
             for found in search.run():
-                note(f"unit {found.unit}: off by {found.distance:.4g}")
+                off = f"off by {found.distance:.4g}" if found.distance else "as wanted"
+                note(f"unit {found.unit}: {off}")
     except KeyboardInterrupt:
         stopped = True
     except BrokenProcessPool as error:
@@ -195,6 +197,8 @@ def _try_out(config: FindConfig) -> None:
 
 
 def _report(search: Find, wishes: tuple[Wish, ...], out: Path, as_json: bool) -> None:
+    from worldgen.plain_text import counted
+
     best = search.best
     if best is None:
         note("no world with a reachable target was met; give more time, or another --family")
@@ -228,7 +232,7 @@ def _report(search: Find, wishes: tuple[Wish, ...], out: Path, as_json: bool) ->
     for wish, result in zip(wishes, best.results, strict=True):
         off = "as wanted" if result.distance == 0.0 else f"off by {result.distance:.4g}"
         click.echo(f"{wish.scenario.label()}: wanted {wish.text}, got {_got(wish, result)}: {off}")
-    click.echo(f"{search.tried} worlds in {search.done} units; wrote {out}")
+    click.echo(f"{counted(search.tried, 'world')} in {counted(search.done, 'unit')}; wrote {out}")
     first = wishes[0].scenario
     note(f"run it: worldgen run {out} --controller '{first.label()}' --motion {first.motion} --steps {wishes[0].steps}")
 

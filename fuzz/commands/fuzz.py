@@ -144,7 +144,9 @@ def fuzz(
     from fuzz.crews import crew_at, crew_of
     from fuzz.report import write_report
     from fuzz.session import CampaignSession
+    from sim.effort import Effort
 
+    loaded = Effort.so_far()
     if budget is not None and units is not None:
         raise click.UsageError("give --budget or --units, not both")
     if scheduler is not None and workers is not None:
@@ -172,6 +174,7 @@ def fuzz(
         baseline=was_known,
         count_hazards=count_hazards,
         began=began,
+        own=loaded.since().own,
     )
     code = session.run()
     if report is not None:
@@ -223,6 +226,7 @@ def _begin(
         oracles=oracles if detour is None else (f"detour={detour!r}".removesuffix(".0"), *oracles),
         seed=draw_seed(stored_seed(out) if seed is None and not force else seed),
         epoch=epoch,
+        seconds=goal.seconds,
     )
     note_unused([config.scenario])
     return begin(config, out, goal, force=force)

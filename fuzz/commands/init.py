@@ -80,7 +80,7 @@ def init(
         note(f"searching for the failures that {controller} has today")
         sitting = ledger.begin(config, Path(scratch) / "found", ledger.Goal(units=units))
         with contextlib.redirect_stdout(None):
-            code = CampaignSession(sitting, crew_of(os.cpu_count() or 1)).run()
+            code = CampaignSession(sitting, crew_of(os.cpu_count() or 1), lasts=False).run()
         if code not in (0, 1):
             raise SystemExit(code)
         failures = {found.name: found.read_bytes() for found in sorted((Path(scratch) / "found").glob("*.grid"))}

@@ -64,7 +64,8 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
     address, number = listener.getsockname()[:2]
     gate = Gate(called(host, listener), number)
     if not ipaddress.ip_address(address).is_loopback:
-        note(f"warning: whoever can reach {gate.host} and learns the address can read and write the folder")
+        warning = f"warning: whoever can reach {gate.host} and learns the address can read and write the folder"
+        note(warning, always=True)
     folder, file = (path, None) if path.is_dir() else (path.parent, path.name)
     shared = Folder(folder)
     note(f"studio of {shared.root}: open {gate.address}", always=True)  # without it nobody finds the page

@@ -10,15 +10,18 @@ from fuzz.asked import asked_by
 from fuzz.corpus.entry import Entry, Facts
 from fuzz.crash_bucket import has_facts
 from fuzz.failure import certificate_fault, failure_by, failure_of, scenario_of
+from sim.controllers import in_plain_place
 from sim.outcome import BY_THE_CONTROLLER
 from sim.scenario import Scenario
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import read_world
+from worldgen.plain_text import shown
 from worldgen.world import FailureRecord, World
 
 __all__ = ["Baseline"]
 
 _Key = tuple[str, str, str]
+_SHOWN = 3  # controllers that a message names
 
 
 @dataclass(frozen=True)
@@ -38,17 +41,22 @@ class Baseline:
         Args:
             entries: Of a corpus; those of other controllers and motion models are passed over.
             scenario: The campaign's.
-            say: Told of each failure that is none any more, or is of another class than its file says.
+            say: Told of each failure that is none any more, or is of another class than its file says; and if there
+                are failures, but none is of this controller and motion model.
 
         Raises:
             FormatError: If a file can no longer be read.
         """
         failures: dict[_Key, tuple[Path, World]] = {}
+        others: set[str] = set()
+        is_any_ours = False
         for entry in entries:
             world = read_world(entry.path)
             record, _ = scenario_of(world)
-            if (record.controller, record.motion) != (scenario.controller, scenario.motion):
+            if _who(record.controller, record.motion) != _who(scenario.controller, scenario.motion):
+                others.add(f"{record.controller} under {record.motion}")
                 continue
+            is_any_ours = True
             now, reason = _failure_now(world)
             if now is None:
                 say(f"{entry.path}: {reason}, so its class {entry.facts.kind} is not known")
@@ -61,13 +69,27 @@ class Baseline:
                 unknown = "" if known else ", which is not known"
                 say(f"{entry.path}: stored as {entry.facts.kind}, its class is {facts.kind} now{unknown}")
             if known:
-                failures.setdefault(facts.key, (entry.path, now))
+                failures.setdefault(_key(facts), (entry.path, now))
+        if others and not is_any_ours:
+            say(
+                f"the baseline has no failure of {scenario.controller} under {scenario.motion}, only of "
+                f"{shown(', '.join(sorted(others)[:_SHOWN]))}"
+            )
         return cls(failures)
 
     def has(self, failure: World) -> bool:
         """Whether a failure is of a class that is known."""
         facts = Facts.of(failure, "the failure")
-        return facts is not None and facts.key in self.failures
+        return facts is not None and _key(facts) in self.failures
+
+
+def _who(controller: str, motion: str) -> tuple[str, str]:
+    """Return what two records of the same robot share, wherever the controller's file was named from."""
+    return in_plain_place(controller, resolve=True), motion
+
+
+def _key(facts: Facts) -> _Key:
+    return (*_who(facts.controller, facts.motion), facts.kind)
 
 
 def _is_known(stored: FailureRecord, now: FailureRecord) -> bool:

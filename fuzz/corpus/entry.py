@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.failure import scenario_of
+from sim.controllers import in_plain_place
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from worldgen.errors import FormatError, InvalidParameter
@@ -77,7 +78,7 @@ class Facts:
     @property
     def key(self) -> tuple[str, str, str]:
         """What makes two failures one: controller, motion model, class."""
-        return self.controller, self.motion, self.kind
+        return in_plain_place(self.controller), self.motion, self.kind
 
     @property
     def size(self) -> tuple[int, int, int]:

@@ -76,7 +76,7 @@ class Cluster:
         future: Future[T] = self._pool.submit(self._errand.run, work, args, kwargs)
         return future
 
-    def prepare(self, config: CampaignConfig) -> list[Future[None]]:
+    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
         """Nothing: workers come and go, and each loads what it needs with its first work."""
         return []
 

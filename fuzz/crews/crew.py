@@ -30,8 +30,8 @@ class Crew(Protocol):
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Begins a piece of work, or puts it behind what is under way."""
 
-    def prepare(self, config: CampaignConfig) -> list[Future[None]]:
-        """Begin to load, wherever work will be done, what the first units need; no budget is to be spent on that."""
+    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
+        """Begin to load what the first units need, wherever work will be done; results as :func:`fuzz.loading.load`."""
 
     def listen(self) -> None:
         """Raises ``KeyboardInterrupt`` if Ctrl-C came; called often while the campaign waits."""

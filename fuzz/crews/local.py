@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import _thread
 import math
+import threading
 from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -14,7 +16,7 @@ from typing import ParamSpec, Self, TypeVar
 
 from fuzz.config import CampaignConfig
 from fuzz.crews.crew import Crew, WorkersLost
-from fuzz.deadline import now, stop_from
+from fuzz.deadline import TO_HAND_IN, now, stop_from, stopping_from
 from fuzz.loading import load
 from worldgen.workers import begin_deaf, ctrl_c_held_back, end_workers, workers_begin_deaf
 
@@ -32,22 +34,43 @@ def crew_of(workers: int) -> Crew:
 
 
 class Alone:
-    """Does the work at once, in this process."""
+    """Does the work at once, in this process.
+
+    Ctrl-C stops the work as it stops that of other processes, so that a unit hands in what it met. Work that does not
+    end by then is interrupted.
+    """
 
     room = 1
+    _stopped_at = math.inf  # by the clock of deadlines
 
     def submit(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Does it."""
+        """Do it."""
         future: Future[T] = Future()
-        future.set_result(work(*args, **kwargs))
+        with ExitStack() as open_:
+            open_.enter_context(stopping_from(lambda: self._stopped_at))
+            open_.enter_context(ctrl_c_held_back(lambda: self._stop(open_)))
+            future.set_result(work(*args, **kwargs))
         return future
 
-    def prepare(self, config: CampaignConfig) -> list[Future[None]]:
-        """Load it here."""
-        return [self.submit(load, config)]
+    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
+        """Load it here; Ctrl-C ends that at once, because nothing is met by then."""
+        future: Future[float] = Future()
+        future.set_result(load(config))
+        return [future]
 
     def listen(self) -> None:
-        """Nothing: Ctrl-C is not held back."""
+        """Raise ``KeyboardInterrupt`` if Ctrl-C came while work was under way."""
+        if self._stopped_at < math.inf:
+            self._stopped_at = math.inf
+            raise KeyboardInterrupt
+
+    def _stop(self, open_: ExitStack) -> None:
+        """Tell the work, and interrupt it if it takes too long, as a controller does that never answers."""
+        self._stopped_at = now()
+        patience = threading.Timer(TO_HAND_IN, _thread.interrupt_main)
+        patience.daemon = True
+        patience.start()
+        open_.callback(patience.cancel)
 
     def stop(self) -> None:
         """Nothing: no work is under way when somebody can call this."""
@@ -79,7 +102,7 @@ class Processes:
         with workers_begin_deaf():
             return self._pool.submit(work, *args, **kwargs)
 
-    def prepare(self, config: CampaignConfig) -> list[Future[None]]:
+    def prepare(self, config: CampaignConfig) -> list[Future[float]]:
         """Start all processes, and load it in each."""
         return [self.submit(load, config) for _ in range(self._workers)]
 

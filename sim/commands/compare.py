@@ -89,7 +89,7 @@ def compare(
     if table is not None and picture is not None and table.resolve() == picture.resolve():
         raise click.UsageError(f"--csv and --picture both name {table}; give two names")
     figures = _figures(paths, against)
-    scenarios = _scenarios(",".join(controllers), _motion(motion, figures), time_step, seed)
+    scenarios = _scenarios(controllers, _motion(motion, figures), time_step, seed)
     if picture is not None and len(scenarios) > MAX_CONTROLLERS:
         raise click.UsageError(f"--picture tells {MAX_CONTROLLERS} controllers apart, not {len(scenarios)}; name fewer")
     worlds = [_with_time(world, figures) for world in _worlds(paths)]
@@ -139,9 +139,9 @@ def _motion(motion: str | None, figures: Sequence[Figure]) -> str:
     return found
 
 
-def _scenarios(controllers: str, motion: str, time_step: float | None, seed: int) -> dict[str, Scenario]:
+def _scenarios(controllers: Sequence[str], motion: str, time_step: float | None, seed: int) -> dict[str, Scenario]:
     """Columns by label."""
-    from sim.controllers import CONTROLLERS, CompiledController, ProcessController
+    from sim.controllers import CONTROLLERS, CompiledController, ProcessController, names_in
     from sim.run_options import RunOptions
     from sim.scenario import Scenario
     from sim.try_out import try_out
@@ -149,7 +149,7 @@ def _scenarios(controllers: str, motion: str, time_step: float | None, seed: int
 
     duration = RunOptions.time_step if time_step is None else time_step
     found: dict[str, Scenario] = {}
-    for text in controllers.split(","):
+    for text in (name for value in controllers for name in names_in(value)):
         scenario = Scenario.parse(text, motion=motion, time_step=duration, seed=seed)
         RunOptions(time_step=scenario.time_step)  # out of range it can give no budget
         if not isinstance(CONTROLLERS.get(scenario.controller), CompiledController | ProcessController):

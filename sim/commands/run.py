@@ -138,10 +138,11 @@ def _summary(episode: Episode) -> dict[str, object]:
 
 def _sentence(episode: Episode) -> str:
     from sim.words import evidence_in_words
+    from worldgen.plain_text import counted
 
     return (
-        f"{episode.verdict}{evidence_in_words(episode)}: {episode.steps} steps, {episode.time:g} s, "
-        f"{episode.path_length:.3f} m driven, {episode.collisions} collisions, trace {episode.trace_digest}"
+        f"{episode.verdict}{evidence_in_words(episode)}: {counted(episode.steps, 'step')}, {episode.time:g} s, "
+        f"{episode.path_length:.3f} m driven, {counted(episode.collisions, 'collision')}, trace {episode.trace_digest}"
     )
 
 

@@ -6,6 +6,8 @@ Contents:
     MemoryField, MemoryMap: how its memory is shown to people.
     CONTROLLERS: finds one by name, as ``package.module:name``, ``./file.py:name``, or ``cmd:./program --flag``.
     controller_of: the same, or the thing itself, checked.
+    names_in: the controllers of a list with commas.
+    in_plain_place: one name for all ways to write a controller's file.
 """
 
 from sim.controllers.base import (
@@ -18,7 +20,7 @@ from sim.controllers.base import (
     PythonController,
     VectorController,
 )
-from sim.controllers.catalogue import CONTROLLERS, controller_of
+from sim.controllers.catalogue import CONTROLLERS, controller_of, in_plain_place, names_in
 from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.controllers.process import ProcessController
 
@@ -36,4 +38,6 @@ __all__ = [
     "PythonController",
     "VectorController",
     "controller_of",
+    "in_plain_place",
+    "names_in",
 ]

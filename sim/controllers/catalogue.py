@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,10 @@ from sim.robot_options import RobotOptions
 from worldgen.errors import InvalidParameter
 from worldgen.registry import Registry, check_code, user_code
 
-__all__ = ["CONTROLLERS", "called", "controller_of"]
+__all__ = ["CONTROLLERS", "called", "controller_of", "in_plain_place", "names_in"]
+
+_NAMES_CODE = re.compile(r"[\w./~-]+:[A-Za-z_]\w*(\+.*)?", re.DOTALL)
+_IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)
 
 
 class _Controllers(Registry[Controller]):
@@ -98,6 +102,41 @@ def controller_of(given: str | Controller | type) -> Controller:
         InvalidParameter: If nothing is called so, it is no controller, or it raises when it is made.
     """
     return CONTROLLERS.get(given) if isinstance(given, str) else _accept(called(given), given)
+
+
+def in_plain_place(name: str, *, resolve: bool = False) -> str:
+    """Return the one name for all ways to write a controller's file: ``mine.py:Robot`` for ``./mine.py:Robot``.
+
+    Args:
+        name: With options or without; names of other kinds come back as they are.
+        resolve: Give the file's full path, so that a path seen from another folder is the same too.
+    """
+    found = _IN_A_FILE.fullmatch(name)
+    if found is None:
+        return name
+    plain = os.path.realpath if resolve else os.path.normpath
+    return f"{plain(found['file'])}{found['rest']}"
+
+
+def names_in(text: str) -> list[str]:
+    """Return the controllers of a list with commas between them.
+
+    A comma in the command line of a program belongs to it, unless another controller follows: a registered one,
+    ``file.py:name`` or ``module:name``, or another program.
+    """
+    names: list[str] = []
+    for part in text.split(","):
+        in_command = bool(names) and is_process_name(names[-1].lstrip())
+        if in_command and not _begins_a_controller(part.strip()):
+            names[-1] += f",{part}"
+        else:
+            names.append(part)
+    return names
+
+
+def _begins_a_controller(text: str) -> bool:
+    registered = text.partition("+")[0] in CONTROLLERS.names()
+    return registered or is_process_name(text) or _NAMES_CODE.fullmatch(text) is not None
 
 
 def called(given: object) -> str:

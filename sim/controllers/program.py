@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sim.controllers.crash_report import report_of
+from sim.effort import timed
+from sim.stopping import unbreakable
 from worldgen.errors import InvalidParameter
 from worldgen.registry import ONLY_CODE
 from worldgen.world import Value
@@ -157,6 +159,7 @@ class Program:
         self._hear(0)
         return not (self._ended or self._answer or self._has_exited())
 
+    @unbreakable
     def ask(self, line: bytes, seconds: float) -> bytes:
         """Sends a line and waits for one.
 
@@ -176,8 +179,7 @@ class Program:
             self._hear(0)
             if self._answer:
                 raise Misbehaviour("invalid-command", "more than one line", {"answer": shown(self._answer)})
-            self._send(line, end, seconds)
-            answer = self._receive(end, seconds)
+            answer = self._exchange(line, end, seconds)
             self._answers += 1
             return answer
         except Misbehaviour as found:
@@ -185,6 +187,12 @@ class Program:
         except BaseException:
             self.stop()
             raise
+
+    @timed
+    def _exchange(self, line: bytes, end: float, seconds: float) -> bytes:
+        """Send a line and receive one; the wait is the program's own time."""
+        self._send(line, end, seconds)
+        return self._receive(end, seconds)
 
     def ended_by(self, found: Misbehaviour) -> Misbehaviour:
         """End it; return the finding with what it last said on stderr, and what a crash's report there says."""
@@ -320,6 +328,7 @@ class Program:
             del self._said[:-_KEPT]
         return _plain(self._said)
 
+    @unbreakable
     def stop(self) -> None:
         """Ends it: SIGTERM to its whole group, half a second to tidy up, then SIGKILL to the group."""
         if self.stopped:

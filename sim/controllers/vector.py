@@ -9,45 +9,77 @@ import numpy.typing as npt
 
 from sim.controllers.base import Command, Commands, Memory, Observation, Observations, VectorController
 from sim.controllers.contract import ContractBroken, no_command, no_memory
+from sim.effort import timed
 from sim.kernels import layout
+from sim.stopping import breakable
 
-__all__ = ["OneOfMany", "ask"]
+__all__ = ["Asker", "OneOfMany"]
 
 Floats = npt.NDArray[np.float64]
 
 
-def ask(controller: VectorController, seen: Floats, memory: Floats, command: Floats, after: Floats) -> None:
-    """Lets a controller act for n robots.
+class Asker:
+    """Asks a controller that acts for many robots, always through the same arrays.
 
     Args:
         controller: The controller.
         seen: (n, OBS_SIZE + beams) what kernels observed.
         memory: (n, m) the robots' memories.
-        command: (n, CMD_SIZE), filled.
-        after: (n, m), filled: their memories then.
-
-    Raises:
-        ContractBroken: If what it returns does not fit; and whatever it raises itself.
+        command: (n, CMD_SIZE), filled in each step.
     """
-    answer = controller.act_many(Observations.of(_locked(seen)), _locked(memory))
-    try:
-        asked, kept = answer
-    except (TypeError, ValueError):
-        raise no_memory(answer, "act_many") from None
-    try:
-        asked = asked if type(asked) is Commands else Commands(*asked)
-    except TypeError:
-        raise no_command(asked, "act_many") from None
-    for name, value in zip(Commands._fields, asked, strict=True):
-        if np.shape(value) not in ((), (len(seen),)):
-            error = f"{name} is of shape {np.shape(value)} for {len(seen)} robots"
-            raise ContractBroken(error, value, "give one number, or one for each robot")
-    if np.shape(kept) != after.shape:
-        error = f"the memory came back in shape {np.shape(kept)}, and was given in {after.shape}"
-        raise ContractBroken(error, kept, "return it in the shape in which it came: a row for each robot")
-    command[:, layout.CMD_SPEED], command[:, layout.CMD_TURN_RATE] = asked.speed, asked.turn_rate
-    command[:, layout.CMD_DRAW] = np.asarray(asked.used_random) != 0
-    after[...] = kept
+
+    def __init__(self, controller: VectorController, seen: Floats, memory: Floats, command: Floats) -> None:
+        self._act = timed(controller.act_many)
+        self._seen = _locked(seen)
+        self._memory = _locked(memory)
+        self._command = command
+        self._count = -1
+        self._observed = Observations.of(self._seen[:0])
+        self._memories = self._memory[:0]
+
+    @breakable
+    def ask(self, count: int, after: Floats) -> None:
+        """Let the controller act for the robots in the first ``count`` rows.
+
+        Args:
+            count: Rows, at least 1.
+            after: (count, m), filled: their memories then.
+
+        Raises:
+            ContractBroken: If what it returns does not fit; and whatever it raises itself.
+        """
+        # Views of twenty columns take as long as a hundred robots, and the count seldom changes.
+        if count != self._count:
+            self._observed = Observations.of(self._seen[:count])
+            self._memories = self._memory[:count]
+            self._count = count
+        else:
+            bump = self._seen[:count, layout.OBS_BUMP] != 0.0
+            self._observed = Observations._make((bump, *self._observed[1:]))
+        answer = self._act(self._observed, self._memories)
+
+        # What came back must have one command and one memory for each robot.
+        try:
+            asked, kept = answer
+        except (TypeError, ValueError):
+            raise no_memory(answer, "act_many") from None
+        try:
+            asked = asked if type(asked) is Commands else Commands(*asked)
+        except TypeError:
+            raise no_command(asked, "act_many") from None
+        for name, value in zip(Commands._fields, asked, strict=True):
+            if np.shape(value) not in ((), (count,)):
+                error = f"{name} is of shape {np.shape(value)} for {count} robots"
+                raise ContractBroken(error, value, "give one number, or one for each robot")
+        if np.shape(kept) != after.shape:
+            error = f"the memory came back in shape {np.shape(kept)}, and was given in {after.shape}"
+            raise ContractBroken(error, kept, "return it in the shape in which it came: a row for each robot")
+
+        command = self._command[:count]
+        command[:, layout.CMD_SPEED] = asked.speed
+        command[:, layout.CMD_TURN_RATE] = asked.turn_rate
+        command[:, layout.CMD_DRAW] = np.asarray(asked.used_random) != 0
+        after[...] = kept
 
 
 @dataclass(frozen=True)
@@ -64,7 +96,7 @@ class OneOfMany:
         """The only robot's command and memory."""
         seen, before = np.array([[*observation[:-1], *observation.beams]]), np.array([memory])
         command, after = np.zeros((1, layout.CMD_SIZE)), np.empty_like(before)
-        ask(self.controller, seen, before, command, after)
+        Asker(self.controller, seen, before, command).ask(1, after)
         speed, turn_rate, used_random = command[0].tolist()
         return Command(speed, turn_rate, used_random != 0.0), tuple(after[0].tolist())
 

@@ -23,12 +23,14 @@ __all__ = [
     "SHAPE_TABLE",
     "SHAPE_WIDTH",
     "Fleet",
+    "act_slot",
     "arena_of",
     "fleet_act",
     "fleet_begin",
     "fleet_entries",
     "fleet_move",
     "fleet_set_out",
+    "move_slot",
     "robot_of",
     "room_of",
 ]
@@ -169,20 +171,51 @@ def fleet_set_out(fleet: Fleet, count: int, memory: Floats) -> None:
         fleet_begin(fleet, slot, memory)
 
 
+@kernel
+def move_slot(fleet: Fleet, slot: int) -> None:
+    """Run the part of a step before the controller acts, for the robot in one slot."""
+    robot = fleet.order[slot]
+    settings = row(fleet.settings, robot)
+    scales = row(fleet.scales, fleet.world[robot])
+    clock = row(fleet.clock, robot)
+    clock[CLOCK_STEP] += 1
+    event, points, nx, ny = move_and_sense(
+        arena_of(fleet, robot), settings, scales, room_of(fleet, robot, slot), robot_of(fleet, robot),
+        clock[CLOCK_STEP], clock[CLOCK_EVENT],
+    )  # fmt: skip
+    clock[CLOCK_EVENT] = event
+    clock[CLOCK_POINTS] = points
+    clock[CLOCK_BUMP] = 1 if nx != 0.0 or ny != 0.0 else 0
+
+
+@kernel
+def act_slot(fleet: Fleet, slot: int, after: Floats) -> bool:
+    """Run the rest of the step for the robot in one slot; arguments as for :func:`fleet_act`.
+
+    Returns:
+        Whether that was its last step.
+    """
+    robot = fleet.order[slot]
+    settings = row(fleet.settings, robot)
+    scales = row(fleet.scales, fleet.world[robot])
+    arena, room, driver = arena_of(fleet, robot), room_of(fleet, robot, slot), robot_of(fleet, robot)
+    clock = row(fleet.clock, robot)
+    step = clock[CLOCK_STEP]
+    if driver.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, driver):
+        for k in range(room.memory.size):
+            room.memory[k] = after[slot, k]
+        obey(settings, scales, room.command, step, driver)
+    remember(room, driver)
+    moved = (clock[CLOCK_POINTS], clock[CLOCK_BUMP] != 0)
+    last = is_over(settings, room, driver, step, last_event(arena), moved, fleet.nothing, fleet.nothing)
+    return bool(last or step >= settings[layout.SET_STEPS])
+
+
 @rare_kernel
 def fleet_move(fleet: Fleet, count: int) -> None:
     """The part of a step before the controller acts, for the robots in the first ``count`` slots."""
     for slot in range(count):
-        robot = fleet.order[slot]
-        settings, scales = row(fleet.settings, robot), row(fleet.scales, fleet.world[robot])
-        clock = row(fleet.clock, robot)
-        clock[CLOCK_STEP] += 1
-        event, points, nx, ny = move_and_sense(
-            arena_of(fleet, robot), settings, scales, room_of(fleet, robot, slot), robot_of(fleet, robot),
-            clock[CLOCK_STEP], clock[CLOCK_EVENT],
-        )  # fmt: skip
-        clock[CLOCK_EVENT], clock[CLOCK_POINTS] = event, points
-        clock[CLOCK_BUMP] = 1 if nx != 0.0 or ny != 0.0 else 0
+        move_slot(fleet, slot)
 
 
 @rare_kernel
@@ -200,19 +233,7 @@ def fleet_act(fleet: Fleet, count: int, after: Floats, over: npt.NDArray[np.bool
     """
     ended = 0
     for slot in range(count):
-        robot = fleet.order[slot]
-        settings, scales = row(fleet.settings, robot), row(fleet.scales, fleet.world[robot])
-        arena, room, driver = arena_of(fleet, robot), room_of(fleet, robot, slot), robot_of(fleet, robot)
-        clock = row(fleet.clock, robot)
-        step = clock[CLOCK_STEP]
-        if driver.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, driver):
-            for k in range(room.memory.size):
-                room.memory[k] = after[slot, k]
-            obey(settings, scales, room.command, step, driver)
-        remember(room, driver)
-        moved = (clock[CLOCK_POINTS], clock[CLOCK_BUMP] != 0)
-        last = is_over(settings, room, driver, step, last_event(arena), moved, fleet.nothing, fleet.nothing)
-        over[slot] = last or step >= settings[layout.SET_STEPS]
+        over[slot] = act_slot(fleet, slot, after)
         if over[slot]:
             ended += 1
     return ended

@@ -1,39 +1,25 @@
 """What the studio's campaign page shows that is in no file of its own: failures in archives, worlds of behaviours."""
 
 import shutil
-import tarfile
-from pathlib import Path
 
 import pytest
 
-from tests.helpers.studio import page_of, studio_of
-from tests.helpers.studio_campaign import begin, watch
+from tests.helpers.studio_packed import FAILURES, fill, studio_with_kinds
 from tests.helpers.studio_page import opened
 
 pytestmark = pytest.mark.nightly
 
-FAILURES = sorted((Path(__file__).parents[2] / "corpora/failures/turn-right/swept").glob("*.grid"))[:4]
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Make a folder with the same failures as files and in an archive."""
     folder = tmp_path_factory.mktemp("packed")
-    (folder / "below").mkdir()
-    (folder / "plain").mkdir()
-    with tarfile.open(folder / "below/old.tar.gz", "w:gz") as archive:
-        for file in FAILURES:
-            shutil.copy(file, folder / "plain")
-            archive.add(file, f"deep/{file.name}")
+    fill(folder)
     return folder
 
 
 @pytest.fixture(scope="module")
 def gate(folder):
-    with studio_of(folder) as gate:
-        with page_of(gate) as page:
-            assert "answer" in begin(page, "kinds", lanes=["archive"], units=2)
-            watch(page, "kinds")
+    with studio_with_kinds(folder) as gate:
         yield gate
 
 

@@ -2,24 +2,19 @@
 
 import io
 import re
-import shutil
 from pathlib import Path
 
 import pytest
 from PIL import Image
 
 from tests.helpers.campaign_folder import LOOP, campaign_folder
-from tests.helpers.studio import studio_of
+from tests.helpers.studio import studio_of, studio_of_config_5
 from tests.helpers.studio_page import opened
-
-CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 
 
 @pytest.fixture(scope="module")
 def gate(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("saving")
-    shutil.copy(CONFIG_5, folder / "config-05.grid")
-    with studio_of(folder, file="config-05.grid") as gate:
+    with studio_of_config_5(tmp_path_factory.mktemp("saving")) as gate:
         yield gate
 
 

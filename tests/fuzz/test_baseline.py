@@ -100,7 +100,23 @@ def test_failures_of_other_controllers_and_motion_models_are_passed_over(found):
     notes = []
     for scenario in (Scenario("turn-left"), Scenario("turn-right", "endpoint")):
         assert not baseline_of(found[0], notes, scenario).failures
-    assert not notes
+    assert "no failure of turn-left under swept, only of turn-right under swept" in notes[0]
+
+
+@pytest.mark.parametrize(
+    "stored_as", ["./mine.py:Mine", "mine.py:Mine", "below/../mine.py:Mine", "{folder}/mine.py:Mine"]
+)
+@pytest.mark.parametrize("given_as", ["./mine.py:Mine", "mine.py:Mine", "{folder}/mine.py:Mine"])
+def test_a_file_is_the_same_controller_however_its_path_is_written(stored_as, given_as, crash, tmp_path, monkeypatch):
+    _, _, known = crash
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "below").mkdir()
+    file = known / "crash.grid"
+    stored(known, file, controller=stored_as.format(folder=tmp_path))
+    scenario = Scenario.parse(given_as.format(folder=tmp_path))
+    baseline = baseline_of(known, [], scenario)
+    met = failure_of(generate("trap", 4, size=20), scenario)
+    assert baseline.has(met)
 
 
 @pytest.mark.gate

@@ -2,16 +2,19 @@
 
 import json
 import math
+import os
+import signal
+from collections import deque
 from dataclasses import replace
 from itertools import count
 from types import SimpleNamespace
 
 import pytest
 
-from fuzz.campaign import TO_HAND_IN, Campaign, is_shrunk, shrunk_or_same
+from fuzz.campaign import Campaign, is_shrunk, shrunk_or_same
 from fuzz.config import CampaignConfig
 from fuzz.crews import Alone
-from fuzz.deadline import Deadline
+from fuzz.deadline import TO_HAND_IN, Deadline
 from fuzz.door import Door
 from fuzz.failure import failure_of
 from fuzz.native import evaluate
@@ -129,6 +132,59 @@ def test_ctrl_c_in_a_unit_keeps_what_it_met(tmp_path):
         for _ in campaign.run():
             pass
     assert campaign.state.cut == 1 and campaign.state.worlds and campaign.state.met
+
+
+PRESSES = """
+import os, signal
+from itertools import count
+from sim import Command
+
+EPISODES = count()
+
+class Mine:
+    def reset(self):
+        if next(EPISODES) == 30:
+            os.kill(os.getpid(), signal.SIGINT)
+        return ()
+
+    def act(self, observation, memory):
+        return Command(0.0, 0.0), memory
+"""
+
+
+@pytest.fixture
+def heard():
+    """Ctrl-C as Python has it, whatever the tests were started with."""
+    if os.name == "nt":
+        pytest.skip("sends itself SIGINT")
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heard")
+def test_ctrl_c_in_the_first_batch_of_a_unit_keeps_what_was_met_until_then(tmp_path):
+    (tmp_path / "mine.py").write_text(PRESSES)
+    scenario = Scenario(f"{tmp_path}/mine.py:Mine")
+    config = replace(CONFIG, scenario=scenario, families=("native",), shrink=False)
+    campaign = Campaign(config, units=2, crew=Alone())
+    with pytest.raises(KeyboardInterrupt):
+        deque(campaign.run(), maxlen=0)
+    assert campaign.state.cut == 1 and 0 < campaign.state.worlds <= 30 and campaign.state.met
+
+
+@pytest.mark.usefixtures("heard")
+def test_work_that_does_not_end_after_ctrl_c_is_interrupted(monkeypatch):
+    monkeypatch.setattr("fuzz.crews.local.TO_HAND_IN", 0.0)
+
+    def endless():
+        os.kill(os.getpid(), signal.SIGINT)
+        while True:
+            pass
+
+    with pytest.raises(KeyboardInterrupt), Alone() as crew:
+        crew.submit(endless)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 @pytest.fixture
@@ -259,3 +315,11 @@ def test_json_of_a_campaign_says_how_long_each_part_took(tmp_path):
                          "--workers", 1, "--seed", 1, "--out", tmp_path / "out", "--json")  # fmt: skip
     said = json.loads(found.out)
     assert set(said["times"]) == {"start-up", "search", "shrinking"} and said["units_cut"] == 0
+
+
+@pytest.mark.parametrize(("tried", "loading", "is_over"), [(0.0, 0.0, False), (6.0, 0.0, False), (6.0, 5.0, True)])
+def test_what_the_controller_took_before_the_search_counts_in_full(tried, loading, is_over, monkeypatch):
+    monkeypatch.setattr("fuzz.schedule.time.monotonic", lambda: 100.0)
+    schedule = Schedule(10.0, began=80.0, own=tried)
+    schedule.begin(loading)
+    assert schedule.is_over() == is_over

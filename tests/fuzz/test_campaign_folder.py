@@ -26,6 +26,7 @@ from fuzz.lanes.native import Pace
 from fuzz.ledger import CampaignFolder, Goal, begin, resume, setup_of, stored_seed
 from fuzz.ledger.setup import config_of, digest_of_sources
 from fuzz.session import CampaignSession
+from fuzz.summary import units_in_words
 from fuzz.unit import run_unit
 from fuzz.variation import Variation
 from sim.scenario import Scenario
@@ -211,7 +212,7 @@ def test_what_is_not_shrunk_when_the_time_is_over_is_kept_as_found_and_shrunk_la
     said = capsys.readouterr()
     failures = json.loads(said.out)["failures"]
     assert failures and not any(one["shrunk"] for one in failures)
-    assert "as found, for the time was over" in said.err and re.search("--units [1-3] does the rest", said.err)
+    assert "as found, because the time ended" in said.err and re.search("--units [1-3] does the rest", said.err)
     run(resume(tmp_path / "out", Goal(units=UNITS)))
     assert left_in(tmp_path / "out") == left_in(whole)
 
@@ -264,7 +265,8 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
         cut, entries = left("stopped")
     # The unit 3 knows what the unit 1 met.
     whole, again = ["000000.json", "000002.json"], [f"00000{unit}.cut.json" for unit in (1, 3)]
-    assert sorted(entries) == sorted(whole + again) and (cut.units, cut.cut) == (2, 2)
+    assert sorted(entries) == sorted(whole + again) and (cut.units, cut.cut, cut.too_early) == (2, 2, 1)
+    assert units_in_words(cut) == "2 units and 1 cut short and 1 that learned too little from those"
     (stopped, _) = left("stopped")
     (state, _) = left("never")
     assert (stopped.worlds, stopped.met, stopped.cut) == (state.worlds, state.met, 0)

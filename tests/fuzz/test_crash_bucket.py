@@ -10,8 +10,9 @@ import pytest
 from fuzz.crash_bucket import crash_bucket
 from fuzz.failure import failure_of
 from fuzz.shrink import shrink
+from fuzz.signature import failure_class
 from sim.controllers.crash_report import report_of
-from sim.episode import simulate
+from sim.episode import Episode, simulate
 from sim.scenario import Scenario
 from worldgen.reach import decide
 from worldgen.world import Pose, Target, World
@@ -118,6 +119,22 @@ def test_silent_aborts_are_told_apart_by_where_the_run_stood():
 
 def test_evidence_from_before_buckets_keeps_its_name():
     assert crash_bucket({"error": "KeyError: 'x'", "at": "mine.py:12", "step": 1}) == "KeyError"
+
+
+@pytest.mark.parametrize(
+    ("verdict", "evidence", "kind"),
+    [
+        ("crash", {"error": "exit code 3"}, "crash-exit-3"),
+        ("crash", {"error": "exit code 1", "stderr": ["at step 3", "KeyError: 'x'"]}, "crash-exit-1-KeyError"),
+        ("crash", {"error": "closed its output"}, "crash"),
+        ("crash", {"error": "ValueError: math domain error"}, "crash-ValueError"),
+        ("hang", {"error": "no answer"}, "hang"),
+        ("invalid-command", {"error": "unknown key '../x'"}, "invalid-command-unknown-key"),
+        ("invalid-command", {}, "invalid-command"),
+    ],
+)
+def test_failures_of_a_controller_are_classed_by_what_it_did(verdict, evidence, kind):
+    assert failure_class(arena(), Episode(verdict, 1, 0.015, 0.0, 0, "", evidence)) == kind
 
 
 def test_shrinking_keeps_the_bucket_of_a_crash(tmp_path):

@@ -332,7 +332,7 @@ def test_ctrl_c_in_the_first_unit_keeps_what_that_unit_had(tmp_path):
     deadline = time.monotonic() + 120
     while not met.exists() and time.monotonic() < deadline:
         time.sleep(0.05)
-    assert "worlds in 1 units; wrote" in interrupted(process)
+    assert "worlds in 1 unit; wrote" in interrupted(process)
     assert worldgen("verify", tmp_path / "w.grid").code == 0
 
 

@@ -8,13 +8,24 @@ import pytest
 import yaml
 
 from fuzz import project as module
+from fuzz.campaign import Campaign
 from fuzz.project import FIXED, KNOWN, Project
 from tests.helpers.command_line import worldgen
+from worldgen.cli import configuration
 from worldgen.errors import FormatError, InvalidParameter, OutputError
 from worldgen.installation import Origin
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "ci"
 ROBOT = "./robot.py:Robot"
+
+RAISES = """
+class Robot:
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        raise ValueError("no idea")
+"""
 
 
 @pytest.fixture(autouse=True)
@@ -141,3 +152,28 @@ def test_after_init_the_search_of_a_pull_request_meets_no_new_class(tmp_path, mo
     assert done.code == 0 and known and f"{KNOWN}: {len(known)} known failure" in done.out, done.err
     again = worldgen("fuzz", *options, "--seed", "1", "--baseline", KNOWN, "--out", "found")
     assert again.code == 0 and "no new failure" in again.out and "known: " in again.out
+
+
+@pytest.mark.gate
+def test_after_init_the_search_with_the_written_settings_meets_no_new_class(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robot.py").write_text(RAISES)
+    done = worldgen("init", "--controller", ROBOT, "--family", "corridor", "--units", "1")
+    assert done.code == 0 and f"{KNOWN}: 1 known failure" in done.out, done.err
+    configuration._project.cache_clear()
+    again = worldgen("fuzz", "--out", "found", "--workers", 1)
+    assert again.code == 0 and "no new failure" in again.out and "known: 1 class" in again.out, again.err
+
+
+def test_init_names_no_folder_that_goes_when_it_ends(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Campaign, "run", interrupted)
+    (tmp_path / "robot.py").write_text(RAISES)
+    done = worldgen("init", "--controller", ROBOT, "--units", "1")
+    assert done.code == 130 and "interrupted; nothing was kept" in done.err
+    assert "--resume" not in done.err and not (tmp_path / "pyproject.toml").exists()
+
+
+def interrupted(campaign):
+    raise KeyboardInterrupt
+    yield

@@ -16,6 +16,7 @@ from collections import defaultdict
 from fnmatch import fnmatch
 from importlib.resources import files
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -512,6 +513,15 @@ def test_the_command_prints_the_port_that_it_has_found(tmp_path, quiet):
             assert page.begins["folder"] == str(tmp_path)
         server.send_signal(signal.SIGINT)
         assert server.wait(timeout=60) == 0
+
+
+def test_a_warning_about_who_can_reach_the_studio_is_printed_with_quiet_too(tmp_path, monkeypatch):
+    listener = SimpleNamespace(getsockname=lambda: ("0.0.0.0", 1234))
+    monkeypatch.setattr("fuzz.studio.serving.bind", lambda host, port: listener)
+    monkeypatch.setattr("fuzz.studio.serving.called", lambda host, listener: "robots.example")
+    monkeypatch.setattr("fuzz.studio.serving.serve", lambda *args, **more: None)
+    result = worldgen("studio", tmp_path, "--host", "0.0.0.0", "--no-browser", "--quiet")
+    assert "warning: whoever can reach robots.example" in result.err
 
 
 def test_one_page_more_than_there_may_be_is_closed_with_a_sentence(tmp_path, monkeypatch):

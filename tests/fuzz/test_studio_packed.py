@@ -1,68 +1,31 @@
 """What the studio's campaign page shows that lies in no file of its own: failures in archives, worlds of behaviours."""
 
-import io
 import json
 import shlex
 import shutil
-import tarfile
-import zipfile
-from pathlib import Path
 
 import pytest
 
 from sim import simulate
 from tests.helpers.command_line import worldgen
-from tests.helpers.studio import page_of, studio_of
-from tests.helpers.studio_campaign import begin, watch
+from tests.helpers.studio import page_of
+from tests.helpers.studio_packed import FAILURES, PACKERS, fill, pack_zip, studio_with_kinds
 from worldgen.grid_file import read_world
 from worldgen.world import World
 
 pytestmark = pytest.mark.nightly  # what they share takes half a minute
 
-FAILURES = sorted((Path(__file__).parents[2] / "corpora/failures/turn-right/swept").glob("*.grid"))[:4]
-
-
-def pack_zip(place, files):
-    with zipfile.ZipFile(place, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in files.items():
-            archive.writestr(name, data)
-
-
-def pack_tar(place, files):
-    with tarfile.open(place, "w:gz") as archive:
-        for name, data in files.items():
-            entry = tarfile.TarInfo(name)
-            entry.size = len(data)
-            archive.addfile(entry, io.BytesIO(data))
-
-
-def pack_dotted_tar(place, files):
-    """As ``tar czf set.tgz .`` names what it packs."""
-    pack_tar(place, {f"./{name}": data for name, data in files.items()})
-
-
-PACKERS = {"old.zip": pack_zip, "below/old.tar.gz": pack_tar, "below/whole.tgz": pack_dotted_tar}
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with failures in two archives, and a campaign of the archive's lane that is done."""
     folder = tmp_path_factory.mktemp("packed")
-    (folder / "below").mkdir()
-    (folder / "plain").mkdir()
-    for file in FAILURES:
-        shutil.copy(file, folder / "plain")
-    for name, pack in PACKERS.items():
-        pack(folder / name, {f"deep/{file.name}": file.read_bytes() for file in FAILURES} | {"notes.txt": b"mine"})
+    fill(folder)
     return folder
 
 
 @pytest.fixture(scope="module")
 def gate(folder):
-    with studio_of(folder) as gate:
-        with page_of(gate) as page:
-            assert "answer" in begin(page, "kinds", lanes=["archive"], units=2)
-            watch(page, "kinds")
+    with studio_with_kinds(folder) as gate:
         yield gate
 
 

@@ -4,7 +4,6 @@ import base64
 import io
 import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from PIL import Image
@@ -12,17 +11,13 @@ from PIL import Image
 from fuzz.player import replay_page
 from fuzz.studio.messages import message_of
 from tests.helpers.campaign_folder import LOOP, TUNNEL, campaign_folder
-from tests.helpers.studio import page_of, studio_of
+from tests.helpers.studio import CONFIG_5, page_of, studio_of, studio_of_config_5
 from worldgen.grid_file import read_world, write_world
-
-CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 
 
 @pytest.fixture(scope="module")
 def gate(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("saving")
-    shutil.copy(CONFIG_5, folder / "config-05.grid")
-    with studio_of(folder, file="config-05.grid") as gate:
+    with studio_of_config_5(tmp_path_factory.mktemp("saving")) as gate:
         yield gate
 
 

@@ -3,8 +3,10 @@
 import contextlib
 import http.client
 import json
+import shutil
 import threading
 import time
+from pathlib import Path
 
 import uvicorn
 from websockets.sync.client import connect
@@ -13,6 +15,8 @@ from fuzz.studio import Folder, Gate, Studio, make_app
 from fuzz.studio.app import MOST_MESSAGE
 from fuzz.studio.gate import SUBPROTOCOL
 from fuzz.studio.serving import bind
+
+CONFIG_5 = Path(__file__).parents[2] / "corpora/thesis/config-05.grid"
 
 
 @contextlib.contextmanager
@@ -34,6 +38,14 @@ def studio_of(folder, *, named=(), file=None, port=None):
         server.should_exit = True
         thread.join(timeout=10)
         listener.close()
+
+
+@contextlib.contextmanager
+def studio_of_config_5(folder):
+    """A studio that opens the thesis's fifth configuration, the only file of a folder."""
+    shutil.copy(CONFIG_5, folder)
+    with studio_of(folder, file=CONFIG_5.name) as gate:
+        yield gate
 
 
 def free_port():

@@ -7,7 +7,7 @@ holds ``corpora`` and ``examples``, and every fenced block of the page whose fir
 - A command below which the page shows nothing only has to work.
 - ``...`` stands for any text within a line, and alone on a line for any number of lines.
 - How long a command took, as in ``in 12.9 s``, is not compared.
-- A command with ``--budget`` runs with ``--units 1`` instead: what a budget of seconds finds depends on the machine.
+- A search with ``--budget`` runs with ``--units 1`` instead: what a budget of seconds finds depends on the machine.
 
 Four comments, each alone on a line between the last block and the one that it is for, say more:
 
@@ -50,7 +50,7 @@ _FIRST = re.compile(r"<!-- first: (.+) -->")
 _NAMED = re.compile(r"<!-- file: (\S+) -->")
 _NEEDS = re.compile(r"<!-- needs: (\S+) -->")
 _SECONDS = re.compile(r"\bin \d+(?:\.\d+)? s\b")  # a witness's time is hidden with it; its digest is not
-_BUDGET = re.compile(r"--budget[ =]\S+")
+_BUDGET = re.compile(r"(worldgen (?:fuzz|find)\b.*)--budget[ =]\S+")
 _WENT_WRONG = 2  # the exit code of a command that could not do its work; 1 says that a check did not hold
 
 
@@ -243,7 +243,7 @@ def run_page(page: Page, folder: Path) -> Iterator[Done]:
 def run(command: Command) -> Done:
     """Run one command in the current folder: ``worldgen`` in this process, everything else as a program."""
     text = os.path.expandvars(command.text) if command.hidden else command.text
-    words = shlex.split(_BUDGET.sub("--units 1", text), comments=True)
+    words = shlex.split(_BUDGET.sub(r"\1--units 1", text), comments=True)
     if words[0] == "worldgen" and "|" not in words and ">" not in words:
         code, printed = _run_here(words)
     else:

@@ -112,6 +112,12 @@ def test_comments_leave_a_block_out_or_run_what_the_reader_does_not_see(tmp_path
     assert page(text).blocks[0].not_run == "it takes an hour"
 
 
+def test_only_a_search_has_units_instead_of_a_budget(tmp_path):
+    text = "```console\n$ worldgen find --budget 9h\n$ worldgen shrink missing.grid --budget 9h\n```\n"
+    find, shrink = run_page(page(text), tmp_path)
+    assert "--outcome" in "\n".join(find.printed) and "missing.grid: there is no such file" in shrink.printed[0]
+
+
 def test_a_page_that_shows_what_a_budget_of_seconds_found_is_refused():
     with pytest.raises(ValueError, match="give it --units"):
         page("```console\n$ worldgen fuzz --controller bug2 --budget 30s\nno failure\n```\n")

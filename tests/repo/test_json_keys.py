@@ -10,6 +10,12 @@ KEYS = {
     "verify": {"result", "certificate_valid", "clearance", "radius"},
     "run": {"verdict", "steps", "time", "path_length", "collisions", "trace_digest", "evidence"},
     "audit": {"ok", "findings"},
+    "fuzz": {"seed", "worlds", "steps", "seconds", "times", "failures", "hazards"},
+    "replay": {"replayed", "confirmed", "failures"},
+}
+FAILURE = {
+    "fuzz": {"file", "verdict", "class", "solid_cells", "replay"},
+    "replay": {"file", "verdict", "confirmed"},
 }
 
 
@@ -21,8 +27,27 @@ def folder(tmp_path_factory):
     return folder
 
 
+@pytest.fixture(scope="module")
+def answers(folder):
+    """What each command prints; the campaign's failures are those that are replayed."""
+    world, found = folder / "w.grid", folder / "found"
+    search = ("--controller", "turn-right", "--lane", "native", "--examples", 1, "--units", 1, "--seed", 1)
+    commands = {
+        "verify": (world,),
+        "run": (world, "--controller", "turn-right"),
+        "audit": (world, folder / "t.csv"),
+        "fuzz": (*search, "--no-shrink", "--workers", 1, "--out", found),
+        "replay": (found,),
+    }
+    return {name: json.loads(worldgen(name, *more, "--json").out) for name, more in commands.items()}
+
+
 @pytest.mark.parametrize("command", KEYS)
-def test_json_has_the_keys_that_scripts_rely_on(command, folder):
-    more = {"run": ("--controller", "turn-right"), "audit": (folder / "t.csv",)}.get(command, ())
-    answer = json.loads(worldgen(command, folder / "w.grid", *more, "--json").out)
-    assert KEYS[command] <= set(answer)
+def test_json_has_the_keys_that_scripts_rely_on(command, answers):
+    assert KEYS[command] <= set(answers[command])
+
+
+@pytest.mark.parametrize("command", FAILURE)
+def test_each_failure_has_the_keys_that_scripts_rely_on(command, answers):
+    failures = answers[command]["failures"]
+    assert failures and all(FAILURE[command] <= set(one) for one in failures)

@@ -16,6 +16,7 @@ from scipy.stats import binomtest
 from sim import Scenario, simulate
 from sim.comparison import NamedWorld, compare, standing
 from sim.comparison_report import as_csv, as_text
+from sim.controllers import names_in
 from sim.published import agreement, read_figures
 from tests.helpers.command_line import worldgen
 from tests.sim.test_thesis_options import hall
@@ -271,3 +272,25 @@ def test_worlds_of_one_name_in_two_folders_are_told_apart(folder, tmp_path):
 def test_bad_input_is_one_line(folder, arguments, message):
     result = worldgen("compare", *(text.format(folder) for text in arguments))
     assert result.code == 2 and message in result.err and "Traceback" not in result.err
+
+
+def test_what_no_published_figure_is_about_is_left_out():
+    world = read_world(CONFIGURATIONS / "config-05.grid")
+    table = compare([NamedWorld("config-05", world)], scenarios("thesis-1"), seeds=1, steps=20_000)
+    text = as_text(table, agreement(table, read_figures(as_csv(table), "new.csv")))
+    assert "Against the published figures: largest deviation" in text and "0 of 0" not in text
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("turn-left,bug1+sensor_noise=0.1", ["turn-left", "bug1+sensor_noise=0.1"]),
+        ("cmd:python x.py --a 1,2", ["cmd:python x.py --a 1,2"]),
+        ("cmd:./a --map b,c.png,turn-left", ["cmd:./a --map b,c.png", "turn-left"]),
+        ("cmd:./a --b 1,2,cmd+memory=none:./c", ["cmd:./a --b 1,2", "cmd+memory=none:./c"]),
+        ("cmd:./a,./mine.py:Robot", ["cmd:./a", "./mine.py:Robot"]),
+        ("thesis-1,", ["thesis-1", ""]),
+    ],
+)  # fmt: skip
+def test_a_comma_in_a_command_line_belongs_to_it_unless_a_controller_follows(text, names):
+    assert names_in(text) == names

@@ -59,6 +59,12 @@ def test_a_file_that_is_never_done_loading_is_refused_in_time(waits, tmp_path, m
     assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0
 
 
+def test_a_misspelt_class_is_told_from_what_the_file_defines_and_imports(tmp_path):
+    (tmp_path / "mine.py").write_text(f"from sim import Command\n{STANDS}")
+    with pytest.raises(InvalidParameter, match=r"has no 'Mien'; did you mean 'Mine'\? it has Mine$"):
+        CONTROLLERS.get(f"{tmp_path / 'mine.py'}:Mien")
+
+
 def test_a_file_that_is_loaded_in_time_leaves_no_clock_running(tmp_path, monkeypatch):
     monkeypatch.setenv(LOAD_SECONDS, "0.2")
     (tmp_path / "mine.py").write_text(STANDS)

@@ -14,8 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fuzz.signature import failure_class
-from sim import Command, Episode, Observation, ProcessController, RunOptions, simulate
+from sim import Command, Observation, ProcessController, RunOptions, simulate
 from sim.controllers import CONTROLLERS
 from sim.examples.python import Example
 from sim.scenario import Scenario
@@ -434,23 +433,6 @@ def test_a_campaign_finds_shrinks_and_replays_the_crash_of_a_program(tmp_path):
     failure = read_world(Path(found[kind]["file"])).failure
     assert failure.details["one_minimal"] and failure.evidence["stderr"][-1] == "ZeroDivisionError: division by zero"
     assert worldgen("replay", tmp_path / "out").code == 0
-
-
-@pytest.mark.parametrize(
-    ("verdict", "evidence", "kind"),
-    [
-        ("crash", {"error": "exit code 3"}, "crash-exit-3"),
-        ("crash", {"error": "exit code 1", "stderr": ["at step 3", "KeyError: 'x'"]}, "crash-exit-1-KeyError"),
-        ("crash", {"error": "killed by SIGSEGV", "stderr": ["oops"]}, "crash-SIGSEGV"),
-        ("crash", {"error": "closed its output"}, "crash"),
-        ("crash", {"error": "ValueError: math domain error"}, "crash-ValueError"),
-        ("hang", {"error": "no answer"}, "hang"),
-        ("invalid-command", {"error": "unknown key '../x'"}, "invalid-command-unknown-key"),
-        ("invalid-command", {}, "invalid-command"),
-    ],
-)
-def test_failures_of_a_controller_are_classed_by_what_it_did(verdict, evidence, kind):
-    assert failure_class(arena(), Episode(verdict, 1, 0.015, 0.0, 0, "", evidence)) == kind
 
 
 @pytest.mark.gate

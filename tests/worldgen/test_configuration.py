@@ -70,6 +70,12 @@ def test_paths_and_controllers_are_relative_to_the_file(project, monkeypatch):
     assert (folder / "out/t.csv").is_file()
 
 
+def test_in_the_file_s_own_folder_a_name_stays_as_it_is_written(project):
+    project('[tool.worldgen.fuzz]\ncontroller = "./robot.py:Robot"\n')
+    result = worldgen("fuzz", "-v", "--units", 1, "--out", "robot.py")
+    assert "pyproject.toml: controller = ./robot.py:Robot\n" in result.err
+
+
 def test_a_single_value_stands_for_a_list_of_one(project):
     project('[tool.worldgen.regenerate]\nfamily = "maze"\n')
     result = worldgen("regenerate", ".")

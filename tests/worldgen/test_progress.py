@@ -18,118 +18,130 @@ class Clock:
         return self.now
 
 
+class Watched:
+    """A display without its thread, which is looked at by hand, and what it has printed."""
+
+    def __init__(self, terminal, capsys):
+        self.clock = Clock()
+        self._display = Display(clock=self.clock, terminal=terminal)
+        self._capsys = capsys
+
+    def at(self, now):
+        """Look at the clock at this time."""
+        self.clock.now = now
+        self._display.tick()
+
+    def printed(self):
+        return self._capsys.readouterr().err
+
+
 @pytest.fixture
 def clock():
     return Clock()
 
 
-def watched(clock, monkeypatch, **settings):
-    """A display without its thread, which is looked at by hand."""
-    display = Display(clock=clock, **settings)
-    monkeypatch.setattr(progress, "_display", display)
+@pytest.fixture
+def watched(request, monkeypatch, capsys):
+    """A display on the command line's standard error: no terminal, unless a test asks for one."""
     monkeypatch.setattr(Display, "_watch", lambda self, over: None)
-    return display
+    made = Watched(getattr(request, "param", False), capsys)
+    monkeypatch.setattr(progress, "_display", made._display)
+    return made
 
 
-def test_work_under_two_seconds_prints_nothing(clock, monkeypatch, capsys):
-    display = watched(clock, monkeypatch, terminal=False)
+on_a_terminal = pytest.mark.parametrize("watched", [True], ids=["terminal"], indirect=True)
+
+
+def test_work_under_two_seconds_prints_nothing(watched):
     with working("digging"):
-        clock.now = 1.9
-        display.tick()
-    assert capsys.readouterr().err == ""
+        watched.at(1.9)
+    assert watched.printed() == ""
 
 
-def test_off_a_terminal_a_line_comes_after_two_seconds_and_then_every_few(clock, monkeypatch, capsys):
-    display = watched(clock, monkeypatch, terminal=False)
+def test_off_a_terminal_a_line_comes_after_two_seconds_and_then_every_few(watched):
     with working("digging"):
-        for _ in range(44):
-            clock.now += 0.25
-            display.tick()
-    assert capsys.readouterr().err == "digging (2.0 s)\ndigging (7.0 s)\n"
+        for quarter in range(1, 45):
+            watched.at(quarter / 4)
+    assert watched.printed() == "digging (2.0 s)\ndigging (7.0 s)\n"
 
 
-def test_on_a_terminal_one_line_is_drawn_in_place_and_taken_away(clock, monkeypatch, capsys):
-    display = watched(clock, monkeypatch, terminal=True)
+@on_a_terminal
+def test_on_a_terminal_one_line_is_drawn_in_place_and_taken_away(watched):
     with working("digging"):
-        for _ in range(9):
-            clock.now += 0.25
-            display.tick()
-    assert capsys.readouterr().err == "\r\x1b[Kdigging (2.0 s)\r\x1b[Kdigging (2.2 s)\r\x1b[K"
+        for quarter in range(1, 10):
+            watched.at(quarter / 4)
+    assert watched.printed() == "\r\x1b[Kdigging (2.0 s)\r\x1b[Kdigging (2.2 s)\r\x1b[K"
 
 
-def test_a_live_line_is_cut_to_the_terminal_and_keeps_the_time(clock, monkeypatch, capsys):
-    display = watched(clock, monkeypatch, terminal=True)
+@on_a_terminal
+def test_a_live_line_is_cut_to_the_terminal_and_keeps_the_time(watched, monkeypatch):
     monkeypatch.setattr(progress, "_columns", lambda: 30)
     with working("digging " * 10):
-        clock.now = 3.0
-        display.tick()
-        drawn = capsys.readouterr().err.removeprefix("\r\x1b[K")
+        watched.at(3.0)
+        drawn = watched.printed().removeprefix("\r\x1b[K")
     assert len(drawn) == 29
     assert drawn.endswith("... (3.0 s)")
 
 
-def test_a_live_line_that_is_too_long_leaves_out_the_outer_work_first(clock, monkeypatch, capsys):
-    display = watched(clock, monkeypatch, terminal=True)
+@on_a_terminal
+def test_a_live_line_that_is_too_long_leaves_out_the_outer_work_first(watched, monkeypatch):
     monkeypatch.setattr(progress, "_columns", lambda: 30)
     with working("digging a hole"), working("resting in it"):
-        clock.now = 3.0
-        display.tick()
-        assert capsys.readouterr().err == "\r\x1b[Kresting in it (3.0 s)"
+        watched.at(3.0)
+        assert watched.printed() == "\r\x1b[Kresting in it (3.0 s)"
 
 
-def test_another_message_counts_as_said_and_takes_the_live_line_away(clock, monkeypatch, capsys):
-    display = watched(clock, monkeypatch, terminal=True)
+@on_a_terminal
+def test_another_message_counts_as_said_and_takes_the_live_line_away(watched):
     with working("digging"):
-        clock.now = 2.0
-        display.tick()
-        capsys.readouterr()
+        watched.at(2.0)
+        watched.printed()
         progress.spoke()
-        clock.now = 3.9
-        display.tick()
-        assert capsys.readouterr().err == "\r\x1b[K"
+        watched.at(3.9)
+        assert watched.printed() == "\r\x1b[K"
 
 
-def test_work_within_work_is_one_line(clock, monkeypatch, capsys):
-    display = watched(clock, monkeypatch, terminal=False)
+def test_work_within_work_is_one_line(watched):
     with working("digging"), working("resting"), working("digging"):
-        clock.now = 2.0
-        display.tick()
-    assert capsys.readouterr().err == "digging; resting (2.0 s)\n"
+        watched.at(2.0)
+    assert watched.printed() == "digging; resting (2.0 s)\n"
 
 
-def test_counted_work_shows_rate_and_time_left(clock, monkeypatch, capsys):
-    display = watched(clock, monkeypatch, terminal=False)
+def test_of_short_work_after_other_short_work_no_time_is_said(watched):
+    with working("digging"):
+        watched.at(1.9)
+    with working("resting"):
+        watched.at(2.0)
+    assert watched.printed() == "resting\n"
+
+
+def test_counted_work_shows_rate_and_time_left(watched):
     with working("digging") as work:
         work.count(0, 10_000, "holes")
-        clock.now = 4.0
+        watched.clock.now = 4.0
         work.count(2_000, 10_000, "holes")
-        display.tick()
-    assert capsys.readouterr().err == "digging: 2,000 of 10,000 holes (500/s, 16 s left) (4.0 s)\n"
+        watched.at(4.0)
+    assert watched.printed() == "digging: 2,000 of 10,000 holes (500/s, 16 s left) (4.0 s)\n"
 
 
-def test_what_a_terminal_would_obey_is_escaped(clock, monkeypatch, capsys):
-    display = watched(clock, monkeypatch, terminal=False)
+def test_what_a_terminal_would_obey_is_escaped(watched):
     with working("digging \x1b[2J"):
-        clock.now = 2.0
-        display.tick()
-    assert "\x1b" not in capsys.readouterr().err
+        watched.at(2.0)
+    assert "\x1b" not in watched.printed()
 
 
-def test_a_quiet_command_says_nothing(clock, monkeypatch, capsys):
-    display = watched(clock, monkeypatch, terminal=False)
+def test_a_quiet_command_says_nothing(watched):
     set_verbosity(-1)
     with working("digging"):
-        clock.now = 9.0
-        display.tick()
-    assert capsys.readouterr().err == ""
+        watched.at(9.0)
+    assert watched.printed() == ""
 
 
-def test_a_verbose_command_says_when_work_begins_and_ends(clock, monkeypatch, capsys):
-    watched(clock, monkeypatch, terminal=False)
+def test_a_verbose_command_says_when_work_begins_and_ends(watched):
     set_verbosity(1)
     with working("digging"):
-        clock.now = 1.0
-    assert capsys.readouterr().err == "digging ...\ndigging: done in 1.0 s\n"
+        watched.clock.now = 1.0
+    assert watched.printed() == "digging ...\ndigging: done in 1.0 s\n"
 
 
 def test_library_use_prints_nothing_and_logs(capsys, caplog):
@@ -160,17 +172,14 @@ def test_an_error_within_work_ends_it(monkeypatch):
         assert display._works == []
 
 
-def test_a_closed_standard_error_ends_no_work(clock, monkeypatch):
-    display = watched(clock, monkeypatch, terminal=False)
+def test_a_closed_standard_error_ends_no_work(watched, monkeypatch):
     monkeypatch.setattr("sys.stderr", None)
     with working("digging"):
-        clock.now = 5.0
-        display.tick()
+        watched.at(5.0)
 
 
-def test_a_warning_is_said_once(clock, monkeypatch, capsys):
-    watched(clock, monkeypatch, terminal=False)
+def test_a_warning_is_said_once(watched, monkeypatch):
     monkeypatch.setattr(progress, "_said", set())
     for _ in range(2):
         progress.say_once("the spade is blunt")
-    assert capsys.readouterr().err == "warning: the spade is blunt\n"
+    assert watched.printed() == "warning: the spade is blunt\n"

@@ -108,9 +108,11 @@ def _value_of(
 
 
 def _from_here(path: str, folder: Path) -> str:
-    """A path that the file gives, as seen from the working directory."""
+    """Return a path that the file gives as seen from the working directory; in the file's own folder as it is."""
     there = Path(path).expanduser()
-    return str(there) if there.is_absolute() else os.path.relpath(folder / there)
+    if there.is_absolute():
+        return str(there)
+    return path if folder == Path.cwd() else os.path.relpath(folder / there)
 
 
 def _code_from_here(text: str, folder: Path) -> str:

@@ -1,0 +1,72 @@
+"""How much time goes into controllers' own code."""
+
+import itertools
+
+import pytest
+
+from sim import Command, RunOptions, simulate
+from sim import effort as module
+from sim.effort import Effort, sampled, timed
+from worldgen import generate
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock on which a second passes with each look."""
+    seconds = itertools.count()
+    monkeypatch.setattr(module.time, "perf_counter", lambda: float(next(seconds)))
+
+
+def own_time_of(work):
+    before = Effort.so_far()
+    work()
+    return before.since().own
+
+
+def test_a_timed_call_counts_as_its_controllers_own(clock):
+    assert own_time_of(timed(lambda: None)) == 1.0
+
+
+def test_a_timed_call_that_raises_counts_too(clock):
+    def fail():
+        raise ValueError("no way")
+
+    def work():
+        with pytest.raises(ValueError, match="no way"):
+            timed(fail)()
+
+    assert own_time_of(work) == 1.0
+
+
+@pytest.mark.parametrize(("calls", "seconds"), [(1, 1.0), (1 + 17, 1.0 + 17.0), (1 + 17 * 5, 1.0 + 17.0 * 5)])
+def test_sampled_calls_count_for_all(calls, seconds, clock):
+    def work():
+        for call in itertools.islice(sampled(lambda: None), calls):
+            call()
+
+    assert own_time_of(work) == seconds
+
+
+def test_a_share_is_never_more_than_all():
+    assert Effort(1.0, 1.7).share == 1.0
+    assert Effort().share == 0.0
+    assert (Effort(1.0, 0.5) + Effort(3.0, 0.5)).share == 0.25
+
+
+class Ahead:
+    """Drives ahead."""
+
+    def reset(self):
+        return ()
+
+    def act(self, observation, memory):
+        return Command(observation.top_speed), memory
+
+
+def test_runs_of_a_python_class_count(clock):
+    work = lambda: simulate(generate("corridor", 1), Ahead(), RunOptions(steps=40))  # noqa: E731
+    assert own_time_of(work) > 0.0
+
+
+def test_runs_of_a_compiled_controller_do_not(clock):
+    assert own_time_of(lambda: simulate(generate("corridor", 1), "turn-right", steps=40)) == 0.0
