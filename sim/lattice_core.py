@@ -15,16 +15,18 @@ from sim.controllers.base import Act, CompiledController, flat_address
 from sim.controllers.core_act import CoreAct
 from worldgen.ccall import check, pointer, writable
 
-__all__ = ["REPORT", "Arena", "Driver", "Episode", "Workspace", "copy_of", "grid_of", "headings", "near_masks"]
+__all__ = ["REPORT", "Arena", "Driver", "Episode", "Workspace", "copy_of", "free_runs", "grid_of", "headings", "near_masks"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.uint8]
 Table = npt.NDArray[np.int32]
+Runs = npt.NDArray[np.uint16]
 
 SENSES = 17  # numbers of an observation before its beams
 STATE_WORDS = 5  # of a state before the controller's memory
 EVENT_FIELDS = 5
+MOST_CELLS_OF_RUNS = 65535
 MOST_CORNERS = int(lib.WG_MOST_CORNERS)
 _FIRST_PORTION = 1 << 12  # steps
 _PORTION_TIME = 0.05  # s that a portion should take at least, so that Ctrl-C is heard soon and costs nothing
@@ -61,6 +63,24 @@ def near_masks(cells: Cells) -> Table:
     return near
 
 
+@functools.cache
+def rays() -> Any:
+    """Return the table of directions for range beams, WgRay[8193]."""
+    table = ffi.new("WgRay[]", int(lib.WG_TURN) // 8 + 1)
+    lib.wg_ray_table(pointer(ffi, headings(), np.int64), table)
+    return table
+
+
+def free_runs(cells: Cells) -> Runs | None:
+    """Return the table that range beams skip along in cells that never change; None if they are too many in a row."""
+    height, width = cells.shape
+    if max(height, width) > MOST_CELLS_OF_RUNS:
+        return None
+    runs = np.zeros((height + 2, width + 2, 4), np.uint16)
+    check(lib.wg_free_runs(grid_of(cells), writable(ffi, runs, np.uint16)))
+    return runs
+
+
 def grid_of(cells: Cells) -> Any:
     """Return the WgGrid of cells, which must outlive it."""
     return ffi.new("WgGrid *", (pointer(ffi, cells, np.uint8), cells.shape[1], cells.shape[0]))[0]
@@ -81,9 +101,12 @@ class Arena:
             the masks reach as far as any step.
         events: (n, 5) int64, WgEvent, sorted by step and time.
         visited: (height, width) uint8, cells that the centre has been in.
+        runs: :func:`free_runs` of ``cells``, if they never change: range beams are then several times as fast.
     """
 
-    def __init__(self, cells: Cells, near: Table, clearance: Table, events: Ints, visited: Cells) -> None:
+    def __init__(
+        self, cells: Cells, near: Table, clearance: Table, events: Ints, visited: Cells, runs: Runs | None = None
+    ) -> None:
         self.cells = cells
         self.near = near
         self.clearance = clearance
@@ -100,6 +123,10 @@ class Arena:
         self.c.event_count = len(events)
         self.c.headings = pointer(ffi, self.headings, np.int64)
         self.c.visited = writable(ffi, visited, np.uint8)
+        self.runs = runs
+        if runs is not None:
+            self.c.runs = pointer(ffi, runs, np.uint16)
+            self.c.rays = rays()
 
 
 class Driver:
