@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import time
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,18 +15,29 @@ from sim.controllers.base import Act, CompiledController, flat_address
 from sim.controllers.core_act import CoreAct
 from worldgen.ccall import check, pointer, writable
 
-__all__ = ["REPORT", "Arena", "Driver", "Episode", "Workspace", "copy_of", "free_runs", "grid_of", "headings", "near_masks"]
+__all__ = [
+    "REPORT",
+    "Arena",
+    "BeamTables",
+    "Driver",
+    "Episode",
+    "Workspace",
+    "beam_tables",
+    "copy_of",
+    "grid_of",
+    "headings",
+    "near_masks",
+]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.uint8]
 Table = npt.NDArray[np.int32]
-Runs = npt.NDArray[np.uint16]
 
 SENSES = 17  # numbers of an observation before its beams
 STATE_WORDS = 5  # of a state before the controller's memory
 EVENT_FIELDS = 5
-MOST_CELLS_OF_RUNS = 65535
+_MOST_CELLS_OF_RUNS = 65535
 MOST_CORNERS = int(lib.WG_MOST_CORNERS)
 _FIRST_PORTION = 1 << 12  # steps
 _PORTION_TIME = 0.05  # s that a portion should take at least, so that Ctrl-C is heard soon and costs nothing
@@ -64,21 +75,35 @@ def near_masks(cells: Cells) -> Table:
 
 
 @functools.cache
-def rays() -> Any:
-    """Return the table of directions for range beams, WgRay[8193]."""
+def _rays() -> Any:
+    """Return the directions of range beams, WgRay[8193]."""
     table = ffi.new("WgRay[]", int(lib.WG_TURN) // 8 + 1)
     lib.wg_ray_table(pointer(ffi, headings(), np.int64), table)
     return table
 
 
-def free_runs(cells: Cells) -> Runs | None:
-    """Return the table that range beams skip along in cells that never change; None if they are too many in a row."""
+class BeamTables(NamedTuple):
+    """What range beams look up in cells that never change.
+
+    Args:
+        runs: (height + 2, width + 2, 4) uint16, wg_free_runs.
+        spread: (beams,) wg_beam_spread.
+    """
+
+    runs: npt.NDArray[np.uint16]
+    spread: Ints
+
+
+def beam_tables(cells: Cells, settings: Any) -> BeamTables | None:
+    """Return the tables for beams as a WgSettings says; None if it asks for none, or the grid is too large."""
     height, width = cells.shape
-    if max(height, width) > MOST_CELLS_OF_RUNS:
+    if not settings.senses & lib.WG_SENSE_BEAMS or max(height, width) > _MOST_CELLS_OF_RUNS:
         return None
     runs = np.zeros((height + 2, width + 2, 4), np.uint16)
     check(lib.wg_free_runs(grid_of(cells), writable(ffi, runs, np.uint16)))
-    return runs
+    spread = np.zeros(settings.beams, np.int64)
+    lib.wg_beam_spread(settings.beams, settings.beam_field, writable(ffi, spread, np.int64))
+    return BeamTables(runs, spread)
 
 
 def grid_of(cells: Cells) -> Any:
@@ -101,11 +126,11 @@ class Arena:
             the masks reach as far as any step.
         events: (n, 5) int64, WgEvent, sorted by step and time.
         visited: (height, width) uint8, cells that the centre has been in.
-        runs: :func:`free_runs` of ``cells``, if they never change: range beams are then several times as fast.
+        beams: What makes range beams three times as fast in cells that never change.
     """
 
     def __init__(
-        self, cells: Cells, near: Table, clearance: Table, events: Ints, visited: Cells, runs: Runs | None = None
+        self, cells: Cells, near: Table, clearance: Table, events: Ints, visited: Cells, beams: BeamTables | None = None
     ) -> None:
         self.cells = cells
         self.near = near
@@ -123,10 +148,11 @@ class Arena:
         self.c.event_count = len(events)
         self.c.headings = pointer(ffi, self.headings, np.int64)
         self.c.visited = writable(ffi, visited, np.uint8)
-        self.runs = runs
-        if runs is not None:
-            self.c.runs = pointer(ffi, runs, np.uint16)
-            self.c.rays = rays()
+        self.beams = beams
+        if beams is not None:
+            self.c.rays = _rays()
+            self.c.spread = pointer(ffi, beams.spread, np.int64)
+            self.c.runs = pointer(ffi, beams.runs, np.uint16)
 
 
 class Driver:

@@ -25,8 +25,8 @@ from sim.lattice_core import (
     Driver,
     Episode,
     Workspace,
+    beam_tables,
     copy_of,
-    free_runs,
     grid_of,
     near_masks,
 )
@@ -102,8 +102,7 @@ class LatticeRun:
         self._fill_settings(motion.code, motion.overlap_tolerance)
         self._near = near_masks(self._cells)
         self._clearance = self._clearance_table()
-        looks_far = self.settings.senses & lib.WG_SENSE_BEAMS and not len(self.events)
-        self._runs = free_runs(self._cells) if looks_far else None
+        self._beams = None if len(self.events) else beam_tables(self._cells, self.settings)
 
     def _fill_settings(self, motion_code: int, tolerance: float) -> None:
         world, settings = self.world, self.settings
@@ -316,7 +315,7 @@ class LatticeRun:
         row = min(int(self.settings.start_y) // UNIT, height - 1)
         visited[row, min(int(self.settings.start_x) // UNIT, width - 1)] = 1
         near = self._near.copy() if len(self.events) else self._near
-        return Arena(self._cells.copy(), near, self._clearance, self.events, visited, self._runs)
+        return Arena(self._cells.copy(), near, self._clearance, self.events, visited, self._beams)
 
     def _run_compiled(self, controller: CompiledController, record: bool) -> tuple[Outcome, Episode]:
         episode = self._episode(controller)

@@ -62,6 +62,13 @@ void wg_ray_table(const int64_t *headings, WgRay *rays)
     }
 }
 
+void wg_beam_spread(int64_t beams, double field, int64_t *spread)
+{
+    for (int64_t beam = 0; beam < beams; beam++) {
+        spread[beam] = wg_beam_heading(0, beam, beams, field);
+    }
+}
+
 WgStatus wg_free_runs(WgGrid grid, uint16_t *runs)
 {
     if (grid.width > MOST_CELLS || grid.height > MOST_CELLS) {
@@ -172,7 +179,7 @@ static void measure(const WgArena *arena, const WgSettings *settings, const WgSt
     int64_t most = wg_ceil(wg_lower(longest, (double)MOST_CELLS * WG_UNIT) / WG_UNIT) + 2;
 
     for (int64_t k = 0; k < count; k++) {
-        headings[k] = wg_beam_heading(state->heading, first + k, settings->beams, settings->beam_field);
+        headings[k] = state->heading + arena->spread[first + k];
     }
     for (int64_t k = 0; k < count; k++) {
         int64_t heading = wg_reduced_heading(headings[k]);
@@ -213,7 +220,7 @@ void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgSt
     // The tables hold for places in the grid, its border included.
     bool is_inside = 0 <= state->x && state->x <= arena->width * WG_UNIT && 0 <= state->y &&
                      state->y <= arena->height * WG_UNIT;
-    if (arena->runs != NULL && arena->rays != NULL && is_inside) {
+    if (arena->runs != NULL && is_inside) {
         Octant octants[8];
         fill_octants(arena, state, octants);
         for (int64_t first = 0; first < settings->beams; first += PORTION) {
