@@ -50,14 +50,16 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
     int64_t flat = WG_SENSES + beams;
     int64_t prints = wg_blocks(words) + 1;
     int64_t log = log_steps > 0 ? log_steps + 1 : 0;
-    int64_t total = words + corner_words + beams + flat + prints + words + log;
+    int64_t total = words + corner_words + beams + flat + prints + words;
 
-    // calloc, so that a long log takes memory only as the run goes on.
+    // The log is not cleared: a long one takes memory only as the run goes on, and no entry is read before it is written.
     WgEpisode *episode = calloc(1, sizeof *episode);
     uint64_t *rest = calloc((size_t)total, sizeof *rest);
-    if (episode == NULL || rest == NULL) {
+    uint64_t *entries = log > 0 ? malloc((size_t)log * sizeof *entries) : NULL;
+    if (episode == NULL || rest == NULL || (log > 0 && entries == NULL)) {
         free(episode);
         free(rest);
+        free(entries);
         return WG_OUT_OF_MEMORY;
     }
     episode->memory = rest;
@@ -70,7 +72,7 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
     episode->workspace.flat = take(&rest, flat);
     episode->search.prints = take(&rest, prints);
     episode->search.known = take(&rest, words);
-    episode->search.log = take(&rest, log);
+    episode->search.log = entries;
     episode->search.log_size = log;
     episode->search.words = words;
     *made = episode;
@@ -80,6 +82,7 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
 void wg_episode_free(WgEpisode *episode)
 {
     if (episode != NULL) {
+        free(episode->search.log);
         free(episode->memory);
         free(episode);
     }

@@ -41,15 +41,31 @@ static inline int64_t wg_blocks(int64_t words)
     return (words + WG_BLOCK - 1) / WG_BLOCK;
 }
 
-// The fingerprint of a state of few words. Turning brings a word's upper half down before the product spreads it
-// upwards: of floats that are small whole numbers only that one varies. It takes three instructions a word; blocks of
-// so few words took 8 ns more for each step.
+// Odd numbers without a pattern, one for each word of a state of few words: those that SplitMix64 draws from seed 0,
+// made odd.
+static const uint64_t WG_FACTORS[WG_FEW_WORDS] = {
+    0xE220A8397B1DCDAFu, 0x6E789E6AA1B965F5u, 0x06C45D188009454Fu, 0xF88BB8A8724C81EDu,
+    0x1B39896A51A8749Bu, 0x53CB9F0C747EA2EBu, 0x2C829ABE1F4532E1u, 0xC584133AC916AB3Du,
+    0x3EE5789041C98AC3u, 0xF3B8488C368CB0A7u, 0x657EECDD3CB13D09u, 0xC2D326E0055BDEF7u,
+    0x8621A03FE0BBDB7Bu, 0x8E1F7555983AA92Fu, 0xB54E0F1600CC4D19u, 0x84BB3F97971D80ABu,
+    0x7D29825C75521255u, 0xC3CF17102B7F7F87u, 0x3466E9A083914F65u, 0xD81A8D2B5A4485ADu,
+    0xDB01602B100B9ED7u, 0xA9038A921825F10Du, 0xEDF5F1D90DCA2F6Bu, 0x54496AD67BD2634Du,
+    0xDD7C01D4F5407269u, 0x935E82F1DB4C4F7Bu, 0x69B82EBC92233301u, 0x40D29EB57DE1D511u,
+    0xA2F09DABB45C6317u, 0xEE521D7A0F4D3873u, 0xF16952EE72F3454Fu, 0x377D35DEA8E40225u,
+};
+
+static inline uint64_t wg_folded(uint64_t word)
+{
+    return word ^ (word >> 32);
+}
+
+// The fingerprint of a state of few words. Each word's upper half is folded into its lower one, because of floats that
+// are small whole numbers only the upper one varies, and a product spreads upwards only. No product waits for another.
 static inline uint64_t wg_fingerprint_of_few(const void *state, int64_t words)
 {
-    uint64_t mixed = WG_STRIDE;
+    uint64_t mixed = 0;
     for (int64_t k = 0; k < words; k++) {
-        mixed ^= wg_word(state, k);
-        mixed = ((mixed << 32) | (mixed >> 32)) * WG_MIXER;
+        mixed += wg_folded(wg_word(state, k)) * WG_FACTORS[k];
     }
     return mixed;
 }
@@ -67,21 +83,28 @@ int64_t wg_search_look_up(WgSearch *search, int64_t step, int64_t quiet);
 // The first step, not before `quiet`, from which on the log repeats itself up to `step`.
 int64_t wg_entry_of_loop(const uint64_t *log, int64_t quiet, int64_t step, int64_t period);
 
-// Logs the state after a step, which is not before `quiet`, and looks it up if it is its turn or the last one of the
-// budget. Steps since the state was there before, the fewest; 0 if it is new or was not looked up.
-static inline int64_t wg_search_period(WgSearch *search, const void *state, int64_t step, int64_t quiet, int64_t budget)
+// The same of any state.
+static inline uint64_t wg_fingerprint(WgSearch *search, const void *state)
 {
-    uint64_t mixed;
-    if (search->words <= WG_FEW_WORDS) {
-        mixed = wg_fingerprint_of_few(state, search->words);
-    } else {
-        mixed = wg_fingerprint_of_many(search, state);
-    }
-    search->log[step] = mixed;
+    return search->words <= WG_FEW_WORDS ? wg_fingerprint_of_few(state, search->words)
+                                         : wg_fingerprint_of_many(search, state);
+}
+
+// Logs the fingerprint of the state after a step, which is not before `quiet`, and looks it up if it is its turn or the
+// last one of the budget. Steps since the state was there before, the fewest; 0 if it is new or was not looked up.
+static inline int64_t wg_search_log(WgSearch *search, uint64_t fingerprint, int64_t step, int64_t quiet, int64_t budget)
+{
+    search->log[step] = fingerprint;
     if (step < search->next && step < budget) {
         return 0;
     }
     return wg_search_look_up(search, step, quiet);
+}
+
+// The same, of a state.
+static inline int64_t wg_search_period(WgSearch *search, const void *state, int64_t step, int64_t quiet, int64_t budget)
+{
+    return wg_search_log(search, wg_fingerprint(search, state), step, quiet, budget);
 }
 
 // Keeps the state of step `entry`; at step `end`, whether it is there again, word by word.

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "geometry.h"
 #include "random_draw.h"
@@ -51,6 +52,15 @@ static inline WgVector wg_displacement(const int64_t *headings, int64_t heading,
     };
 }
 
+// Whether a normal is one: not (0, 0). Without its sign, zero has no bits; comparing them takes a third of the
+// instructions of two comparisons of doubles.
+static inline bool wg_is_contact(WgNormal contact)
+{
+    uint64_t bits[2];
+    memcpy(bits, &contact, sizeof bits);
+    return ((bits[0] | bits[1]) << 1) != 0;
+}
+
 // Number of the random draw of a channel in a step.
 static inline int64_t wg_noise_channel(int64_t step, int64_t channel)
 {
@@ -85,7 +95,7 @@ static inline void wg_sense(const WgArena *arena, const WgSettings *settings, co
     double radians = settings->radians;
     double metres = settings->metres;
     int64_t senses = settings->senses;
-    bool bumped = contact.x != 0.0 || contact.y != 0.0;
+    bool bumped = wg_is_contact(contact);
 
     // What is always there.
     observation->bump = bumped ? 1.0 : 0.0;

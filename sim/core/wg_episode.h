@@ -100,7 +100,7 @@ typedef struct WgEpisode {
     int64_t quiet;   // step of the last event: states before it prove nothing
     int64_t waits;   // 1 while the controller is to act
     int64_t over;    // 1 when the episode has ended
-    void *memory;    // everything that the pointers above point to, but for a recording
+    void *memory;    // everything that the pointers above point to, but for the log and a recording
 } WgEpisode;
 
 // Makes an episode. Sizes are taken from the arguments: the controller's memory, settings->beams, the most events of a
