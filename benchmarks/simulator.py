@@ -39,7 +39,7 @@ from build_tools.cores import compiler
 from sim import Command, Commands, CompiledController, ProcessController, RobotOptions, RunOptions, simulate_many
 from sim.episode import prepare
 from sim.kernels import layout
-from sim.kernels.lattice_state import new_robot, new_room
+from sim.lattice_core import MOST_CORNERS, SENSES, STATE_WORDS, ffi
 from worldgen import generate
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World
@@ -368,8 +368,10 @@ def _first_call() -> dict[str, float]:
 
 
 def _bytes_per_robot() -> int:
-    arrays = (*new_robot(1, np.zeros((0, layout.EVENT_SIZE), np.int64)), *new_room(1, 0))
-    return sum(array.nbytes for array in arrays)
+    """Bytes of an episode of the bouncer, without the log that the search for loops keeps of each step."""
+    state = 8 * (STATE_WORDS + len(BOUNCER.memory))
+    corners = MOST_CORNERS * int(ffi.sizeof("WgCorner"))
+    return int(ffi.sizeof("WgEpisode")) + 2 * state + corners + 8 * SENSES
 
 
 def main() -> None:

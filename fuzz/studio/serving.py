@@ -11,7 +11,6 @@ from collections.abc import Callable
 import uvicorn
 
 from fuzz.studio.app import MOST_MESSAGE, Studio, make_app
-from fuzz.studio.preparing import prepare_beside
 from worldgen.errors import InvalidParameter
 
 __all__ = ["USUAL_PORT", "bind", "called", "serve"]
@@ -91,7 +90,5 @@ def serve(studio: Studio, listener: socket.socket, *, browse: bool, said: Callab
     if browse:
         with contextlib.suppress(webbrowser.Error):
             webbrowser.open(studio.gate.address_for_once())
-    with contextlib.suppress(OSError):  # no process can begin now: the first run compiles
-        prepare_beside()
     with contextlib.suppress(KeyboardInterrupt):  # the way to end it
         uvicorn.Server(config).run(sockets=[listener])
