@@ -15,12 +15,16 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from sim.containment import contain
+
 if TYPE_CHECKING:
     from fuzz.campaign import Campaign
     from fuzz.config import CampaignConfig
     from fuzz.failure import Replay, failure_of, replay
     from fuzz.shrink.run import Shrunk
     from fuzz.strategies import family_worlds, feature_worlds, scenarios, worlds
+
+contain()  # whatever a campaign, a replay or a shrinking runs may crash
 
 _HOME = {
     "campaign": ("Campaign",),

@@ -31,6 +31,7 @@ __all__ = [
     "Observations",
     "PythonController",
     "VectorController",
+    "bits_of",
     "check_declared",
     "compiled_act",
     "flat_address",
@@ -286,11 +287,16 @@ def wants_world(controller: Any) -> bool:
     return any(one.default is one.empty and one.kind in by_place for one in parameters)
 
 
+def bits_of(sense: str) -> int:
+    """Return the ``SENSE_`` bit of a field of an observation; 0 for what is always there."""
+    return _COSTLY_SENSES.get(sense, 0)
+
+
 def senses_of(controller: Controller) -> int:
     """The ``SENSE_`` bits of what a controller looks at."""
     bits = 0
     for name in getattr(controller, "senses", DEFAULT_SENSES):
-        bits |= _COSTLY_SENSES.get(name, 0)
+        bits |= bits_of(name)
     return bits
 
 

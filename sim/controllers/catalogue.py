@@ -1,4 +1,7 @@
-"""Finds a controller by name (registered, ``module:name``, ``./file.py:name``, ``cmd:PROGRAM``) and checks it."""
+"""Finds a controller by name and checks it.
+
+A name is a registered one, ``module:name``, ``./file.py:name``, ``lib:./file.so:name`` or ``cmd:PROGRAM``.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,9 @@ from typing import Any
 
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Controller, check_declared
 from sim.controllers.process import ProcessController, is_process_name
+from sim.controllers.shared_library import library_controller
 from sim.robot_options import RobotOptions
+from sim.shared_object import is_library_name, library_file
 from worldgen.errors import InvalidParameter
 from worldgen.registry import Registry, check_code, user_code
 
@@ -22,7 +27,7 @@ _IN_A_FILE = re.compile(r"(?P<file>[^:]+\.py)(?P<rest>:.*)", re.DOTALL)
 
 
 class _Controllers(Registry[Controller]):
-    """A registry in which ``cmd:`` begins the command line of a program."""
+    """A registry in which ``cmd:`` begins the command line of a program, and ``lib:`` the file of a shared library."""
 
     def get(self, name: str) -> Controller:
         if is_process_name(name):
@@ -30,7 +35,15 @@ class _Controllers(Registry[Controller]):
                 check_code(name)
                 self._loaded[name] = ProcessController.of(name)
             return self._loaded[name]
+        if is_library_name(name):
+            if name not in self._loaded:
+                check_code(name)
+                self._loaded[name] = library_controller(name)
+            return self._loaded[name]
         return super().get(name)
+
+    def source(self, name: str) -> Path | None:
+        return library_file(name) if is_library_name(name) else super().source(name)
 
     def _load_path(self, name: str) -> Any:
         hint = _program_hint(name)

@@ -45,7 +45,7 @@ class CoreAct:
 
     def interim(self) -> Any:
         """Return what numba compiles."""
-        return numba_act(self.name)
+        return numba_act(self.name, self.address)
 
     def __call__(self, observation: Floats, memory: Floats, command: Floats) -> None:
         """Act once; changes ``memory`` and ``command`` in place.

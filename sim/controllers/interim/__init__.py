@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import ctypes
 import importlib
 from typing import Any
 
 import numpy as np
 
 
-def numba_act(name: str) -> Any:
+def numba_act(name: str, address: int = 0) -> Any:
     """Return a controller's act by the name that it has in the core."""
+    if name.startswith("lib:"):
+        return _foreign(address)
     if name.endswith("-tuned"):
         return _tuned(name)
     module = "thesis" if name.startswith("turn-") else name.replace("-", "_")
@@ -56,3 +59,20 @@ def _tuned(name: str) -> Any:
         "potential-field-tuned": potential, "vfh-tuned": sectors, "dynamic-window-tuned": window,
         "three-layer-tuned": layers, "q-learning-tuned": table,
     }[name]  # fmt: skip
+
+
+def _foreign(address: int) -> Any:
+    """Return a function that calls a C function."""
+    call = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)(address)
+
+    def act(observation: Any, memory: Any, command: Any) -> None:
+        seen, asked = np.empty(19), np.zeros(4)
+        seen[:17] = observation[:17]
+        words = seen.view(np.int64)
+        words[17], words[18] = observation.ctypes.data + 136, observation.size - 17
+        call(seen.ctypes, memory.ctypes, asked.ctypes)
+        command[:] = asked[:3]
+        if asked.view(np.int64)[3] != 0:
+            raise RuntimeError("the controller reports an error")
+
+    return act

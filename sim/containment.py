@@ -1,0 +1,20 @@
+"""Whether controllers of shared libraries run in processes of their own: in campaigns, where a crash is a verdict."""
+
+from __future__ import annotations
+
+import os
+
+__all__ = ["contain", "is_contained"]
+
+_contained: list[bool] = []
+
+
+def contain() -> None:
+    """From now on run controllers of shared libraries in processes of their own, where the system has them."""
+    if os.name == "posix" and not _contained:
+        _contained.append(True)
+
+
+def is_contained() -> bool:
+    """Return whether controllers of shared libraries run in processes of their own."""
+    return bool(_contained)

@@ -1,0 +1,95 @@
+"""Controllers in shared libraries: ``lib:./robot.so:act``, a function of C or C++ that runs inside the simulator.
+
+In a campaign it runs in a process of its own (:mod:`sim.guarded`), so that a crash is a verdict and not the end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from sim.containment import is_contained
+from sim.controllers.base import DEFAULT_SENSES, CompiledController, Observation, bits_of
+from sim.controllers.core_act import CoreAct, ffi, lib
+from sim.guarded import guarded_address
+from sim.robot_options import RobotOptions
+from sim.shared_object import info_of
+from worldgen.errors import InvalidParameter
+
+__all__ = ["SharedAct", "library_controller"]
+
+_MOST_MEMORY = 1 << 20  # numbers
+
+
+@dataclass(frozen=True)
+class SharedAct(CoreAct):
+    """The act of a controller in a shared library.
+
+    Args:
+        name: ``lib:./robot.so:act``.
+    """
+
+    @property
+    def address(self) -> int:
+        """Where the function is: a ``WgAct``."""
+        info = info_of(self.name)
+        if is_contained():
+            return guarded_address(self.name, int(info.memory_size))
+        return int(ffi.cast("uintptr_t", info.act))
+
+
+def library_controller(name: str) -> CompiledController:
+    """Return the controller that a shared library offers.
+
+    Args:
+        name: ``lib:./robot.so:act``.
+
+    Raises:
+        InvalidParameter: If there is no such library or controller, or it was built for another interface.
+    """
+    info = info_of(name)
+    senses = _senses(name, int(info.senses))
+    beams = _within(name, "beams", int(info.beams), int(lib.WG_MOST_BEAMS))
+    if info.beam_range < 0.0 or info.beam_range != info.beam_range:
+        raise InvalidParameter(f"controller {name!r} has beam_range={info.beam_range:g} m; give 0 or more")
+    needs: dict[str, Any] = {"beams": beams} if beams else {}
+    if info.beam_range:
+        needs["beam_range"] = float(info.beam_range)
+    return CompiledController(
+        name,
+        SharedAct(name),
+        _memory(info, _within(name, "memory_size", int(info.memory_size), _MOST_MEMORY)),
+        start_speed=float(info.start_speed),
+        randomised="random" in senses,
+        senses=senses,
+        needs=RobotOptions(**needs),
+    )
+
+
+def _memory(info: Any, size: int) -> tuple[float, ...]:
+    """Return the memory at reset."""
+    memory = ffi.new("double[]", size)
+    if info.reset != ffi.NULL:
+        info.reset(memory)
+    return tuple(memory)
+
+
+def _within(name: str, field: str, value: int, most: int) -> int:
+    if not 0 <= value <= most:
+        raise InvalidParameter(
+            f"controller {name!r} has {field}={value}, outside 0 to {most}; change it and build again"
+        )
+    return value
+
+
+def _senses(name: str, bits: int) -> tuple[str, ...]:
+    """Return the names of what a library's controller looks at."""
+    known = sum(bits_of(sense) for sense in ("bump_bearing", "signal", "signal_heading", "target_heading"))
+    known += sum(bits_of(sense) for sense in ("target_distance", "random", "time", "odometry_x", "beams"))
+    if bits & ~(known | int(lib.WG_SENSE_NOTHING_ELSE)):
+        raise InvalidParameter(
+            f"controller {name!r} has senses={bits:#x}, which are not all WG_SENSE_ bits; add up those of the header"
+        )
+    if bits == 0:
+        return DEFAULT_SENSES
+    return tuple(sense for sense in Observation._fields if not bits_of(sense) or bits & bits_of(sense))
