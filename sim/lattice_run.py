@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController, Controller, compiled_act, robot_for, senses_of
-from sim.controllers.core_act import CoreAct
+from sim.controllers.core_act import CoreAct, misbehaviour_of
 from sim.controllers.program import Misbehaviour
 from sim.crash_frames import crash_facts
 from sim.lattice_core import (
@@ -339,7 +339,12 @@ class LatticeRun:
         return Episode(self.arena(), self.settings, Driver(controller, controller.memory))
 
     def _fault(self, controller: CompiledController, failed: Episode) -> Misbehaviour:
-        """What the controller raised in the last step of an episode: found by asking it once more, in Python."""
+        """What went wrong in the last step of an episode.
+
+        What a function of numba raised is found by asking it once more, in Python.
+        """
+        if isinstance(controller.act, CoreAct):
+            return misbehaviour_of(ffi.string(failed.report.error).decode("utf-8", "replace"))
         settings = copy_of(self.settings)
         settings.find_loop = lib.WG_NO_LOOP
         episode = Episode(self.arena(), settings, Driver(controller, controller.memory))
@@ -348,7 +353,7 @@ class LatticeRun:
         episode.c.controller.flat = ffi.NULL
         lib.wg_episode_step(episode.c)
         room = Workspace(episode)
-        act = controller.act if isinstance(controller.act, CoreAct) else compiled_act(controller.act)
+        act = compiled_act(controller.act)
         try:
             act(room.observation, room.memory, room.command)
         except Exception as error:  # noqa: BLE001 - a controller may raise anything

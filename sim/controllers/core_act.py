@@ -16,8 +16,9 @@ import numpy.typing as npt
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
 from sim.controllers.interim import numba_act
+from sim.controllers.program import Misbehaviour
 
-__all__ = ["CoreAct", "default_of", "memory_at_reset", "place", "size_of"]
+__all__ = ["CoreAct", "default_of", "memory_at_reset", "misbehaviour_of", "place", "size_of"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -56,7 +57,7 @@ class CoreAct:
             command: (3,) zeros.
 
         Raises:
-            RuntimeError: If the controller says that it cannot go on.
+            Misbehaviour: If the controller says that it cannot go on, or has crashed in a process of its own.
         """
         beams = np.ascontiguousarray(observation[SENSES:], np.float64)
         seen = ffi.new("WgObservation *")
@@ -68,7 +69,7 @@ class CoreAct:
         ffi.cast("WgAct", self.address)(seen, own, asked)
         command[:] = (asked.speed, asked.turn_rate, asked.used_random)
         if asked.error != ffi.NULL:
-            raise RuntimeError(ffi.string(asked.error).decode())
+            raise misbehaviour_of(ffi.string(asked.error).decode("utf-8", "replace"))
 
 
 @functools.cache
@@ -77,6 +78,18 @@ def _address(name: str) -> int:
     if act == ffi.NULL:
         raise LookupError(f"the core has no controller {name!r}")
     return int(ffi.cast("uintptr_t", act))
+
+
+def misbehaviour_of(error: str) -> Misbehaviour:
+    """Return what a function of C did wrong.
+
+    Args:
+        error: ``WgReport.error``.
+    """
+    if error == ffi.string(lib.WG_HANG).decode():
+        return Misbehaviour("hang", error)
+    _, colon, message = error.partition(": ")
+    return Misbehaviour("crash", error, {"message": message} if colon else {})
 
 
 def place(struct: str, *fields: str | int) -> int:
