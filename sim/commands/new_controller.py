@@ -15,9 +15,13 @@ __all__ = ["new_controller"]
 EXAMPLES = (
     "\b\n  worldgen new-controller mine --kind python\n"
     "  worldgen new-controller my-robot --kind process --out robots/\n"
-    "  worldgen new-controller fast --kind compiled --out fast.py --force"
+    "  worldgen new-controller fast --kind c --out fast.c --force"
 )
-KINDS = ("compiled", "python", "vector", "process")
+KINDS = ("c", "cpp", "compiled", "python", "vector", "process")
+_COMPILERS = {
+    "c": "cc -std=c17 -O2 -shared -fPIC",
+    "cpp": "c++ -std=c++20 -O2 -shared -fPIC",
+}
 
 
 @click.command(epilog=EXAMPLES)
@@ -27,33 +31,42 @@ KINDS = ("compiled", "python", "vector", "process")
     type=click.Choice(KINDS),
     default="python",
     show_default=True,
-    help="A function that numba compiles, a Python class for one robot, one for many robots at once with NumPy, "
-    "or a program of its own that speaks JSON lines.",
+    help="A function of C or C++ in a shared library, one that numba compiles, a Python class for one robot, one for "
+    "many robots at once with NumPy, or a program of its own that speaks JSON lines.",
 )
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR|FILE", help="Where to write [default: ./NAME.py].")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR|FILE",
+    help="Where to write [default: ./NAME.py, .c or .cpp].",
+)
 @json_option
 @force_option
 def new_controller(name: str, kind: str, out: Path | None, as_json: bool, force: bool) -> None:
     """Write a working, commented controller to begin from.
 
-    All kinds drive by the same rule: to the target, and after a bump away from the wall for a while. The compiled
-    one takes millions of steps a second and its loops are proved; the Python class takes some hundred thousand and
-    its loops are proved too, and so are those of the vector class, which takes millions where it drives many robots;
-    the process may be in any language and hide anything, so it is at most stalled.
+    All kinds drive by the same rule: to the target, and after a bump away from the wall for a while. Those in C and C++
+    and the compiled one take millions of steps a second and their loops are proved; the Python class takes some hundred
+    thousand and its loops are proved too, and so are those of the vector class, which takes millions where it drives
+    many robots; the process may be in any language and hide anything, so it is at most stalled.
     """
     import importlib.resources
 
     word = _word(name)
     path = _place(out, word, kind)
-    text = importlib.resources.files("sim.examples").joinpath(f"{kind}.py").read_text(encoding="utf-8")
+    example = f"library{_suffix(kind)}" if kind in _COMPILERS else f"{kind}.py"
+    text = importlib.resources.files("sim.examples").joinpath(example).read_text(encoding="utf-8")
     write_bytes(path, _renamed(text, word).encode(), force=force)
     if kind == "process":
         path.chmod(path.stat().st_mode | 0o111 & ~_umask())
     controller = _reference(path, word, kind)
+    build = _build(path, kind)
     if as_json:
-        emit_json({"file": str(path), "kind": kind, "controller": controller})
+        emit_json({"file": str(path), "kind": kind, "controller": controller} | ({"build": build} if build else {}))
         return
     note(f"wrote {path}; next:")
+    if build:
+        click.echo(build)
     click.echo("worldgen trap --size 20 --seed 4 --out w.grid")
     click.echo(f"worldgen run w.grid --controller {_quoted(controller)} --trail run.png")
     click.echo(f"worldgen fuzz --controller {_quoted(controller)} --budget 30s --out failures/")
@@ -72,14 +85,32 @@ def _word(name: str) -> str:
     return word
 
 
+def _suffix(kind: str) -> str:
+    """How a file of the kind ends."""
+    return f".{kind}" if kind in _COMPILERS else ".py"
+
+
 def _place(out: Path | None, word: str, kind: str) -> Path:
+    suffix = _suffix(kind)
     if out is None:
-        return Path(f"{word}.py")
+        return Path(f"{word}{suffix}")
     if out.is_dir():
-        return out / f"{word}.py"
-    if kind != "process" and out.suffix != ".py":
-        raise OutputError(f"{out} is no folder that is there, and no .py file; make the folder, or name a .py file")
+        return out / f"{word}{suffix}"
+    if kind != "process" and out.suffix != suffix:
+        raise OutputError(
+            f"{out} is no folder that is there, and no {suffix} file; make the folder, or name a {suffix} file"
+        )
     return out
+
+
+def _build(path: Path, kind: str) -> str:
+    """Return the command that makes a shared library; empty for what needs none."""
+    import shlex
+
+    if kind not in _COMPILERS:
+        return ""
+    library = shlex.quote(str(path.with_suffix(".so")))
+    return f'{_COMPILERS[kind]} -I"$(worldgen --include)" {shlex.quote(str(path))} -o {library}'
 
 
 def _renamed(text: str, word: str) -> str:
@@ -98,6 +129,8 @@ def _reference(path: Path, word: str, kind: str) -> str:
     import shlex
 
     place = str(path) if path.is_absolute() or str(path).startswith((".", "~")) else f"./{path}"
+    if kind in _COMPILERS:
+        return f"lib:{place.removesuffix(_suffix(kind))}.so:{word}"
     if kind == "process":
         return f"cmd:{shlex.quote(place)}"
     return f"{place}:{_title(word) if kind in ('python', 'vector') else word}"

@@ -87,7 +87,7 @@ def misbehaviour_of(error: str) -> Misbehaviour:
         error: ``WgReport.error``.
     """
     if error == ffi.string(lib.WG_HANG).decode():
-        return Misbehaviour("hang", error)
+        return Misbehaviour("hang", error, {"deadline": int(lib.WG_GUARD_DEADLINE) / 1000.0})
     _, colon, message = error.partition(": ")
     return Misbehaviour("crash", error, {"message": message} if colon else {})
 

@@ -3,10 +3,8 @@
 //     c++ -std=c++20 -O2 -shared -fPIC -I"$(worldgen --include)" example.cpp -o example.so
 //     worldgen run w.grid --controller lib:./example.so:example --trail run.png
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 
 #include "worldgen_controller.h"
 
@@ -15,15 +13,13 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double turn_after_bump = 1.5;  // rad, counter-clockwise
 constexpr double patience = 20.0;        // steps for which it drives on before it looks at the target again
-constexpr double careful = 0.2;          // m: nearer to a wall than this it drives at half speed
 
 // All of its state: a variable that outlives the function would make proofs of loops wrong.
 struct Memory {
     double waiting;  // steps still to drive on
 };
 
-// One step: drives to the target, slowly near walls; after a bump turns away and drives straight on for a while. It
-// must not throw.
+// One step: drives to the target; after a bump turns away and drives straight on for a while. It must not throw.
 void example(const WgObservation *seen, double *memory, WgCommand *command) noexcept
 {
     auto &own = *reinterpret_cast<Memory *>(memory);
@@ -36,13 +32,10 @@ void example(const WgObservation *seen, double *memory, WgCommand *command) noex
     } else {
         turn = std::remainder(seen->target_heading - seen->heading, 2.0 * pi);
     }
-    const std::span beams(seen->beams, static_cast<std::size_t>(seen->beam_count));
-    const bool near = std::ranges::any_of(beams, [](double distance) { return distance < careful; });
-    command->speed = near ? 0.5 * seen->top_speed : seen->top_speed;
+    command->speed = seen->top_speed;
     command->turn_rate = turn / seen->time_step;
 }
 
 }  // namespace
 
-WG_CONTROLLER(example, .memory_size = sizeof(Memory) / sizeof(double),
-              .senses = WG_SENSE_TARGET_HEADING | WG_SENSE_BEAMS, .beams = 16, .beam_range = 1.0)
+WG_CONTROLLER(example, .memory_size = sizeof(Memory) / sizeof(double), .senses = WG_SENSE_TARGET_HEADING)

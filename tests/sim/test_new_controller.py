@@ -13,10 +13,12 @@ from click.testing import CliRunner
 from sim import ProcessController, RunOptions, simulate
 from sim.commands.new_controller import new_controller
 from sim.controllers import CONTROLLERS
+from sim.shared_object import include_folder
 from tests.helpers.command_line import worldgen
 from worldgen import InvalidParameter, OutputError, Pose, Target, World, generate
 
-KINDS = ("compiled", "python", "vector", "process")
+BUILT = ("c", "cpp")
+KINDS = (*BUILT, "compiled", "python", "vector", "process")
 
 
 def make(*arguments):
@@ -25,7 +27,16 @@ def make(*arguments):
 
 
 def made(folder, kind, name="my-robot"):
-    return json.loads(make(name, "--kind", kind, "--out", folder, "--json"))
+    told = json.loads(make(name, "--kind", kind, "--out", folder, "--json"))
+    if kind in BUILT:
+        build(told["build"])
+    return told
+
+
+def build(line):
+    """Runs a line that builds a shared library, as a shell would."""
+    words = shlex.split(line.replace('-I"$(worldgen --include)"', f"-I{include_folder()}"))
+    subprocess.run(words, check=True)
 
 
 def room():
@@ -53,7 +64,10 @@ def test_all_kinds_drive_the_same_way(tmp_path):
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_lines_that_are_printed_work_as_they_are(kind, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    lines = [shlex.split(line) for line in make("mine", "--kind", kind).splitlines()]
+    printed = make("mine", "--kind", kind).splitlines()
+    if kind in BUILT:
+        build(printed.pop(0))
+    lines = [shlex.split(line) for line in printed]
     assert [line[:2] for line in lines] == [["worldgen", command] for command in ("trap", "run", "fuzz")]
     assert worldgen(*lines[0][1:]).code == 0 and worldgen(*lines[1][1:]).code == 0
     assert (tmp_path / "run.png").exists()

@@ -113,6 +113,13 @@ _SUMMARY = {
 }
 
 
+def _print_include(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
+    """Print where the header for controllers in C is."""
+    if wanted:
+        click.echo(Path(__file__).parents[2] / "sim" / "include")
+        ctx.exit()
+
+
 @click.group(
     cls=LazyGroup,
     epilog=EPILOG,
@@ -120,6 +127,14 @@ _SUMMARY = {
     params=[*QUIET_AND_VERBOSE],
 )
 @click.version_option(version("worldgen"), prog_name="worldgen")
+@click.option(
+    "--include",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_include,
+    help="Print the folder of worldgen_controller.h, for cc -I, and exit.",
+)
 def cli() -> None:
     """Make worlds for mobile robots, run controllers in them, and find the worlds where they fail."""
 

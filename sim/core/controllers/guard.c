@@ -70,7 +70,7 @@ void wg_guard_serve(WgGuard *guard, WgAct act)
 #include <sys/syscall.h>
 #endif
 
-static const int64_t DEADLINE = 1000000000;     // ns that a controller may take for a step
+static const int64_t DEADLINE = (int64_t)WG_GUARD_DEADLINE * 1000000;  // ns
 static const int64_t LONG_GONE = 5000000000;    // ns after which a server that says nothing is not there any more
 static const int64_t LOOK_AROUND = 200000000;   // ns between two looks whether the other process is still there
 static const int OVER = 77;                     // exit code of a worker whose owner is gone

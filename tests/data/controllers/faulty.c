@@ -1,0 +1,82 @@
+// Controllers that do what none should; each drives to the target until it touches a wall.
+
+#include <stdlib.h>
+
+#include "worldgen_controller.h"
+
+static void drive(const WgObservation *seen, WgCommand *command)
+{
+    command->speed = seen->top_speed;
+    command->turn_rate = (seen->target_heading - seen->heading) / seen->time_step;
+}
+
+static void segfault(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    (void)memory;
+    drive(seen, command);
+    if (seen->bump != 0.0) {
+        *(volatile int *)0 = 1;
+    }
+}
+
+static void give_up(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    (void)memory;
+    drive(seen, command);
+    if (seen->bump != 0.0) {
+        abort();
+    }
+}
+
+static void hang(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    drive(seen, command);
+    while (seen->bump != 0.0) {
+        ((volatile double *)memory)[0] += 1.0;
+    }
+}
+
+static void complain(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    (void)memory;
+    drive(seen, command);
+    if (seen->bump != 0.0) {
+        command->error = "lost the map";
+    }
+}
+
+static void begin(double *memory)
+{
+    memory[1] = 0.25;
+}
+
+WG_CONTROLLER(segfault, .memory_size = 1, .senses = WG_SENSE_TARGET_HEADING)
+WG_CONTROLLER(give_up, .memory_size = 1, .senses = WG_SENSE_TARGET_HEADING)
+WG_CONTROLLER(hang, .memory_size = 1, .senses = WG_SENSE_TARGET_HEADING)
+WG_CONTROLLER(complain, .reset = begin, .memory_size = 2, .beams = 12, .beam_range = 0.5, .start_speed = 0.1)
+
+// Nothing that a controller is offered with.
+WG_EXPORT int alone(void)
+{
+    return 0;
+}
+
+static const WgControllerInfo OTHER_VERSION = {.abi = 99, .size = sizeof(WgControllerInfo), .act = complain};
+static const WgControllerInfo OTHER_SIZE = {.abi = WG_CONTROLLER_ABI, .size = 8, .act = complain};
+static const WgControllerInfo OTHER_SENSES = {
+    .abi = WG_CONTROLLER_ABI, .size = sizeof(WgControllerInfo), .act = complain, .senses = 1 << 20};
+
+WG_EXPORT const WgControllerInfo *old_controller(void)
+{
+    return &OTHER_VERSION;
+}
+
+WG_EXPORT const WgControllerInfo *small_controller(void)
+{
+    return &OTHER_SIZE;
+}
+
+WG_EXPORT const WgControllerInfo *clairvoyant_controller(void)
+{
+    return &OTHER_SENSES;
+}
