@@ -26,7 +26,7 @@ static void set_up(const WgLooks *looks, const WgPlaces *places, int64_t run, Wg
     settings->target_y = places->target_y * WG_UNIT + WG_UNIT / 2;
 
     // A scene says more about the robot and its target.
-    int64_t heading = bytes[4] % WG_LAYOUT_HEADINGS * WG_FINER_HEADINGS;
+    int64_t heading = (int64_t)WG_FINER_HEADINGS * (bytes[4] % WG_LAYOUT_HEADINGS);
     int64_t radius = 0;
     int64_t target = 0;
     if (looks->layout_bytes == WG_SCENE_BYTES) {
@@ -90,7 +90,7 @@ bool wg_look_open(WgSeat *seat, int64_t run)
 
     // Where the masks reach as far as a step, a run needs no table of distances.
     arena->clearance = NULL;
-    if (settings->reach + fastest(settings) > WG_NEAR * WG_UNIT) {
+    if (settings->reach + fastest(settings) > (int64_t)WG_NEAR * WG_UNIT) {
         wg_chessboard_clearance(wg_grid(arena), seat->clearance);
         arena->clearance = seat->clearance;
     }

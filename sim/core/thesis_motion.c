@@ -195,16 +195,17 @@ WgThesisMove thesis_advance(const ThesisGrid *grid, double x, double y, double g
     return move;
 }
 
-WgStatus wg_thesis_move(const int32_t *cells, int64_t width, int64_t height, double x, double y,
-                        double goal_x, double goal_y, double radius, int64_t repairs,
-                        double wall_friction, WgThesisMove *move)
+WgStatus wg_thesis_move(const int32_t *cells, int64_t width, int64_t height,
+                        const WgThesisSettings *settings, double x, double y, double goal_x,
+                        double goal_y, WgThesisMove *move)
 {
     const double farthest = 1e6; // px; a tick moves 10,000 at most
-    if (!thesis_fits(width, height, radius, x, y) ||
+    if (!thesis_fits(width, height, settings->radius, x, y) ||
         !(fabs(goal_x - x) <= farthest && fabs(goal_y - y) <= farthest)) {
         return WG_BAD_VALUE;
     }
     const ThesisGrid grid = {cells, width, height};
-    *move = thesis_advance(&grid, x, y, goal_x, goal_y, radius, repairs, wall_friction);
+    *move = thesis_advance(&grid, x, y, goal_x, goal_y, settings->radius, settings->repairs,
+                           settings->wall_friction);
     return WG_OK;
 }

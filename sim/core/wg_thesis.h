@@ -194,11 +194,12 @@ WgStatus wg_thesis_run(const WgThesisArena *arena, const WgThesisSettings *setti
 // repaired.
 //
 // cells:          (width, height).
+// settings:       radius, repairs and wall friction.
 // x, y:           centre, px, in the grid.
 // goal_x, goal_y: where the tick's motion would lead, px.
-WgStatus wg_thesis_move(const int32_t *cells, int64_t width, int64_t height, double x, double y,
-                        double goal_x, double goal_y, double radius, int64_t repairs,
-                        double wall_friction, WgThesisMove *move);
+WgStatus wg_thesis_move(const int32_t *cells, int64_t width, int64_t height,
+                        const WgThesisSettings *settings, double x, double y, double goal_x,
+                        double goal_y, WgThesisMove *move);
 
 // thesis_signal.c
 

@@ -22,7 +22,9 @@ def move(
     """Move the disc towards a goal: a ``WgThesisMove``."""
     moved = _ffi.new("WgThesisMove *")
     grid = (pointer(_ffi, cells, np.int32), *cells.shape)
-    check(_lib.wg_thesis_move(*grid, x, y, goal_x, goal_y, radius, repairs, friction, moved))
+    robot = Setup(rule=1, time_step=15.0, radius=radius, repairs=repairs, wall_friction=friction)
+    settings = _ffi.new("WgThesisSettings *", robot._asdict())
+    check(_lib.wg_thesis_move(*grid, settings, x, y, goal_x, goal_y, moved))
     return moved
 
 
