@@ -3,8 +3,7 @@
 ``python -m benchmarks.mazes`` prints tables, with ``--json`` one object. Rates are million cells a second of
 processor time on one core, the best of ``--rounds``; the cells are those of the square that comes out, with passages
 and walls one cell wide. ``tree`` is the maze alone, as links between chambers; ``grid`` is maze and solid cells;
-``world`` is a whole World, without its proof. ``fill`` is what writing one byte a cell takes. Compilation is not
-counted.
+``world`` is a whole World, without its proof. ``fill`` is what writing one byte a cell takes.
 
 Peers run once at each side of ``--sizes``, and at 60, as far as a run is foreseen to take ``--peer-seconds`` at most;
 the ratio is that of ``grid`` at the peer's largest side. A peer that is not installed is named. What is not the
@@ -108,8 +107,8 @@ PEERS: dict[str, tuple[str, Callable[[], Maker]]] = {
 
 def _grid(name: str, chambers: int, seed: int) -> Any:
     strips = pitch([1] * chambers, 1)
-    links = grow(RandomStream(seed), np.ones((chambers, chambers), np.bool_), name, compiled=True)
-    return cells_of(links, strips, strips, compiled=True)
+    links = grow(RandomStream(seed), np.ones((chambers, chambers), np.bool_), name)
+    return cells_of(links, strips, strips)
 
 
 def _world(name: str, side: int, seed: int) -> Any:
@@ -129,7 +128,7 @@ def _cases(side: int, seed: int) -> Iterator[tuple[str, str, Callable[[], Any]]]
     full = np.ones((chambers, chambers), np.bool_)
     yield "fill", "fill", partial(np.ones, (2 * chambers + 1) ** 2, np.bool_)
     for name in METHODS:
-        yield name, "tree", partial(grow, RandomStream(seed), full, name, compiled=True)
+        yield name, "tree", partial(grow, RandomStream(seed), full, name)
         yield name, "grid", partial(_grid, name, chambers, seed)
         yield name, "world", partial(_world, name, side, seed)
 
@@ -147,7 +146,7 @@ def measure(sizes: list[int], rounds: int) -> dict[str, dict[int, dict[str, floa
             for name, case, make in _cases(side, turn):
                 rate = _rate(side, _seconds(make))
                 rates = best.setdefault(name, {}).setdefault(side, {})
-                rates[case] = max(rate, rates.get(case, 0.0)) if turn > 0 else 0.0  # the first only compiles
+                rates[case] = max(rate, rates.get(case, 0.0)) if turn > 0 else 0.0  # the first only warms up
     return best
 
 
@@ -191,7 +190,7 @@ def peak_memory(name: str, side: int) -> dict[str, float]:
 
 
 def _take(name: str, side: int) -> None:
-    _grid(name, 40, 1)  # what the compiler takes does not count
+    _grid(name, 40, 1)  # what is loaded at first use does not count
     before = _status("VmRSS")
     begin = time.process_time()
     grid = _grid(name, (side - 1) // 2, 1)

@@ -2,8 +2,6 @@
 
 import itertools
 import math
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -16,9 +14,7 @@ import worldgen.families.maze
 from tests.helpers.turned_worlds import mirrored, scaled, turned
 from tests.worldgen.test_difficulty import drawn
 from worldgen.difficulty import METRICS, measure
-from worldgen.difficulty import bottleneck as bottleneck_module
 from worldgen.difficulty import junctions as junctions_module
-from worldgen.difficulty import nodes as nodes_module
 from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.difficulty.nodes import nodes_of, squared_distances
 from worldgen.difficulty.pockets import pockets
@@ -217,28 +213,11 @@ def test_squared_distances_are_those_to_the_nearest_mark(height, width, data):
     assert np.array_equal(squared_distances(marks), expected)
 
 
-@pytest.mark.parametrize("name", ["maze", "forest", "cave"])
-def test_large_and_small_worlds_are_measured_alike(monkeypatch, name):
-    world = generate(name, 2)
-    plain = measure(world)
-    for module, limit in ((nodes_module, "SMALL"), (nodes_module, "_BRUTE"), (bottleneck_module, "_MOST_PLAIN")):
-        monkeypatch.setattr(module, limit, 0)
-    assert measure(world) == plain
-
-
 def test_samples_lie_in_the_middle_of_equal_parts():
     world = drawn("#######", "#S...G#", "#######")
     samples = samples_of(way_of(world, world.certificate))
     assert samples.x.tolist() == [1.75 + 0.5 * k for k in range(8)]
     assert samples.weight.tolist() == [0.5] * 8
-
-
-def test_a_small_world_is_measured_without_numba():
-    code = (
-        "import sys; from worldgen import generate; from worldgen.difficulty import measure;"
-        "measure(generate('rooms', 1)); assert 'numba' not in sys.modules"
-    )
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_places_in_each_others_discs_are_one_decision():

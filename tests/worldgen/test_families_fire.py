@@ -1,7 +1,6 @@
 """Fire: it spreads from cell to cell, closes and opens ways, and leaves the robot a chance."""
 
 import dataclasses
-from unittest import mock
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 from worldgen.errors import InvalidParameter
-from worldgen.families import _routes
 from worldgen.families._routes import free_windows, shortest_way
 from worldgen.families.fire import FIREBREAK, fire
 from worldgen.family import stream_for
@@ -49,17 +47,6 @@ def in_the_end(world):
     for event in world.timeline:
         walls[event.iy, event.ix] = event.state == CellState.SOLID
     return dataclasses.replace(world, walls=walls, timeline=Timeline())
-
-
-@given(SEEDS, OVER)
-@settings(max_examples=20)
-def test_a_compiled_search_finds_the_same_way(seed, over):
-    world = layout(seed, over=over)
-    windows = free_windows(world.walls, 2, 2)
-    start, goal = (int(cells) for cells in np.flatnonzero(windows)[[0, -1]])
-    plain = shortest_way(windows, start, goal)
-    with mock.patch.object(_routes, "COMPILE_FROM", 0):
-        assert shortest_way(windows, start, goal) == plain
 
 
 @given(SEEDS, OVER)

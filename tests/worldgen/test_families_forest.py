@@ -10,14 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from tests.reference.worldgen import planting
 from worldgen.errors import InvalidParameter
-from worldgen.families import _planting
 from worldgen.families._open_ground import in_sight
-from worldgen.families._planting import disc_cells, plant
+from worldgen.families._planting import disc_cells, put_down
 from worldgen.families.forest import forest
 from worldgen.family import stream_for
 from worldgen.generation import generate
-from worldgen.random_streams import RandomStream
 
 SEEDS = st.integers(0, 2**64 - 1)
 GROWTHS = st.sampled_from(["even", "thickets", "rows"])
@@ -70,15 +69,24 @@ def test_a_disc_has_its_diameter_and_about_its_area(diameter):
     assert abs(len(cells) - np.pi * diameter**2 / 4) < 1.2 * diameter
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_compiled_planting_is_the_same(monkeypatch, seed):
-    rng, results = RandomStream(seed), []
-    places = np.stack([rng.bits(2000) % np.uint64(50) for _ in range(2)], axis=1).astype(np.int64)
-    kinds = (rng.bits(2000) % np.uint64(4)).astype(np.int64)
-    for limit in (10**9, 0):
-        monkeypatch.setattr(_planting, "COMPILE_FROM", limit)
-        results.append(plant(np.ones((50, 50), bool), places, kinds, range(2, 6), Fraction(3, 2)))
-    assert np.array_equal(*results) and results[0].any()
+@given(st.integers(0, 2**32))
+def test_planting_is_that_of_the_reference(seed):
+    rng = np.random.default_rng(seed)
+    barred = np.ones((30, 30), np.uint8)
+    barred[5:-5, 5:-5] = rng.random((20, 20)) < 0.2
+    places = rng.permutation(np.flatnonzero(barred == 0))
+    kinds = rng.integers(0, 2, len(places))
+    cells = [np.array([0]), np.array([0, 1, 30, 31])]
+    halos = [
+        np.array([0, 1, -1, 30, -30]),
+        np.array([30 * y + x for y in range(-2, 4) for x in range(-2, 4)]),
+    ]
+    plain = bytearray(len(places))
+    tables = []
+    for offsets in (cells, halos):
+        tables += [np.concatenate(offsets).tolist(), np.cumsum([len(each) for each in offsets]).tolist()]
+    planting.put_down(bytearray(barred.tobytes()), plain, places.tolist(), kinds.tolist(), *tables)
+    assert put_down(barred, places, kinds, cells, halos).tobytes() == plain
 
 
 def test_less_density_fells_trunks():

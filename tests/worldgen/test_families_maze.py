@@ -1,5 +1,6 @@
-"""Mazes: uniform where promised, filled, braided as asked, the same compiled or not."""
+"""Mazes: uniform where promised, filled, braided as asked, the same however many words a call gets."""
 
+import dataclasses
 import re
 import subprocess
 import sys
@@ -22,10 +23,8 @@ from worldgen.families._mazes import (
     shape_mask,
     spanning_tree,
 )
-from worldgen.families._mazes.board import AT, LEFT, ROOT, STATE_SIZE, USED, blank_board, inner, links_of_parents
-from worldgen.families._mazes.edges import edge_keys, kruskal, prim
+from worldgen.families._mazes.board import ROOT, links_of_parents
 from worldgen.families._mazes.shapes import LEAST
-from worldgen.families._mazes.walks import FIRST, LOWEST, aldous_broder, backtracker, hunt_and_kill, wilson
 from worldgen.families.maze import maze
 from worldgen.family import stream_for
 from worldgen.generation import generate
@@ -99,40 +98,35 @@ def assert_is_a_tree(links, mask):
     assert not sides[~mask].any()
 
 
+class SameStream(RandomStream):
+    """A stream whose children are itself."""
+
+    def child(self, *labels):
+        return self
+
+
 def test_prim_and_kruskal_find_the_same_lightest_tree_of_the_same_weights():
+    mask = shape_mask("disc", 9)
     for seed in range(20):
-        board, stride = blank_board(shape_mask("disc", 9))
-        words = RandomStream(seed).bits(len(board)).view(np.int64)
-        state = [0] * STATE_SIZE
-        state[LEFT], state[AT] = int((board == 8).sum()) - 1, 5 * stride + 5
-        grown, joined = board.copy(), board.copy()
-        grown[state[AT]] = ROOT
-        prim(words, grown, list(state), stride, [0] * 200)
-        kruskal(edge_keys(words, board, stride), joined, list(state), stride, [0] * len(board))
-        assert np.array_equal(links_of_parents(inner(grown, stride)), inner(joined, stride))
+        grown, joined = (grow(SameStream(seed), mask, name) for name in ("prim", "kruskal"))
+        assert np.array_equal(grown, joined)
 
 
-WALKS = (wilson, aldous_broder, backtracker, hunt_and_kill)
+@pytest.mark.parametrize("words", [1, 16, 1000])
+@pytest.mark.parametrize("algorithm", [name for name in METHODS if METHODS[name].words is METHODS["wilson"].words])
+def test_a_maze_continues_where_its_words_ran_out(monkeypatch, algorithm, words):
+    expected = grow(RandomStream(3), full(9, 9), algorithm)
+    method = dataclasses.replace(METHODS[algorithm], words=lambda columns, rows: words)
+    monkeypatch.setitem(METHODS, algorithm, method)
+    assert np.array_equal(grow(RandomStream(3), full(9, 9), algorithm), expected)
 
 
-def walked(walk, words, at_once):
-    """A 9 x 9 maze, its words handed over so many at a time."""
-    board, stride = blank_board(full(9, 9))
-    state = [0] * STATE_SIZE
-    state[LEFT], state[AT], state[FIRST], state[LOWEST] = 80, 5 * stride + 4, stride + 1, 5 * stride + 4
-    board[state[AT]] = ROOT
-    for begin in range(0, len(words), at_once):
-        state[USED] = 0
-        walk(words[begin : begin + at_once], board, state, stride, [])
-    assert state[LEFT] == 0
-    return board.tolist()
-
-
-@pytest.mark.parametrize("walk", WALKS, ids=lambda walk: walk.__name__)
-def test_a_walk_goes_on_where_its_words_ran_out(walk):
-    for seed in range(30):
-        words = RandomStream(seed).bits(300).view(np.int64).tolist()
-        assert walked(walk, words, 1) == walked(walk, words, 300)
+def test_a_mask_in_two_parts_is_refused():
+    mask = full(5, 5)
+    mask[2] = False
+    for algorithm in FIT_ANY_SHAPE:
+        with pytest.raises(ValueError, match="out of its range"):
+            grow(RandomStream(1), mask, algorithm)
 
 
 @pytest.mark.parametrize("algorithm", ["wilson", "backtracker"])

@@ -17,7 +17,6 @@ from worldgen.cli.main import cli
 from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, OutputError
 from worldgen.grid_file import read_world, write_world
 from worldgen.interop import import_world, place
-from worldgen.interop.place import _flood, _flood_compiled
 from worldgen.interop.place import is_clear as place_is_clear
 from worldgen.reach import check_certificate, decide
 from worldgen.timeline import CellState, Timeline
@@ -159,16 +158,6 @@ def test_placed_ends_can_always_be_joined(walls, radius):
         return
     world = World(walls, Pose(*placed.start), Target(*placed.target, 0.1), 1.0, radius)
     assert decide(world).result == "reachable"
-
-
-@given(hnp.arrays(np.uint8, (6, 8), elements=st.integers(0, 1)))
-def test_the_compiled_flood_equals_its_python_twin(clear):
-    clear = np.pad(clear, 1)
-    found = []
-    for flood in (_flood, _flood_compiled):
-        seen, queue = np.zeros(80, np.uint8), np.zeros(80, np.int32)
-        found.append((*flood(clear.ravel(), 10, 0, 80, 1, seen, queue), seen.tolist(), queue.tolist()))
-    assert found[0] == found[1]
 
 
 def test_a_world_of_ours_keeps_its_places_its_robot_and_its_timeline(tmp_path, run):

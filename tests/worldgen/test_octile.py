@@ -11,7 +11,7 @@ from hypothesis.extra import numpy as hnp
 from tests.helpers.octile_twin import octile_length
 from worldgen.interop import octile
 from worldgen.interop.landmarks import landmark_distances, rounding
-from worldgen.interop.octile import OctileMap, _search, _search_compiled
+from worldgen.interop.octile import OctileMap
 
 
 def drawn(*rows):
@@ -75,21 +75,6 @@ def test_a_diagonal_move_needs_both_cells_beside_it():
     assert solve(drawn("..", ".."), (0, 0), (1, 1)) == (0, 1)
     assert solve(drawn(".#", ".."), (0, 0), (1, 1)) == (2, 0)
     assert solve(drawn(".#", "#."), (0, 0), (1, 1)) == (-1, -1)
-
-
-def test_the_compiled_search_gives_what_its_text_gives():
-    rng = np.random.default_rng(5)
-    walls = rng.random((40, 40)) < 0.3
-    asked = OctileMap(walls)
-    free = np.argwhere(~walls)[:, ::-1]
-    starts, goals = free[rng.integers(0, len(free), (2, 60))]
-    found = asked.lengths(starts, goals)  # more than the interpreter is asked to do
-    joined = found[:, 0] >= 0
-    ends = [(1 + cells[joined, 1]) * 42 + 1 + cells[joined, 0] for cells in (starts, goals)]
-    answers = np.empty((int(joined.sum()), 2), np.int64)
-    _search(asked._jumps, asked._steps, 42, *ends, answers, np.zeros((1, 0)), 0.0)
-    assert np.array_equal(answers, found[joined])
-    assert _search_compiled.__wrapped__ is _search
 
 
 @pytest.mark.parametrize(("start", "goal"), [((0, 1), (1, 1)), ((1, 1), (0, 0))])

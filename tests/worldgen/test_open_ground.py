@@ -1,17 +1,17 @@
-"""Places, steps, digging and sight: compiled as plain, and as plain definitions say."""
+"""Places, steps, digging and sight: as the reference, and as plain definitions say."""
 
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from worldgen.families import _open_ground
+from tests.reference.worldgen import ground as ground_reference
 from worldgen.families._open_ground import components, covered, dig_from, far_poses, in_sight, steps_from
-from worldgen.families._routes import free_windows
+from worldgen.families._routes import free_windows, shortest_way
 from worldgen.random_streams import RandomStream
 
 
@@ -27,17 +27,57 @@ def hardness(seed, side=40):
     return hard
 
 
-@pytest.mark.gate
-@pytest.mark.parametrize("seed", range(4))
-def test_compiled_searches_are_the_same_to_the_bit(monkeypatch, seed):
-    windows, results = ~ground(seed), []
-    for limit in (10**9, 0):
-        monkeypatch.setattr(_open_ground, "COMPILE_FROM", limit)
-        owner, count = components(windows)
-        dug = dig_from(owner, hardness(seed))
-        start = int(np.flatnonzero(windows)[0])
-        results.append([*steps_from(windows, start), owner, np.array([count]), dug.owner, dug.came, dug.depth])
-    assert all(np.array_equal(plain, compiled) for plain, compiled in zip(*results, strict=True))
+@given(st.integers(0, 2**32))
+@settings(max_examples=20)
+def test_steps_are_those_of_the_reference_in_its_order(seed):
+    windows = ~ground(seed, 20)
+    start = int(np.flatnonzero(windows)[0])
+    steps, queue = [-1] * windows.size, [0] * windows.size
+    count = ground_reference.flood(windows.tobytes(), steps, queue, start, windows.shape[1])
+    found, order = steps_from(windows, start)
+    assert found.tolist() == steps
+    assert order.tolist() == queue[:count]
+
+
+@given(st.integers(0, 2**32))
+@settings(max_examples=20)
+def test_a_shortest_path_is_that_of_the_reference(seed):
+    windows = ~ground(seed, 20)
+    places = np.flatnonzero(windows).tolist()
+    start, goal = places[seed % len(places)], places[-1]
+    came, queue = [-1] * windows.size, [0] * windows.size
+    ground_reference.breadth_first(windows.tobytes(), came, queue, start, goal, windows.shape[1])
+    path = shortest_way(windows, start, goal)
+    if came[goal] < 0:
+        assert path == []
+    else:
+        assert path[0] == start
+        assert path[-1] == goal
+        assert [came[place] for place in path[1:]] == path[:-1]
+
+
+@given(st.integers(0, 2**32))
+@settings(max_examples=20)
+def test_digging_is_that_of_the_reference(seed):
+    windows = ~ground(seed, 20)
+    hard = hardness(seed, 20)
+    owner, _ = components(windows)
+    begins = np.flatnonzero(owner >= 0)
+    waits = hard.copy()
+    waits.reshape(-1)[begins] = 1
+    expected = [owner.tolist(), [-1] * owner.size, [0] * owner.size]
+    for begin in begins.tolist():
+        expected[1][begin] = begin
+    queue = begins.tolist() + [0] * (owner.size - len(begins))
+    ground_reference.spread(waits.ravel().tolist(), *expected, queue, len(begins), windows.shape[1])
+    dug = dig_from(owner, hard)
+    assert [dug.owner.tolist(), dug.came.tolist(), dug.depth.tolist()] == expected
+
+
+def test_a_search_that_could_leave_the_grid_is_refused():
+    windows = np.ones((5, 5), bool)
+    with pytest.raises(ValueError, match="too small"):
+        steps_from(windows, 12)
 
 
 @given(st.integers(0, 2**32))

@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from worldgen import _core
+from worldgen.ccall import check, pointer, writable
 from worldgen.difficulty.nodes import Bools
 from worldgen.difficulty.way import Ints
-from worldgen.jit import lazy_kernel
 from worldgen.lattice import UNIT, exact, in_cells
 from worldgen.reach import REACHABLE, decide
 from worldgen.reach.cut import find_chain, rim_cells
@@ -33,7 +34,6 @@ __all__ = ["bottleneck", "narrowest_gap_sq"]
 
 _CLOSE = 1e-7  # share of the radius to which it is found where a pose beside the target's centre may take a larger disc
 _LEAST = 1 / 64  # cell: where the target's centre cannot be reached, smaller discs are not asked for
-_MOST_PLAIN = 400_000  # links that plain Python unites in less time than loading numba takes
 
 
 def bottleneck(world: World, solid: Bools) -> float:
@@ -112,18 +112,19 @@ def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int |
         below: Squared widths that matter.
     """
     cells, number, stride, pad = _rim(solid, below)
-    parent, bit = np.arange(len(cells)), np.zeros(len(cells), np.uint8)
-    plain = len(cells) * (2 * pad) ** 2 <= _MOST_PLAIN
-    tree: tuple[Any, Any] = (parent.tolist(), bit.tolist()) if plain else (parent, bit)
+    ffi, lib = _core.ffi, _core.lib
+    parent = np.arange(len(cells), dtype=np.int64)
+    bit = np.zeros(len(cells), np.uint8)
+    tree = (writable(ffi, parent, np.int64), writable(ffi, bit, np.uint8), len(cells))
+    closed = ffi.new("int64_t *")
     for gap_sq, offsets in _by_gap(below):
         for dx, dy in offsets:
             other = number[(cells[:, 1] + dy) * stride + cells[:, 0] + dx]
             near = np.flatnonzero(other >= 0)
             odd = _crosses(cells[near] - pad, dx, dy, start) ^ _crosses(cells[near] - pad, dx, dy, target)
-            links: tuple[Any, Any, Any] = (near, other[near], odd)
-            if plain:
-                links = (links[0].tolist(), links[1].tolist(), links[2].tolist())
-            if (_unite if plain else _unite_compiled)(*links, *tree):
+            linked = (pointer(ffi, near, np.int64), pointer(ffi, other[near], np.int64), pointer(ffi, odd, np.uint8))
+            check(lib.wg_unite(*linked, len(near), *tree, closed))
+            if closed[0]:
                 return gap_sq
     return None
 
@@ -168,28 +169,3 @@ def _crosses(cells: Ints, dx: int, dy: int, pose: Any) -> npt.NDArray[np.uint8]:
         above = (qy - py) * ex + ey * (px - qx)
         found[close] ^= (astride & ((above > 0) == (ex > 0)) & (above != 0)).astype(np.uint8)
     return found
-
-
-def _unite(ones: Any, others: Any, odd: Any, parent: Any, bit: Any) -> Any:
-    """Unites linked cells; whether a closed chain of odd sum came about. The same text runs plain and compiled."""
-    for k in range(len(ones)):
-        a, b, total = ones[k], others[k], odd[k]
-        while parent[a] != a:
-            bit[a] ^= bit[parent[a]]
-            parent[a] = parent[parent[a]]
-            total ^= bit[a]
-            a = parent[a]
-        while parent[b] != b:
-            bit[b] ^= bit[parent[b]]
-            parent[b] = parent[parent[b]]
-            total ^= bit[b]
-            b = parent[b]
-        if a != b:
-            parent[b] = a
-            bit[b] = total
-        elif total == 1:
-            return True
-    return False
-
-
-_unite_compiled = lazy_kernel(_unite)

@@ -8,18 +8,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from worldgen import _core
+from worldgen.ccall import check, pointer, writable
 from worldgen.difficulty.way import Ints
-from worldgen.jit import lazy_kernel
 from worldgen.lattice import UNIT, radius_in_cells
 from worldgen.reach.lattice_graph import Graph, build_graph
 from worldgen.reach.walls import ExactPoint, Walls
 from worldgen.world import World
 
-__all__ = ["HALF", "SMALL", "Nodes", "nodes_of", "squared_distances"]
+__all__ = ["HALF", "Nodes", "nodes_of", "squared_distances"]
 
 HALF = UNIT // 2  # half a cell in 1/1024 cell
-SMALL = 60_000  # nodes that plain Python looks at in less time than loading numba takes
-_BRUTE = 200_000  # nodes for which NumPy tries row after row
 
 Bools = npt.NDArray[np.bool_]
 
@@ -37,11 +36,6 @@ class Nodes:
     graph: Graph
     walls: Walls
     clearance_sq: Ints
-
-    @property
-    def is_small(self) -> bool:
-        """Whether plain Python is quick enough."""
-        return self.graph.clear.size <= SMALL
 
     def beside(self, point: ExactPoint) -> list[int]:
         """Flat indices of the clear nodes near a point (1/1024 cell) to which the robot may go straight from it."""
@@ -75,64 +69,16 @@ def _in_walls(solid: Bools) -> Bools:
 
 
 def squared_distances(marked: Bools) -> Ints:
-    """Squared distance from each node to the nearest marked one; exact.
+    """Return the squared distance from each node to the nearest marked one; exact.
 
     The nearest point of a cell to a node is a node, so marking the nodes in cells gives distances to cells.
 
     Source: Meijster, Roerdink, Hesselink, "A General Algorithm for Computing Distance Transforms in Linear Time",
-    2000, for all but small grids.
+    2000.
     """
-    height, width = marked.shape
-    far = height + width
-    columns = np.arange(width, dtype=np.int32)
-    left = np.maximum.accumulate(np.where(marked, columns, np.int32(-far)), axis=1)
-    right = np.minimum.accumulate(np.where(marked, columns, np.int32(width + far))[:, ::-1], axis=1)[:, ::-1]
-    beside = np.minimum(np.minimum(columns - left, right - columns), np.int32(far))
-    if marked.size > _BRUTE:
-        found = np.zeros((width, height), np.int32)
-        _columns_compiled(np.ascontiguousarray(beside.T), found)
-        return np.ascontiguousarray(found.T)
-    level = beside * beside
-    best, step = level.copy(), 1
-    while step < height and step * step < best.max():
-        np.minimum(best[step:], level[:-step] + step * step, out=best[step:])
-        np.minimum(best[:-step], level[step:] + step * step, out=best[:-step])
-        step += 1
-    return best
-
-
-def _columns(beside: Any, found: Any) -> None:
-    """Squared distances from the distances along rows; each row here is a column of the grid."""
-    count = beside.shape[1]
-    place, begin = np.zeros(count, np.int64), np.zeros(count, np.int64)
-    for line in range(beside.shape[0]):
-        g = beside[line]
-        top = 0
-        place[0] = 0
-        begin[0] = 0
-        for u in range(1, count):
-            gu = g[u] * g[u]
-            while top >= 0:
-                s, t = place[top], begin[top]
-                if (t - s) * (t - s) + g[s] * g[s] <= (t - u) * (t - u) + gu:
-                    break
-                top -= 1
-            if top < 0:
-                top = 0
-                place[0] = u
-                continue
-            s = place[top]
-            w = 1 + (u * u - s * s + gu - g[s] * g[s]) // (2 * (u - s))
-            if w < count:
-                top += 1
-                place[top] = u
-                begin[top] = w
-        for back in range(count):
-            u = count - 1 - back
-            s = place[top]
-            found[line, u] = (u - s) * (u - s) + g[s] * g[s]
-            if u == begin[top]:
-                top -= 1
-
-
-_columns_compiled = lazy_kernel(_columns)
+    ffi, lib = _core.ffi, _core.lib
+    found: Ints
+    found = np.empty(marked.shape, np.int32)  # type: ignore[assignment]
+    marks = pointer(ffi, np.ascontiguousarray(marked), np.bool_)
+    check(lib.wg_squared_distances(marks, *marked.shape, writable(ffi, found, np.int32)))
+    return found

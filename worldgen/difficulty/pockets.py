@@ -14,15 +14,15 @@ terrain, filled in that order, Barnes, Lehman, Mulla, "Priority-Flood", 2014.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
+from worldgen import _core
+from worldgen.ccall import check, pointer, writable
 from worldgen.difficulty.nodes import HALF, Nodes
-from worldgen.difficulty.way import Way
-from worldgen.jit import lazy_kernel
+from worldgen.difficulty.way import Ints, Way
 from worldgen.reach.disc import Disc
-from worldgen.reach.lattice_graph import neighbour_shifts, nodes_within
+from worldgen.reach.lattice_graph import nodes_within
 
 __all__ = ["pockets"]
 
@@ -60,77 +60,20 @@ def pockets(nodes: Nodes, way: Way, disc: Disc) -> tuple[float, float] | None:
 
 
 def _flooded(
-    nodes: Nodes, places: Any, squared: Any, sources: list[int], begins: list[int], at_start: int
+    nodes: Nodes, places: Ints, squared: Ints, sources: list[int], begins: list[int], at_start: int
 ) -> tuple[int, list[tuple[int, int]]]:
-    """Squared pass of the start, or -1; and (pass, bottom), squared, of the pockets that joined the target's."""
-    size = nodes.graph.clear.size
-    role = np.zeros(size, np.uint8)
+    """Return the squared pass of the start, or -1; and (pass, bottom), squared, of pockets that joined the target's."""
+    ffi, lib = _core.ffi, _core.lib
+    graph = nodes.graph
+    role = np.zeros(graph.clear.size, np.uint8)
     role[begins] = 2
     role[sources] |= 1
-    shifts, corners = neighbour_shifts(nodes.graph.stride)
-    rank = np.full(size, -1, np.int64)
-    rank[places] = np.arange(len(places))
-    parent, bottom = np.full(len(places), -1, np.int64), np.arange(len(places))
-    joined = np.zeros((len(places), 2), np.int64)
-    rasters = (nodes.graph.middle.ravel().view(np.uint8), rank)
-    if nodes.is_small:
-        plain: Any = [raster.tolist() for raster in rasters]
-        pairs: list[int] = [0] * joined.size
-        top, count = _flood(
-            places.tolist(), squared.tolist(), plain[0], plain[1], shifts, corners, at_start, parent.tolist(),
-            bottom.tolist(), role[places].tolist(), pairs,
-        )  # fmt: skip
-        flat = pairs[: 2 * count]
-    else:
-        top, count = _flood_compiled(
-            places, squared, *rasters, np.array(shifts), np.array(corners), at_start, parent, bottom, role[places],
-            joined.ravel(),
-        )  # fmt: skip
-        flat = joined.ravel()[: 2 * count].tolist()
-    return int(top), list(zip(flat[::2], flat[1::2], strict=True))
-
-
-def _flood(
-    places: Any, squared: Any, middle: Any, rank: Any, shifts: Any, corners: Any, at_start: Any,
-    parent: Any, bottom: Any, mark: Any, joined: Any,
-) -> Any:  # fmt: skip
-    """Unites the points in the order of their distance; the same text runs plain and compiled.
-
-    ``mark`` of a root has bit 1 if its set holds the target, bit 2 if the robot can step into it from the start. Stops
-    beyond the pass of the start. Returns it, squared, or -1; and how many pairs stand in ``joined``.
-    """
-    top, count = -1, 0
-    for r in range(len(places)):
-        level = squared[r]
-        if top >= 0 and level > top:
-            break
-        parent[r] = r
-        root = r
-        place = places[r]
-        for direction in range(8):
-            other = rank[place + shifts[direction]]
-            if other < 0 or other >= r or (direction > 3 and middle[place + corners[direction]] == 0):
-                continue
-            while parent[other] != other:
-                parent[other] = parent[parent[other]]
-                other = parent[other]
-            if other == root:
-                continue
-            if (mark[other] ^ mark[root]) & 1:  # what is not the target's is a pocket, with its bottom
-                low = bottom[other] if mark[root] & 1 else bottom[root]
-                if squared[low] < level:
-                    joined[2 * count] = level
-                    joined[2 * count + 1] = squared[low]
-                    count += 1
-            if other > root:
-                other, root = root, other
-            parent[root] = other
-            mark[other] |= mark[root]
-            bottom[other] = min(bottom[other], bottom[root])
-            root = other
-        if top < 0 and mark[root] == 3:
-            top = max(level, at_start)
-    return top, count
-
-
-_flood_compiled = lazy_kernel(_flood)
+    top = ffi.new("int64_t *")
+    pairs = ffi.new("int64_t *")
+    joined = np.empty((len(places), 2), np.int64)
+    order = (pointer(ffi, places, np.int64), pointer(ffi, squared, np.int64), len(places))
+    rasters = (pointer(ffi, np.ascontiguousarray(graph.middle), np.bool_), pointer(ffi, role, np.uint8))
+    found = (top, writable(ffi, joined, np.int64), pairs)
+    check(lib.wg_pockets(*order, *rasters, role.size, graph.stride, at_start, *found))
+    flat = joined[: pairs[0]].tolist()
+    return int(top[0]), [(pass_sq, bottom_sq) for pass_sq, bottom_sq in flat]

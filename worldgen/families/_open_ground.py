@@ -1,23 +1,22 @@
 """Open ground: which places hang together, which lie far apart, and what must be dug to join them.
 
 A place is the first cell of a square window that holds the robot; a step moves the window by one cell. It
-is coarse, but where the window fits, the disc does. Each search is one function over indexable buffers:
-small grounds run it as plain Python on lists, large ones compiled on arrays; both see small integers only.
+is coarse, but where the window fits, the disc does. The searches are in C (worldgen/core/making/ground.c).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from worldgen import _core
+from worldgen.ccall import check, pointer, writable
 from worldgen.families._layout import STEPS
 from worldgen.families._routes import free_windows
 from worldgen.families._sets import joining
-from worldgen.jit import lazy_kernel
 from worldgen.random_streams import RandomStream
 
 __all__ = [
@@ -36,155 +35,34 @@ __all__ = [
 Grid: TypeAlias = npt.NDArray[np.bool_]
 Numbers: TypeAlias = npt.NDArray[np.int32]
 
-# Cells from which compiling pays: of 360,000, two floods and the components took 0.9 s plain; loading numba and
-# the compiled ones takes 0.4 s.
-COMPILE_FROM = 150_000
 FAR, LESS_FAR = (4, 5), (1, 2)  # start and target are at least this share of the longest way from the start apart
 _TRIES = 24  # targets drawn until one is out of sight, then as many less far
 
 
-def flood(windows: Any, steps: Any, queue: Any, start: int, stride: int) -> int:
-    """Counts the steps from a place to all that can be reached, breadth first.
-
-    Args:
-        windows: (n,) 1 where one may be; none on the rim, so that no step leaves the grid.
-        steps: (n,) -1, to be filled.
-        queue: (n,) room for places; in the end those reached, the nearest first.
-        start: Place to begin at.
-        stride: Cells a row.
-
-    Returns:
-        Places reached.
-    """
-    steps[start] = 0
-    queue[0] = start
-    first, count = 0, 1
-    while first < count:
-        at = queue[first]
-        first += 1
-        for way in range(4):
-            if way == 0:
-                there = at + 1
-            elif way == 1:
-                there = at + stride
-            elif way == 2:
-                there = at - 1
-            else:
-                there = at - stride
-            if windows[there] != 0 and steps[there] < 0:
-                steps[there] = steps[at] + 1
-                queue[count] = there
-                count += 1
-    return count
-
-
-def label(windows: Any, owner: Any, queue: Any, stride: int) -> int:
-    """Numbers the components in order of their first places.
-
-    Args:
-        windows: (n,) 1 where one may be; none on the rim.
-        owner: (n,) -1, to be filled with the number of each place's component.
-        queue: (n,) room for places.
-        stride: Cells a row.
-
-    Returns:
-        Components.
-    """
-    found = 0
-    for begin in range(len(windows)):
-        if windows[begin] == 0 or owner[begin] >= 0:
-            continue
-        owner[begin] = found
-        queue[0] = begin
-        first, count = 0, 1
-        while first < count:
-            at = queue[first]
-            first += 1
-            for way in range(4):
-                if way == 0:
-                    there = at + 1
-                elif way == 1:
-                    there = at + stride
-                elif way == 2:
-                    there = at - 1
-                else:
-                    there = at - stride
-                if windows[there] != 0 and owner[there] < 0:
-                    owner[there] = found
-                    queue[count] = there
-                    count += 1
-        found += 1
-    return found
-
-
-def spread(waits: Any, owner: Any, came: Any, depth: Any, queue: Any, count: int, stride: int) -> None:
-    """Lets owners grow over the grid, all at one pace, each place taking as many rounds as it is hard.
-
-    Args:
-        waits: (n,) rounds left until a place is crossed, 0 where none may be; used up.
-        owner: (n,) whose a place is, -1 for nobody's; to be filled.
-        came: (n,) the place from which each was reached; itself at the beginnings.
-        depth: (n,) rounds in which each was reached; 0 at the beginnings.
-        queue: (n,) the beginnings, then room for places.
-        count: Beginnings.
-        stride: Cells a row.
-    """
-    room = len(queue)
-    first = 0
-    while first < count:
-        at = queue[first % room]
-        first += 1
-        if waits[at] > 1:
-            waits[at] -= 1
-            queue[count % room] = at
-            count += 1
-            continue
-        for way in range(4):
-            if way == 0:
-                there = at + 1
-            elif way == 1:
-                there = at + stride
-            elif way == 2:
-                there = at - 1
-            else:
-                there = at - stride
-            if waits[there] != 0 and owner[there] < 0:
-                owner[there] = owner[at]
-                came[there] = at
-                depth[there] = depth[at] + waits[there]
-                queue[count % room] = there
-                count += 1
-
-
-_COMPILED: dict[Callable[..., Any], Callable[..., Any]] = {
-    function: lazy_kernel(function) for function in (flood, label, spread)
-}
-
-
-def _run(function: Callable[..., Any], arrays: list[npt.NDArray[Any]], *numbers: int) -> Any:
-    """Runs a search on flat copies of its arrays, which it fills in place, compiled if they are large."""
-    if arrays[0].size >= COMPILE_FROM:
-        return _COMPILED[function](*(array.reshape(-1) for array in arrays), *numbers)
-    lists = [array.ravel().tolist() for array in arrays]
-    result = function(*lists, *numbers)
-    for array, filled in zip(arrays[1:], lists[1:], strict=True):
-        array.ravel()[:] = filled
-    return result
-
-
 def steps_from(windows: Grid, start: int) -> tuple[Numbers, Numbers]:
-    """Steps from a place to every other, -1 where there is no way; and the places reached, the nearest first."""
-    steps = np.full(windows.size, -1, dtype=np.int32)
-    queue = np.zeros(windows.size, dtype=np.int32)
-    count = _run(flood, [windows.view(np.uint8), steps, queue], int(start), windows.shape[1])
-    return steps, queue[:count]
+    """Return the steps from a place to every other, -1 if no path leads there; and those reached, the nearest first."""
+    ffi, lib = _core.ffi, _core.lib
+    steps = np.empty(windows.size, dtype=np.int32)
+    order = np.empty(windows.size, dtype=np.int32)
+    reached = ffi.new("int64_t *")
+    found = (writable(ffi, steps, np.int32), writable(ffi, order, np.int32), reached)
+    check(lib.wg_steps_from(*_grid(windows), int(start), *found))
+    return steps, order[: reached[0]]
 
 
 def components(windows: Grid) -> tuple[Numbers, int]:
-    """The number of each place's component, -1 where there is none, flat; and how many there are."""
-    owner = np.full(windows.size, -1, dtype=np.int32)
-    queue = np.zeros(windows.size, dtype=np.int32)
-    return owner, int(_run(label, [windows.view(np.uint8), owner, queue], windows.shape[1]))
+    """Return the number of each place's component, -1 where there is none, flat; and how many there are."""
+    ffi, lib = _core.ffi, _core.lib
+    owner = np.empty(windows.size, dtype=np.int32)
+    queue = np.empty(windows.size, dtype=np.int32)
+    count = ffi.new("int64_t *")
+    check(lib.wg_components(*_grid(windows), writable(ffi, owner, np.int32), writable(ffi, queue, np.int32), count))
+    return owner, int(count[0])
+
+
+def _grid(windows: Grid) -> tuple[Any, int, int]:
+    """Return a grid as the core takes it: its places, how many, and how many in a row."""
+    return pointer(_core.ffi, np.ascontiguousarray(windows), np.bool_), windows.size, windows.shape[1]
 
 
 @dataclass(frozen=True)
@@ -216,15 +94,14 @@ def dig_from(owner: Numbers, hard: npt.NDArray[np.uint8]) -> Dug:
         owner: (n,) whose a place is, -1 for nobody's.
         hard: Rounds that a place takes, shaped like the grid; 0 where none may be, as on the rim.
     """
-    begins = np.flatnonzero(owner >= 0).astype(np.int32)
+    ffi, lib = _core.ffi, _core.lib
     owner = owner.copy()
-    came, depth = np.full(owner.size, -1, dtype=np.int32), np.zeros(owner.size, dtype=np.int32)
-    came[begins] = begins
-    queue = np.zeros(owner.size, dtype=np.int32)
-    queue[: len(begins)] = begins
+    came = np.empty(owner.size, dtype=np.int32)
+    depth = np.empty(owner.size, dtype=np.int32)
+    queue = np.empty(owner.size, dtype=np.int32)
     waits = hard.copy()
-    waits.reshape(-1)[begins] = 1
-    _run(spread, [waits, owner, came, depth, queue], len(begins), hard.shape[1])
+    found = [writable(ffi, array, np.int32) for array in (owner, came, depth, queue)]
+    check(lib.wg_dig(writable(ffi, waits, np.uint8), waits.size, hard.shape[1], *found))
     return Dug(owner, came, depth)
 
 

@@ -1,26 +1,21 @@
-"""Puts round things down at random until none fits any more, every two a least gap apart.
-
-The planter is one function over indexable buffers: small squares run it as plain Python on lists, large
-ones compiled on arrays; both see small integers only.
-"""
+"""Put round things down at random until none fits any more, every two a least gap apart."""
 
 from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.families._routes import COMPILE_FROM
-from worldgen.jit import lazy_kernel
+from worldgen import _core
+from worldgen.ccall import check, pointer, writable
 
-__all__ = ["disc_cells", "plant"]
+__all__ = ["disc_cells", "plant", "put_down"]
 
 
 def disc_cells(diameter: int) -> npt.NDArray[np.int64]:
-    """Cells of a disc, rows (dx, dy): those whose centre is in it.
+    """Return the cells of a disc, rows (dx, dy): those whose centre is in it.
 
     An odd disc's centre is the centre of cell (0, 0), an even one's the lower left corner of it.
     """
@@ -33,7 +28,7 @@ def disc_cells(diameter: int) -> npt.NDArray[np.int64]:
 
 
 def _halo(cells: npt.NDArray[np.int64], gap: Fraction) -> npt.NDArray[np.int64]:
-    """Cells less than a gap from one of a disc's, those themselves included, rows (dx, dy)."""
+    """Return the cells less than a gap from one of a disc's, those themselves included, rows (dx, dy)."""
     limit = math.ceil(gap * gap) - 1  # squares of whole numbers below gap * gap are at most this
     reach = math.isqrt(limit) + 1
     rows = {int(dy): (int(dx.min()), int(dx.max())) for dy in set(cells[:, 1]) for dx in [cells[cells[:, 1] == dy, 0]]}
@@ -50,39 +45,6 @@ def _halo(cells: npt.NDArray[np.int64], gap: Fraction) -> npt.NDArray[np.int64]:
     return np.concatenate(pieces)
 
 
-def put_down(
-    barred: Any, stands: Any, places: Any, kinds: Any, cells: Any, cell_ends: Any, halos: Any, ends: Any
-) -> None:
-    """Visits places in turn and puts a thing down wherever none of its cells is barred.
-
-    Args:
-        barred: (n,) 1 where no cell of a thing may be; grows with every thing put down.
-        stands: (m,) to be filled: 1 where the thing of that turn stands.
-        places: (m,) where to try.
-        kinds: (m,) what to try there.
-        cells: Offsets of the cells of all kinds, one kind after the other.
-        cell_ends: Where each kind's offsets end.
-        halos: Likewise the offsets that a thing bars.
-        ends: Where these end.
-    """
-    for turn in range(len(places)):
-        at, kind = places[turn], kinds[turn]
-        if barred[at] != 0:
-            continue
-        fits = True
-        for k in range(cell_ends[kind - 1] if kind > 0 else 0, cell_ends[kind]):
-            if barred[at + cells[k]] != 0:
-                fits = False
-                break
-        if fits:
-            stands[turn] = 1
-            for k in range(ends[kind - 1] if kind > 0 else 0, ends[kind]):
-                barred[at + halos[k]] = 1
-
-
-_put_down_compiled = lazy_kernel(put_down)
-
-
 def plant(
     free: npt.NDArray[np.bool_],
     places: npt.NDArray[np.int64],
@@ -90,7 +52,7 @@ def plant(
     diameters: range,
     gap: Fraction,
 ) -> npt.NDArray[np.bool_]:
-    """Which turns put a disc down: (m,) bool.
+    """Return which turns put a disc down: (m,) bool.
 
     Args:
         free: Cells that a disc may cover.
@@ -108,14 +70,36 @@ def plant(
     barred = np.pad(~free, margin, constant_values=True).astype(np.uint8)
     stride = barred.shape[1]
     at = (places[:, 1] + margin) * stride + places[:, 0] + margin
-    tables: list[npt.NDArray[Any]] = [at, kinds]
-    for offsets in (shapes, halos):
-        tables.append(np.concatenate([each[:, 1] * stride + each[:, 0] for each in offsets]))
-        tables.append(np.cumsum([len(each) for each in offsets]))
-    stands = np.zeros(len(places), dtype=np.uint8)
-    if len(places) >= COMPILE_FROM:
-        _put_down_compiled(barred.reshape(-1), stands, *tables)
-        return stands.view(np.bool_)
-    plain = bytearray(len(places))
-    put_down(bytearray(barred.tobytes()), plain, *(table.tolist() for table in tables))
-    return np.frombuffer(plain, dtype=np.bool_)
+    offsets = [[each[:, 1] * stride + each[:, 0] for each in kind] for kind in (shapes, halos)]
+    return put_down(barred, at, kinds, *offsets)
+
+
+def put_down(
+    barred: npt.NDArray[np.uint8],
+    places: npt.NDArray[np.int64],
+    kinds: npt.NDArray[np.int64],
+    cells: list[npt.NDArray[np.int64]],
+    halos: list[npt.NDArray[np.int64]],
+) -> npt.NDArray[np.bool_]:
+    """Visit places in turn and put a thing down wherever none of its cells is barred.
+
+    Args:
+        barred: 1 where no cell of a thing may be; grows with every thing put down.
+        places: (m,) where to try, flat.
+        kinds: (m,) what to try there.
+        cells: Offsets of the cells of each kind.
+        halos: Offsets that a thing of each kind bars.
+
+    Returns:
+        (m,) where the thing of that turn stands.
+    """
+    ffi, lib = _core.ffi, _core.lib
+    turns = [pointer(ffi, np.ascontiguousarray(numbers), np.int64) for numbers in (places, kinds)]
+    tables = []
+    for offsets in (cells, halos):
+        ends = np.cumsum([len(each) for each in offsets])
+        tables += [pointer(ffi, np.concatenate(offsets), np.int64), pointer(ffi, ends, np.int64)]
+    stands = np.zeros(len(places), dtype=np.bool_)
+    grid = (writable(ffi, barred, np.uint8), barred.size)
+    check(lib.wg_plant(*grid, *turns, len(places), *tables, len(cells), writable(ffi, stands, np.bool_)))
+    return stands

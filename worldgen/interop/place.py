@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from worldgen import _core
+from worldgen.ccall import check, pointer, writable
 from worldgen.errors import InvalidWorld
-from worldgen.jit import lazy_kernel
 from worldgen.lattice import (
     UNIT,
     exact,
@@ -32,7 +33,6 @@ from worldgen.reach.walls import Walls, point_box_sq
 __all__ = ["Placement", "heading_towards", "is_clear", "place"]
 
 _HALF = UNIT // 2
-_SMALL = 200_000  # places that plain Python floods in less time than loading numba takes
 _ROOMY = (Fraction(2), Fraction(3, 2), Fraction(5, 4))  # radii of room round a placed end, the widest first
 _FAR = 0.5  # share of a region that has to be nearer than a placed end with room to turn
 _SCATTERED = 0.5  # share of the clear places below which the largest region is worth a warning
@@ -120,30 +120,28 @@ class _Places:
         self._walls = Walls(walls, cells)
         self.clear = build_graph(walls, cells, 2).clear
         self._stride = int(self.clear.shape[1])
-        size = self.clear.size
-        if size <= _SMALL:
-            self._clear: Any = self.clear.tobytes()
-            self._seen: Any = bytearray(size)
-            self._queue: Any = [0] * size
-            self._run: Any = _flood
-        else:
-            self._clear = self.clear.view(np.uint8).ravel()
-            self._seen, self._queue = np.zeros(size, np.uint8), np.zeros(size, np.int32)
-            self._run = _flood_compiled
+        self._seen = np.zeros(self.clear.size, np.uint8)
+        self._queue = np.zeros(self.clear.size, np.int32)
         self._floods = 0
         self._wider: dict[Fraction, npt.NDArray[np.bool_]] = {}
 
-    def _flood(self, first: int, last: int) -> tuple[int, int, int, int]:
+    def _flood(self, first: int, last: int) -> Any:
+        """Flood every region that has a place in first .. last - 1; the queue is the last one's, in order of steps."""
+        ffi, lib = _core.ffi, _core.lib
         self._floods += 1
-        return self._run(self._clear, self._stride, first, last, self._floods, self._seen, self._queue)  # type: ignore[no-any-return]
+        found = ffi.new("WgRegions *")
+        grid = (pointer(ffi, np.ascontiguousarray(self.clear), np.bool_), self.clear.size, self._stride)
+        work = (writable(ffi, self._seen, np.uint8), writable(ffi, self._queue, np.int32))
+        check(lib.wg_regions(*grid, first, last, self._floods, *work, found))
+        return found
 
     def largest_region(self) -> _Region:
-        root, size, count, total = self._flood(0, self.clear.size)
-        if size == 0:
+        found = self._flood(0, self.clear.size)
+        if found.largest == 0:
             raise InvalidWorld(
                 f"no place in the map is clear for a disc of radius {self._radius:g} m; give a smaller radius"
             )
-        return _Region(root, size, size / total, count)
+        return _Region(found.root, found.largest, found.largest / found.places, found.regions)
 
     def any_of(self, region: _Region, rng: RandomStream) -> int:
         """One of a region's places, all equally likely."""
@@ -155,9 +153,9 @@ class _Places:
 
         A place without room is taken if all that have it are near: a start beside its target tests nothing.
         """
-        _, size, _, _ = self._flood(source, source + 1)
+        size = self._flood(source, source + 1).largest
         nearest = math.ceil(_FAR * size)  # the flood's order is that of the number of steps
-        beyond = np.asarray(self._queue[nearest:size], np.int64)
+        beyond = self._queue[nearest:size].astype(np.int64)
         for times in _ROOMY:
             roomy = np.flatnonzero(self._clear_for(times)[beyond])
             if len(roomy):
@@ -269,43 +267,3 @@ def heading_towards(start: _Point, target: _Point) -> float:
     """The heading from start to target, on the heading lattice; 0 where they coincide."""
     angle = math.atan2(float(exact(target[1]) - exact(start[1])), float(exact(target[0]) - exact(start[0])))
     return heading_from_lattice(heading_to_lattice(angle))
-
-
-def _flood(clear: Any, stride: Any, first: Any, last: Any, stamp: Any, seen: Any, queue: Any) -> Any:
-    """Floods every region that has a place in first .. last - 1; the same text runs in Python and compiled.
-
-    ``seen`` gets ``stamp`` at every place reached; ``queue`` ends with the last region flooded, in order of
-    steps from its root. Returns root and size of the largest region, the number of regions and of places.
-    """
-    best, best_size, regions, total = -1, 0, 0, 0
-    for root in range(first, last):
-        if clear[root] == 0 or seen[root] == stamp:
-            continue
-        seen[root] = stamp
-        queue[0] = root
-        head, tail = 0, 1
-        while head < tail:
-            node = queue[head]
-            head += 1
-            # Places on the rim of the grid are never clear, so a clear one has all four neighbours.
-            for direction in range(4):
-                if direction == 0:
-                    other = node + 1
-                elif direction == 1:
-                    other = node + stride
-                elif direction == 2:
-                    other = node - 1
-                else:
-                    other = node - stride
-                if clear[other] != 0 and seen[other] != stamp:
-                    seen[other] = stamp
-                    queue[tail] = other
-                    tail += 1
-        regions += 1
-        total += tail
-        if tail > best_size:
-            best, best_size = root, tail
-    return best, best_size, regions, total
-
-
-_flood_compiled = lazy_kernel(_flood)

@@ -2,8 +2,7 @@
 
 Contents:
     board: what the numbers on a growing board and in its links mean.
-    walks, edges, row_by_row: the algorithms.
-    grow: runs them, in plain Python or compiled.
+    grow: runs the algorithms, which are in C (worldgen/core/making).
     shapes: masks with a name.
     openings: second ways out of dead ends, open rooms.
     cells: links to solid cells.

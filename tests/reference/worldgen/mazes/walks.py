@@ -12,19 +12,13 @@ Args of each:
     scratch: Not used here.
 """
 
-from __future__ import annotations
-
-from typing import Any
-
-from worldgen.families._mazes.board import AT, FREE, LEFT, OUTSIDE, USED
-
-__all__ = ["FIRST", "LOWEST", "aldous_broder", "backtracker", "hunt_and_kill", "wilson"]
+from tests.reference.worldgen.mazes.board import AT, FREE, LEFT, OUTSIDE, USED
 
 LOWEST = 4  # state of the hunt: no chamber of the maze comes before it
 FIRST = 3  # state: before it, every chamber is in the maze (hunt), or every walk is done (Wilson)
 
 
-def wilson(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def wilson(words, board, state, stride, scratch):
     """Loop-erased random walks from each chamber to the maze so far: every spanning tree equally likely.
 
     ``state[FIRST]`` is where the present walk began.
@@ -58,7 +52,7 @@ def wilson(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> Non
     state[LEFT] = 0
 
 
-def aldous_broder(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def aldous_broder(words, board, state, stride, scratch):
     """One random walk; each chamber keeps the way by which it was first entered: every tree equally likely.
 
     Sources: David J. Aldous, "The random walk construction of uniform spanning trees and uniform labelled
@@ -80,7 +74,7 @@ def aldous_broder(words: Any, board: Any, state: Any, stride: int, scratch: Any)
     state[AT], state[USED], state[LEFT] = at, used, left
 
 
-def backtracker(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def backtracker(words, board, state, stride, scratch):
     """Digs to random free neighbours, and where there is none goes back along its own way.
 
     The way back is on the board, so there is neither recursion nor a stack.
@@ -113,7 +107,7 @@ def backtracker(words: Any, board: Any, state: Any, stride: int, scratch: Any) -
     state[AT], state[USED], state[LEFT] = at, used, left
 
 
-def hunt_and_kill(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def hunt_and_kill(words, board, state, stride, scratch):
     """Digs at random until it is stuck, then hunts, row by row, for a free chamber beside the maze.
 
     ``state[FIRST]``: no free chamber comes before it. ``state[LOWEST]``: nor any of the maze before this.

@@ -9,16 +9,9 @@ A key is a weight, then the number of an edge, in one number of 63 bits; an edge
 its lower or left chamber, and one more if it leads north.
 """
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
-from worldgen.families._mazes.board import AT, FREE, LEFT, USED
-
-__all__ = ["NEWEST", "OLDEST", "SHARE", "edge_keys", "growing_tree", "kruskal", "prim"]
+from tests.reference.worldgen.mazes.board import AT, FREE, LEFT, USED
 
 EDGE = (1 << 31) - 1  # the edge's number in a key
 WEIGHT_BITS = 32
@@ -31,7 +24,7 @@ ALIVE = 7  # entries of it that still are active
 SHARE = 1 << 16
 
 
-def edge_keys(words: npt.NDArray[np.int64], board: npt.NDArray[np.int8], stride: int) -> npt.NDArray[np.int64]:
+def edge_keys(words, board, stride):
     """Keys of all edges between chambers, the lightest first.
 
     Args:
@@ -50,7 +43,7 @@ def edge_keys(words: npt.NDArray[np.int64], board: npt.NDArray[np.int8], stride:
     return keys
 
 
-def kruskal(keys: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def kruskal(keys, board, state, stride, scratch):
     """Takes the edges from the lightest on, and keeps those that join what is not yet joined.
 
     Args:
@@ -87,7 +80,7 @@ def kruskal(keys: Any, board: Any, state: Any, stride: int, scratch: Any) -> Non
     state[LEFT] = 0
 
 
-def prim(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def prim(words, board, state, stride, scratch):
     """Grows from one chamber by the lightest edge that leads out of the maze so far.
 
     Args:
@@ -142,7 +135,7 @@ def prim(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
     state[LEFT] = 0
 
 
-def growing_tree(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def growing_tree(words, board, state, stride, scratch):
     """Digs from the newest, the oldest or any chamber of a list; one that has no free neighbour leaves the list.
 
     Each word is one try: 16 bits choose the rule, 16 the neighbour, 32 the entry. A number that would favour some

@@ -11,19 +11,13 @@ Args of each:
     scratch: Room for work, as each kernel says.
 """
 
-from __future__ import annotations
-
-from typing import Any
-
-from worldgen.families._mazes.board import AT, EAST, LEFT, NORTH, USED
-
-__all__ = ["COLUMN", "STACKED", "binary_tree", "eller", "recursive_division", "sidewinder"]
+from tests.reference.worldgen.mazes.board import AT, EAST, LEFT, NORTH, USED
 
 COLUMN = 3  # state of the sidewinder: how far it is in its row, which begins at AT
 STACKED = 3  # state of the recursive division: how many rectangles wait
 
 
-def eller(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def eller(words, board, state, stride, scratch):
     """Joins neighbours of a row at random unless they are joined already, then goes up once or more from each set.
 
     Two bits a chamber: whether to join it to the next, and whether to go up. The sets of a row never cross, so
@@ -78,7 +72,7 @@ def eller(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None
     state[LEFT] = 0
 
 
-def sidewinder(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def sidewinder(words, board, state, stride, scratch):
     """Cuts each row into runs and opens one chamber of each run upwards; the last row is one run.
 
     Each word is one run: after each chamber a bit says whether the run ends, and the upper half chooses the way up,
@@ -111,7 +105,7 @@ def sidewinder(words: Any, board: Any, state: Any, stride: int, scratch: Any) ->
         state[LEFT] = 0
 
 
-def binary_tree(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def binary_tree(words, board, state, stride, scratch):
     """Opens each chamber east or up, at even chance; one bit a chamber. ``scratch`` is not used.
 
     Source: Jamis Buck, "Mazes for Programmers", 2015, chapter 1.
@@ -128,7 +122,7 @@ def binary_tree(words: Any, board: Any, state: Any, stride: int, scratch: Any) -
     state[LEFT] = 0
 
 
-def recursive_division(words: Any, board: Any, state: Any, stride: int, scratch: Any) -> None:
+def recursive_division(words, board, state, stride, scratch):
     """Cuts a rectangle in two by a wall with one door, across its longer side, and then each part likewise.
 
     What is one chamber wide is a corridor. Each word is one cut: a bit for the side, where the sides are equal, 31

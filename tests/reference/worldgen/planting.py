@@ -1,0 +1,29 @@
+"""Planting in plain Python: what worldgen/core/making/planting.c does."""
+
+
+def put_down(barred, stands, places, kinds, cells, cell_ends, halos, ends):
+    """Visits places in turn and puts a thing down wherever none of its cells is barred.
+
+    Args:
+        barred: (n,) 1 where no cell of a thing may be; grows with every thing put down.
+        stands: (m,) to be filled: 1 where the thing of that turn stands.
+        places: (m,) where to try.
+        kinds: (m,) what to try there.
+        cells: Offsets of the cells of all kinds, one kind after the other.
+        cell_ends: Where each kind's offsets end.
+        halos: Likewise the offsets that a thing bars.
+        ends: Where these end.
+    """
+    for turn in range(len(places)):
+        at, kind = places[turn], kinds[turn]
+        if barred[at] != 0:
+            continue
+        fits = True
+        for k in range(cell_ends[kind - 1] if kind > 0 else 0, cell_ends[kind]):
+            if barred[at + cells[k]] != 0:
+                fits = False
+                break
+        if fits:
+            stands[turn] = 1
+            for k in range(ends[kind - 1] if kind > 0 else 0, ends[kind]):
+                barred[at + halos[k]] = 1
