@@ -115,8 +115,8 @@ FAULTS = (
     ),
     Fault(
         "fleet-in-transit", "robots in lockstep do what each does alone",
-        "sim/fleet_run.py", "fleet.counts[robots], fleet.sums[robots] = again.counts, again.sums",
-        "fleet.sums[robots] = again.sums",
+        "sim/fleet_run.py", "        reports[unproved] = again[0]\n",
+        "        reports[unproved] = again[0][::-1]\n",
         ("tests/sim/test_vector_controllers.py",),
     ),
     Fault(
