@@ -1,4 +1,4 @@
-"""The core's controllers against their plain Python: the same commands and memories, bit for bit, on any observations."""
+"""The core's controllers against their plain Python: the same bits, on any observations."""
 
 import math
 
