@@ -28,7 +28,7 @@ __all__ = ["WAYS", "Row", "look_for"]
 WAYS = {
     "compiled": "fuzz.faults:",
     "class": "fuzz.faults.as_classes:",
-    "interpreted": "fuzz.faults.as_classes:plain_",
+    "interpreted": "tests.reference.fuzz.as_classes:",
 }
 """How a fault's controller is brought, and how its name begins then."""
 

@@ -9,7 +9,7 @@ time, but for those of several threads or processes, which are per second of wal
 counts. Cases and
 peers take turns in every round, so that other work on the machine hits all alike.
 
-Two peers are C of our own (``peers/plain_disc.c``), compiled where there is a compiler: a disc that drives through the
+Two peers are C of our own (``peers/plain_disc.c``): a disc that drives through the
 maze without a lattice, a verdict or a search for loops. ``plain C`` is always under way, which is what a simulator is
 measured by; ``plain C, bouncer`` turns on the spot as the cases do.
 """
@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import argparse
 import ctypes
+import functools
 import importlib
 import json
 import math
@@ -37,6 +38,7 @@ import shapely
 
 from build_tools.cores import compiler
 from sim import Command, Commands, CompiledController, ProcessController, RobotOptions, RunOptions, simulate_many
+from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare
 from sim.kernels import layout
 from sim.lattice_core import MOST_CORNERS, SENSES, STATE_WORDS, ffi
@@ -63,6 +65,24 @@ def _act(observation: Any, memory: Any, command: Any) -> None:
 
 
 BOUNCER = CompiledController("bouncer", _act, (0.0,), 2.0, randomised=True, senses=("bump", "random"))
+"""The bouncer as a function that numba compiles."""
+
+
+@functools.cache
+def _built() -> tempfile.TemporaryDirectory[str]:
+    """Return a folder with the C of the benchmark, compiled; it goes with the process."""
+    here = Path(__file__).parent
+    folder = tempfile.TemporaryDirectory()
+    for source in (here / "bouncer.c", here / "peers" / "plain_disc.c"):
+        made = Path(folder.name, source.stem).with_suffix(".so")
+        flags = ["-std=c17", "-O3", "-fPIC", "-shared", f"-I{here.parent / 'sim' / 'include'}"]
+        subprocess.run([*compiler(), *flags, str(source), "-o", str(made), "-lm"], check=True)
+    return folder
+
+
+def in_c(name: str = "bouncer") -> Controller:
+    """Return the bouncer in C, or ``eyes``, which has range beams too."""
+    return CONTROLLERS.get(f"lib:{_built().name}/bouncer.so:{name}")
 
 
 @dataclass(frozen=True)
@@ -135,10 +155,10 @@ def _many(workers: int) -> Callable[[], Rate]:
 
     def once() -> Rate:
         begin = time.perf_counter()
-        runs = simulate_many(world, BOUNCER, seeds=512, steps=5_000, workers=workers)
+        runs = simulate_many(world, in_c(), seeds=512, steps=5_000, workers=workers)
         return int(runs.steps.sum()), time.perf_counter() - begin
 
-    simulate_many(world, BOUNCER, seeds=1, steps=10)
+    simulate_many(world, in_c(), seeds=1, steps=10)
     return once
 
 
@@ -162,15 +182,15 @@ def _fleet() -> Rate:
 
 
 def _beams() -> Callable[[], Rate]:
-    eyes = CompiledController("eyes", _act, (0.0,), 2.0, randomised=True, senses=("bump", "random", "beams"))
-    return _run(maze(), eyes, 200_000, robot=RobotOptions(beams=36, beam_range=2.0))
+    return _run(maze(), in_c("eyes"), 200_000, robot=RobotOptions(beams=36, beam_range=2.0))
 
 
 CASES: dict[str, Callable[[], Callable[[], Rate]]] = {
-    "swept, compiled controller": lambda: _run(maze(), BOUNCER, 2_000_000),
-    "the same in a 2000 x 2000 world": lambda: _run(hall(2000), BOUNCER, 1_000_000),
+    "swept, compiled controller": lambda: _run(maze(), in_c(), 2_000_000),
+    "the same compiled by numba": lambda: _run(maze(), BOUNCER, 2_000_000),
+    "the same in a 2000 x 2000 world": lambda: _run(hall(2000), in_c(), 1_000_000),
     "the same with 36 beams": _beams,
-    "endpoint, compiled controller": lambda: _run(maze(), BOUNCER, 2_000_000, motion="endpoint"),
+    "endpoint, compiled controller": lambda: _run(maze(), in_c(), 2_000_000, motion="endpoint"),
     "stepped, the thesis's robot": lambda: _run(maze(), "turn-random", 500_000, motion="stepped"),
     "swept, Python class": lambda: _run(maze(), Bouncer(), 20_000),
     "swept, vector class, 1024 robots": lambda: _fleet,
@@ -202,29 +222,12 @@ def _boxes(world: World) -> list[tuple[float, float, float, float]]:
     return found
 
 
-def _plain_c(work: Path) -> ctypes.CDLL:
-    """Compile the plain disc.
-
-    Raises:
-        ImportError: If there is no compiler.
-    """
-    source = Path(__file__).parent / "peers" / "plain_disc.c"
-    library = work / "plain_disc.so"
-    try:
-        command = [*compiler(), "-std=c17", "-O3", "-fPIC", "-shared", str(source), "-o", str(library), "-lm"]
-    except RuntimeError as error:
-        raise ImportError(str(error)) from error
-    subprocess.run(command, check=True)
-    return ctypes.CDLL(str(library))
-
-
 def _plain(name: str) -> Callable[[], Rate]:
     """A function of the plain disc, in the maze of the cases; lengths are cells."""
     world, steps = maze(), 2_000_000
     side = world.cell_size
     cells = np.ascontiguousarray(world.walls, np.uint8)
-    with tempfile.TemporaryDirectory() as folder:
-        function = _plain_c(Path(folder))[name]
+    function = ctypes.CDLL(f"{_built().name}/plain_disc.so")[name]
     function.restype = ctypes.c_double
     pose = (world.start.x / side, world.start.y / side, world.robot_radius / side, 0.03 / side)
     grid = (ctypes.c_void_p(cells.ctypes.data), ctypes.c_int64(world.width), ctypes.c_int64(world.height))
@@ -355,8 +358,8 @@ def measure(rounds: int) -> tuple[dict[str, float], list[str]]:
 def _first_call() -> dict[str, float]:
     """Seconds until a new process has simulated its first step: with an empty cache of kernels, and with a full one."""
     code = (
-        "from benchmarks.simulator import BOUNCER, maze; from sim.episode import prepare; from sim import RunOptions;"
-        "prepare(maze(), BOUNCER, RunOptions()).run(1, find_loop=True, record=False)"
+        "from sim import simulate; from worldgen import generate;"
+        "simulate(generate('maze', seed=3, size=60), 'turn-right', steps=1)"
     )
     with tempfile.TemporaryDirectory() as cache:
         took = []

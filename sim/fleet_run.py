@@ -10,23 +10,22 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from sim._core import ffi, lib
 from sim.controllers.base import VectorController
 from sim.controllers.contract import flat_memory
 from sim.controllers.vector import Asker
-from sim.kernels import layout
-from sim.kernels._bridge import reports_of, settings_of
-from sim.kernels.lattice_fleet import CLOCK_SIZE, Fleet, fleet_act, fleet_entries, fleet_move, fleet_set_out
-from sim.kernels.lattice_state import new_robot
-from sim.kernels.recurrence import MARKS, new_search
+from sim.lattice_core import REPORT, SENSES, Driver
 from sim.lattice_run import LatticeRun
 from sim.python_loop import hidden_state
 from sim.stopping import OutOfTime
+from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import UNIT
 
 __all__ = ["ControllerRaised", "FleetRun", "its_own_fault"]
 
 Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
+Reports = npt.NDArray[Any]
 
 
 class FleetRun:
@@ -68,111 +67,151 @@ class FleetRun:
                 found = self._run(digest)
             except ControllerRaised:
                 return None
-        return reports_of(*found) if hidden_state(self._controller) == before else None
+        return found if hidden_state(self._controller) == before else None
 
-    def _run(self, digest: bool) -> tuple[Ints, Floats]:
+    def _run(self, digest: bool) -> Reports:
         can_loop = np.array([run.can_loop for run in self._runs])[self._world]
         budgets = np.array([run.options.steps for run in self._runs])[self._world]
-        fleet = self._fleet(np.arange(len(self._world)), budgets, np.where(can_loop, layout.SEEK_LOOP, layout.NO_LOOP))
-        self._drive(fleet, digest=digest)
+        everyone = np.arange(len(self._world))
+        find_loop = np.where(can_loop, int(lib.WG_SEEK_LOOP), int(lib.WG_NO_LOOP))
+        reports, entries = self._drive(everyone, budgets, find_loop, np.zeros_like(everyone), digest=digest)
 
         # Loops are run again, up to the end of their first period, which also proves them.
-        looped = np.flatnonzero(fleet.counts[:, layout.OUT_ENDING] == layout.LOOP)
-        entries = np.zeros(len(looped), np.int64)
-        fleet_entries(fleet, looped, entries)
-        self._again(
-            fleet, looped, entries + fleet.counts[looped, layout.OUT_PERIOD], layout.PROVE_LOOP, entries, digest
-        )
+        looped = np.flatnonzero(reports["ending"] == int(lib.WG_LOOP))
+        ends = entries[looped] + reports["period"][looped]
+        prove = np.full(len(looped), int(lib.WG_PROVE_LOOP))
+        reports[looped] = self._drive(looped, ends, prove, entries[looped], digest=digest)[0]
 
         # Where two different states had one fingerprint, the budget counts.
-        unproved = looped[fleet.counts[looped, layout.OUT_ENDING] == layout.LIMIT]
-        self._again(fleet, unproved, budgets[unproved], layout.NO_LOOP, np.zeros(len(unproved), np.int64), digest)
-        return fleet.counts, fleet.sums
+        unproved = looped[reports["ending"][looped] == int(lib.WG_LIMIT)]
+        no_loop = np.full(len(unproved), int(lib.WG_NO_LOOP))
+        again = self._drive(unproved, budgets[unproved], no_loop, np.zeros_like(unproved), digest=digest)
+        reports[unproved] = again[0]
+        return reports
 
-    def _again(self, fleet: Fleet, robots: Ints, steps: Ints, find_loop: int, entries: Ints, digest: bool) -> None:
-        """Runs some of the robots again, in other ways, and puts their reports into the fleet."""
-        if len(robots):
-            again = self._fleet(robots, steps, np.full(len(robots), find_loop), entries)
-            self._drive(again, digest=digest)
-            fleet.counts[robots], fleet.sums[robots] = again.counts, again.sums
-
-    def _drive(self, fleet: Fleet, *, digest: bool) -> None:
-        """Steps the robots until each has ended."""
-        fleet.settings[:, layout.SET_DIGEST] = int(digest)
-        count = len(fleet.order)
-        over = np.zeros(count, np.bool_)
-        asker = Asker(self._controller, fleet.observation, fleet.memory, fleet.command)
-        while count:
-            if self._step(fleet, asker, count, over):
-                count = _keep(fleet, ~over[:count])
-
-    def _step(self, fleet: Fleet, asker: Asker, count: int, over: npt.NDArray[np.bool_]) -> int:
-        fleet_move(fleet, count)
-        after = np.empty((count, self._memory.size))
-        with its_own_fault():
-            asker.ask(count, after)
-        return int(fleet_act(fleet, count, after, over))
-
-    def _fleet(self, robots: Ints, steps: Ints, find_loop: Ints, entries: Ints | None = None) -> Fleet:
-        """Robots at their starts.
+    def _drive(
+        self, robots: Ints, steps: Ints, find_loop: Ints, loop_entry: Ints, *, digest: bool
+    ) -> tuple[Reports, Ints]:
+        """Run some robots from their starts until each has ended.
 
         Args:
             robots: (n,) which.
             steps: (n,) of their runs.
-            find_loop: (n,) ``SET_FIND_LOOP``.
-            entries: (n,) ``SET_ENTRY``.
+            find_loop: (n,) WgSettings.find_loop.
+            loop_entry: (n,) WgSettings.loop_entry.
+            digest: Whether to work out the traces' digests.
+
+        Returns:
+            (n,) reports, and (n,) the first steps of loops.
         """
-        runs, world, size = self._runs, self._world[robots], self._memory.size
-        packed = [settings_of(run.settings) for run in runs]
-        arenas, counts = [run.arena() for run in runs], [run.events for run in runs]
-        pages = world if any(map(len, counts)) else np.arange(len(runs))
-        ends = np.cumsum([len(rows) for rows in counts])
-        points = max(len(new_robot(0, rows).chain) for rows in counts)
-        n, beams = len(robots), runs[0].options.robot.beams
-        memory = np.zeros((n, size))
-        search = new_search(layout.STATE_MEMORY + size, 0)
-        log = np.where(find_loop == layout.SEEK_LOOP, steps, 0)
-        height, width = arenas[0].cells.shape
-        fleet = Fleet(
-            shape=np.array([(height, width, arena.clearance.size > 0) for arena in arenas], np.int64),
-            cells=np.stack([arenas[index].cells.ravel() for index in pages]),
-            near=np.stack([arenas[index].near.ravel() for index in pages]),
-            clearance=np.stack([arena.clearance.ravel() for arena in arenas]),
-            events=np.concatenate(counts),
-            headings=arenas[0].headings,
-            visited=np.zeros((n, height * width), np.uint8),
-            page=np.arange(n) if pages is world else world.copy(),
-            world=world.copy(),
-            span=np.stack([ends - [len(rows) for rows in counts], ends], axis=1),
-            settings=np.stack([packed[index][0] for index in world]),
-            scales=np.stack([scales for _, scales in packed]),
-            state=np.zeros((n, layout.STATE_MEMORY + size), np.int64),
-            odometry=np.zeros((n, 3)),
-            chain=np.zeros((n, points, 3), np.int64),
-            counts=np.zeros((n, layout.OUT_SIZE), np.int64),
-            sums=np.zeros((n, layout.SUM_SIZE)),
-            known=np.zeros((n, layout.STATE_MEMORY + size), np.int64),
-            prints=np.zeros((n, search.prints.size), np.uint64),
-            log=np.zeros((n, int(log.max()) + 1), np.uint64),
-            marks=np.zeros((n, MARKS), np.int64),
-            clock=np.zeros((n, CLOCK_SIZE), np.int64),
-            order=np.arange(n),
-            observation=np.full((n, layout.OBS_SIZE + beams), np.nan),
-            memory=memory,
-            words=memory.view(np.int64),
-            command=np.zeros((n, layout.CMD_SIZE)),
-            nothing=np.zeros((0, 1), np.int64),
+        if not len(robots):
+            return np.zeros(0, REPORT), np.zeros(0, np.int64)
+        fleet = _Fleet(self._runs, self._world[robots], self._memory)
+        for k, robot in enumerate(robots.tolist()):
+            settings = fleet.settings[k]
+            settings.start_x, settings.start_y, settings.start_heading = self._starts[robot].tolist()
+            settings.seed = int(self._seeds[robot])
+            settings.digest = int(digest)
+            settings.steps = int(steps[k])
+            settings.find_loop = int(find_loop[k])
+            settings.loop_entry = int(loop_entry[k])
+        with contextlib.closing(fleet):
+            fleet.begin()
+            asker = Asker(self._controller, fleet.observation, fleet.memory, fleet.command)
+            after = np.zeros((0, self._memory.size))
+            count = fleet.step(len(robots), after)
+            while count:
+                after = np.empty((count, self._memory.size))
+                with its_own_fault():
+                    asker.ask(count, after)
+                count = fleet.step(count, after)
+            return fleet.reports()
+
+
+class _Fleet:
+    """Robots in lockstep, in the core.
+
+    Args:
+        runs: Of worlds of one shape, with as many beams.
+        world: (n,) each robot's run.
+        memory: The controller's at reset.
+    """
+
+    def __init__(self, runs: Sequence[LatticeRun], world: Ints, memory: Floats) -> None:
+        n = len(world)
+        self._fresh = [run.arena() for run in runs]
+        self._world = world
+        self._driver = Driver(None, memory.tolist())
+        self.settings: Any = ffi.new("WgSettings[]", n)
+        self._arenas: Any = ffi.new("WgArena[]", n)
+        self._episodes: Any = ffi.new("WgEpisode *[]", n)
+        self._slots: Any = ffi.new("WgEpisode *[]", n)
+        for k, index in enumerate(world.tolist()):
+            self.settings[k] = runs[index].settings[0]
+            self._arenas[k] = self._fresh[index].c[0]
+        self.observation = np.full((n, SENSES + runs[0].options.robot.beams), np.nan)
+        self.memory = np.zeros((n, memory.size))
+        self.command = np.zeros((n, 3))
+
+        # What changes as a robot goes is its own: where it has been, and cells in which something happens.
+        shape = self._fresh[0].cells.shape
+        self._visited = np.zeros((n, *shape), np.uint8)
+        happens = any(len(arena.events) for arena in self._fresh)
+        self._cells = np.zeros((n, *shape) if happens else (0,), np.uint8)
+        self._near = np.zeros((n, *shape) if happens else (0,), np.int32)
+
+    def begin(self) -> None:
+        """Put all robots at the starts that their settings name."""
+        height, width = self._visited.shape[1:]
+        for k, index in enumerate(self._world.tolist()):
+            settings, arena = self.settings[k], self._arenas[k]
+            row = min(settings.start_y // UNIT, height - 1)
+            self._visited[k, row, min(settings.start_x // UNIT, width - 1)] = 1
+            arena.visited = writable(ffi, self._visited[k], np.uint8)
+            if self._cells.size:
+                self._cells[k], self._near[k] = self._fresh[index].cells, self._fresh[index].near
+                arena.cells = writable(ffi, self._cells[k], np.uint8)
+                arena.near = writable(ffi, self._near[k], np.int32)
+        seeks = [settings.find_loop == lib.WG_SEEK_LOOP for settings in self.settings]
+        logs = np.array([settings.steps * seek for settings, seek in zip(self.settings, seeks, strict=True)], np.int64)
+        n = len(self.settings)
+        check(
+            lib.wg_fleet_new(
+                self._arenas, self.settings, self._driver.c, pointer(ffi, logs, np.int64), n, self._episodes
+            )
         )
-        settings = fleet.settings
-        settings[:, layout.SET_X : layout.SET_HEADING + 1] = self._starts[robots]
-        settings[:, layout.SET_SEED] = self._seeds[robots].view(np.int64)
-        settings[:, layout.SET_STEPS], settings[:, layout.SET_FIND_LOOP] = steps, find_loop
-        settings[:, layout.SET_ENTRY] = 0 if entries is None else entries
-        column = np.minimum(settings[:, layout.SET_X] // UNIT, width - 1)
-        line = np.minimum(settings[:, layout.SET_Y] // UNIT, height - 1)
-        fleet.visited[np.arange(n), line * width + column] = 1
-        fleet_set_out(fleet, n, self._memory)
-        return fleet
+        ffi.memmove(self._slots, self._episodes, ffi.sizeof(self._episodes))
+
+    def step(self, count: int, after: Floats) -> int:
+        """Let the first slots obey and go on; return how many are to act then, in the first slots.
+
+        Args:
+            count: Slots.
+            after: (count, memory) as the controller wants it; without rows before it was asked.
+        """
+        return int(
+            lib.wg_fleet_step(
+                self._slots,
+                count,
+                pointer(ffi, self.command, np.float64),
+                pointer(ffi, after, np.float64),
+                writable(ffi, self.observation, np.float64),
+                writable(ffi, self.memory, np.float64),
+            )
+        )
+
+    def reports(self) -> tuple[Reports, Ints]:
+        """Return (n,) reports, and (n,) the first steps of loops with which runs ended, else -1."""
+        n = len(self.settings)
+        reports, entries = np.zeros(n, REPORT), np.zeros(n, np.int64)
+        lib.wg_fleet_reports(
+            self._episodes, n, ffi.cast("WgReport *", ffi.from_buffer(reports)), writable(ffi, entries, np.int64)
+        )
+        return reports, entries
+
+    def close(self) -> None:
+        """Free the episodes."""
+        lib.wg_fleet_free(self._episodes, len(self.settings))
 
 
 class ControllerRaised(Exception):
@@ -192,15 +231,3 @@ def its_own_fault() -> Iterator[None]:
         raise
     except BaseException as error:
         raise ControllerRaised from error
-
-
-def _keep(fleet: Fleet, wanted: npt.NDArray[np.bool_]) -> int:
-    """Keeps those of the first slots that are wanted, in their order; how many they are."""
-    _line_up(fleet, fleet.order[: len(wanted)][wanted])
-    return int(np.count_nonzero(wanted))
-
-
-def _line_up(fleet: Fleet, robots: Ints) -> None:
-    """Puts robots into the first slots, each with its memory."""
-    fleet.order[: len(robots)] = robots
-    fleet.words[: len(robots)] = fleet.state[robots, layout.STATE_MEMORY :]

@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
-from sim.controllers.base import Act, CompiledController, flat_address
+from sim.controllers.base import Act, CompiledController
 from sim.controllers.core_act import CoreAct
+from sim.controllers.flat_act import flat_address
 from worldgen.ccall import check, pointer, writable
 
 __all__ = [

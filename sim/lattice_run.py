@@ -12,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
-from sim.controllers.base import CompiledController, Controller, compiled_act, robot_for, senses_of
+from sim.controllers.base import CompiledController, Controller, robot_for, senses_of
 from sim.controllers.core_act import CoreAct, misbehaviour_of
+from sim.controllers.flat_act import compiled_act
 from sim.controllers.program import Misbehaviour
 from sim.crash_frames import crash_facts
 from sim.lattice_core import (

@@ -1,5 +1,6 @@
-// A disc that drives through a grid of cells, as plainly as C can have it: floating point alone, no lattice, no
-// verdict, no search for loops. What the simulator costs more than this is the price of its promises.
+// A disc that drives through a grid of cells, as plainly as C can have it: floating point alone, no
+// lattice, no verdict, no search for loops. What the simulator costs more than this is the price of
+// its promises.
 //
 // Lengths are cells, x runs right, y up; cells are stored row by row, not 0 where they are solid.
 
@@ -145,9 +146,10 @@ static int drive(Grid grid, Disc *disc, Move move)
     return 1;
 }
 
-// Ahead, and after a bump on the spot for 5 to 24 steps; where the disc ends is returned, so that nothing is left out.
-double bounce(const uint8_t *cells, int64_t width, int64_t height, double x, double y, double radius, double step,
-              double turn, uint64_t seed, int64_t steps)
+// Ahead, and after a bump on the spot for 5 to 24 steps; where the disc ends is returned, so that
+// nothing is left out.
+double bounce(const uint8_t *cells, int64_t width, int64_t height, double x, double y,
+              double radius, double step, double turn, uint64_t seed, int64_t steps)
 {
     const Grid grid = {cells, width, height};
     Disc disc = {x, y, radius};
@@ -166,11 +168,13 @@ double bounce(const uint8_t *cells, int64_t width, int64_t height, double x, dou
     return disc.x + disc.y;
 }
 
-// Always under way: the heading leans towards the mark of the moment, and turns by a right angle at walls.
+// Always under way: the heading leans towards the mark of the moment, and turns by a right angle at
+// walls.
 //
 // marks: (mark_count, 2) places, one of which is drawn whenever the last one is reached.
-double wander(const uint8_t *cells, int64_t width, int64_t height, double x, double y, double radius, double step,
-              const double *marks, int64_t mark_count, uint64_t seed, int64_t steps)
+double wander(const uint8_t *cells, int64_t width, int64_t height, double x, double y,
+              double radius, double step, const double *marks, int64_t mark_count, uint64_t seed,
+              int64_t steps)
 {
     const Grid grid = {cells, width, height};
     Disc disc = {x, y, radius};
@@ -194,7 +198,8 @@ double wander(const uint8_t *cells, int64_t width, int64_t height, double x, dou
         const Move move = {heading.dx * step, heading.dy * step};
         if (drive(grid, &disc, move)) {
             uint64_t drawn = next_random(&seed);
-            const Move turned = {drawn & 1 ? -heading.dy : heading.dy, drawn & 1 ? heading.dx : -heading.dx};
+            const Move turned = {drawn & 1 ? -heading.dy : heading.dy,
+                                 drawn & 1 ? heading.dx : -heading.dx};
             heading = turned;
             patience = 4 + (int64_t)((drawn >> 8) & 31u);
         }

@@ -1,7 +1,7 @@
 """Compiled controllers as Python classes: how a campaign does against the same controller brought the usual way.
 
 ``fuzz.faults.as_classes:bug2_stale_line`` is the fault ``fuzz.faults:bug2_stale_line`` as a class whose ``act`` calls
-the compiled function; ``fuzz.faults.as_classes:plain_bug2_stale_line`` interprets the function's own Python instead.
+the compiled function.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ import numpy as np
 from fuzz.faults import FAULTS
 from sim.controllers import CONTROLLERS, Command, CompiledController, Observation
 from sim.controllers.base import Act, Memory
+from sim.controllers.core_act import CoreAct
+from sim.controllers.flat_act import compiled_act
 from sim.kernels import layout
 from sim.robot_options import RobotOptions
 
 __all__ = ["AsClass"]
-
-_PLAIN = "plain_"
 
 
 @dataclass(frozen=True)
@@ -29,11 +29,9 @@ class AsClass:
 
     Args:
         controller: Name of the compiled controller.
-        plain: Whether its Python is interpreted.
     """
 
     controller: str
-    plain: bool = False
 
     @property
     def senses(self) -> tuple[str, ...]:
@@ -54,7 +52,7 @@ class AsClass:
         seen = np.array((*observation[:-1], *observation.beams))
         kept = np.array(memory)
         command = np.zeros(layout.CMD_SIZE)
-        _act(self.controller, self.plain)(seen, kept, command)
+        _act(self.controller)(seen, kept, command)
         speed, turn_rate, used_random = command.tolist()
         return Command(speed, turn_rate, used_random != 0.0), tuple(kept.tolist())
 
@@ -68,19 +66,16 @@ def _compiled(name: str) -> CompiledController:
 
 
 @functools.cache
-def _act(name: str, plain: bool) -> Act:
+def _act(name: str) -> Act:
     """The function itself; here and not in an object, for what a controller holds is its state."""
     act = _compiled(name).act
-    if not plain:
+    if isinstance(act, CoreAct):
         return act
-    from fuzz.faults.interim import plain_fault  # noqa: PLC0415
-
-    interpreted: Act = plain_fault(name.rpartition(":")[2])
-    return interpreted
+    compiled: Act = compiled_act(act)
+    return compiled
 
 
 def __getattr__(name: str) -> Any:
-    fault = name.removeprefix(_PLAIN)
-    if fault.replace("_", "-") not in FAULTS:
+    if name.replace("_", "-") not in FAULTS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return AsClass(f"fuzz.faults:{fault}", plain=fault != name)
+    return AsClass(f"fuzz.faults:{name}")

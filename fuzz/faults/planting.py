@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from fuzz import _core
-from fuzz.faults.interim import numba_fault
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct
 
@@ -28,10 +27,6 @@ class FaultAct(CoreAct):
     def address(self) -> int:
         """Where the function is: a ``WgAct``."""
         return int(_ffi.cast("uintptr_t", _lib.wg_fault(self.name.encode()).act))
-
-    def interim(self) -> Any:
-        """Return what numba compiles."""
-        return numba_fault(self.name)
 
 
 @dataclass(frozen=True)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import functools
 import inspect
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
-import numba
 import numpy as np
 import numpy.typing as npt
-from numba.core.errors import NumbaError, NumbaWarning
 
 from sim.controllers.core_act import CoreAct
 from sim.controllers.memory_view import MemoryField, MemoryMap, check_fields
@@ -33,8 +29,6 @@ __all__ = [
     "VectorController",
     "bits_of",
     "check_declared",
-    "compiled_act",
-    "flat_address",
     "robot_for",
     "senses_of",
     "wants_world",
@@ -44,7 +38,6 @@ Floats: TypeAlias = npt.NDArray[np.float64]
 Act: TypeAlias = Callable[[Floats, Floats, Floats], None]
 Memory: TypeAlias = tuple[float, ...]
 
-numba_config: Any = numba.config
 _PLAIN = RobotOptions()
 
 
@@ -138,7 +131,7 @@ class Commands(NamedTuple):
 
 @dataclass(frozen=True)
 class CompiledController:
-    """A controller that numba compiles: millions of steps a second, and loops can be proved.
+    """A controller that is compiled: millions of steps a second, and loops can be proved.
 
     Args:
         name: For messages and files.
@@ -298,74 +291,3 @@ def senses_of(controller: Controller) -> int:
     for name in getattr(controller, "senses", DEFAULT_SENSES):
         bits |= bits_of(name)
     return bits
-
-
-@functools.cache
-def compiled_act(act: Act | CoreAct) -> Any:
-    """The compiled form of an act function, of the one type that the episode kernel takes.
-
-    Raises:
-        InvalidParameter: If numba cannot compile it.
-    """
-    if isinstance(act, CoreAct):
-        act = act.interim()
-    if numba_config.DISABLE_JIT:
-        return act
-    array = numba.float64[::1]
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", NumbaWarning)  # the error, if any, says it better
-            compiled = numba.njit(numba.void(array, array, array), nogil=True, boundscheck=True)(
-                getattr(act, "py_func", act)
-            )
-    except NumbaError as error:
-        name = getattr(act, "__name__", repr(act))
-        raise InvalidParameter(
-            f"controller function {name} does not compile: {_reason(error)}; "
-            "write it with numbers and arrays only, or bring it as a Python class"
-        ) from error
-    if any("_random_state" in code for code in compiled.inspect_llvm().values()):
-        raise InvalidParameter(
-            f"controller function {getattr(act, '__name__', repr(act))} draws random numbers of Python or NumPy, which "
-            "no seed of a run decides; use observation[OBS_RANDOM], and say command[CMD_DRAW] = 1.0"
-        )
-    return compiled
-
-
-@functools.cache
-def flat_address(act: Act) -> int:
-    """Return the address of an act function as the core calls it: a ``WgFlatAct``, which says whether it raised.
-
-    Raises:
-        InvalidParameter: If numba cannot compile it.
-    """
-    compiled = compiled_act(act)
-    types: Any = numba.types
-    numbers = types.CPointer(numba.float64)
-
-    @numba.cfunc(numba.int64(numbers, numba.int64, numbers, numba.int64, numbers))
-    def flat(observation: Any, observation_size: int, memory: Any, memory_size: int, command: Any) -> int:
-        try:
-            compiled(
-                numba.carray(observation, (observation_size,)),  # type: ignore[attr-defined]
-                numba.carray(memory, (memory_size,)),  # type: ignore[attr-defined]
-                numba.carray(command, (3,)),  # type: ignore[attr-defined]
-            )
-        except Exception:  # noqa: BLE001 - a controller may raise anything; which, is found out by a second run
-            return 1
-        return 0
-
-    _kept.append(flat)
-    address: Any = flat.address
-    return int(address)
-
-
-_kept: list[Any] = []  # functions whose addresses the core may have
-
-
-def _reason(error: NumbaError) -> str:
-    """What numba says, without the stages that it was in; with the call that it does not know, if that is it."""
-    lines = (line.strip() for line in str(error).splitlines())
-    said = [line for line in lines if line and not line.startswith(("Failed in", "During:", "- Resolution"))]
-    with_call = len(said) > 1 and said[1].startswith(">>>")
-    return " ".join(said[: 2 if with_call else 1])

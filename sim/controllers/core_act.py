@@ -15,7 +15,6 @@ import numpy.typing as npt
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
-from sim.controllers.interim import numba_act
 from sim.controllers.program import Misbehaviour
 
 __all__ = ["CoreAct", "default_of", "memory_at_reset", "misbehaviour_of", "place", "size_of"]
@@ -43,10 +42,6 @@ class CoreAct:
     def address(self) -> int:
         """Where the function is: a ``WgAct``."""
         return _address(self.name)
-
-    def interim(self) -> Any:
-        """Return what numba compiles."""
-        return numba_act(self.name, self.address)
 
     def __call__(self, observation: Floats, memory: Floats, command: Floats) -> None:
         """Act once; changes ``memory`` and ``command`` in place.

@@ -12,14 +12,14 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 from tests.helpers.drawn_worlds import RADII, still_worlds, tight_worlds
-from tests.reference.worldgen import graph_search, paths
+from tests.reference.worldgen import coarse, cut, graph_search, paths
 from tests.reference.worldgen import rasters as reference_rasters
 from worldgen._core import ffi, lib
 from worldgen.ccall import check, pointer
 from worldgen.lattice import UNIT
 from worldgen.reach import check_certificate, lattice_graph, path, prove
 from worldgen.reach.coarse import walk_squares
-from worldgen.reach.cut import find_chain, linked_offsets, rim_cells
+from worldgen.reach.cut import _Links, find_chain, linked_offsets, rim_cells
 from worldgen.reach.disc import parts
 from worldgen.reach.lattice_graph import Graph, build_graph, find_path, flood, neighbour_shifts
 from worldgen.reach.path import clearance_sq, shorten
@@ -210,9 +210,25 @@ def test_a_chain_is_found_exactly_where_a_look_at_every_link_finds_one(world):
     walls = Walls(world.walls, radius)
     if all(walls.is_clear(point, point) for point in points):
         expected = chain_exists(world, radius, points)
-        for compiled in (False, True):
-            found = find_chain(world.walls, radius, points[0], points[1:], compiled=compiled)
-            assert (found is not None) == expected
+        assert (find_chain(world.walls, radius, points[0], points[1:]) is not None) == expected
+
+
+@given(still_worlds(), st.booleans(), st.integers(2, 40), st.sampled_from([1, 2]))
+def test_a_walk_over_links_is_that_of_the_reference(world, thorough, limit, targets):
+    radius = Fraction(str(world.robot_radius))
+    places = [(round(UNIT * end.x), round(UNIT * end.y)) for end in (world.start, world.target)]
+    links = _Links(world.walls, radius, places[0], places[1:] * targets)
+    states, layer = len(links.cells) << links.bits, len(links.cells) + 1
+    graph = (links.rank, links.place, links.rows.ravel(), links.slot, links.begins, links.ends, links.odd)
+    before, order, chain = [-1] * states, [0] * states, [0] * states
+    work = (*(array.tolist() for array in graph), before, order, list(range(layer << links.bits)), chain)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("worldgen.reach.cut._PORTION", 7)
+        for source in np.flatnonzero(links.slot >= 0)[:2].tolist():
+            if before[source << links.bits] < 0:
+                found, looked = cut.odd_walk(*work, links.bits, source, limit, thorough)
+                assert links.search(source, limit, thorough=thorough) == (chain[:found], looked)
+                assert links.before.tolist() == before
 
 
 @given(worlds=st.lists(still_worlds(), min_size=1, max_size=4))
@@ -227,10 +243,10 @@ def test_many_worlds_are_decided_as_one_by_one(worlds):
 def test_a_way_over_whole_cells_is_a_proof_and_what_it_does_not_find_is_found_among_half_cells(world, monkeypatch):
     usual = decide(world)
     monkeypatch.setattr(prove, "FROM_CELLS", 0)
-    coarse = decide(world)
+    by_squares = decide(world)
     monkeypatch.undo()
-    assert coarse.result == usual.result
-    assert coarse.certificate is None or check_certificate(world, coarse.certificate).valid
+    assert by_squares.result == usual.result
+    assert by_squares.certificate is None or check_certificate(world, by_squares.certificate).valid
 
 
 @given(hnp.arrays(np.bool_, (6, 7)), st.integers(1, 3), st.data())
@@ -241,7 +257,10 @@ def test_squares_get_wherever_they_are_joined_side_to_side(walls, side, data):
     assume(free.any())
     places = st.sampled_from(np.flatnonzero(free).tolist())
     source, goal = data.draw(places), data.draw(places)
-    way = walk_squares(walls.view(np.uint8), side, source, goal, np.zeros(72, np.uint8), np.zeros(7, np.int32))
+    way = walk_squares(Walls(walls, Fraction(1)), side, source, goal)
+    cells = walls.view(np.uint8)
+    reference = coarse.walk_squares(cells, side, source, goal, np.zeros(72, np.uint8), np.zeros(7, np.int32))
+    assert way == reference.tolist()
     parts, _ = ndimage.label(free)
     joined = parts.ravel()[source] == parts.ravel()[goal]
     assert (len(way) > 0) == joined

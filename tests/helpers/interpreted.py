@@ -1,17 +1,17 @@
-"""A compiled controller run in plain Python, to compare it with what numba made of it."""
+"""A controller of the library in plain Python, to compare it with the core's."""
 
 import numpy as np
 
 from sim import Command
 from sim.kernels import layout
-from tests.helpers.twins import twin
+from tests.reference.sim.library import ACTS
 
 
 class Interpreted:
-    """The same controller as a Python class, no kernel of it compiled."""
+    """The same controller as a Python class, nothing of it compiled."""
 
     def __init__(self, controller):
-        self._act, self._memory = twin(controller.act.interim()), controller.memory
+        self._act, self._memory = ACTS[controller.act.name], controller.memory
         self.senses, self.needs = controller.senses, controller.needs
 
     def reset(self):

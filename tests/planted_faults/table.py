@@ -115,8 +115,8 @@ FAULTS = (
     ),
     Fault(
         "fleet-in-transit", "robots in lockstep do what each does alone",
-        "sim/fleet_run.py", "fleet.counts[robots], fleet.sums[robots] = again.counts, again.sums",
-        "fleet.sums[robots] = again.sums",
+        "sim/fleet_run.py", 'ends = entries[looped] + reports["period"][looped]',
+        'ends = entries[looped] + 2 * reports["period"][looped]',
         ("tests/sim/test_vector_controllers.py",),
     ),
     Fault(

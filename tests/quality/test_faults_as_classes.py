@@ -4,7 +4,6 @@ import pytest
 
 from benchmarks.faults_as_classes import look_for
 from fuzz.faults import FAULTS
-from fuzz.faults.as_classes import AsClass
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from worldgen import InvalidParameter, generate
@@ -14,8 +13,8 @@ from worldgen import InvalidParameter, generate
 @pytest.mark.parametrize("fault", ["bug1_keeps_the_last_place", "vfh_turn_sign", "q_learning_last_turn_lost"])
 def test_a_fault_runs_the_same_compiled_and_interpreted(fault):
     world = generate("forest", 3)
-    compiled, plain = (CONTROLLERS.get(f"fuzz.faults.as_classes:{name}") for name in (fault, f"plain_{fault}"))
-    assert isinstance(plain, AsClass) and plain.plain and not compiled.plain
+    compiled = CONTROLLERS.get(f"fuzz.faults.as_classes:{fault}")
+    plain = CONTROLLERS.get(f"tests.reference.fuzz.as_classes:{fault}")
     assert simulate(world, compiled, steps=300).trace_digest == simulate(world, plain, steps=300).trace_digest
 
 

@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim import _core, simulate
-from sim.controllers.interim._directions import angle_of, wrap
 from sim.controllers.library import three_layer as layers
 from sim.controllers.library.dynamic_window import dynamic_window
 from sim.controllers.library.potential_field import PotentialField, potential_field, potential_field_robot
@@ -16,6 +15,7 @@ from sim.controllers.library.three_layer import three_layer
 from sim.controllers.library.vfh import VfhPlus, vfh, vfh_robot
 from tests.helpers.halls import cup, hall
 from tests.helpers.interpreted import Interpreted
+from tests.reference.sim.controllers._directions import angle_of, wrap
 from worldgen.generation import generate
 
 ALL = [potential_field, vfh, dynamic_window, three_layer]

@@ -162,15 +162,6 @@ def test_fire_is_proved_to_leave_too_little_time(over):
         assert answer(world, 0.7 * world.certificate.duration).result == BLOCKED
 
 
-def test_the_compiled_search_confines_as_plain_python_does(monkeypatch):
-    world = generate("fire", 2, size=16, over="rooms")
-    deadline = 0.8 * world.certificate.duration
-    plain = decide_in_time(world, deadline).confinement
-    monkeypatch.setattr(confine, "_SMALL", 0)
-    again = decide_in_time(world, deadline).confinement
-    assert len(plain.stays) and np.array_equal(again.stays, plain.stays)
-
-
 @pytest.fixture(scope="module")
 def confined():
     world = generate("fire", 1, size=16, over="rooms", monotone=True)

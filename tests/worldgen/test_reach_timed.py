@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 
 from tests.helpers.drawn_worlds import changing_worlds, drawn
-from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, check_certificate, decide, timed
+from worldgen.reach import BLOCKED, REACHABLE, UNDECIDED, check_certificate, decide
 from worldgen.timeline import CellState, Timeline
 from worldgen.world import Pose, Target
 
@@ -114,16 +114,6 @@ def test_changes_after_the_arrival_change_nothing(world):
     everywhere = [(late, ix, iy, BURNING) for iy, ix in np.ndindex(world.walls.shape)]
     again = decide(dataclasses.replace(world, timeline=Timeline.of(before + everywhere)))
     assert again.certificate.duration == decision.certificate.duration
-
-
-def test_the_compiled_search_finds_what_plain_python_finds(monkeypatch):
-    rng = np.random.default_rng(3)
-    events = [(round(rng.uniform(0, 3), 3), *rng.integers(3, 17, 2).tolist(), BURNING) for _ in range(150)]
-    world = changing("\n".join(["." * 19 + "G"] + ["." * 20] * 18 + ["S" + "." * 19]), *events)
-    plain = decide(world)
-    monkeypatch.setattr(timed, "SMALL", 0)
-    assert plain.result == REACHABLE
-    assert decide(world) == plain
 
 
 def test_a_way_between_nodes_that_no_change_touches_is_found():

@@ -8,7 +8,7 @@
 
 #include "wg_reach.h"
 
-enum { WG_UNIT_BITS = 10, WG_UNIT = 1 << WG_UNIT_BITS };
+enum { WG_UNIT = 1024 };
 
 static inline int64_t wg_min(int64_t a, int64_t b)
 {
@@ -59,6 +59,5 @@ typedef struct WgScan {
 
 // Whether the disc may sweep a piece; WG_UNSURE if only fractions can tell.
 WgAnswer wg_sweep(const WgWalls *walls, WgPiece piece, const WgDisc *disc);
-
 
 #endif

@@ -163,4 +163,147 @@ WgStatus wg_still_decide(const WgWalls *walls, WgStill *still);
 // Releases what an answer holds.
 void wg_still_free(WgStill *still);
 
+// intervals.c
+
+// A raster of points and the spans in which cells near them are blocked.
+typedef struct WgBlocked {
+    const uint8_t *clear;  // (rows, columns) 0 where a point is never safe
+    int64_t rows;
+    int64_t columns;
+    int64_t k;                   // points in a cell's side
+    const int64_t *class_first;  // (k^2 + 1,) where the steps of each point of a cell begin
+    const int64_t *steps;        // to cells that make the point unsafe, added to the number of its own
+    int64_t pad;                 // cells around the grid
+    int64_t stride;              // cells in a row, those around included
+    int64_t cells;
+    const int64_t *span_first;  // (cells + 1,) where each cell's spans begin
+    const int64_t *span_begin;  // ticks
+    const int64_t *span_end;
+    int64_t most;  // spans around one point at most
+} WgBlocked;
+
+// Counts the safe intervals of points from to to - 1, each in first[point + 1], or writes them from first[point] on.
+//
+// writes:     0 to count.
+// begin, end: ticks; unused while counting.
+WgStatus wg_safe_intervals(const WgBlocked *blocked, int64_t from, int64_t to, int64_t *first, int64_t *begin,
+                           int64_t *end, int64_t writes);
+
+// timed.c
+
+// What a search over (node, safe interval) works on. All arrays must outlive it.
+typedef struct WgTimed {
+    int64_t nodes;
+    int64_t stride;            // nodes in a row; those on the rim have no interval
+    const int64_t *first;      // (nodes + 1,) where each node's states begin
+    const int64_t *begin;      // (states,) ticks
+    const int64_t *end;        // (states,)
+    const int64_t *mid_first;  // the same for the middle right of and above each node
+    const int64_t *mid_begin;
+    const int64_t *mid_end;
+    int64_t states;
+    const int32_t *node_of;  // (states,)
+    const uint8_t *goal;     // (nodes,) 1 where the search stops
+    int64_t toward_x;        // node that the search leans to
+    int64_t toward_y;
+    int64_t slack;           // ticks by which an end may be nearer than that
+    int64_t axis_ticks;      // that a step along an axis takes
+    int64_t diagonal_ticks;  // and a diagonal one
+    int64_t *cost;           // (states,) at first later than everything; gets the earliest arrival
+    int32_t *came;           // (states,) gets the state before
+    int64_t *depart;         // (states,) gets the departure from that
+} WgTimed;
+
+typedef struct WgTimedSearch WgTimedSearch;
+
+// begun: (begun_count, 2) states and arrivals.
+WgStatus wg_timed_new(const WgTimed *asked, const int64_t *begun, int64_t begun_count, WgTimedSearch **made);
+
+// Goes on with ``most`` entries of its queue; final gets the state at which it stopped, or -1.
+WgStatus wg_timed_advance(WgTimedSearch *search, int64_t most, WgProgress *progress, int64_t *final);
+
+void wg_timed_free(WgTimedSearch *search);
+
+// confine.c
+
+// Tiles with the intervals in which they are alive, in slabs of time. All arrays must outlive a spread.
+typedef struct WgTiles {
+    int64_t rows;
+    int64_t columns;
+    const int64_t *first;  // (rows columns + 1,) where each tile's states begin
+    int64_t states;
+    const int64_t *tile;  // (states,)
+    const int64_t *low;   // (states,) first slab in which the tile is alive
+    const int64_t *high;  // (states,) last one
+    const uint8_t *goal;  // (rows columns,) 1 where it stops
+    int64_t *came;        // (states,) at first -1; gets the slab in which a state is reached
+} WgTiles;
+
+typedef struct WgSpread WgSpread;
+
+WgStatus wg_spread_new(const WgTiles *tiles, const int64_t *sources, int64_t source_count, WgSpread **made);
+
+// Goes on with ``most`` states; slab gets that in which the goal is reached, or -1.
+WgStatus wg_spread_advance(WgSpread *spread, int64_t most, WgProgress *progress, int64_t *slab);
+
+void wg_spread_free(WgSpread *spread);
+
+// cut.c
+
+// A walk over cells and links with bits, from (source, no bit) to (source, all bits). All arrays must outlive it.
+typedef struct WgOddWalk {
+    int64_t cells;
+    int64_t bits;           // 1 to 8
+    const int32_t *rank;    // how many cells are before a place of the raster
+    const int64_t *place;   // (cells,) where in the raster a cell is
+    int64_t row_count;      // rows of linked cells around a cell
+    const int64_t *rows;    // (row_count, 2) what to add to a place, and how far to either side the row is linked
+    const int64_t *slot;    // (cells,) number of a cell whose links are listed, else -1
+    const int64_t *begins;  // (slots + 1,) where its links begin
+    const int64_t *ends;    // (links,) cells
+    const uint8_t *odd;     // (links,) bits
+    int32_t *before;        // (cells << bits,) at first -1; the state before a state
+    int32_t *order;         // (cells << bits,) states in the order in which they are seen
+    int32_t *skip;          // ((cells + 1) << bits,) at first 0, 1, 2, ...; leads to the next cell that was not seen
+    int32_t *chain;         // (cells << bits,) gets the cells found, the last one first
+
+    // The walk's own.
+    int64_t source;
+    int64_t head;
+    int64_t tail;
+    int64_t level_end;
+    int64_t depth;
+    int64_t looked;  // looks at rows and cells
+    int64_t found;   // cells in the chain
+} WgOddWalk;
+
+WgStatus wg_odd_walk_begin(WgOddWalk *walk, int64_t source);
+
+// Goes on with about ``most`` looks.
+//
+// limit:      links of which the chain has fewer.
+// thorough:   1 to go on to all that can be reached, and to leave ``before`` and ``skip`` as they are; else they are in
+//             the end as they were.
+WgStatus wg_odd_walk_advance(WgOddWalk *walk, int64_t limit, int64_t thorough, int64_t most, WgProgress *progress);
+
+// coarse.c
+
+// A search over free squares of whole cells. The walls must outlive it.
+typedef struct WgSquares WgSquares;
+
+// side:       of the squares, cells.
+// source:     where to begin: (row + 1) (width + 2) + column + 1 of a square's first cell; goal: where to end.
+WgStatus wg_squares_new(const WgWalls *walls, int64_t side, int64_t source, int64_t goal, WgSquares **made);
+
+// Goes on with about ``most`` cells.
+WgStatus wg_squares_advance(WgSquares *squares, int64_t most, WgProgress *progress);
+
+// Number of squares from source to goal, without those in the middle of a straight line; 0 if there is no way.
+int64_t wg_squares_way_length(const WgSquares *squares);
+
+// These squares.
+void wg_squares_way(const WgSquares *squares, int64_t *way);
+
+void wg_squares_free(WgSquares *squares);
+
 #endif

@@ -7,16 +7,15 @@ more than the disc can reach, and what it does not reach is out of reach (docs/r
 
 from __future__ import annotations
 
-import heapq
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.jit import lazy_kernel
+from worldgen._core import ffi, lib
+from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import exact, in_cells
 from worldgen.reach.confinement import FOR_EVER, Confinement
 from worldgen.reach.intervals import CellSpans, Intervals, safe_intervals
@@ -26,7 +25,7 @@ from worldgen.world import World
 
 __all__ = ["Reach", "confine"]
 
-_SMALL = 60_000  # tiles that plain Python handles in less time than loading numba takes
+_PORTION = 200_000  # states between two looks at Ctrl-C
 _SLACK = 1e-6  # tiles; distances are taken shorter by it, and the checker's by less
 
 Ints = npt.NDArray[np.int64]
@@ -64,8 +63,7 @@ def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> R
         return None
     classes = _covering(radius, k)
     alive = _alive(spans.fixed, classes, k)
-    plain = alive.size <= _SMALL
-    safe = safe_intervals(alive, _inner(spans), classes, plain)
+    safe = safe_intervals(alive, _inner(spans), classes)
     home, goal = _distances(world, alive.shape, k)
     states = _States.of(safe, slab)
     pace = float(exact(world.robot_speed) * slab * k / (spans.ticks * exact(world.cell_size)))  # tiles a slab
@@ -75,7 +73,7 @@ def confine(world: World, radius: Fraction, k: int, deadline: float | None) -> R
         states.end_no_later(np.floor((way - goal + _SLACK) / pace))
         states.high = np.minimum(states.high, min(math.floor(exact(deadline) * spans.ticks / slab), FOR_EVER))
     start = tuple(in_cells(value, world.cell_size) * k for value in (world.start.x, world.start.y))
-    came, reached = _spread(states, alive.shape, (math.floor(start[0]), math.floor(start[1])), goal <= _SLACK, plain)
+    came, reached = _spread(states, alive.shape, (math.floor(start[0]), math.floor(start[1])), goal <= _SLACK)
     length = Fraction(slab, spans.ticks)
     if reached >= 0:
         return Reach(None, float(reached * length))
@@ -173,9 +171,7 @@ class _States:
         self.high = np.minimum(self.high, np.clip(slabs, -1.0, 2.0**60).astype(np.int64)[self.tile])
 
 
-def _spread(
-    states: _States, shape: tuple[int, ...], start: Cell, goal: npt.NDArray[np.bool_], plain: bool
-) -> tuple[Ints, int]:
+def _spread(states: _States, shape: tuple[int, ...], start: Cell, goal: npt.NDArray[np.bool_]) -> tuple[Ints, int]:
     """In which slab each state is reached first, -1 for never; and in which the goal is, if it is."""
     near = [
         iy * shape[1] + ix
@@ -188,46 +184,29 @@ def _spread(
         for state in range(int(states.first[tile]), int(states.first[tile + 1]))
         if states.low[state] == 0 and states.high[state] >= 0
     ]
-    came: Any = np.full(len(states.tile), -1, np.int64)
-    arrays: Any = (states.first, states.tile, states.low, states.high, goal.astype(np.uint8))
-    if not sources:
-        return came, -1
-    if not plain:
-        arguments: Any = (*arrays, shape[1], shape[0], np.array(sources, np.int64), came)
-        return came, int(_spread_out_compiled(*arguments))
-    times = came.tolist()
-    arguments = (*(array.tolist() for array in arrays), shape[1], shape[0], sources, times)
-    reached = int(_spread_out(*arguments))
-    return np.array(times, np.int64), reached
+    return _spread_out(states, shape, goal.view(np.uint8), sources)
 
 
 def _spread_out(
-    first: Any, tile: Any, low: Any, high: Any, goal: Any, columns: Any, rows: Any, sources: Any, came: Any
-) -> Any:
-    """Fills ``came``, state by state in order of slabs; returns the slab in which the goal is reached, or -1.
-
-    The same text runs plain and compiled.
-    """
-    queue = [(0, 0)]
-    heapq.heappop(queue)
-    for i in range(len(sources)):
-        came[sources[i]] = 0
-        heapq.heappush(queue, (0, int(sources[i])))
-    while len(queue) > 0:
-        now, state = heapq.heappop(queue)
-        here = tile[state]
-        if goal[here] == 1:
-            return now
-        x, y = here % columns, here // columns
-        for iy in range(max(y - 1, 0), min(y + 2, rows)):
-            for ix in range(max(x - 1, 0), min(x + 2, columns)):
-                other = iy * columns + ix
-                for onto in range(first[other], first[other + 1]):
-                    at = max(now + 1, low[onto])
-                    if came[onto] < 0 and at <= high[onto] and at <= high[state] + 1:
-                        came[onto] = at
-                        heapq.heappush(queue, (at, onto))
-    return -1
-
-
-_spread_out_compiled = lazy_kernel(_spread_out)
+    states: _States, shape: tuple[int, ...], goal: npt.NDArray[np.uint8], sources: list[int]
+) -> tuple[Ints, int]:
+    """Return the same, from the states in which the robot may be at first."""
+    came: Ints = np.full(len(states.tile), -1, np.int64)
+    fields = {
+        "rows": shape[0],
+        "columns": shape[1],
+        "states": len(states.tile),
+        **{name: pointer(ffi, getattr(states, name), np.int64) for name in ("first", "tile", "low", "high")},
+        "goal": pointer(ffi, goal, np.uint8),
+        "came": writable(ffi, came, np.int64),
+    }
+    tiles, made = ffi.new("WgTiles *", fields), ffi.new("WgSpread **")
+    progress, slab = ffi.new("WgProgress *"), ffi.new("int64_t *")
+    check(lib.wg_spread_new(tiles, ffi.new("int64_t[]", sources), len(sources), made))
+    try:
+        while True:
+            check(lib.wg_spread_advance(made[0], _PORTION, progress, slab))
+            if progress[0] != lib.WG_GOING:
+                return came, slab[0]
+    finally:
+        lib.wg_spread_free(made[0])

@@ -15,6 +15,7 @@ closely, so every crossing is decided exactly.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from fractions import Fraction
@@ -23,7 +24,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.jit import lazy_kernel
+from worldgen._core import ffi, lib
+from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import UNIT
 from worldgen.reach.walls import Cell, ExactPoint, Point
 
@@ -32,10 +34,10 @@ __all__ = ["MOST_TARGETS", "find_chain", "linked_offsets", "rim_cells"]
 MOST_TARGETS = 6
 """Poses that a chain is sought for at once; no more than a byte has bits."""
 
-_SMALL = 100_000  # cells times rows in reach that plain Python searches in less time than loading numba takes
 _FINE_BITS = 10  # by which the unit may be finer before coordinates outgrow 64-bit products
 _STARTS = 24  # cells from which a short cycle is sought
-_WORK = 20_000_000  # looks at rows and cells that those searches may take: 0.1 s, compiled
+_WORK = 20_000_000  # looks at rows and cells that those searches may take: 0.1 s
+_PORTION = 20_000_000  # looks between two looks at Ctrl-C
 
 Ints = npt.NDArray[np.int64]
 
@@ -45,8 +47,6 @@ def find_chain(
     radius: Fraction,
     start: ExactPoint,
     targets: Sequence[ExactPoint],
-    *,
-    compiled: bool = False,
 ) -> list[Cell] | None:
     """A chain of cells that parts one clear pose from others for a disc of ``radius`` cells, or None if there is none.
 
@@ -55,12 +55,11 @@ def find_chain(
         radius: cells.
         start: A clear pose, 1/1024 cell.
         targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the start.
-        compiled: Whether to run compiled code even where there is little to do; the chain is the same.
 
     Returns:
         Cells (ix, iy) in chain order; -1 and the grid's sides stand for the cells just outside.
     """
-    links = _Links(solid, radius, start, targets, compiled)
+    links = _Links(solid, radius, start, targets)
     if links.bits > 1:
         return _short_cycle(links, np.ones(len(links.cells), np.bool_))
     has_odd = links.in_odd_cycles()
@@ -105,7 +104,6 @@ class _Links:
         radius: Fraction,
         start: ExactPoint,
         targets: Sequence[ExactPoint],
-        compiled: bool,
     ) -> None:
         fine = 1 if all(value == int(value) for point in (start, *targets) for value in point) else _fineness(radius)
         self.unit, self.bits = UNIT * fine, len(targets)
@@ -123,8 +121,6 @@ class _Links:
         wide = [int(self.offsets[self.offsets[:, 1] == height, 0].max()) for height in heights]
         self.rows: Ints = np.stack([heights * stride, np.array(wide, np.int64)], axis=1)
         self._list_crossing(reach)
-        self.plain = 2 * len(rows) * len(heights) <= _SMALL and not compiled
-        self._work: Any = None
 
     def _list_crossing(self, reach: int) -> None:
         """Sets ``slot``, ``begins``, ``ends`` and ``odd``."""
@@ -148,35 +144,54 @@ class _Links:
         self.begins = np.searchsorted(begins[kept], [*np.flatnonzero(crossing).tolist(), len(self.cells)])
 
     def search(self, source: int, limit: int, *, thorough: bool = False) -> tuple[list[int], int]:
-        """The shortest cycle through a cell whose bits are all odd, of fewer than ``limit`` links; and the work done.
+        """Return the shortest cycle through a cell whose bits are all odd, of fewer than ``limit`` links; and the work.
 
-        A thorough search goes on to all that it can reach, and leaves ``came`` and the rows as they are.
+        A thorough search goes on to all that it can reach, and leaves ``before`` and the rows as they are.
         """
-        if self._work is None:
-            size, layer = len(self.cells) << self.bits, len(self.cells) + 1
-            before, order, chain = np.full(size, -1, np.int32), np.zeros(size, np.int32), np.zeros(size, np.int32)
-            skip = np.tile(np.arange(layer, dtype=np.int32), 1 << self.bits)
-            skip += np.repeat(np.arange(1 << self.bits, dtype=np.int32) * layer, layer)
-            graph = (self.rank, self.place, self.rows.ravel(), self.slot, self.begins, self.ends, self.odd)
-            self._work = (*graph, before, order, skip, chain)
-            if self.plain:
-                self._work = tuple(array.tolist() for array in self._work)
-        walk: Any = _odd_walk if self.plain else _odd_walk_compiled
-        found, looked = walk(*self._work, self.bits, source, limit, thorough)
-        return [int(cell) for cell in self._work[-1][:found]], int(looked)
+        walk, progress = self._walk, ffi.new("WgProgress *")
+        check(lib.wg_odd_walk_begin(walk, source))
+        while True:
+            check(lib.wg_odd_walk_advance(walk, limit, thorough, _PORTION, progress))
+            if progress[0] != lib.WG_GOING:
+                return ffi.unpack(walk.chain, walk.found), walk.looked
+
+    @functools.cached_property
+    def _walk(self) -> Any:
+        """What C searches on."""
+        states, layer = len(self.cells) << self.bits, len(self.cells) + 1
+        self.before = np.full(states, -1, np.int32)
+        order, chain = np.empty(states, np.int32), np.empty(states, np.int32)
+        skip = np.arange(layer << self.bits, dtype=np.int32)
+        self._held = (order, chain, skip)  # C has their addresses only
+        fields = {
+            "cells": len(self.cells),
+            "bits": self.bits,
+            "row_count": len(self.rows),
+            "rank": pointer(ffi, self.rank, np.int32),
+            "odd": pointer(ffi, self.odd, np.uint8),
+            **{
+                name: pointer(ffi, getattr(self, name), np.int64)
+                for name in ("place", "rows", "slot", "begins", "ends")
+            },
+            **{
+                name: writable(ffi, array, np.int32)
+                for name, array in (("before", self.before), ("order", order), ("skip", skip), ("chain", chain))
+            },
+        }
+        return ffi.new("WgOddWalk *", fields)
 
     def in_odd_cycles(self) -> npt.NDArray[np.bool_]:
         """(n,) whether a cell has a link across a ray, and is joined to a cycle whose bits add up to an odd number."""
         sources = np.nonzero(self.slot >= 0)[0].tolist()
-        for source in sources:
-            before = self._work[7] if self._work is not None else {}
-            if self._work is None or (before[2 * source] < 0 and before[2 * source + 1] < 0):
-                self.search(source, 2 * len(self.cells), thorough=True)
         has_odd = np.zeros(len(self.cells), np.bool_)
         if sources:
-            seen = np.asarray(self._work[7]).reshape(-1, 2) >= 0
+            _ = self._walk
+            for source in sources:
+                if self.before[2 * source] < 0 and self.before[2 * source + 1] < 0:
+                    self.search(source, 2 * len(self.cells), thorough=True)
+            seen = self.before.reshape(-1, 2) >= 0
             has_odd[sources] = seen[sources].all(axis=1)
-        self._work = None
+            del self._walk
         return has_odd
 
     def is_odd(self, cells: Ints) -> npt.NDArray[np.bool_]:
@@ -261,77 +276,6 @@ def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell] | 
     return _simple(links, best)
 
 
-def _odd_walk(
-    rank: Any, place: Any, rows: Any, slot: Any, begins: Any, ends: Any, odd: Any, before: Any, order: Any, skip: Any,
-    chain: Any, bits: Any, source: Any, limit: Any, thorough: Any,
-) -> Any:  # fmt: skip
-    """Breadth-first search from (source, no bit) to (source, all bits), below ``limit`` links.
-
-    ``before[state]`` is the state before it. ``skip[layer * (n + 1) + u]`` leads to the next cell from u on that was
-    not seen in that layer. Unless it is thorough, both end as they began. The same text runs plain and compiled.
-
-    Returns:
-        Number of cells in ``chain``, the last first and the source last; and the number of looks.
-    """
-    full, layer_size = (1 << bits) - 1, len(place) + 1
-    goal, head, tail, level_end, depth, looked = (source << bits) + full, 0, 1, 1, 0, 0
-    order[0] = source << bits
-    before[source << bits] = source << bits
-    skip[source] = source + 1
-    while head < tail and (thorough or before[goal] < 0):
-        if head == level_end:
-            depth += 1
-            level_end = tail
-            if depth + 1 >= limit:
-                break
-        state = order[head]
-        head += 1
-        u, layer = state >> bits, state & full
-        if slot[u] >= 0:
-            for link in range(begins[slot[u]], begins[slot[u] + 1]):
-                other_layer, cell = layer ^ odd[link], ends[link]
-                other = (cell << bits) + other_layer
-                looked += 1
-                if before[other] < 0:
-                    before[other] = state
-                    skip[other_layer * layer_size + cell] = other_layer * layer_size + cell + 1
-                    order[tail] = other
-                    tail += 1
-            continue
-        base = layer * layer_size
-        for row in range(len(rows) // 2):
-            at, wide = place[u] + rows[2 * row], rows[2 * row + 1]
-            last, v = base + rank[at + wide + 1], base + rank[at - wide]
-            looked += 1
-            while v < last:
-                while skip[v] != v:
-                    skip[v] = skip[skip[v]]
-                    v = skip[v]
-                if v >= last:
-                    break
-                other = ((v - base) << bits) + layer
-                before[other] = state
-                skip[v] = v + 1
-                order[tail] = other
-                tail += 1
-                looked += 1
-    found = before[goal] >= 0 and not thorough
-    count = 0
-    if found:
-        state = goal
-        while state != source << bits:
-            chain[count] = state >> bits
-            count += 1
-            state = before[state]
-    if not thorough:
-        for i in range(tail):
-            state = order[i]
-            before[state] = -1
-            place_in_rows = (state & full) * layer_size + (state >> bits)
-            skip[place_in_rows] = place_in_rows
-    return count, looked
-
-
 def _simple(links: _Links, chain: Sequence[int]) -> list[Cell]:
     """Splits a closed chain at cells that it visits twice, and keeps an odd part each time."""
     cells = links.cells[np.array(chain, np.int64)]
@@ -349,6 +293,3 @@ def _simple(links: _Links, chain: Sequence[int]) -> list[Cell]:
         where[cell] = len(kept)
         kept.append((cell, bit))
     return [piece[0] for piece in kept]
-
-
-_odd_walk_compiled = lazy_kernel(_odd_walk)

@@ -10,12 +10,14 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.jit import lazy_kernel
+from worldgen._core import ffi, lib
+from worldgen.ccall import check, pointer, writable
 from worldgen.reach.lattice_graph import touching_cells
-from worldgen.reach.spans import FOREVER
 from worldgen.reach.walls import Cell
 
 __all__ = ["Blocked", "CellSpans", "Intervals", "safe_intervals", "touching"]
+
+_PORTION = 2_000_000  # points between two looks at Ctrl-C
 
 Ints = npt.NDArray[np.int64]
 
@@ -50,9 +52,9 @@ class CellSpans:
 class Intervals:
     """Safe intervals of the points of a raster: point p has first[p] to first[p + 1] - 1, by time, in ticks."""
 
-    first: Any
-    begin: Any
-    end: Any
+    first: Ints
+    begin: Ints
+    end: Ints
 
 
 def touching(radius: Fraction, k: int, half: int) -> list[list[Cell]]:
@@ -60,92 +62,60 @@ def touching(radius: Fraction, k: int, half: int) -> list[list[Cell]]:
     return [touching_cells(2 * a + half, 2 * b + half, 2 * k, radius) for b in range(k) for a in range(k)]
 
 
-def safe_intervals(
-    clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]], plain: bool
-) -> Intervals:
-    """When the points of a raster are safe.
+def safe_intervals(clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]) -> Intervals:
+    """Return when the points of a raster are safe.
 
     Args:
         clear: (rows, columns) bool, points that no cell blocks for ever; the others have no interval.
         spans: When cells are blocked.
         classes: (k * k) offsets of the cells that make a point unsafe, for each of the k x k points of one cell.
-        plain: Whether plain Python does it, or a compiled kernel.
     """
-    inputs, most = _points_and_spans(clear, spans, classes)
-    first, work, nothing = np.zeros(clear.size + 1, np.int64), np.zeros(most + 2, np.int64), np.zeros(0, np.int64)
-    if plain:
-        lists = [array.tolist() for array in inputs]
-        counts, low, high = first.tolist(), work.tolist(), work.tolist()
-        arguments: Any = (*lists, counts, [], [], low, high, False)
-        _safe_intervals(*arguments)
-        total = np.cumsum(counts).tolist()
-        begin, end = [0] * total[-1], [0] * total[-1]
-        arguments = (*lists, total, begin, end, low, high, True)
-        _safe_intervals(*arguments)
-        return Intervals(total, begin, end)
-    arguments = (*inputs, first, nothing, nothing, work, work.copy(), False)
-    _safe_intervals_compiled(*arguments)
+    asked, _held = _described(clear, spans, classes)
+    first = np.zeros(clear.size + 1, np.int64)
+    made = writable(ffi, first, np.int64)
+    for begin in range(0, clear.size, _PORTION):
+        end = min(begin + _PORTION, clear.size)
+        check(lib.wg_safe_intervals(asked, begin, end, made, ffi.NULL, ffi.NULL, False))
     first = np.cumsum(first)
-    begins, ends = np.zeros(int(first[-1]), np.int64), np.zeros(int(first[-1]), np.int64)
-    arguments = (*inputs, first, begins, ends, work, work.copy(), True)
-    _safe_intervals_compiled(*arguments)
+    begins, ends = np.empty(int(first[-1]), np.int64), np.empty(int(first[-1]), np.int64)
+    outputs = tuple(writable(ffi, array, np.int64) for array in (first, begins, ends))
+    for begin in range(0, clear.size, _PORTION):
+        end = min(begin + _PORTION, clear.size)
+        check(lib.wg_safe_intervals(asked, begin, end, *outputs, True))
     return Intervals(first, begins, ends)
 
 
-def _points_and_spans(
-    clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]
-) -> tuple[Any, int]:
-    """The first eight arguments of ``_safe_intervals``, and how many spans one point may have round it."""
-    k = round(len(classes) ** 0.5)
+def _described(clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequence[Sequence[Cell]]) -> tuple[Any, Any]:
+    """Return points and spans as C reads them, and the arrays that have to be kept meanwhile."""
     pad = max((max(abs(dx), abs(dy)) for found in classes for dx, dy in found), default=0) + 1
     cells = np.pad(spans.changing, pad)
     number = np.zeros(cells.size, np.int64)
     number[cells.ravel()] = np.diff(spans.first)[spans.changing.ravel()]
-    span_first = np.concatenate([[0], np.cumsum(number)])
-    steps = np.array([dy * cells.shape[1] + dx for found in classes for dx, dy in found], np.int64)
-    class_first = np.concatenate([[0], np.cumsum([len(found) for found in classes])]).astype(np.int64)
-    rows, columns = clear.shape
-    y, x = np.arange(rows, dtype=np.int32)[:, None], np.arange(columns, dtype=np.int32)[None, :]
-    place = (y // k + pad) * cells.shape[1] + x // k + pad  # 32 bits: there are tens of millions of points
-    kind = y % k * k + x % k
-    points = [clear.view(np.uint8).ravel(), place.ravel(), kind.ravel()]
+    stride = cells.shape[1]
     most = int(number.max(initial=0)) * max(len(found) for found in classes)
-    return [*points, class_first, steps, span_first, spans.begin, spans.end], most
-
-
-def _safe_intervals(
-    clear: Any, place: Any, kind: Any, class_first: Any, steps: Any,
-    span_first: Any, span_begin: Any, span_end: Any, first: Any, begin: Any, end: Any, low: Any, high: Any, fill: Any,
-) -> None:  # fmt: skip
-    """Counts the safe intervals of point p in first[p + 1], or writes them from first[p] on.
-
-    ``low`` and ``high`` hold the blocked spans round one point, sorted by insertion. The same text runs
-    plain and compiled.
-    """
-    for p in range(len(clear)):
-        if clear[p] == 0:
-            continue
-        count = 0
-        for s in range(class_first[kind[p]], class_first[kind[p] + 1]):
-            cell = place[p] + steps[s]
-            for span in range(span_first[cell], span_first[cell + 1]):
-                at = count
-                while at > 0 and low[at - 1] > span_begin[span]:
-                    low[at], high[at] = low[at - 1], high[at - 1]
-                    at -= 1
-                low[at], high[at] = span_begin[span], span_end[span]
-                count += 1
-        free, found = 0, 0  # free: tick from which on nothing seen so far blocks the point
-        for i in range(count + 1):
-            until = low[i] if i < count else FOREVER
-            if until > free:
-                if fill:
-                    begin[first[p] + found], end[first[p] + found] = free, until
-                found += 1
-            if i < count and high[i] > free:
-                free = high[i]
-        if not fill:
-            first[p + 1] = found
-
-
-_safe_intervals_compiled = lazy_kernel(_safe_intervals)
+    held = (
+        np.concatenate([[0], np.cumsum([len(found) for found in classes])]).astype(np.int64),
+        np.array([dy * stride + dx for found in classes for dx, dy in found], np.int64),
+        np.concatenate([[0], np.cumsum(number)]),
+        np.ascontiguousarray(spans.begin),
+        np.ascontiguousarray(spans.end),
+    )
+    class_first, steps, span_first, span_begin, span_end = (pointer(ffi, array, np.int64) for array in held)
+    rows, columns = clear.shape
+    points = np.ascontiguousarray(clear)
+    fields = {
+        "clear": pointer(ffi, points, np.bool_),
+        "rows": rows,
+        "columns": columns,
+        "k": round(len(classes) ** 0.5),
+        "class_first": class_first,
+        "steps": steps,
+        "pad": pad,
+        "stride": stride,
+        "cells": cells.size,
+        "span_first": span_first,
+        "span_begin": span_begin,
+        "span_end": span_end,
+        "most": most,
+    }
+    return ffi.new("WgBlocked *", fields), (points, *held)

@@ -15,7 +15,7 @@ from worldgen.reach.intervals import CellSpans, safe_intervals, touching
 from worldgen.reach.lattice_graph import build_graph, nodes_within
 from worldgen.reach.path import travel_ticks
 from worldgen.reach.spans import FOREVER, ChangingWalls
-from worldgen.reach.timed import SMALL, nodes_round, search_costs
+from worldgen.reach.timed import nodes_round, search_costs
 from worldgen.reach.walls import ExactPoint, Point
 from worldgen.world import World
 
@@ -46,9 +46,8 @@ def find_latest_start(
     if not len(ends):
         return None
     mirrored = CellSpans(spans.changing, spans.first, FOREVER - spans.end, FOREVER - spans.begin)
-    plain = graph.clear.size <= SMALL
-    nodes = safe_intervals(graph.clear, mirrored, touching(walls.radius, k, 0), plain)
-    middles = safe_intervals(graph.middle, mirrored, touching(walls.radius, k, 1), plain)
+    nodes = safe_intervals(graph.clear, mirrored, touching(walls.radius, k, 0))
+    middles = safe_intervals(graph.middle, mirrored, touching(walls.radius, k, 1))
     soonest = 0 if deadline is None else max(FOREVER - math.floor(exact(deadline) * spans.ticks), 0)
     begun = [
         (state, max(int(nodes.begin[state]), soonest))
@@ -60,7 +59,7 @@ def find_latest_start(
     pace = (world.cell_size, world.robot_speed, spans.ticks)
     ticks = (travel_ticks((0, 0), (unit, 0), *pace), travel_ticks((0, 0), (unit, unit), *pace))
     begun_at = np.array(begun, np.int64).reshape(-1, 2)
-    cost = search_costs(nodes, middles, graph.stride, begun_at, ticks, plain)
+    cost = search_costs(nodes, middles, graph.stride, begun_at, ticks)
     latest = -1
     for node, point in nodes_round(start, graph.clear, unit):
         takes = travel_ticks(start, point, *pace)

@@ -9,7 +9,6 @@ Source: Mike Phillips, Maxim Likhachev, "SIPP: Safe Interval Path Planning for D
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,18 +16,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.jit import lazy_kernel
+from worldgen._core import ffi, lib
+from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import UNIT, exact
 from worldgen.reach.disc import Disc
 from worldgen.reach.intervals import Intervals, safe_intervals, touching
-from worldgen.reach.lattice_graph import build_graph, neighbour_shifts, nodes_within
+from worldgen.reach.lattice_graph import build_graph, nodes_within
 from worldgen.reach.path import metres, root_down, travel_ticks
 from worldgen.reach.spans import FOREVER, MARGIN, ChangingWalls
 from worldgen.reach.walls import ExactPoint, Point
 from worldgen.world import Witness, World
 
 __all__ = [
-    "SMALL",
     "TimedPath",
     "find_timed_path",
     "make_timed_witness",
@@ -39,7 +38,7 @@ __all__ = [
 
 _LOOK_AHEAD = 24  # corners that one straight line may replace
 _TESTS = 20_000  # straight lines tried on one path; long paths look ahead less
-SMALL = 60_000  # nodes that plain Python handles in less time than loading numba takes
+_PORTION = 200_000  # entries of the queue between two looks at Ctrl-C
 
 Ints = npt.NDArray[np.int64]
 
@@ -72,11 +71,10 @@ def find_timed_path(world: World, walls: ChangingWalls, k: int, start: ExactPoin
     sources = [(node, arrival) for node, p, arrival in near if walls.is_clear(start, p, 0, arrival)]
     if not sources or not len(ends):
         return None
-    plain = graph.clear.size <= SMALL
-    nodes = safe_intervals(graph.clear, spans, touching(walls.radius, k, 0), plain)
-    middles = safe_intervals(graph.middle, spans, touching(walls.radius, k, 1), plain)
+    nodes = safe_intervals(graph.clear, spans, touching(walls.radius, k, 0))
+    middles = safe_intervals(graph.middle, spans, touching(walls.radius, k, 1))
     toward = (round(disc.x / unit), round(disc.y / unit))
-    states = _search_states(nodes, middles, graph.stride, sources, ends, (axis, diagonal), toward, plain)
+    states = _search_states(nodes, middles, graph.stride, sources, ends, (axis, diagonal), toward)
     return _with_waits(start, states, graph.stride, unit) if states else None
 
 
@@ -155,7 +153,7 @@ def nodes_round(start: ExactPoint, clear: npt.NDArray[np.bool_], unit: int) -> l
 
 def _search_states(
     nodes: Intervals, middles: Intervals, stride: int, sources: Sequence[tuple[int, int]],
-    ends: Ints, ticks: tuple[int, int], toward: tuple[int, int], plain: bool,
+    ends: Ints, ticks: tuple[int, int], toward: tuple[int, int],
 ) -> list[tuple[int, int, int]]:  # fmt: skip
     """(node, departure from the one before, arrival) along the earliest way; empty if there is none."""
     goal = np.zeros(len(nodes.first) - 1, np.uint8)
@@ -164,7 +162,7 @@ def _search_states(
     spread = int(np.maximum(np.abs(ends % stride - x), np.abs(ends // stride - y)).max())
     lean = (x, y, spread * ticks[1])  # an end is at most that much nearer than ``toward``
     begun = _first_states(nodes, sources)
-    final, node_of, cost, came, depart = _search(nodes, middles, stride, begun, goal, lean, ticks, plain)
+    final, node_of, cost, came, depart = _search(nodes, middles, stride, begun, goal, lean, ticks)
     path = []
     while final >= 0:
         path.append((int(node_of[final]), int(depart[final]), int(cost[final])))
@@ -172,9 +170,7 @@ def _search_states(
     return path[::-1]
 
 
-def search_costs(
-    nodes: Intervals, middles: Intervals, stride: int, begun: Ints, ticks: tuple[int, int], plain: bool
-) -> Any:
+def search_costs(nodes: Intervals, middles: Intervals, stride: int, begun: Ints, ticks: tuple[int, int]) -> Any:
     """The earliest tick at which each state is reached from any of those begun in; ``FOREVER`` where it is not.
 
     Args:
@@ -183,34 +179,48 @@ def search_costs(
         stride: Nodes per row.
         begun: (n, 2) states and ticks.
         ticks: That an axis step takes, and a diagonal one.
-        plain: Whether plain Python does it, or a compiled kernel.
     """
     nowhere = np.zeros(len(nodes.first) - 1, np.uint8)
-    return _search(nodes, middles, stride, begun, nowhere, (0, 0, FOREVER), ticks, plain)[2]
+    return _search(nodes, middles, stride, begun, nowhere, (0, 0, FOREVER), ticks)[2]
 
 
 def _search(
     nodes: Intervals, middles: Intervals, stride: int, begun: Ints, goal: Any,
-    lean: tuple[int, int, int], ticks: tuple[int, int], plain: bool,
+    lean: tuple[int, int, int], ticks: tuple[int, int],
 ) -> tuple[int, Any, Any, Any, Any]:  # fmt: skip
-    """Runs the search: final state, and of the states their node, cost, predecessor and departure from that."""
+    """Run the search: final state, and of the states their node, cost, predecessor and departure from that."""
     size, count = len(nodes.first) - 1, len(nodes.begin)
-    node_of: Any = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))
-    cost: Any = np.full(count, FOREVER, np.int64)
-    came: Any = np.full(count, -1, np.int32)
-    depart: Any = np.zeros(count, np.int64)
-    search: Any = _safe_search_compiled
-    moves: Any = tuple(np.array(values, np.int64) for values in neighbour_shifts(stride))
-    if plain:
-        moves = neighbour_shifts(stride)
-        node_of, goal, cost, came, depart = (array.tolist() for array in (node_of, goal, cost, came, depart))
-        search = _safe_search
-    final = int(search(
-        nodes.first, nodes.begin, nodes.end, middles.first, middles.begin, middles.end,
-        node_of, stride, *moves, begun, goal,
-        lean, ticks, cost, came, depart,
-    ))  # fmt: skip
-    return final, node_of, cost, came, depart
+    node_of = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))
+    cost, came, depart = np.full(count, FOREVER, np.int64), np.full(count, -1, np.int32), np.zeros(count, np.int64)
+    lists = (nodes.first, nodes.begin, nodes.end, middles.first, middles.begin, middles.end)
+    names = ("first", "begin", "end", "mid_first", "mid_begin", "mid_end")
+    fields = {
+        **{name: pointer(ffi, array, np.int64) for name, array in zip(names, lists, strict=True)},
+        "nodes": size,
+        "stride": stride,
+        "states": count,
+        "node_of": pointer(ffi, node_of, np.int32),
+        "goal": pointer(ffi, goal, np.uint8),
+        "toward_x": lean[0],
+        "toward_y": lean[1],
+        "slack": min(lean[2], 2 * FOREVER),
+        # A step that takes longer than any interval lasts is never taken.
+        "axis_ticks": min(ticks[0], FOREVER),
+        "diagonal_ticks": min(ticks[1], FOREVER),
+        "cost": writable(ffi, cost, np.int64),
+        "came": writable(ffi, came, np.int32),
+        "depart": writable(ffi, depart, np.int64),
+    }
+    asked, made = ffi.new("WgTimed *", fields), ffi.new("WgTimedSearch **")
+    progress, final = ffi.new("WgProgress *"), ffi.new("int64_t *")
+    check(lib.wg_timed_new(asked, pointer(ffi, begun, np.int64), len(begun), made))
+    try:
+        while True:
+            check(lib.wg_timed_advance(made[0], _PORTION, progress, final))
+            if progress[0] != lib.WG_GOING:
+                return final[0], node_of, cost, came, depart
+    finally:
+        lib.wg_timed_free(made[0])
 
 
 def _first_states(nodes: Intervals, sources: Sequence[tuple[int, int]]) -> Ints:
@@ -222,51 +232,3 @@ def _first_states(nodes: Intervals, sources: Sequence[tuple[int, int]]) -> Ints:
         if nodes.begin[state] <= arrival < nodes.end[state]
     ]
     return np.array(found, np.int64).reshape(-1, 2)
-
-
-def _safe_search(
-    first: Any, begin: Any, end: Any, mid_first: Any, mid_begin: Any, mid_end: Any, node_of: Any, stride: Any,
-    shifts: Any, corners: Any, begun: Any, goal: Any, lean: Any, ticks: Any,
-    cost: Any, came: Any, depart: Any,
-) -> Any:  # fmt: skip
-    """A* over (node, safe interval); cost is the tick of arrival. Returns the final state or -1.
-
-    The same text runs plain and compiled.
-    """
-    gx, gy, slack = lean
-    axis, diagonal = ticks
-    queue = [(0, 0, 0)]
-    heapq.heappop(queue)
-    for i in range(len(begun)):
-        state, arrival = int(begun[i][0]), int(begun[i][1])
-        cost[state] = arrival
-        heapq.heappush(queue, (arrival, arrival, state))
-    while len(queue) > 0:
-        _, now, state = heapq.heappop(queue)
-        if now != cost[state]:
-            continue
-        node = node_of[state]
-        if goal[node] == 1:
-            return state
-        for direction in range(8):
-            other, takes = node + shifts[direction], axis if direction < 4 else diagonal
-            for onto in range(first[other], first[other + 1]):
-                leave, close = max(now, begin[onto]), min(end[state], end[onto])
-                if leave + takes > close or leave + takes >= cost[onto]:
-                    continue
-                if direction > 3:
-                    found, corner = -1, node + corners[direction]
-                    for middle in range(mid_first[corner], mid_first[corner + 1]):
-                        if found < 0 and max(leave, mid_begin[middle]) + takes <= min(close, mid_end[middle]):
-                            found = max(leave, mid_begin[middle])
-                    if found < 0 or found + takes >= cost[onto]:
-                        continue
-                    leave = found
-                cost[onto], came[onto], depart[onto] = leave + takes, state, leave
-                dx, dy = abs(other % stride - gx), abs(other // stride - gy)
-                guess = max(0, axis * max(dx, dy) + (diagonal - axis) * min(dx, dy) - slack)
-                heapq.heappush(queue, (leave + takes + guess, leave + takes, onto))
-    return -1
-
-
-_safe_search_compiled = lazy_kernel(_safe_search)

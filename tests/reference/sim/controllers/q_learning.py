@@ -15,30 +15,14 @@ Christopher J. C. H. Watkins and Peter Dayan, "Q-learning", Machine Learning 8 (
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.interim._directions import WHOLE_TURN, steer, target_bearing
-from sim.controllers.interim._q_table import TABLE
+from benchmarks.train_q_learning import TABLE
 from sim.kernels import layout
-from sim.kernels._jit import kernel
-from sim.robot_options import RobotOptions
-
-__all__ = [
-    "AT_RESET",
-    "NEEDS",
-    "SENSES",
-    "SITUATIONS",
-    "TURNS",
-    "best_turns",
-    "drive",
-    "q_learning",
-    "q_learning_robot",
-    "situation",
-    "table_of",
-]
+from tests.reference.sim.controllers._directions import WHOLE_TURN, steer, target_bearing
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -51,11 +35,8 @@ DRIVEN = 4  # steps between two decisions, if no bump comes first
 
 WAIT, TURNED = 0, 1  # memory: steps until the next decision; last turn: 0 none or back, 1 left, 2 right
 AT_RESET = (0.0, 0.0)
-SENSES = ("bump", "heading", "target_heading", "time_step", "top_speed", "radius", "beams")
-NEEDS = RobotOptions(beams=8, beam_range=2.0)
 
 
-@kernel
 def situation(observation: Floats, memory: Floats) -> int:
     """Number of the situation, below SITUATIONS."""
     eighth = math.floor(target_bearing(observation) / WHOLE_TURN * 8.0 + 0.5) % 8
@@ -66,7 +47,6 @@ def situation(observation: Floats, memory: Floats) -> int:
     return (int(memory[TURNED]) * 8 + eighth) * 32 + blocked
 
 
-@kernel
 def drive(observation: Floats, memory: Floats, command: Floats, best: Ints) -> None:
     """One step: decides if it is time to, and drives on.
 
@@ -88,30 +68,15 @@ def drive(observation: Floats, memory: Floats, command: Floats, best: Ints) -> N
     )
 
 
-def table_of(text: str) -> Ints:
-    """(SITUATIONS, turns) the worth of each turn in thousandths, from lines of numbers."""
-    return np.array(text.split(), np.int64).reshape(SITUATIONS, len(TURNS))
+def shipped() -> Ints:
+    """Return (SITUATIONS,) the best turn of the shipped table in each situation; the first of equals."""
+    text = TABLE.read_text(encoding="utf-8")
+    worths = np.array(re.findall(r"-?\d+", text[text.index("{") :]), np.int64).reshape(SITUATIONS, len(TURNS))
+    return np.argmax(worths, axis=1)
 
 
-def best_turns(table: Ints) -> Ints:
-    """(SITUATIONS,) index of the best turn in each situation; the first of equals."""
-    best: Ints = np.argmax(table, axis=1).astype(np.int64)
-    return best
+_BEST = shipped()
 
 
-def q_learning_robot(table: Ints, name: str = "q-learning") -> CompiledController:
-    """A robot that drives by a table.
-
-    Args:
-        table: (SITUATIONS, turns) worths.
-        name: For messages and files.
-    """
-    best = best_turns(table)
-
-    def act(observation: Floats, memory: Floats, command: Floats) -> None:
-        drive(observation, memory, command, best)
-
-    return CompiledController(name, act, AT_RESET, senses=SENSES, needs=NEEDS)
-
-
-q_learning = q_learning_robot(table_of(TABLE))
+def act(observation: Floats, memory: Floats, command: Floats) -> None:
+    drive(observation, memory, command, _BEST)

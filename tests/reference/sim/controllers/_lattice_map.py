@@ -16,32 +16,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.interim._directions import distance_to_way
-from sim.kernels._jit import allocating_kernel, kernel, rare_kernel
-
-__all__ = [
-    "DOORS",
-    "NODES",
-    "OWN",
-    "PLAN_AT",
-    "PLAN_LENGTH",
-    "SHOWN",
-    "SIDE",
-    "TARGET_X",
-    "TARGET_Y",
-    "block",
-    "block_near",
-    "blocked_edges",
-    "door",
-    "forget",
-    "has_door",
-    "memory_size",
-    "move_window",
-    "neighbour",
-    "next_move",
-    "plan",
-    "planned_moves",
-]
+from tests.reference.sim.controllers._directions import distance_to_way
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -70,7 +45,6 @@ def memory_size(side: int) -> int:
     return NODES + -(-side * side // _NODES_A_WORD)
 
 
-@kernel
 def neighbour(x: int, y: int, move: int) -> tuple[int, int]:
     """The node that a move leads to: 0 is east, and then counter-clockwise by eighths of a turn."""
     dx = 1 if move in (0, 1, 7) else (-1 if move in (3, 4, 5) else 0)
@@ -78,7 +52,6 @@ def neighbour(x: int, y: int, move: int) -> tuple[int, int]:
     return x + dx, y + dy
 
 
-@kernel
 def _bit(memory: Floats, x: int, y: int, move: int) -> tuple[int, int]:
     """Word of the memory and bit in it of an edge."""
     if move >= 4:
@@ -89,13 +62,11 @@ def _bit(memory: Floats, x: int, y: int, move: int) -> tuple[int, int]:
     return NODES + node // _NODES_A_WORD, 4 * (node % _NODES_A_WORD) + move
 
 
-@kernel
 def _is_blocked(memory: Floats, x: int, y: int, move: int) -> bool:
     word, bit = _bit(memory, x, y, move)
     return (int(memory[word]) >> bit) & 1 != 0
 
 
-@rare_kernel
 def block(memory: Floats, x: int, y: int, move: int) -> None:
     """Notes that the edge of a move from a node is blocked; the plan is dropped."""
     word, bit = _bit(memory, x, y, move)
@@ -103,7 +74,6 @@ def block(memory: Floats, x: int, y: int, move: int) -> None:
     memory[PLAN_LENGTH] = 0.0
 
 
-@rare_kernel
 def block_near(memory: Floats, x: float, y: float, radius: float) -> None:
     """Notes that all edges that pass a point nearer than a radius are blocked; both in nodes."""
     reach = math.floor(radius) + 2
@@ -118,7 +88,6 @@ def block_near(memory: Floats, x: float, y: float, radius: float) -> None:
     memory[PLAN_LENGTH] = 0.0
 
 
-@kernel
 def _door(memory: Floats, x: int, y: int) -> int:
     """Number of a node among those next to the target; -1 for another."""
     i = x - math.floor(memory[TARGET_X]) + _REACH - 1
@@ -126,21 +95,18 @@ def _door(memory: Floats, x: int, y: int) -> int:
     return int(j * 2 * _REACH + i) if 0 <= i < 2 * _REACH and 0 <= j < 2 * _REACH else -1
 
 
-@kernel
 def has_door(memory: Floats, x: int, y: int) -> bool:
     """Whether a node is next to the target, and the way from it to the target not known to be blocked."""
     number = _door(memory, x, y)
     return number >= 0 and (int(memory[DOORS]) >> number) & 1 == 0
 
 
-@rare_kernel
 def door(memory: Floats, x: int, y: int) -> None:
     """Notes that the way from a node to the target is blocked."""
     memory[DOORS] = float(int(memory[DOORS]) | (1 << max(_door(memory, x, y), 0)))
     memory[PLAN_LENGTH] = 0.0
 
 
-@rare_kernel
 def forget(memory: Floats) -> None:
     """Empties the map."""
     for word in range(NODES, memory.size):
@@ -148,7 +114,6 @@ def forget(memory: Floats) -> None:
     memory[DOORS], memory[PLAN_LENGTH] = 0.0, 0.0
 
 
-@rare_kernel
 def _forget_line(memory: Floats, place: int, column: bool) -> None:
     """Forgets the nodes of a column or a row."""
     side = int(memory[SIDE])
@@ -159,7 +124,6 @@ def _forget_line(memory: Floats, place: int, column: bool) -> None:
             memory[word] = float(int(memory[word]) & ~(1 << bit))
 
 
-@rare_kernel
 def move_window(memory: Floats, x: int, y: int) -> None:
     """Moves the window so that a node has a quarter of it on each side; what leaves it is forgotten."""
     side = int(memory[SIDE])
@@ -175,33 +139,6 @@ def move_window(memory: Floats, x: int, y: int) -> None:
             memory[PLAN_LENGTH] = 0.0
 
 
-def blocked_edges(memory: Floats) -> Floats:
-    """(n, 4) nodes at both ends, x and y, of all edges that the map has as blocked; the target's for a blocked door."""
-    side = int(memory[SIDE])
-    words = memory[NODES:].astype(np.int64)
-    bits = ((words[:, None] >> (4 * np.arange(_NODES_A_WORD))) & 15).ravel()[: side * side].reshape(side, side)
-    low_x, low_y = int(memory[WINDOW_X]), int(memory[WINDOW_Y])
-    found = []
-    for move in range(4):
-        row, column = np.nonzero((bits >> move) & 1)
-        x, y = low_x + (column - low_x) % side, low_y + (row - low_y) % side
-        dx, dy = neighbour(0, 0, move)
-        found.append(np.column_stack((x, y, x + dx, y + dy)).astype(np.float64))
-    for number in range(4 * _REACH * _REACH):
-        if (int(memory[DOORS]) >> number) & 1:
-            up, along = divmod(number, 2 * _REACH)
-            node_x, node_y = (math.floor(memory[TARGET_X + k]) - _REACH + 1 for k in range(2))
-            found.append(np.array([[node_x + along, node_y + up, memory[TARGET_X], memory[TARGET_Y]]]))
-    return np.concatenate(found)
-
-
-def planned_moves(memory: Floats) -> list[int]:
-    """All moves of the plan, those that are done among them."""
-    count = int(memory[PLAN_LENGTH])
-    return [(int(memory[PLAN + k // _MOVES_A_WORD]) >> (3 * (k % _MOVES_A_WORD))) & 7 for k in range(count)]
-
-
-@kernel
 def next_move(memory: Floats) -> int:
     """The next move of the plan, which is then done; -1 if there is none."""
     at = int(memory[PLAN_AT])
@@ -211,7 +148,6 @@ def next_move(memory: Floats) -> int:
     return (int(memory[PLAN + at // _MOVES_A_WORD]) >> (3 * (at % _MOVES_A_WORD))) & 7
 
 
-@kernel
 def _push(heap: Ints, count: int, item: int) -> int:
     """Adds an item to a binary heap; the number of items then."""
     at = count
@@ -222,7 +158,6 @@ def _push(heap: Ints, count: int, item: int) -> int:
     return count + 1
 
 
-@kernel
 def _pop(heap: Ints, count: int) -> int:
     """Takes the smallest item, which is the first, off a binary heap; the number of items then."""
     count -= 1
@@ -239,14 +174,12 @@ def _pop(heap: Ints, count: int) -> int:
     return count
 
 
-@kernel
 def _at_least(memory: Floats, x: int, y: int) -> int:
     """Cost that the way from a node to the target has at least."""
     dx, dy = abs(x - float(memory[TARGET_X])), abs(y - float(memory[TARGET_Y]))
     return math.floor(_STRAIGHT * max(dx, dy) + (_DIAGONAL - _STRAIGHT) * min(dx, dy))
 
 
-@kernel
 def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap: Ints) -> int:
     """A* from a node; the number in the window of the node where the plan ends, -1 if there is no way.
 
@@ -284,7 +217,6 @@ def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap
     return out
 
 
-@allocating_kernel
 def plan(memory: Floats, x: int, y: int) -> bool:
     """Plans the way from a node, which the window must have around it, to one next to the target or out of the window.
 

@@ -4,33 +4,16 @@ from __future__ import annotations
 
 import math
 
-from fuzz.faults.interim.planting import Floats, seeded, unwrap_turn
-from sim.controllers.base import Act
-from sim.controllers.interim import _boundary as body
-from sim.controllers.interim import bug1 as one
-from sim.controllers.interim import bug2 as two
-from sim.controllers.interim.bug1 import bug1
-from sim.controllers.interim.bug2 import bug2
 from sim.kernels import layout
-
-__all__ = [
-    "bug1_hit_point_moves_along",
-    "bug1_keeps_the_last_place",
-    "bug1_lost_wall_wrong_side",
-    "bug1_stale_round_is_over",
-    "bug1_turn_not_wrapped",
-    "bug2_bearing_in_degrees",
-    "bug2_hit_point_not_kept",
-    "bug2_leaves_behind_the_hit_point",
-    "bug2_leaves_by_equality",
-    "bug2_stale_line",
-    "bug2_turn_not_wrapped",
-]
+from tests.reference.fuzz.planting import Act, Floats, seeded, unwrap_turn
+from tests.reference.sim.controllers import _boundary as body
+from tests.reference.sim.controllers import bug1 as one
+from tests.reference.sim.controllers import bug2 as two
 
 _STILL_ROUND = 2.0  # Bug1's AWAY: it is back at the hit point
 
 
-@seeded(bug1, "loop")
+@seeded("bug1")
 def bug1_keeps_the_last_place(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Does not keep the nearest place of the wall but the last one: the comparison with the best so far is lost."""
     if memory[one.MODE] == one.ROUND:
@@ -38,7 +21,7 @@ def bug1_keeps_the_last_place(observation: Floats, memory: Floats, command: Floa
     base(observation, memory, command)
 
 
-@seeded(bug1, "stalled")
+@seeded("bug1")
 def bug1_hit_point_moves_along(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Notes the hit point anew at each step along the wall, so it never comes back to it."""
     base(observation, memory, command)
@@ -46,7 +29,7 @@ def bug1_hit_point_moves_along(observation: Floats, memory: Floats, command: Flo
         memory[one.HIT], memory[one.HIT + 1] = observation[layout.OBS_X], observation[layout.OBS_Y]
 
 
-@seeded(bug1, "loop", room=1)
+@seeded("bug1")
 def bug1_stale_round_is_over(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The flag of a finished round is not cleared at the second obstacle, which counts as seen at once."""
     before = memory[one.MODE]
@@ -57,7 +40,7 @@ def bug1_stale_round_is_over(observation: Floats, memory: Floats, command: Float
         memory[one.AWAY] = _STILL_ROUND
 
 
-@seeded(bug1, "loop")
+@seeded("bug1")
 def bug1_lost_wall_wrong_side(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Changes hands whenever the wall is lost at a corner: the sign of the turn is wrong there."""
     base(observation, memory, command)
@@ -65,14 +48,14 @@ def bug1_lost_wall_wrong_side(observation: Floats, memory: Floats, command: Floa
         memory[body.HAND] = -memory[body.HAND]
 
 
-@seeded(bug1, "loop")
+@seeded("bug1")
 def bug1_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn."""
     base(observation, memory, command)
     unwrap_turn(observation, command)
 
 
-@seeded(bug2, "loop")
+@seeded("bug2")
 def bug2_leaves_by_equality(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Leaves the wall only where it is on the line exactly: a comparison of floats for equality."""
     before = memory[two.MODE]
@@ -83,7 +66,7 @@ def bug2_leaves_by_equality(observation: Floats, memory: Floats, command: Floats
         memory[two.MODE] = two.ROUND
 
 
-@seeded(bug2, "loop", room=4)
+@seeded("bug2")
 def bug2_stale_line(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The hit point and the line of the first obstacle are kept for all later ones."""
     before, line = memory[two.MODE], two.SIZE
@@ -97,7 +80,7 @@ def bug2_stale_line(observation: Floats, memory: Floats, command: Floats, base: 
     memory[two.LINE_X], memory[two.LINE_Y] = memory[line + 2], memory[line + 3]
 
 
-@seeded(bug2, "loop")
+@seeded("bug2")
 def bug2_hit_point_not_kept(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The hit point is forgotten at a corner, so the line then begins where the robot is."""
     base(observation, memory, command)
@@ -105,7 +88,7 @@ def bug2_hit_point_not_kept(observation: Floats, memory: Floats, command: Floats
         memory[two.HIT_X], memory[two.HIT_Y] = observation[layout.OBS_X], observation[layout.OBS_Y]
 
 
-@seeded(bug2, "loop")
+@seeded("bug2")
 def bug2_leaves_behind_the_hit_point(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Leaves wherever it crosses the line: that the place must be nearer than the hit point is forgotten."""
     from_x, from_y = memory[body.X] - memory[two.HIT_X], memory[body.Y] - memory[two.HIT_Y]
@@ -118,7 +101,7 @@ def bug2_leaves_behind_the_hit_point(observation: Floats, memory: Floats, comman
         memory[two.MODE] = two.GOAL
 
 
-@seeded(bug2, "loop")
+@seeded("bug2")
 def bug2_bearing_in_degrees(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The bearing of a contact on the right comes in degrees."""
     if observation[layout.OBS_BUMP_BEARING] < 0.0:
@@ -126,7 +109,7 @@ def bug2_bearing_in_degrees(observation: Floats, memory: Floats, command: Floats
     base(observation, memory, command)
 
 
-@seeded(bug2, "loop")
+@seeded("bug2")
 def bug2_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn."""
     base(observation, memory, command)

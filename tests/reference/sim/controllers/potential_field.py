@@ -17,20 +17,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.interim._directions import angle_of, bearing_of, steer, target_bearing
 from sim.kernels import layout
-from sim.kernels._jit import kernel
-from sim.kernels.fdlibm import cos, sin
-from sim.robot_options import RobotOptions
-
-__all__ = ["PotentialField", "drive", "potential_field", "potential_field_robot"]
+from tests.reference.sim.controllers._directions import angle_of, bearing_of, steer, target_bearing
+from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
 _NEAREST = 0.004  # m: no push is larger than at this gap, so that none is infinite
-SENSES = ("heading", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
-NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
 class PotentialField(NamedTuple):
@@ -51,7 +44,6 @@ class PotentialField(NamedTuple):
     full_force: float = 0.25
 
 
-@kernel
 def _push(gap: float, tuned: PotentialField) -> float:
     """Khatib's equation 18 for a gap in m."""
     if gap >= tuned.influence:
@@ -60,7 +52,6 @@ def _push(gap: float, tuned: PotentialField) -> float:
     return tuned.push * (1.0 / near - 1.0 / tuned.influence) / (near * near)
 
 
-@kernel
 def drive(observation: Floats, memory: Floats, command: Floats, tuned: PotentialField) -> None:
     """One step: sums the forces in the robot's frame and drives along their sum."""
     beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
@@ -83,13 +74,5 @@ def drive(observation: Floats, memory: Floats, command: Floats, tuned: Potential
     steer(observation, command, angle_of(force_x, force_y), min(top * min(force / tuned.full_force, 1.0), careful))
 
 
-def potential_field_robot(tuned: PotentialField, name: str = "potential-field") -> CompiledController:
-    """A robot in a potential field with these numbers."""
-
-    def act(observation: Floats, memory: Floats, command: Floats) -> None:
-        drive(observation, memory, command, tuned)
-
-    return CompiledController(name, act, senses=SENSES, needs=NEEDS)
-
-
-potential_field = potential_field_robot(PotentialField())
+def act(observation: Floats, memory: Floats, command: Floats) -> None:
+    drive(observation, memory, command, PotentialField())

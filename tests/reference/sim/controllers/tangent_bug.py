@@ -22,16 +22,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.interim import _boundary as body
-from sim.controllers.interim._directions import WHOLE_TURN, angle_of, bearing_of, distance, wrap
-from sim.controllers.memory_view import MemoryField
 from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
-from sim.kernels.fdlibm import cos, sin
-from sim.robot_options import RobotOptions
-
-__all__ = ["BEAMS", "RANGE", "tangent_bug"]
+from tests.reference.sim.controllers import _boundary as body
+from tests.reference.sim.controllers._directions import WHOLE_TURN, angle_of, bearing_of, distance, wrap
+from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
@@ -54,14 +48,12 @@ SIZE = body.BODY_SIZE + 7
 GOAL, APPROACH, WALL, LEAVE = 0.0, 1.0, 2.0, 3.0
 
 
-@rare_kernel
 def _sight(observation: Floats) -> float:
     """Distance, m, up to which points are looked at; a disc has a free way of that less its radius at most."""
     beams = observation.size - layout.OBS_SIZE
     return min(RANGE, float(_APART * observation[layout.OBS_RADIUS] * beams / WHOLE_TURN))
 
 
-@rare_kernel
 def _free_way(observation: Floats, bearing: float) -> float:
     """How far the disc can go in a direction from the heading, rad, past all points that beams met; m."""
     beams, sight = observation.size - layout.OBS_SIZE, _sight(observation)
@@ -78,7 +70,6 @@ def _free_way(observation: Floats, bearing: float) -> float:
     return max(free, 0.0)
 
 
-@rare_kernel
 def _rest(observation: Floats, bearing: float, length: float) -> float:
     """Distance to the target from the place that lies so far in a direction from the heading."""
     far = observation[layout.OBS_TARGET_DISTANCE]
@@ -86,7 +77,6 @@ def _rest(observation: Floats, bearing: float, length: float) -> float:
     return math.sqrt(max(far * far + length * length - 2.0 * far * length * cos(wrap(angle)), 0.0))
 
 
-@rare_kernel
 def _best_end(observation: Floats) -> tuple[float, float, float]:
     """The end of a wall by which the way to the target is shortest.
 
@@ -110,7 +100,6 @@ def _best_end(observation: Floats) -> tuple[float, float, float]:
     return best, best_bearing, best_length
 
 
-@rare_kernel
 def _nearest_seen(observation: Floats) -> tuple[float, float, float]:
     """The free place in sight that is nearest to the target: its distance to it, its direction and distance."""
     beams = observation.size - layout.OBS_SIZE
@@ -128,13 +117,11 @@ def _nearest_seen(observation: Floats) -> tuple[float, float, float]:
     return best, best_bearing, best_length
 
 
-@rare_kernel
 def _take_up(memory: Floats, far: float) -> None:
     """Begins to approach the wall that is in the way."""
     memory[MODE], memory[WALL_FAR] = APPROACH, far
 
 
-@rare_kernel
 def _go(observation: Floats, memory: Floats, command: Floats) -> None:
     """Towards the target, or to the best end of the wall before it; a wall that both fail at is taken up."""
     far, heading = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_HEADING]
@@ -157,7 +144,6 @@ def _go(observation: Floats, memory: Floats, command: Floats) -> None:
     body.drive(observation, memory, command, heading + bearing, min(step, length))
 
 
-@rare_kernel
 def _see_wall(observation: Floats, memory: Floats, side: int) -> None:
     """Takes in how near to the target the wall comes that is followed, as far as it is seen to one side, 1 or -1."""
     beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
@@ -172,7 +158,6 @@ def _see_wall(observation: Floats, memory: Floats, side: int) -> None:
         memory[WALL_FAR], before = min(memory[WALL_FAR], rest), far
 
 
-@rare_kernel
 def _see_whether_to_leave(observation: Floats, memory: Floats) -> None:
     """Notes a place in sight to leave the wall for, if one is nearer to the target than all of the wall was."""
     _see_wall(observation, memory, 1)
@@ -186,7 +171,6 @@ def _see_whether_to_leave(observation: Floats, memory: Floats) -> None:
         memory[MODE] = LEAVE
 
 
-@rare_kernel
 def _leave(observation: Floats, memory: Floats, command: Floats) -> None:
     """Drives to the place for which a wall is left."""
     x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
@@ -195,7 +179,6 @@ def _leave(observation: Floats, memory: Floats, command: Floats) -> None:
     body.drive(observation, memory, command, angle_of(memory[LEAVE_X] - x, memory[LEAVE_Y] - y), min(step, left))
 
 
-@rare_kernel
 def _tangent_bug(observation: Floats, memory: Floats, command: Floats) -> None:
     far, bump = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_BUMP] != 0.0
     if memory[MODE] == LEAVE:
@@ -225,19 +208,3 @@ def _tangent_bug(observation: Floats, memory: Floats, command: Floats) -> None:
 
 def _act(observation: Floats, memory: Floats, command: Floats) -> None:
     _tangent_bug(observation, memory, command)
-
-
-def _at_reset() -> tuple[float, ...]:
-    memory = [0.0] * SIZE
-    memory[body.HAND], memory[BEST] = 1.0, math.inf
-    return tuple(memory)
-
-
-tangent_bug = CompiledController(
-    "tangent-bug",
-    _act,
-    _at_reset(),
-    senses=(*body.SENSES, "beams"),
-    needs=RobotOptions(beams=BEAMS, beam_range=RANGE),
-    memory_fields=(MemoryField("doing", MODE, ("to the target", "by an end", "along the wall", "leaves the wall")),),
-)

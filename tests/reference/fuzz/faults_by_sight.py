@@ -4,47 +4,24 @@ from __future__ import annotations
 
 import math
 
-from fuzz.faults.interim.planting import Floats, seeded, unwrap_turn
-from sim.controllers.base import Act
-from sim.controllers.interim import three_layer as layers
-from sim.controllers.interim import vfh as histogram
-from sim.controllers.interim._directions import target_bearing
-from sim.controllers.interim.dynamic_window import dynamic_window
-from sim.controllers.interim.potential_field import potential_field
-from sim.controllers.interim.q_learning import SITUATIONS, TURNED, WAIT, q_learning, situation
-from sim.controllers.interim.three_layer import three_layer
-from sim.controllers.interim.vfh import vfh
 from sim.kernels import layout
-
-__all__ = [
-    "dynamic_window_brakes_for_the_target",
-    "dynamic_window_speed_in_km_h",
-    "potential_field_gap_in_whole_cells",
-    "potential_field_never_slows",
-    "q_learning_eighth_of_nine",
-    "q_learning_last_turn_lost",
-    "q_learning_timer_off_by_one",
-    "three_layer_columns_and_rows_swapped",
-    "three_layer_forgets_its_map",
-    "three_layer_patience_starts_anew",
-    "three_layer_stale_target",
-    "three_layer_turn_not_wrapped",
-    "vfh_beam_beyond_the_last",
-    "vfh_histogram_never_clears",
-    "vfh_turn_sign",
-]
+from tests.reference.fuzz.planting import Act, Floats, seeded, unwrap_turn
+from tests.reference.sim.controllers import three_layer as layers
+from tests.reference.sim.controllers import vfh as histogram
+from tests.reference.sim.controllers._directions import target_bearing
+from tests.reference.sim.controllers.q_learning import SITUATIONS, TURNED, WAIT, situation
 
 _CELL = 0.1  # m: of the families' worlds
 
 
-@seeded(three_layer, "loop")
+@seeded("three-layer")
 def three_layer_patience_starts_anew(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The timer of a waypoint is set to 0 in each step, so no waypoint is ever given up."""
     memory[layers.WAITED] = 0.0
     base(observation, memory, command)
 
 
-@seeded(three_layer, "loop")
+@seeded("three-layer")
 def three_layer_forgets_its_map(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The map is cleared with each new waypoint: what was learnt is lost with the reset."""
     to_x, to_y = memory[layers.TO_X], memory[layers.TO_Y]
@@ -54,7 +31,7 @@ def three_layer_forgets_its_map(observation: Floats, memory: Floats, command: Fl
             memory[layers.RIGHT + k] = 0.0
 
 
-@seeded(three_layer, "loop")
+@seeded("three-layer")
 def three_layer_columns_and_rows_swapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Columns and rows are mixed up where the robot's cell is looked up."""
     if memory[layers.LAID] != 0.0:
@@ -63,7 +40,7 @@ def three_layer_columns_and_rows_swapped(observation: Floats, memory: Floats, co
     base(observation, memory, command)
 
 
-@seeded(three_layer, "loop", room=2)
+@seeded("three-layer")
 def three_layer_stale_target(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The heading of the target is kept from the start for the last bit of the way."""
     if memory[layers.MEMORY] == 0.0:
@@ -72,14 +49,14 @@ def three_layer_stale_target(observation: Floats, memory: Floats, command: Float
     base(observation, memory, command)
 
 
-@seeded(three_layer, "stalled")
+@seeded("three-layer")
 def three_layer_turn_not_wrapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The turn is the difference of two headings, not wrapped at pi."""
     base(observation, memory, command)
     unwrap_turn(observation, command)
 
 
-@seeded(vfh, "loop")
+@seeded("vfh")
 def vfh_turn_sign(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Turns the wrong way where the chosen direction is more than an eighth of a turn off."""
     base(observation, memory, command)
@@ -87,7 +64,7 @@ def vfh_turn_sign(observation: Floats, memory: Floats, command: Floats, base: Ac
         command[layout.CMD_TURN_RATE] = -command[layout.CMD_TURN_RATE]
 
 
-@seeded(vfh, "loop", room=histogram.SECTORS)
+@seeded("vfh")
 def vfh_histogram_never_clears(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """A sector that was blocked once stays so: the lower threshold is never asked."""
     first = histogram.SECTORS + 1
@@ -99,7 +76,7 @@ def vfh_histogram_never_clears(observation: Floats, memory: Floats, command: Flo
         memory[first + k] = max(memory[first + k], memory[k])
 
 
-@seeded(vfh, "crash")
+@seeded("vfh")
 def vfh_beam_beyond_the_last(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Looks up the beam nearest to the target by a rounded index, which may be one beyond the last."""
     base(observation, memory, command)
@@ -110,7 +87,7 @@ def vfh_beam_beyond_the_last(observation: Floats, memory: Floats, command: Float
         command[layout.CMD_SPEED] = 0.0
 
 
-@seeded(potential_field, "crash")
+@seeded("potential-field")
 def potential_field_gap_in_whole_cells(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Divides by the gap to the nearest wall in whole cells of the map, which may be 0."""
     base(observation, memory, command)
@@ -121,30 +98,31 @@ def potential_field_gap_in_whole_cells(observation: Floats, memory: Floats, comm
     command[layout.CMD_SPEED] *= 1.0 - 0.1 / cells
 
 
-@seeded(potential_field, "tunnel", variations="+motion=endpoint+time_step=0.3")
+@seeded("potential-field")
 def potential_field_never_slows(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Drives at its top speed near walls, too, so that between two looks it is beyond them."""
     base(observation, memory, command)
     command[layout.CMD_SPEED] = observation[layout.OBS_TOP_SPEED]
 
 
-@seeded(dynamic_window, "invalid-command")
+@seeded("dynamic-window")
 def dynamic_window_brakes_for_the_target(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Slows down before the target by the root of what is left less 0.1 m, which may be negative."""
     base(observation, memory, command)
-    stop = math.sqrt(observation[layout.OBS_TARGET_DISTANCE] - 0.1)
+    rest = observation[layout.OBS_TARGET_DISTANCE] - 0.1
+    stop = math.sqrt(rest) if rest >= 0.0 else math.nan
     if not command[layout.CMD_SPEED] < 20.0 * stop:
         command[layout.CMD_SPEED] = 20.0 * stop
 
 
-@seeded(dynamic_window, "tunnel", variations="+motion=endpoint+time_step=0.15")
+@seeded("dynamic-window")
 def dynamic_window_speed_in_km_h(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Sends its speed in km/h to wheels that take m/s."""
     base(observation, memory, command)
     command[layout.CMD_SPEED] *= 3.6
 
 
-@seeded(q_learning, "crash")
+@seeded("q-learning")
 def q_learning_eighth_of_nine(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Counts nine eighths of a turn: straight behind on the right is beyond the table's end."""
     number = situation(observation, memory)
@@ -156,7 +134,7 @@ def q_learning_eighth_of_nine(observation: Floats, memory: Floats, command: Floa
     base(observation, memory, command)
 
 
-@seeded(q_learning, "loop")
+@seeded("q-learning")
 def q_learning_timer_off_by_one(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Waits a step longer between two decisions than it did when it was trained: an error by one in a timer."""
     waited = memory[WAIT]
@@ -165,7 +143,7 @@ def q_learning_timer_off_by_one(observation: Floats, memory: Floats, command: Fl
         memory[WAIT] += 1.0
 
 
-@seeded(q_learning, "loop")
+@seeded("q-learning")
 def q_learning_last_turn_lost(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Does not remember which way it turned last."""
     base(observation, memory, command)

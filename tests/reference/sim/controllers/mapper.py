@@ -20,17 +20,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.interim import _boundary as body
-from sim.controllers.interim import _lattice_map as lattice
-from sim.controllers.interim._directions import angle_of, distance, steer, wrap
-from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.kernels import layout
-from sim.kernels._jit import allocating_kernel, rare_kernel
-from sim.kernels.fdlibm import cos, sin
-from worldgen.errors import InvalidParameter
-
-__all__ = ["PITCH", "mapper", "mapper_small", "mapping", "shown_map"]
+from tests.reference.sim.controllers import _boundary as body
+from tests.reference.sim.controllers import _lattice_map as lattice
+from tests.reference.sim.controllers._directions import angle_of, distance, steer, wrap
+from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
@@ -53,7 +47,6 @@ _PROBE = 0.2  # of the pitch: step by which it feels for a wall
 _MOST_TRIES = 12.0  # steps on the way back that a wall may bend before the nearest node is taken for the one it is at
 
 
-@rare_kernel
 def _begin(observation: Floats, memory: Floats) -> None:
     """Lays the grid through the start, and the window half-way to the target."""
     memory[START_X], memory[START_Y] = observation[layout.OBS_X], observation[layout.OBS_Y]
@@ -64,7 +57,6 @@ def _begin(observation: Floats, memory: Floats) -> None:
     memory[lattice.WINDOW_Y] = math.floor(memory[lattice.TARGET_Y] / 2.0 - half)
 
 
-@rare_kernel
 def _drive_to(observation: Floats, memory: Floats, command: Floats, x: float, y: float) -> None:
     """Commands a step towards a point, m."""
     here_x, here_y = observation[layout.OBS_X], observation[layout.OBS_Y]
@@ -75,7 +67,6 @@ def _drive_to(observation: Floats, memory: Floats, command: Floats, x: float, y:
     memory[X], memory[Y], memory[STEP] = here_x, here_y, length
 
 
-@rare_kernel
 def _arrived(observation: Floats, memory: Floats, x: float, y: float) -> bool:
     """Whether the robot is at a point, m, or as near as its steps get it."""
     left = distance(observation[layout.OBS_X], observation[layout.OBS_Y], x, y)
@@ -85,7 +76,6 @@ def _arrived(observation: Floats, memory: Floats, x: float, y: float) -> bool:
     return bool(left < _THERE * memory[GRID] or (free and moved < near and left < 2.0 * near))
 
 
-@rare_kernel
 def _is_barred(observation: Floats, memory: Floats, x: float, y: float) -> bool:
     """Whether a wall stopped or bent the last step to a point, m."""
     before = distance(memory[X], memory[Y], x, y)
@@ -93,7 +83,6 @@ def _is_barred(observation: Floats, memory: Floats, x: float, y: float) -> bool:
     return bool(observation[layout.OBS_BUMP] != 0.0 and before - after < _ALONG * memory[STEP])
 
 
-@allocating_kernel
 def _choose(observation: Floats, memory: Floats) -> None:
     """Chooses the next move from the node that the robot is at."""
     x, y = int(memory[FROM_X]), int(memory[FROM_Y])
@@ -109,7 +98,6 @@ def _choose(observation: Floats, memory: Floats) -> None:
     memory[MOVE] = float(move)
 
 
-@rare_kernel
 def _point(observation: Floats, memory: Floats) -> tuple[float, float]:
     """Where the robot is driving to, m."""
     if memory[MODE] == DOOR:
@@ -124,7 +112,6 @@ def _point(observation: Floats, memory: Floats) -> tuple[float, float]:
     return memory[START_X] + memory[GRID] * x, memory[START_Y] + memory[GRID] * y
 
 
-@rare_kernel
 def _feel(observation: Floats, memory: Floats) -> None:
     """Notes where the wall is that the robot felt for: there, if it did not slide."""
     here_x, here_y = observation[layout.OBS_X], observation[layout.OBS_Y]
@@ -136,7 +123,6 @@ def _feel(observation: Floats, memory: Floats) -> None:
     lattice.block_near(memory, x, y, memory[NO_ROOM] * radius / memory[GRID])
 
 
-@rare_kernel
 def _look(observation: Floats, memory: Floats) -> bool:
     """Takes in how the last step went; whether the robot is now at a node and needs a move."""
     x, y = _point(observation, memory)
@@ -168,7 +154,6 @@ def _look(observation: Floats, memory: Floats) -> bool:
     return True
 
 
-@allocating_kernel
 def _map(observation: Floats, memory: Floats, command: Floats) -> None:
     if memory[MODE] == START:
         _begin(observation, memory)
@@ -181,62 +166,3 @@ def _map(observation: Floats, memory: Floats, command: Floats) -> None:
 
 def _act(observation: Floats, memory: Floats, command: Floats) -> None:
     _map(observation, memory, command)
-
-
-def shown_map(memory: Floats) -> MemoryMap:
-    """The edges that the map has as blocked, and the plan from where it was made, in m."""
-    if memory[MODE] == START:
-        return MemoryMap()
-    origin, pitch = np.array((memory[START_X], memory[START_Y])), memory[GRID]
-    done, moves = int(memory[lattice.PLAN_AT]), lattice.planned_moves(memory)
-    way = [(0, 0)]
-    for move in moves:
-        way.append(lattice.neighbour(*way[-1], move))
-    at = way[min(max(done - 1 if memory[MODE] == GO else done, 0), len(moves))]
-    plan = np.array(way) - at + np.array((memory[FROM_X], memory[FROM_Y]))
-    return MemoryMap(
-        blocked=lattice.blocked_edges(memory) * pitch + np.tile(origin, 2),
-        plan=plan * pitch + origin if moves else np.zeros((0, 2)),
-    )
-
-
-_FIELDS = (
-    MemoryField("doing", MODE, ("start", "go", "to the target", "feel for the wall", "back")),
-    MemoryField("tries", TRIES),
-)
-
-
-def mapping(name: str, side: int, pitch: float = PITCH, no_room: float = CERTAIN) -> CompiledController:
-    """A mapping controller with a map of a size of one's own.
-
-    Args:
-        name: For messages.
-        side: Nodes of the map along a side, 8 to 1024; its memory is about a number for each 12 nodes.
-        pitch: Distance between two nodes, m; half a cell finds every way between walls on a grid.
-        no_room: Share of the robot's radius nearer than which to a wall that it felt there is no room for it; 0 blocks
-            only edges that it tried.
-
-    Raises:
-        InvalidParameter: If the map is too small or too large, the pitch is not above 0, or the share outside 0 to 10.
-    """
-    if not LEAST_SIDE <= side <= MOST_SIDE:
-        raise InvalidParameter(f"side={side} is outside {LEAST_SIDE} to {MOST_SIDE} nodes; give one between")
-    if not (math.isfinite(pitch) and pitch > 0.0):
-        raise InvalidParameter(f"pitch={pitch:g} m is not above 0; give the distance between two nodes of the map")
-    if not 0.0 <= no_room <= 10.0:
-        raise InvalidParameter(f"no_room={no_room:g} is outside 0 to 10 times the robot's radius; give a share near 1")
-    memory = [0.0] * (lattice.memory_size(side))
-    memory[lattice.SIDE], memory[GRID], memory[NO_ROOM] = float(side), pitch, no_room
-    return CompiledController(
-        name,
-        _act,
-        tuple(memory),
-        senses=body.SENSES,
-        memory_fields=_FIELDS,
-        memory_map=shown_map,
-        memory_map_on=(*lattice.SHOWN, *range(lattice.NODES, len(memory))),
-    )
-
-
-mapper = mapping("mapper", FULL_SIDE)
-mapper_small = mapping("mapper-small", SMALL_SIDE)

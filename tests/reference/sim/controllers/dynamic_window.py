@@ -19,21 +19,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.interim._directions import WHOLE_TURN, angle_of, bearing_of, target_bearing, wrap
 from sim.kernels import layout
-from sim.kernels._jit import kernel
-from sim.kernels.fdlibm import cos, sin
-from sim.robot_options import RobotOptions
-
-__all__ = ["DynamicWindow", "arc_to_contact", "drive", "dynamic_window", "dynamic_window_robot"]
+from tests.reference.sim.controllers._directions import WHOLE_TURN, angle_of, bearing_of, target_bearing, wrap
+from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
 SPEED, TURN_RATE = 0, 1  # memory: m/s and rad/s commanded last
 _GRAIN = 1024.0  # commands are whole 1/1024 m/s and rad/s, so that states can come back and loops be proved
-SENSES = ("bump", "heading", "target_heading", "target_distance", "time_step", "top_speed", "radius", "beams")
-NEEDS = RobotOptions(beams=36, beam_range=2.0)
 
 
 class DynamicWindow(NamedTuple):
@@ -68,7 +61,6 @@ class DynamicWindow(NamedTuple):
     to_speed: float = 0.3
 
 
-@kernel
 def arc_to_contact(x: float, y: float, speed: float, turn_rate: float, radius: float) -> float:
     """Way along an arc until a disc meets a point, m; inf if it never does.
 
@@ -95,7 +87,6 @@ def arc_to_contact(x: float, y: float, speed: float, turn_rate: float, radius: f
     return max(turned, 0.0) * bend
 
 
-@kernel
 def _fill(observation: Floats, points: Floats) -> None:
     """Fills in the ends of the beams, m, in the robot's frame."""
     for beam in range(points.shape[0]):
@@ -103,7 +94,6 @@ def _fill(observation: Floats, points: Floats) -> None:
         points[beam, 0], points[beam, 1] = distance * cos(angle), distance * sin(angle)
 
 
-@kernel
 def _free_way(points: Floats, speed: float, turn_rate: float, radius: float, far: float) -> float:
     """Way along an arc until a disc meets the first beam's end, m; at most ``far``."""
     free = far
@@ -114,7 +104,6 @@ def _free_way(points: Floats, speed: float, turn_rate: float, radius: float, far
     return free
 
 
-@kernel
 def _facing(observation: Floats, speed: float, turn_rate: float, tuned: DynamicWindow) -> float:
     """How well an arc faces the target after a while: 1 straight at it, 0 away from it."""
     turned = turn_rate * tuned.ahead
@@ -125,7 +114,6 @@ def _facing(observation: Floats, speed: float, turn_rate: float, tuned: DynamicW
     return 1.0 - abs(wrap(angle_of(x, y) - turned)) / math.pi
 
 
-@kernel
 def drive(observation: Floats, memory: Floats, command: Floats, points: Floats, tuned: DynamicWindow) -> None:
     """One step: judges every pair in the window and commands the best; brakes and turns if none is admissible.
 
@@ -161,13 +149,5 @@ def drive(observation: Floats, memory: Floats, command: Floats, points: Floats, 
     command[layout.CMD_SPEED], command[layout.CMD_TURN_RATE] = memory[SPEED], memory[TURN_RATE]
 
 
-def dynamic_window_robot(tuned: DynamicWindow, name: str = "dynamic-window") -> CompiledController:
-    """A robot with a dynamic window of these numbers."""
-
-    def act(observation: Floats, memory: Floats, command: Floats) -> None:
-        drive(observation, memory, command, np.zeros((observation.size - layout.OBS_SIZE, 2)), tuned)
-
-    return CompiledController(name, act, (0.0, 0.0), senses=SENSES, needs=NEEDS, slow=True)
-
-
-dynamic_window = dynamic_window_robot(DynamicWindow())
+def act(observation: Floats, memory: Floats, command: Floats) -> None:
+    drive(observation, memory, command, np.zeros((observation.size - layout.OBS_SIZE, 2)), DynamicWindow())

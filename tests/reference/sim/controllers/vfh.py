@@ -20,14 +20,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.interim._directions import WHOLE_TURN, bearing_of, steer, target_bearing, wrap
 from sim.kernels import layout
-from sim.kernels._jit import kernel
-from sim.kernels.fdlibm import atan, cos, sin
-from sim.robot_options import RobotOptions
-
-__all__ = ["SECTORS", "VfhPlus", "drive", "vfh", "vfh_robot"]
+from tests.reference.sim.controllers._directions import WHOLE_TURN, bearing_of, steer, target_bearing, wrap
+from tests.reference.sim.fdlibm import atan, cos, sin
 
 Floats = npt.NDArray[np.float64]
 
@@ -35,8 +30,6 @@ SECTORS = 72  # of 5 degrees, in the world's frame
 _WIDTH = WHOLE_TURN / SECTORS
 LAST = SECTORS  # memory: 1 for each blocked sector, then the heading chosen last, sectors; below 0: none yet
 AT_RESET = (0.0,) * SECTORS + (-1.0,)
-SENSES = ("heading", "target_heading", "time_step", "top_speed", "radius", "beams")
-NEEDS = RobotOptions(beams=72, beam_range=2.0)
 
 
 class VfhPlus(NamedTuple):
@@ -67,7 +60,6 @@ class VfhPlus(NamedTuple):
     slowest: float = 0.15
 
 
-@kernel
 def _fill(observation: Floats, density: Floats, tuned: VfhPlus) -> None:
     """Stage 1: the polar histogram; each beam's obstacle covers the sectors that the widened obstacle covers."""
     beams, reach = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS] * (1.0 + tuned.safety)
@@ -85,7 +77,6 @@ def _fill(observation: Floats, density: Floats, tuned: VfhPlus) -> None:
             density[sector % SECTORS] = max(density[sector % SECTORS], share)
 
 
-@kernel
 def _block(density: Floats, memory: Floats, tuned: VfhPlus) -> None:
     """Stage 2: the binary histogram; a sector stays as it was between the two thresholds."""
     for sector in range(SECTORS):
@@ -95,7 +86,6 @@ def _block(density: Floats, memory: Floats, tuned: VfhPlus) -> None:
             memory[sector] = 0.0
 
 
-@kernel
 def _reachable_side(observation: Floats, tuned: VfhPlus) -> tuple[float, float]:
     """Stage 3: how far to the right and to the left the robot can turn before its circle meets an obstacle, rad."""
     beams, turn = observation.size - layout.OBS_SIZE, tuned.turning_radius
@@ -115,28 +105,24 @@ def _reachable_side(observation: Floats, tuned: VfhPlus) -> tuple[float, float]:
     return right, left
 
 
-@kernel
 def _apart(one: float, other: float) -> float:
     """Sectors between two directions in sectors, the short way round."""
     away = abs(one - other) % SECTORS
     return min(away, SECTORS - away)
 
 
-@kernel
 def _cost(way: float, target: float, heading: float, last: float, tuned: VfhPlus) -> float:
     """Stage 4's cost of a direction; all in sectors."""
     cost = tuned.to_target * _apart(way, target) + tuned.to_heading * _apart(way, heading)
     return cost if last < 0.0 else cost + tuned.to_last * _apart(way, last)
 
 
-@kernel
 def _is_free(sector: int, heading: float, sides: tuple[float, float], memory: Floats) -> bool:
     """Whether the masked histogram leaves a sector open."""
     turn = wrap((sector % SECTORS - heading) * _WIDTH)
     return bool(memory[sector % SECTORS] == 0.0) and sides[0] <= turn <= sides[1]
 
 
-@kernel
 def _choose(heading: float, target: float, sides: tuple[float, float], memory: Floats, tuned: VfhPlus) -> float:
     """Stage 4: the cheapest direction through an opening, sectors; -1 if all are blocked."""
     last = memory[LAST]
@@ -166,7 +152,6 @@ def _choose(heading: float, target: float, sides: tuple[float, float], memory: F
     return best
 
 
-@kernel
 def drive(observation: Floats, memory: Floats, command: Floats, density: Floats, tuned: VfhPlus) -> None:
     """One step of the four stages; stands still where every direction is blocked.
 
@@ -190,13 +175,5 @@ def drive(observation: Floats, memory: Floats, command: Floats, density: Floats,
     steer(observation, command, wrap((way - heading) * _WIDTH), share * observation[layout.OBS_TOP_SPEED])
 
 
-def vfh_robot(tuned: VfhPlus, name: str = "vfh") -> CompiledController:
-    """A robot under VFH+ with these numbers."""
-
-    def act(observation: Floats, memory: Floats, command: Floats) -> None:
-        drive(observation, memory, command, np.zeros(SECTORS), tuned)
-
-    return CompiledController(name, act, AT_RESET, senses=SENSES, needs=NEEDS)
-
-
-vfh = vfh_robot(VfhPlus())
+def act(observation: Floats, memory: Floats, command: Floats) -> None:
+    drive(observation, memory, command, np.zeros(SECTORS), VfhPlus())

@@ -14,13 +14,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.interim import _boundary as body
-from sim.controllers.memory_view import MemoryField
 from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
-
-__all__ = ["wall_left", "wall_right"]
+from tests.reference.sim.controllers import _boundary as body
 
 Floats = npt.NDArray[np.float64]
 
@@ -28,7 +23,6 @@ MODE = body.BODY_SIZE
 GOAL, WALL = 0.0, 1.0
 
 
-@rare_kernel
 def _follow_wall(observation: Floats, memory: Floats, command: Floats) -> None:
     if memory[MODE] == GOAL and observation[layout.OBS_BUMP] != 0.0:
         memory[MODE] = WALL
@@ -44,14 +38,3 @@ def _follow_wall(observation: Floats, memory: Floats, command: Floats) -> None:
 
 def _act(observation: Floats, memory: Floats, command: Floats) -> None:
     _follow_wall(observation, memory, command)
-
-
-def _controller(name: str, hand: float) -> CompiledController:
-    memory = [0.0] * (MODE + 1)
-    memory[body.HAND] = hand
-    doing = MemoryField("doing", MODE, ("to the target", "along the wall"))
-    return CompiledController(name, _act, tuple(memory), senses=body.SENSES, memory_fields=(doing,))
-
-
-wall_left = _controller("wall-left", 1.0)
-wall_right = _controller("wall-right", -1.0)

@@ -19,14 +19,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.memory_view import MemoryField
-from sim.kernels import layout, thesis_arbiter
-from sim.kernels._jit import kernel
-from sim.kernels.lattice_sense import turn_towards
-from sim.kernels.thesis_arbiter import A0, run_behaviour, select_behaviour
-
-__all__ = ["turn_left", "turn_random", "turn_right"]
+from sim.kernels import layout
+from tests.reference.sim import thesis_arbiter
+from tests.reference.sim.thesis_arbiter import A0, run_behaviour, select_behaviour
 
 Floats = npt.NDArray[np.float64]
 
@@ -43,22 +38,26 @@ RIGHT, LEFT, RANDOM = 1, 2, 3  # the thesis's numbers of its rules
 _UNITS = layout.TURN / (2 * math.pi)
 
 
-@kernel
+def turn_towards(heading: int, target: int) -> int:
+    """Signed units, in (-half turn, half turn], from one heading to another."""
+    turn = (target - heading) % layout.TURN
+    return turn - layout.TURN if turn > layout.TURN // 2 else turn
+
+
 def _turn_after_collision(rule: int, heading: int, random: float) -> int:
     """Target heading, units, after a collision."""
     if rule == RIGHT:
         return (heading - layout.TURN // 4) % layout.TURN
     if rule == LEFT:
         return (heading + layout.TURN // 4) % layout.TURN
-    return int(math.floor(random * layout.TURN))
+    return math.floor(random * layout.TURN)
 
 
-@kernel
 def _act(observation: Floats, memory: Floats, command: Floats, rule: int) -> None:
     """One tick of the three behaviours; see :mod:`sim.kernels.thesis_arbiter`."""
     collision = observation[layout.OBS_BUMP] != 0.0
-    heading = int(math.floor(observation[layout.OBS_HEADING] * _UNITS + 0.5)) % layout.TURN
-    signal = int(math.floor(observation[layout.OBS_SIGNAL_HEADING] * _UNITS + 0.5)) % layout.TURN
+    heading = math.floor(observation[layout.OBS_HEADING] * _UNITS + 0.5) % layout.TURN
+    signal = math.floor(observation[layout.OBS_SIGNAL_HEADING] * _UNITS + 0.5) % layout.TURN
     target = int(memory[TARGET])
     behaviour, counter, taken = select_behaviour(
         A0, int(memory[BEHAVIOUR]), int(memory[COUNTER]), collision, target == signal, COLLIDE_TICKS, DRIVE_TICKS
@@ -92,27 +91,3 @@ def _act_left(observation: Floats, memory: Floats, command: Floats) -> None:
 
 def _act_random(observation: Floats, memory: Floats, command: Floats) -> None:
     _act(observation, memory, command, RANDOM)
-
-
-_FIELDS = (
-    MemoryField("behaviour", BEHAVIOUR, ("none", "collide", "seek", "drive"), least=thesis_arbiter.IDLE),
-    MemoryField("ticks left", COUNTER),
-)
-_SENSES = ("bump", "signal_heading", "heading", "time_step", "top_speed")
-
-turn_right = CompiledController(
-    "turn-right", _act_right, AT_RESET, math.inf, thesis_rule=RIGHT, senses=_SENSES, memory_fields=_FIELDS
-)
-turn_left = CompiledController(
-    "turn-left", _act_left, AT_RESET, math.inf, thesis_rule=LEFT, senses=_SENSES, memory_fields=_FIELDS
-)
-turn_random = CompiledController(
-    "turn-random",
-    _act_random,
-    AT_RESET,
-    math.inf,
-    RANDOM,
-    randomised=True,
-    senses=(*_SENSES, "random"),
-    memory_fields=_FIELDS,
-)

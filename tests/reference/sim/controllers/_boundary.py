@@ -29,41 +29,15 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.interim._directions import steer, wrap
 from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
-from sim.kernels.fdlibm import cos, sin
-
-__all__ = [
-    "BODY_SIZE",
-    "HAND",
-    "SENSES",
-    "STEP",
-    "WALL",
-    "X",
-    "Y",
-    "begin_following",
-    "drive",
-    "feel",
-    "follow",
-    "has_lost_it",
-    "head_for_target",
-    "is_stopped",
-    "stride",
-    "touched",
-]
+from tests.reference.sim.controllers._directions import steer, wrap
+from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
 X, Y, STEP, HAND, WALL, PHASE, STUCK, LOST, SMOOTH = 0, 1, 2, 3, 4, 5, 6, 7, 8
 BODY_SIZE = 9
 ADVANCE, PRESS = 0.0, 1.0
-
-SENSES = (
-    "bump", "bump_bearing", "heading", "x", "y", "target_heading", "target_distance", "time_step", "top_speed",
-    "radius",
-)  # fmt: skip
-"""What a controller looks at that drives to the target and follows walls."""
 
 _STRIDE = 0.03 / 0.07  # of the radius: longest step along a wall; less than the diameter, or it steps over openings
 _LEAST_STRIDE = 0.005  # m: a robot smaller than half of this would take for ever
@@ -80,14 +54,12 @@ _PROGRESS = 0.5  # share of a step by which the target must come nearer; a slide
 _PRESSES = 3.0  # presses without finding the wall before it is searched for
 
 
-@rare_kernel
 def stride(observation: Floats) -> float:
     """Length of a step along a wall, m."""
     longest = max(_STRIDE * float(observation[layout.OBS_RADIUS]), _LEAST_STRIDE)
     return min(longest, float(observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]))
 
 
-@rare_kernel
 def drive(observation: Floats, memory: Floats, command: Floats, direction: float, length: float) -> None:
     """Commands a step in a direction of the world, rad, of a length, m, and notes it."""
     memory[X], memory[Y], memory[STEP] = observation[layout.OBS_X], observation[layout.OBS_Y], length
@@ -95,7 +67,6 @@ def drive(observation: Floats, memory: Floats, command: Floats, direction: float
     steer(observation, command, turn, length / observation[layout.OBS_TIME_STEP])
 
 
-@rare_kernel
 def head_for_target(observation: Floats, memory: Floats, command: Floats) -> None:
     """Commands a step straight to the target: a short one if the last touched a wall, else as long as can be."""
     length = observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]
@@ -105,7 +76,6 @@ def head_for_target(observation: Floats, memory: Floats, command: Floats) -> Non
     drive(observation, memory, command, observation[layout.OBS_TARGET_HEADING], length)
 
 
-@rare_kernel
 def is_stopped(observation: Floats, memory: Floats, far: float) -> bool:
     """Whether a wall stopped the last step to the target, of a length not above a stride, rather than bent it.
 
@@ -123,26 +93,22 @@ def is_stopped(observation: Floats, memory: Floats, far: float) -> bool:
     return bool(nearer <= (_PROGRESS if ahead else _STANDS) * memory[STEP])
 
 
-@rare_kernel
 def touched(observation: Floats) -> float:
     """Direction of the world, rad, of what the last step touched."""
     return wrap(observation[layout.OBS_HEADING] + observation[layout.OBS_BUMP_BEARING])
 
 
-@rare_kernel
 def begin_following(memory: Floats, wall: float) -> None:
     """Takes up a wall in a direction, rad; it is pressed against first."""
     memory[WALL], memory[PHASE], memory[STUCK], memory[LOST], memory[SMOOTH] = wall, PRESS, 0.0, 0.0, 0.0
 
 
-@rare_kernel
 def _ahead(observation: Floats, memory: Floats) -> float:
     """How far the last step came in its direction, m; walls may have pushed the robot back, or aside."""
     x, y, heading = observation[layout.OBS_X], observation[layout.OBS_Y], observation[layout.OBS_HEADING]
     return float((x - memory[X]) * cos(heading) + (y - memory[Y]) * sin(heading))
 
 
-@rare_kernel
 def feel(observation: Floats, memory: Floats) -> bool:
     """Takes in what the last step touched.
 
@@ -173,13 +139,11 @@ def feel(observation: Floats, memory: Floats) -> bool:
     return True
 
 
-@rare_kernel
 def has_lost_it(memory: Floats) -> bool:
     """Whether the wall is nowhere around the robot any more: only a world that changes can take it away."""
     return bool(memory[LOST] >= _WHOLE_TURNS)
 
 
-@rare_kernel
 def follow(observation: Floats, memory: Floats, command: Floats) -> None:
     """Commands the next step along the wall."""
     length = stride(observation)

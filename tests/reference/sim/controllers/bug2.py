@@ -20,15 +20,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.controllers.base import CompiledController
-from sim.controllers.interim import _boundary as body
-from sim.controllers.interim._directions import angle_of, distance
-from sim.controllers.memory_view import MemoryField, MemoryMap
 from sim.kernels import layout
-from sim.kernels._jit import rare_kernel
-from sim.kernels.fdlibm import cos, sin
-
-__all__ = ["bug2"]
+from tests.reference.sim.controllers import _boundary as body
+from tests.reference.sim.controllers._directions import angle_of, distance
+from tests.reference.sim.fdlibm import cos, sin
 
 Floats = npt.NDArray[np.float64]
 
@@ -45,7 +40,6 @@ _NEARER = 0.05  # of a step: a place to leave at must be that much nearer to the
 _THERE = 0.02  # of a step: nearer to the place to leave at it is there
 
 
-@rare_kernel
 def _hit(observation: Floats, memory: Floats) -> None:
     """Takes up a wall; with a line of its own if it is nearer to the target than the last."""
     body.begin_following(memory, body.touched(observation))
@@ -57,7 +51,6 @@ def _hit(observation: Floats, memory: Floats) -> None:
         memory[LINE_X], memory[LINE_Y] = cos(heading), sin(heading)
 
 
-@rare_kernel
 def _crosses(observation: Floats, memory: Floats) -> bool:
     """Whether the last step crossed the line at a place to leave at, which is then noted."""
     from_x, from_y = memory[body.X] - memory[HIT_X], memory[body.Y] - memory[HIT_Y]
@@ -73,7 +66,6 @@ def _crosses(observation: Floats, memory: Floats) -> bool:
     return bool(_NEARER * body.stride(observation) < along < memory[HIT_FAR])
 
 
-@rare_kernel
 def _bug2(observation: Floats, memory: Floats, command: Floats) -> None:
     far, x, y = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_X], observation[layout.OBS_Y]
     if memory[MODE] == START:
@@ -102,32 +94,3 @@ def _bug2(observation: Floats, memory: Floats, command: Floats) -> None:
 
 def _act(observation: Floats, memory: Floats, command: Floats) -> None:
     _bug2(observation, memory, command)
-
-
-def _at_reset() -> tuple[float, ...]:
-    memory = [0.0] * SIZE
-    memory[body.HAND], memory[HIT_FAR] = 1.0, math.inf
-    return tuple(memory)
-
-
-def shown_map(memory: Floats) -> MemoryMap:
-    """The hit point, m, and the line from it to the target, once there is one."""
-    if memory[HIT_FAR] == math.inf:
-        return MemoryMap()
-    hit, towards = memory[HIT_X : HIT_Y + 1], memory[LINE_X : LINE_Y + 1]
-    line = np.array((hit, hit + memory[HIT_FAR] * towards))
-    return MemoryMap(plan=line, places={"hit": (float(hit[0]), float(hit[1]))})
-
-
-bug2 = CompiledController(
-    "bug2",
-    _act,
-    _at_reset(),
-    senses=body.SENSES,
-    memory_fields=(
-        MemoryField("doing", MODE, ("start", "to the target", "round the obstacle", "to the line")),
-        MemoryField("hit point's distance, m", HIT_FAR),
-    ),
-    memory_map=shown_map,
-    memory_map_on=(HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y),
-)

@@ -1,0 +1,97 @@
+"""Functions of a user's that numba compiles, as the core calls them. numba is an extra, ``worldgen[numba]``."""
+
+from __future__ import annotations
+
+import functools
+import warnings
+from typing import Any
+
+from sim.controllers.base import Act
+from worldgen.errors import InvalidParameter
+from worldgen.installation import pip_install
+
+__all__ = ["compiled_act", "flat_address"]
+
+_kept: list[Any] = []  # functions whose addresses the core may have
+
+
+@functools.cache
+def compiled_act(act: Act) -> Any:
+    """Return the compiled form of an act function, of three flat float64 arrays.
+
+    Raises:
+        InvalidParameter: If numba is not installed, or cannot compile it.
+    """
+    numba = _numba(act)
+    array = numba.float64[::1]
+    try:
+        with warnings.catch_warnings():
+            # What numba warns of, its error, if any, says better.
+            warnings.simplefilter("ignore", numba.core.errors.NumbaWarning)
+            compiled = numba.njit(numba.void(array, array, array), nogil=True, boundscheck=True)(
+                getattr(act, "py_func", act)
+            )
+    except numba.core.errors.NumbaError as error:
+        raise InvalidParameter(
+            f"controller function {_name(act)} does not compile: {_reason(error)}; "
+            "write it with numbers and arrays only, or bring it as a Python class"
+        ) from error
+    if any("_random_state" in code for code in compiled.inspect_llvm().values()):
+        raise InvalidParameter(
+            f"controller function {_name(act)} draws random numbers of Python or NumPy, which "
+            "no seed of a run decides; use observation[OBS_RANDOM], and say command[CMD_DRAW] = 1.0"
+        )
+    return compiled
+
+
+@functools.cache
+def flat_address(act: Act) -> int:
+    """Return the address of an act function as the core calls it: a ``WgFlatAct``, which says whether it raised.
+
+    Raises:
+        InvalidParameter: If numba is not installed, or cannot compile it.
+    """
+    compiled = compiled_act(act)
+    numba = _numba(act)
+    numbers = numba.types.CPointer(numba.float64)
+
+    @numba.cfunc(numba.int64(numbers, numba.int64, numbers, numba.int64, numbers))  # type: ignore[untyped-decorator]
+    def flat(observation: Any, observation_size: int, memory: Any, memory_size: int, command: Any) -> int:
+        try:
+            compiled(
+                numba.carray(observation, (observation_size,)),
+                numba.carray(memory, (memory_size,)),
+                numba.carray(command, (3,)),
+            )
+        except Exception:  # noqa: BLE001 - a controller may raise anything; which, is found out by a second run
+            return 1
+        return 0
+
+    _kept.append(flat)
+    address: Any = flat.address
+    return int(address)
+
+
+def _numba(act: Act) -> Any:
+    try:
+        import numba  # noqa: PLC0415 - an extra, and it takes half a second
+    except ModuleNotFoundError as error:
+        if error.name != "numba":
+            raise
+        raise InvalidParameter(
+            f"controller function {_name(act)} is compiled by numba, which is not installed; {pip_install('numba')}, "
+            "or write it in C: worldgen new-controller mine --kind c"
+        ) from None
+    return numba
+
+
+def _name(act: Act) -> str:
+    return getattr(act, "__name__", repr(act))
+
+
+def _reason(error: Exception) -> str:
+    """Return what numba says, without the stages that it was in; with the call that it does not know, if that is it."""
+    lines = (line.strip() for line in str(error).splitlines())
+    said = [line for line in lines if line and not line.startswith(("Failed in", "During:", "- Resolution"))]
+    with_call = len(said) > 1 and said[1].startswith(">>>")
+    return " ".join(said[: 2 if with_call else 1])

@@ -1,0 +1,45 @@
+"""The planted faults as Python classes of plain Python: ``tests.reference.fuzz.as_classes:bug2_stale_line``."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fuzz.faults import FAULTS
+from sim import Command
+from tests.reference.fuzz import faults_by_sight, faults_by_touch
+from tests.reference.fuzz.planting import FAULTS as ACTS
+
+__all__ = ["PlainFault", "faults_by_sight", "faults_by_touch"]
+
+
+@dataclass(frozen=True)
+class PlainFault:
+    """A fault whose Python is interpreted, as a user would have written it."""
+
+    name: str
+
+    @property
+    def senses(self):
+        return FAULTS[self.name].senses
+
+    @property
+    def needs(self):
+        return FAULTS[self.name].needs
+
+    def reset(self):
+        return FAULTS[self.name].memory
+
+    def act(self, observation, memory):
+        seen = np.array((*observation[:-1], *observation.beams), float)
+        kept = np.array(memory)
+        command = np.zeros(3)
+        ACTS[self.name](seen, kept, command)
+        speed, turn_rate, used_random = command.tolist()
+        return Command(speed, turn_rate, used_random != 0.0), tuple(kept.tolist())
+
+
+def __getattr__(name):
+    fault = name.replace("_", "-")
+    if fault not in ACTS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return PlainFault(fault)

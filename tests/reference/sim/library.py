@@ -1,0 +1,34 @@
+"""The library's controllers in plain Python: what each function of the core does, step by step."""
+
+from tests.reference.sim.controllers import (
+    bug1,
+    bug2,
+    dynamic_window,
+    mapper,
+    potential_field,
+    q_learning,
+    random_walk,
+    tangent_bug,
+    thesis,
+    three_layer,
+    vfh,
+    wall,
+)
+
+ACTS = {
+    "bug1": bug1._act,
+    "bug2": bug2._act,
+    "dynamic-window": dynamic_window.act,
+    "mapper": mapper._act,
+    "potential-field": potential_field.act,
+    "q-learning": q_learning.act,
+    "random-walk": random_walk._act,
+    "tangent-bug": tangent_bug._act,
+    "three-layer": three_layer.act,
+    "turn-left": thesis._act_left,
+    "turn-random": thesis._act_random,
+    "turn-right": thesis._act_right,
+    "vfh": vfh.act,
+    "wall": wall._act,
+}
+"""By the name that the core gives them."""
