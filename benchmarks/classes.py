@@ -31,8 +31,8 @@ from fuzz.lanes.native import scenes
 from fuzz.native import Looks, evaluate
 from fuzz.unit import run_unit
 from sim import Command, Observation, RobotOptions
-from sim.controllers import CONTROLLERS, ProcessController, VectorController
-from sim.controllers.program import Program
+from sim.controllers import CONTROLLERS, ProcessController
+from sim.effort import Effort
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream
 
@@ -160,27 +160,10 @@ def _units(scenario: Scenario, lane: str, seconds: float, clock: Callable[[], fl
 
 def _share_of_user(scenario: Scenario) -> float:
     """Share of the time of first looks that passes in the controller's own code, or in waiting for its program."""
-    controller = CONTROLLERS.get(scenario.controller)
-    is_program = isinstance(controller, ProcessController)
-    owner: type = Program if is_program else type(controller)
-    method = "ask" if is_program else "act_many" if isinstance(controller, VectorController) else "act"
-    act, spent = getattr(owner, method), [0.0]
-
-    def timed(*given: Any) -> Any:
-        begin = time.perf_counter()
-        try:
-            return act(*given)
-        finally:
-            spent[0] += time.perf_counter() - begin
-
-    count = 20 if is_program else 400
-    begin = time.perf_counter()
-    setattr(owner, method, timed)
-    try:
-        _look(scenario, count, None)
-    finally:
-        setattr(owner, method, act)
-    return spent[0] / (time.perf_counter() - begin)
+    is_program = isinstance(CONTROLLERS.get(scenario.controller), ProcessController)
+    began = Effort.so_far()
+    _look(scenario, 20 if is_program else 400, None)
+    return began.since().share
 
 
 def _markdown(rows: list[Row]) -> str:
