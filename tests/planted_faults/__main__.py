@@ -1,9 +1,10 @@
 """``python -m tests.planted_faults [NAME ...]``: plants faults one by one and says which tier of tests catches each.
 
 The sources are copied once; each fault is put into the copy, the tests run there until one fails, and the fault is
-taken out again. The files that the table expects to catch it run first; only if they all pass does the whole tier
-run, and then the next one. The table goes to standard output as Markdown. ``--copy FOLDER`` uses a copy that is there
-already, so that its compiled kernels are used again; ``--expected`` runs only the files that the table names.
+taken out again; for one in C the cores are compiled each time. The files that the table expects to catch it run first;
+only if they all pass does the whole tier run, and then the next one. The table goes to standard output as Markdown.
+``--copy FOLDER`` uses a copy that is there already, so that its compiled cores are used again; ``--expected`` runs only
+the files that the table names.
 """
 
 from __future__ import annotations
@@ -83,10 +84,19 @@ def _planted(fault: Fault, copy: Path) -> Iterator[None]:
     stamp = file.stat()
     file.write_text(before.replace(fault.text, fault.planted), encoding="utf-8")
     try:
+        _compile(fault, copy)
         yield
     finally:
         file.write_text(before, encoding="utf-8")
-        os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))  # kernels compiled from it are good again
+        os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))  # what was compiled from it is good again
+        _compile(fault, copy)
+
+
+def _compile(fault: Fault, copy: Path) -> None:
+    """Compile the cores of the copy if the fault is in one."""
+    if fault.file.endswith((".c", ".h")):
+        command = [sys.executable, "-m", "build_tools.cores"]
+        subprocess.run(command, cwd=copy, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def _first_that_fails(copy: Path, marks: str, paths: Sequence[str], left_out: Sequence[str] = ()) -> str:

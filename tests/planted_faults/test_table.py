@@ -16,7 +16,9 @@ def test_a_fault_can_be_planted_in_exactly_one_place(fault):
     assert (ROOT / fault.file).read_text(encoding="utf-8").count(fault.text) == 1
 
 
-@each_fault
+@pytest.mark.parametrize(
+    "fault", [fault for fault in FAULTS if fault.file.endswith(".py")], ids=lambda fault: fault.name
+)
 def test_with_a_fault_the_source_is_another_program(fault):
     before = (ROOT / fault.file).read_text(encoding="utf-8")
     planted = before.replace(fault.text, fault.planted)

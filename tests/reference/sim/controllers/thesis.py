@@ -1,7 +1,7 @@
 """The thesis's robot: seek the signal, drive, and after a collision turn by a fixed or a random angle.
 
 Three behaviours (drive, seek, collide) under an arbiter; whoever took control keeps it until it is done.
-Under ``stepped`` the thesis's own program runs, to the last bit (:mod:`sim.kernels.thesis_episode`). Here is
+Under ``stepped`` the thesis's own program runs, to the last bit (:mod:`tests.reference.sim.thesis_episode`). Here is
 the same idea on the pose lattice, for the other motion models, with the same arbiter.
 
 Names are from the robot's own view: ``turn-right`` is the thesis's algorithm 1, which adds pi/2 to a
@@ -54,7 +54,7 @@ def _turn_after_collision(rule: int, heading: int, random: float) -> int:
 
 
 def _act(observation: Floats, memory: Floats, command: Floats, rule: int) -> None:
-    """One tick of the three behaviours; see :mod:`sim.kernels.thesis_arbiter`."""
+    """One tick of the three behaviours; see :mod:`tests.reference.sim.thesis_arbiter`."""
     collision = observation[layout.OBS_BUMP] != 0.0
     heading = math.floor(observation[layout.OBS_HEADING] * _UNITS + 0.5) % layout.TURN
     signal = math.floor(observation[layout.OBS_SIGNAL_HEADING] * _UNITS + 0.5) % layout.TURN
