@@ -181,19 +181,28 @@ class Driver:
 
 
 class Workspace:
-    """What passes between an episode and a controller outside the core, as arrays over the core's memory.
+    """What passes between an episode and a controller outside the core, over the core's memory.
 
     Args:
+        episode: Whose.
+
+    Attributes:
         observation: (17 + beams,) what the controller senses.
         memory: Its memory.
         command: (3,) speed, turn rate, and whether the random number was used.
+        seen: One byte, whether a wall was touched, at the place of a float64; then ``observation``.
+        answer: 1, ``command`` and ``memory``, for those who write all at once.
     """
 
     def __init__(self, episode: Episode) -> None:
         c = episode.c
         self._episode = episode  # whose memory this is
-        self.observation = _array(c.workspace.flat, SENSES + int(c.workspace.observation.beam_count))
-        self.memory = _array(c.robot.body.memory, int(c.controller.memory_size))
+        size = int(c.controller.memory_size)
+        self.beams = int(c.workspace.observation.beam_count)
+        self.seen = ffi.buffer(c.workspace.seen, 8 * (1 + SENSES + self.beams))
+        self.answer = ffi.buffer(c.workspace.answer, 8 * (4 + size))
+        self.observation: Floats = np.frombuffer(self.seen, np.float64)[1:]
+        self.memory = _array(c.robot.body.memory, size)
         self.command = _array(ffi.addressof(c.workspace, "command"), 3)
 
 

@@ -28,7 +28,7 @@ from sim.controllers.program import Misbehaviour, WantsMemory
 from sim.controllers.vector import Asker
 from sim.crash_frames import crash_facts
 from sim.effort import sampled, timed
-from sim.lattice_core import MOST_CORNERS, Arena, Driver, Episode, Workspace
+from sim.lattice_core import MOST_CORNERS, SENSES, Arena, Driver, Episode, Workspace
 from sim.stopping import OutOfTime, breakable, in_time
 from worldgen.neighbours import neighbours_of
 from worldgen.progress import working
@@ -40,7 +40,7 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
 _LONGEST_ERROR = 500  # characters of what a controller raised that are kept
-_COMMAND = struct.Struct("3d")  # CMD_SPEED, CMD_TURN_RATE, CMD_DRAW
+_COMMAND = struct.Struct("3d")  # speed, turn rate, and whether the random number was used
 
 
 class PythonLoop:
@@ -147,27 +147,36 @@ def memory_at_start(controller: PythonController | VectorController, world: Worl
     return flat_memory(timed(resetting.reset)(replace(world, certificate=None, provenance=None, failure=None)))
 
 
-def driver_of(controller: PythonController | VectorController) -> Callable[[Iterable[int], Any, Memory], Memory]:
-    """Return what lets a controller act wherever a kernel stops.
+def driver_of(controller: PythonController | VectorController) -> Callable[[Iterable[int], Workspace, Memory], Memory]:
+    """Return what lets a controller act wherever the core stops.
 
-    It takes the kernel's generator, in each of whose steps the controller is to act, the room that the kernel observes
-    into and takes memory and command from, and the controller's memory; it returns the memory after the last step.
+    It takes an iterable, in each of whose steps the controller is to act, the workspace of the episode, and the
+    controller's memory; it returns the memory after the last step.
     """
     if isinstance(controller, VectorController):
         return functools.partial(_act_as_one_of_many, controller)
     return functools.partial(_act, controller)
 
 
-@breakable
-def _act(controller: PythonController, stops: Iterable[int], room: Any, memory: Memory) -> Memory:
-    """Ask a Python class wherever the kernel stops; return its last memory."""
-    size = len(memory)
+def _calls(controller: PythonController) -> Iterable[Any]:
+    """Return the controller's function endlessly, now and then measured."""
     is_program = isinstance(controller, ProcessController)  # which is measured where it is waited for
-    calls = itertools.repeat(controller.act) if is_program else sampled(controller.act)
-    observation, floats = room.observation, struct.Struct(f"{size}d")
-    kept, command = room.memory.data, room.command.data
-    for _, act in zip(stops, calls, strict=False):
-        answer = act(Observation.of(observation), memory)
+    return itertools.repeat(controller.act) if is_program else sampled(controller.act)
+
+
+@breakable
+def _act(controller: PythonController, stops: Iterable[int], room: Workspace, memory: Memory) -> Memory:
+    """Ask a Python class wherever the core stops; return its last memory."""
+    size = len(memory)
+    see = struct.Struct(f"?15x{SENSES - 1 + room.beams}d").unpack_from
+    write = struct.Struct(f"{4 + size}d").pack_into
+    remember = struct.Struct(f"32x{size}d").unpack_from
+    seen, answer_to = room.seen, room.answer
+    new, no_beams = tuple.__new__, ((),)
+    for _, act in zip(stops, _calls(controller), strict=False):
+        values = see(seen)
+        fields = values + no_beams if room.beams == 0 else (*values[:SENSES], values[SENSES:])
+        answer = act(new(Observation, fields), memory)
         try:
             asked, after = answer
         except (TypeError, ValueError):
@@ -175,15 +184,29 @@ def _act(controller: PythonController, stops: Iterable[int], room: Any, memory: 
         if type(after) is not tuple or len(after) != size:
             after = flat_memory(after, size)
         try:
-            floats.pack_into(kept, 0, *after)
-        except struct.error:
-            floats.pack_into(kept, 0, *flat_memory(after, size))
-        memory = floats.unpack_from(kept)  # plain floats, also of what had been whole or NumPy's
-        _write_command(asked, command)
+            speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
+        except TypeError:
+            flat_memory(after, size)  # of two faults this one is told
+            raise no_command(asked) from None
+        try:
+            write(answer_to, 0, 1.0, speed, turn_rate, 1.0 if used_random else 0.0, *after)
+        except (struct.error, OverflowError):
+            kept = flat_memory(after, size)
+            write(answer_to, 0, 1.0, *_numbers(speed, turn_rate, used_random), *kept)
+        memory = remember(answer_to)  # plain floats, also of what had been whole or NumPy's
     return memory
 
 
-def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room: Any, memory: Memory) -> Memory:
+def _numbers(speed: Any, turn_rate: Any, used_random: Any) -> tuple[float, float, float]:
+    """Return a command as floats; what is not a number becomes nan, which the core refuses."""
+    try:
+        numbers = _COMMAND.unpack(_COMMAND.pack(speed, turn_rate, bool(used_random)))
+    except (struct.error, OverflowError):
+        return math.nan, 0.0, 0.0
+    return numbers[0], numbers[1], numbers[2]
+
+
+def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room: Workspace, memory: Memory) -> Memory:
     """The same for a controller of many robots, of which there is one; the kernel keeps its memory."""
     seen = room.observation[np.newaxis]
     kept = room.memory[np.newaxis]
@@ -194,18 +217,6 @@ def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room
         asker.ask(1, after)
         kept[...] = after
     return memory
-
-
-def _write_command(asked: Command, command: memoryview) -> None:
-    """Writes a command for the kernel; what is no number becomes nan, which the kernel refuses."""
-    try:
-        speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
-    except TypeError:
-        raise no_command(asked) from None
-    try:
-        _COMMAND.pack_into(command, 0, speed, turn_rate, bool(used_random))
-    except (struct.error, OverflowError):
-        _COMMAND.pack_into(command, 0, math.nan, 0.0, False)
 
 
 def hidden_state(controller: Any) -> bytes | None:

@@ -153,6 +153,7 @@ int64_t wg_seat_step(WgSeat *seat)
         wg_look_watch(seat);
     } else if (episode->waits != 0) {
         episode->waits = 0;
+        wg_take_answer(episode);
         wg_apply_command(seat->settings, &workspace->command, watched_step(seat), &episode->robot);
         wg_look_note_step(seat);
     }

@@ -92,20 +92,20 @@ int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps)
 
 int64_t wg_episode_step(WgEpisode *episode)
 {
-    WgWorkspace *workspace = &episode->workspace;
     const WgSettings *settings = episode->settings;
     if (episode->over != 0) {
         return WG_OVER;
     }
     if (episode->waits != 0) {
         episode->waits = 0;
-        wg_apply_command(settings, &workspace->command, episode->step, &episode->robot);
+        wg_take_answer(episode);
+        wg_apply_command(settings, &episode->workspace.command, episode->step, &episode->robot);
         episode->over = finish_step(episode);
     }
     while (episode->over == 0 && episode->step < settings->steps) {
         episode->step++;
-        if (wg_move_and_sense(episode->arena, settings, &episode->robot, workspace, episode->step)) {
-            wg_flatten(workspace);
+        if (wg_move_and_sense(episode->arena, settings, &episode->robot, &episode->workspace, episode->step)) {
+            wg_flatten(&episode->workspace);
             episode->waits = 1;
             return WG_ACTS;
         }

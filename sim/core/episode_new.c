@@ -47,10 +47,11 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
     int64_t words = WG_STATE_WORDS + memory;
     int64_t corners = WG_MOST_CORNERS * (most_events_of_a_step(arena) + 1);
     int64_t corner_words = corners * (int64_t)(sizeof(WgCorner) / sizeof(uint64_t));
-    int64_t flat = WG_SENSES + beams;
+    int64_t flat = 1 + WG_SENSES + beams;
+    int64_t answer = WG_ANSWER + memory;
     int64_t prints = wg_blocks(words) + 1;
     int64_t log = log_steps > 0 ? log_steps + 1 : 0;
-    int64_t total = words + corner_words + beams + flat + prints + words;
+    int64_t total = words + corner_words + beams + flat + answer + prints + words;
 
     // The log is not cleared: a long one takes memory only as the run goes on, and no entry is read before it is written.
     WgEpisode *episode = calloc(1, sizeof *episode);
@@ -69,7 +70,9 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
     episode->robot.body = take(&rest, words);
     episode->robot.chain = take(&rest, corner_words);
     episode->workspace.beams = take(&rest, beams);
-    episode->workspace.flat = take(&rest, flat);
+    episode->workspace.seen = take(&rest, flat);
+    episode->workspace.flat = episode->workspace.seen + 1;
+    episode->workspace.answer = take(&rest, answer);
     episode->search.prints = take(&rest, prints);
     episode->search.known = take(&rest, words);
     episode->search.log = entries;
@@ -101,6 +104,7 @@ WgStatus wg_episode_begin(WgEpisode *episode)
     episode->quiet = wg_last_event(episode->arena);
     episode->waits = 0;
     episode->over = 0;
+    episode->workspace.answer[0] = 0.0;
     if (settings->find_loop != WG_NO_LOOP) {
         wg_search_begin(&episode->search, episode->robot.body, episode->quiet);
     }

@@ -221,8 +221,24 @@ void wg_measure_turn(const WgSettings *settings, int64_t step, int64_t turn, WgR
     robot->odometry.heading += wrong(settings, step, WG_NOISE_TURN) * (double)turn;
 }
 
+void wg_take_answer(WgEpisode *episode)
+{
+    double *answer = episode->workspace.answer;
+    if (answer[0] == 0.0) {
+        return;
+    }
+    WgCommand *command = &episode->workspace.command;
+    answer[0] = 0.0;
+    command->speed = answer[1];
+    command->turn_rate = answer[2];
+    command->used_random = answer[3];
+    size_t size = (size_t)episode->controller.memory_size * sizeof *answer;
+    memcpy(episode->robot.body->memory, answer + WG_ANSWER, size);
+}
+
 void wg_flatten(WgWorkspace *workspace)
 {
+    *(uint8_t *)workspace->seen = workspace->observation.bump != 0.0;
     memcpy(workspace->flat, &workspace->observation, WG_SENSES * sizeof(double));
     int64_t beams = workspace->observation.beam_count;
     if (beams > 0) {

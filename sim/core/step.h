@@ -20,6 +20,7 @@
 enum {
     WG_STATE_WORDS = 5,  // of a WgState
     WG_SENSES = 17,      // numbers of an observation before its beams
+    WG_ANSWER = 4,       // numbers of an answer before the memory
 };
 
 // Of the traces' digests, as in the thesis's vectors: FNV-1a over 64-bit words.
@@ -52,6 +53,9 @@ static inline int64_t wg_whole_speed(double asked)
 }
 
 // What few steps need; in step.c.
+
+// Takes command and memory from workspace.answer, if they are there.
+void wg_take_answer(WgEpisode *episode);
 
 // Copies the observation into workspace->flat.
 void wg_flatten(WgWorkspace *workspace);

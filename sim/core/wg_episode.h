@@ -22,8 +22,8 @@ enum {
 };
 
 // A controller over flat arrays, as numba compiles it: the first 17 numbers of an observation, then its beams; the
-// memory; and speed, turn rate and whether the random number was used, all zero. Anything but 0
-// means that it failed: the run ends as WG_CRASH.
+// memory; and speed, turn rate and whether the random number was used, all zero. Anything but 0 means that it failed:
+// the run ends as WG_CRASH.
 typedef int64_t (*WgFlatAct)(double *observation, int64_t observation_size, double *memory, int64_t memory_size,
                              double *command);
 
@@ -61,11 +61,16 @@ typedef struct WgRobot {
 } WgRobot;
 
 // What passes between the robot and its controller.
+//
+// A controller outside the core finds the observation in `flat`. It changes `command` and its memory, or writes both
+// into `answer`: 1, speed, turn rate, whether it used the random number, memory.
 typedef struct WgWorkspace {
     WgObservation observation;
     WgCommand command;
-    double *beams;  // what observation.beams points to
-    double *flat;   // (17 + beams,) copy of the observation for who takes flat arrays
+    double *beams;   // what observation.beams points to
+    double *flat;    // (17 + beams,) copy of the observation, for controllers that take flat arrays
+    double *seen;    // a byte, whether the robot touches a wall; 8 bytes from there what `flat` points to at first
+    double *answer;  // (4 + memory,)
 } WgWorkspace;
 
 // What the search for a recurrence works with: see recurrence.h.
@@ -120,8 +125,8 @@ WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count,
 // Runs at most so many steps.
 int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps);
 
-// For a controller that is not a C function. Applies its command and takes its memory, if it was to act; then runs
-// until it is to act again, WG_ACTS, or the episode ends, WG_OVER.
+// For a controller that is not a C function. Takes its answer, if it was to act; then runs until it is to act again,
+// WG_ACTS, or the episode ends, WG_OVER.
 int64_t wg_episode_step(WgEpisode *episode);
 
 // The first step from which on the states repeat, of an episode that has ended as WG_LOOP; else -1.

@@ -121,8 +121,8 @@ FAULTS = (
     ),
     Fault(
         "command-of-a-class", "a controller as a Python class runs as its compiled twin",
-        "sim/python_loop.py", "_COMMAND.pack_into(command, 0, speed, turn_rate, bool(used_random))",
-        "_COMMAND.pack_into(command, 0, speed, turn_rate, True)",
+        "sim/python_loop.py", "write(answer_to, 0, 1.0, speed, turn_rate, 1.0 if used_random else 0.0, *after)",
+        "write(answer_to, 0, 1.0, speed, turn_rate, 1.0, *after)",
         ("tests/sim/test_episode.py", "tests/sim/test_vector_controllers.py"),
     ),
     Fault(
