@@ -1,6 +1,7 @@
 """Runs from Python: verdicts, evidence, determinism, bad controllers."""
 
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -313,6 +314,15 @@ def test_a_function_that_numba_cannot_compile_is_refused():
 
     with pytest.raises(InvalidParameter, match="does not compile"):
         simulate(arena(), CompiledController("bad", act))
+
+
+def test_without_numba_a_function_of_one_s_own_names_the_extra(monkeypatch):
+    def act(observation, memory, command):
+        command[0] = 1.0
+
+    monkeypatch.setitem(sys.modules, "numba", None)
+    with pytest.raises(InvalidParameter, match=r"function act is compiled by numba, which is not installed; .*numba"):
+        simulate(arena(), CompiledController("mine", act))
 
 
 def test_what_numba_does_not_know_is_named():
