@@ -21,14 +21,14 @@ import click
 import numpy as np
 import shapely
 
-from sim.kernels.geometry import pose_is_clear
-from sim.kernels.lattice_motion import MOST_POINTS, swept_move
-from sim.kernels.layout import SOLID, UNIT
-from worldgen.lattice import clear_distance_sq
+from sim.lattice_parts import MOST_CORNERS, pose_is_clear, swept_move
+from worldgen.lattice import UNIT, clear_distance_sq
 from worldgen.random_streams import RandomStream
+from worldgen.timeline import CellState
 
 __all__ = ["Report", "referee"]
 
+SOLID = int(CellState.SOLID)
 TOLERANCE = 1e-6  # lattice units
 MOVES_A_ROOM = 200
 RADII = tuple(Fraction(k, 20) for k in (1, 5, 9, 10, 13, 14, 15, 20, 27, 40, 70, 120))  # cells
@@ -88,7 +88,7 @@ def referee(moves: int, seed: int) -> Report:
         seed: Of all chance.
     """
     stream, report, begin = RandomStream(seed), Report(), time.perf_counter()
-    chain = np.zeros((MOST_POINTS, 3), np.int64)
+    chain = np.zeros((MOST_CORNERS, 3), np.int64)
     while report.moves < moves:
         cells, radius = _room(stream), RADII[stream.below(len(RADII))]
         clear_sq = clear_distance_sq(radius)

@@ -9,10 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.referee import referee
-from sim.kernels.geometry import pose_is_clear, segment_first_not_clear
-from sim.kernels.lattice_motion import swept_move
-from sim.kernels.layout import SOLID, UNIT
-from worldgen.lattice import clear_distance_sq
+from sim.lattice_parts import pose_is_clear, segment_first_not_clear, swept_move
+from worldgen.lattice import UNIT, clear_distance_sq
+from worldgen.timeline import CellState
+
+SOLID = int(CellState.SOLID)
 
 SIDE = 10
 RADII = st.fractions(Fraction(1, 20), Fraction(5, 2), max_denominator=20)
