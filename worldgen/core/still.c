@@ -79,7 +79,7 @@ static WgStatus look(Work *work, bool *joined)
         return WG_OUT_OF_MEMORY;
     }
     WgStatus status = wg_flood(graph->clear, graph->middle, graph->nodes, graph->stride, work->sources,
-                               work->source_count, work->seen);
+                               work->source_count, work->ends, work->end_count, work->seen);
     *joined = false;
     for (int64_t i = 0; i < work->end_count; i++) {
         *joined = *joined || work->seen[work->ends[i]] != 0;

@@ -30,9 +30,11 @@ WgStatus wg_disc_rasters(const uint8_t *solid, int64_t height, int64_t width, in
 // middle:     (nodes,) 1 where it is clear half a step right of and above each node.
 // stride:     nodes in a row.
 // sources:    (source_count,) clear nodes.
+// stops:      (stop_count,) few nodes; once one of them is reached, that is enough.
 // seen:       (nodes,) zeros; 1 for what is reached.
 WgStatus wg_flood(const uint8_t *clear, const uint8_t *middle, int64_t nodes, int64_t stride,
-                  const int64_t *sources, int64_t source_count, uint8_t *seen);
+                  const int64_t *sources, int64_t source_count, const int64_t *stops, int64_t stop_count,
+                  uint8_t *seen);
 
 // search.c
 

@@ -35,6 +35,7 @@ __all__ = [
 ]
 
 _PORTION = 2_000_000  # nodes expanded between two looks at Ctrl-C: 0.2 s
+_MOST_STOPS = 16  # of a flood: it looks at each of them in each run
 _LOOK = 32  # a node is expanded in the time in which a flood fills so many
 
 Ints = npt.NDArray[np.int64]
@@ -141,7 +142,7 @@ def find_path(
         # Before all of a large world is searched, look whether there is anything to find.
         found = _advance(search, max(1, graph.clear.size // _LOOK))
         if found == lib.WG_GOING and not bridges:
-            seen = flood(graph, begun)
+            seen = flood(graph, begun, aims)
             if not seen[aims].any():
                 if not seen[spare].any():
                     return []
@@ -182,12 +183,20 @@ def _advance(search: Any, most: int) -> int:
     return int(progress[0])
 
 
-def flood(graph: Graph, sources: Ints) -> npt.NDArray[np.bool_]:
-    """Return which nodes, flat, the eight steps lead to from any of some clear ones."""
+def flood(graph: Graph, sources: Ints, stops: Ints | None = None) -> npt.NDArray[np.bool_]:
+    """Return which nodes, flat, the eight steps lead to from any of some clear ones.
+
+    Args:
+        graph: The graph.
+        sources: Where to begin.
+        stops: A few nodes; once one of them is reached, that is enough.
+    """
+    few = np.zeros(0, np.int64) if stops is None or len(stops) > _MOST_STOPS else stops
     seen = np.zeros(graph.clear.size, np.bool_)
-    begun = pointer(ffi, sources, np.int64)
+    begun = (pointer(ffi, sources, np.int64), len(sources))
+    enough = (pointer(ffi, few, np.int64), len(few))
     made = writable(ffi, seen, np.bool_)
-    check(lib.wg_flood(*graph._rasters, graph.clear.size, graph.stride, begun, len(sources), made))
+    check(lib.wg_flood(*graph._rasters, graph.clear.size, graph.stride, *begun, *enough, made))
     return seen
 
 
