@@ -1,0 +1,146 @@
+"""Whole runs of the core have the bits of the reference in plain Python."""
+
+import numpy as np
+import pytest
+
+from sim import CompiledController, RobotOptions, RunOptions
+from sim._core import lib
+from sim.episode import prepare
+from sim.lattice_core import Driver, Episode
+from tests.helpers.interpreted import ACTS
+from tests.reference.sim import lattice_episode, lattice_state, recurrence
+from tests.reference.sim.flat_arrays import COUNTS, arena_of, settings_of
+from tests.sim.test_batch import burning
+from tests.sim.test_episode import cup
+from worldgen import generate
+
+STEPS = 90
+ROBOTS = {
+    "plain": {},
+    "slippery": {"slip": 0.3, "odometry_noise": 0.2},
+    "heavy": {"acceleration": 0.4, "friction": 0.3, "turn_limit": 2.0, "wall_friction": 0.5},
+    "coarse": {"lattice": 16, "coin": 4},
+    "blind": {"signal": "weakened", "sensor_noise": 0.1, "sensor_cells": 2, "smoke": 0.3},
+}
+WORLDS = {"cup": cup, "burning": burning, "trap": lambda: generate("trap", 3)}
+
+
+def reference_run(run, recorded):
+    """The same run in plain Python: robot, search, rows and path."""
+    settings, scales = settings_of(run.settings)
+    memory = np.array(run.controller.memory, np.float64)
+    robot = lattice_state.new_robot(memory.size, run.events)
+    room = lattice_state.new_room(memory.size, run.options.robot.beams, STEPS)
+    rows = np.zeros((STEPS + 1 if recorded else 0, 6 + memory.size), np.int64)
+    path = np.zeros((4 * (STEPS + len(run.events)) if recorded else 0, 4), np.int64)
+    act = ACTS[run.controller.act.name]
+    with np.errstate(over="ignore"):
+        lattice_episode.lattice_episode(arena_of(run.arena()), settings, scales, act, memory, room, robot, rows, path)
+    return robot, room.search, rows, path
+
+
+def core_run(run, recorded):
+    """The same in the core."""
+    episode = Episode(run.arena(), run.settings, Driver(run.controller, run.controller.memory))
+    rows = np.zeros((STEPS + 1 if recorded else 0, 1 + episode.words), np.int64)
+    path = np.zeros((4 * (STEPS + len(run.events)) if recorded else 0, 4), np.int64)
+    if recorded:
+        rows[0, 1:] = episode.state_words()
+        episode.record(rows[1:], path)
+    episode.run_to_the_end()
+    return episode, rows, path
+
+
+def assert_the_same(run, *, recorded):
+    robot, search, rows, path = reference_run(run, recorded)
+    episode, own_rows, own_path = core_run(run, recorded)
+    report = {name: int(getattr(episode.report, name)) % 2**64 for name in COUNTS}
+    assert report == {name: int(count) % 2**64 for name, count in zip(COUNTS, robot.counts, strict=True)}
+    assert [episode.report.path_length, episode.report.overlap] == robot.sums.tolist()
+    assert (episode.state_words() == robot.state).all()
+    assert (own_rows == rows).all() and (own_path == path).all()
+    if run.settings.find_loop == lib.WG_SEEK_LOOP:
+        logged = int(episode.report.steps) + (episode.report.ending in (lib.WG_LIMIT, lib.WG_LOOP))
+        done = range(run.last_event_step + 1, logged)
+        assert [int(episode.c.search.log[k]) for k in done] == [int(search.log[k]) for k in done]
+
+
+def prepared(world, name, motion, robot, *, digest):
+    run = prepare(world, name, RunOptions(motion, STEPS, 0.1, 3, robot=RobotOptions(**robot)))
+    run.settings.steps = STEPS
+    run.settings.digest = int(digest)
+    run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
+    return run
+
+
+@pytest.mark.parametrize("motion", ["swept", "endpoint"])
+@pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
+@pytest.mark.parametrize("world", WORLDS.values(), ids=WORLDS)
+def test_a_recorded_run_is_that_of_the_reference(world, robot, motion):
+    assert_the_same(prepared(world(), "turn-random", motion, robot, digest=True), recorded=True)
+
+
+@pytest.mark.parametrize("name", ["turn-left", "turn-random", "q-learning"])
+def test_a_plain_run_is_that_of_the_reference(name):
+    assert_the_same(prepared(cup(), name, "swept", {}, digest=False), recorded=False)
+
+
+def test_a_state_of_many_words_has_the_fingerprints_of_the_reference():
+    run = prepared(cup(), "three-layer", "swept", {}, digest=False)
+    assert len(run.controller.memory) > 32
+    assert_the_same(run, recorded=False)
+
+
+# Memories (a, b) that differ for every n, while the fingerprints of the states are equal: what n adds to the one
+# product, it takes from the other.
+_A, _B = recurrence.FACTORS_OF_FEW[5:7]
+_WHOLE = 2**64
+
+
+def _unfolded(word):
+    return word ^ (word >> 32)
+
+
+def colliding(period):
+    """Memory after each step of a controller that counts to a period."""
+    return [
+        np.array([_unfolded(n * _B % _WHOLE), _unfolded(-n * _A % _WHOLE)], np.uint64).view(np.float64)
+        for n in range(period)
+    ]
+
+
+class Collides:
+    """Counts to a period in a memory of which all states have one fingerprint."""
+
+    senses = ("bump",)
+
+    def __init__(self, period):
+        self._memories = [tuple(memory.tolist()) for memory in colliding(period)]
+        self._after = {
+            np.array(memory).tobytes(): self._memories[(n + 1) % period] for n, memory in enumerate(self._memories)
+        }
+
+    def reset(self):
+        return self._memories[0]
+
+    def act(self, observation, memory):
+        return (0.0, 0.0, False), self._after[np.array(memory).tobytes()]
+
+
+@pytest.mark.parametrize("period", [7, 1_000])
+def test_equal_fingerprints_of_different_states_invent_no_loop(period):
+    run = prepare(cup(), Collides(period), RunOptions("swept", STEPS))
+    claimed = run.run(STEPS, find_loop=True, record=False)
+    assert (claimed.ending, claimed.period) == ("loop", 1)
+    assert run.prove(claimed.entry, claimed.period, record=False) is None
+
+
+def _counts(observation, memory, command):
+    memory[0] = (memory[0] + 1.0) % memory[1]
+
+
+def test_a_claim_is_proved_only_where_the_state_comes_back():
+    controller = CompiledController("counts", _counts, (0.0, 7.0), senses=("bump",))
+    run = prepare(cup(), controller, RunOptions("swept", STEPS))
+    assert run.prove(3, 7, record=False) is not None
+    assert run.prove(3, 5, record=False) is None

@@ -1,0 +1,43 @@
+"""What the core takes, in the flat arrays of the reference."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.lattice_core import Arena
+from tests.reference.sim import lattice_state
+
+__all__ = ["COUNTS", "arena_of", "settings_of"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+_SETTINGS = (
+    "start_x", "start_y", "start_heading", "target_x", "target_y", "target_radius_sq", "clear_sq", "reach", "motion",
+    "steps", "find_loop", "seed", "senses", "digest", "sensor_cells", "signal", "beams", "plain_sensor", "smoke_reach",
+    "lattice", "coin", "loop_entry",
+)  # fmt: skip
+_SCALES = (
+    "metres", "speed", "turn", "radians", "time_step", "top_speed", "tolerance", "start_speed", "turn_limit", "gain",
+    "loss", "wall_friction", "slip", "odometry_noise", "sensor_range", "sensor_field", "sensor_noise", "beam_range",
+    "beam_field", "beam_noise", "beam_dropout", "radius", "smoke",
+)  # fmt: skip
+COUNTS = (
+    "ending", "steps", "period", "collisions", "last_new_cell", "points", "digest", "hit_step", "hit_ix", "hit_iy",
+    "overlap_step", "overlap_ix", "overlap_iy", "hit_state",
+)  # fmt: skip
+
+
+def settings_of(settings: Any) -> tuple[Ints, Floats]:
+    """Return a WgSettings as ``SET_`` and ``SCALE_`` of :mod:`sim.kernels.layout`."""
+    whole = [int(getattr(settings, name)) for name in _SETTINGS]
+    ints = np.array([np.uint64(number % 2**64) for number in whole], np.uint64).view(np.int64)
+    return ints, np.array([getattr(settings, name) for name in _SCALES], np.float64)
+
+
+def arena_of(arena: Arena) -> lattice_state.Arena:
+    """Return an arena as the reference takes it."""
+    return lattice_state.Arena(arena.cells, arena.near, arena.clearance, arena.events, arena.headings, arena.visited)

@@ -1,0 +1,160 @@
+"""What the episodes on the pose lattice work with: the surroundings, the robot, a room for its controller."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.kernels import layout
+from sim.kernels.lattice_motion import MOST_POINTS
+from sim.kernels.layout import SPEED_UNIT
+from tests.reference.sim.recurrence import TOUCHED, Search, begin_search, new_search
+
+__all__ = ["HASH_START", "Arena", "Robot", "Room", "last_event", "new_robot", "new_room", "set_out", "whole_speed"]
+
+HASH_START = np.uint64(1469598103934665603)
+"""Of the traces' digests, as in the thesis's vectors: FNV-1a over 64-bit words."""
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+
+class Arena(NamedTuple):
+    """What surrounds the robot; ``cells``, ``near`` and ``visited`` change during an episode.
+
+    Args:
+        cells: (height, width) uint8, cell states now.
+        near: (height, width) int32, :func:`sim.kernels.geometry.near_masks` of ``cells``.
+        clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no rows where
+            the masks reach as far as any step.
+        events: (n, EVENT_SIZE) int64, sorted by step and time.
+        headings: (131072,) int64, :func:`sim.kernels.lattice_sense.heading_table`.
+        visited: (height, width) uint8, cells that the centre has been in.
+    """
+
+    cells: npt.NDArray[np.uint8]
+    near: npt.NDArray[np.int32]
+    clearance: npt.NDArray[np.int32]
+    events: Ints
+    headings: Ints
+    visited: npt.NDArray[np.uint8]
+
+
+class Robot(NamedTuple):
+    """The robot and what is reported of it.
+
+    Args:
+        state: (STATE_MEMORY + memory,) int64, ``STATE_``.
+        odometry: (3,) x and y, lattice units, and heading, heading units, as the robot measured them.
+        chain: (n, 3) int64, path of the last step: x, y, time in the step.
+        counts: (OUT_SIZE,) int64, ``OUT_``.
+        sums: (SUM_SIZE,) ``SUM_``.
+    """
+
+    state: Ints
+    odometry: Floats
+    chain: Ints
+    counts: Ints
+    sums: Floats
+
+
+class Room(NamedTuple):
+    """What an episode works with, made beforehand, so that kernels make no arrays.
+
+    Args:
+        memory: The controller's memory.
+        words: The same bits as int64.
+        observation: (OBS_SIZE + beams,) what the controller sees.
+        command: (CMD_SIZE,) what it asks for.
+        search: For a state that comes back.
+    """
+
+    memory: Floats
+    words: Ints
+    observation: Floats
+    command: Floats
+    search: Search
+
+
+def new_robot(memory: int, events: Ints) -> Robot:
+    """A robot with so many numbers of memory, and room for the path of a step with the most events."""
+    most = int(np.unique(events[:, layout.EVENT_STEP], return_counts=True)[1].max()) if len(events) else 0
+    return Robot(
+        np.zeros(layout.STATE_MEMORY + memory, np.int64),
+        np.zeros(3),
+        np.zeros((MOST_POINTS * (most + 1), 3), np.int64),
+        np.zeros(layout.OUT_SIZE, np.int64),
+        np.zeros(layout.SUM_SIZE),
+    )
+
+
+def new_room(memory: int, beams: int, steps: int = 0) -> Room:
+    """Room for a controller with so many numbers of memory, and so many range beams.
+
+    Args:
+        memory: Numbers of memory.
+        beams: Range beams.
+        steps: Of the longest run in which a recurrence is searched; 0 for runs in which none is.
+    """
+    values = np.zeros(memory)
+    return Room(
+        values,
+        values.view(np.int64),
+        np.full(layout.OBS_SIZE + beams, np.nan),
+        np.zeros(layout.CMD_SIZE),
+        new_search(layout.STATE_MEMORY + memory, steps),
+    )
+
+
+def last_event(arena: Arena) -> int:
+    """Step in which the world changes for the last time; 0 if it never does."""
+    events = arena.events
+    return events[events.shape[0] - 1, layout.EVENT_STEP] if events.shape[0] > 0 else 0
+
+
+def whole_speed(asked: float) -> int:
+    """Whole units of speed, never more than asked for, so that nobody outruns the top speed."""
+    whole = math.floor(abs(asked) + 1e-9)
+    return whole if asked >= 0.0 else -whole
+
+
+def _begin(settings: Ints, scales: Floats, robot: Robot) -> None:
+    """Sets state and reports to the start of an episode."""
+    state, counts = robot.state, robot.counts
+    for k in range(counts.size):
+        counts[k] = 0
+    for k in range(robot.sums.size):
+        robot.sums[k] = 0.0
+    counts[layout.OUT_HIT_STEP], counts[layout.OUT_OVERLAP_STEP] = -1, -1
+    counts[layout.OUT_DIGEST] = np.int64(HASH_START)
+    state[layout.STATE_X], state[layout.STATE_Y] = settings[layout.SET_X], settings[layout.SET_Y]
+    state[layout.STATE_HEADING] = settings[layout.SET_HEADING]
+    speed = scales[layout.SCALE_START_SPEED] * scales[layout.SCALE_SPEED] * SPEED_UNIT
+    state[layout.STATE_SPEED], state[layout.STATE_DRAWS] = whole_speed(speed), 0
+    for k in range(3):
+        robot.odometry[k] = float(state[layout.STATE_X + k])
+
+
+def set_out(settings: Ints, scales: Floats, memory: Floats, room: Room, robot: Robot, quiet: int) -> None:
+    """Puts a robot at its start, with its memory at reset.
+
+    Args:
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        memory: The memory at reset.
+        room: Its room.
+        robot: The robot.
+        quiet: Step of the last event, 0 if there is none.
+    """
+    if settings[layout.SET_FIND_LOOP] == layout.SEEK_LOOP and room.search.log.size <= settings[layout.SET_STEPS]:
+        raise ValueError("the room's log is shorter than the run; make it with new_room(..., steps)")
+    _begin(settings, scales, robot)
+    for k in range(memory.size):
+        room.memory[k] = memory[k]
+        robot.state[layout.STATE_MEMORY + k] = room.words[k]
+    room.search.marks[TOUCHED] = 0
+    if settings[layout.SET_FIND_LOOP] != layout.NO_LOOP:
+        begin_search(room.search, robot.state, quiet)

@@ -1,0 +1,394 @@
+"""One step on the pose lattice.
+
+The move at the speed of the wheels, with the events that fall into it each at its time, then sensing, then the
+controller, whose turn takes effect at once and whose speed drives the next step.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sim.kernels import layout
+from sim.kernels.geometry import (
+    mark_near,
+    pose_is_clear,
+    segment_box_depth,
+    segment_crosses_box,
+    segment_first_not_clear,
+    segment_point_within,
+    window_is_free,
+)
+from sim.kernels.lattice_motion import endpoint_move, round_away, swept_move
+from sim.kernels.lattice_sense import (
+    NOISE_SLIP,
+    NOISE_TURN,
+    NOISE_WAY,
+    displacement,
+    noise_channel,
+    noise_draw,
+    sense,
+)
+from sim.kernels.layout import BURNING, SOLID, SPEED_UNIT, SWEPT, TIME_UNIT, TURN, UNIT
+from tests.reference.sim.lattice_state import Arena, Robot, Room, whole_speed
+
+__all__ = ["is_inside", "move_and_sense", "obey", "one_step", "remember"]
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+
+
+def _drive(speed: int) -> int:
+    """Whole lattice units that a speed drives in a step."""
+    return speed // SPEED_UNIT if speed >= 0 else -(-speed // SPEED_UNIT)
+
+
+def _apply_events(arena: Arena, settings: Ints, step: int, first: int, robot: Robot) -> int:
+    """Applies all events of one time; one that catches the robot ends the run as BURNED.
+
+    Returns:
+        Index of the next event.
+    """
+    events, counts = arena.events, robot.counts
+    time = events[first, layout.EVENT_TIME]
+    while (
+        first < events.shape[0]
+        and events[first, layout.EVENT_STEP] == step
+        and events[first, layout.EVENT_TIME] == time
+    ):
+        ix, iy = events[first, layout.EVENT_IX], events[first, layout.EVENT_IY]
+        arena.cells[iy, ix] = np.uint8(events[first, layout.EVENT_STATE])
+        mark_near(arena.cells, arena.near, ix, iy)
+        first += 1
+    clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
+    x, y = robot.state[layout.STATE_X], robot.state[layout.STATE_Y]
+    for caught in (SOLID, BURNING):
+        if not pose_is_clear(arena.cells, caught, clear_sq, reach, x, y):
+            _, ix, iy = segment_first_not_clear(arena.cells, caught, clear_sq, reach, (x, y, x, y))
+            counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STATE] = layout.BURNED, caught
+            counts[layout.OUT_HIT_STEP] = step
+            counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
+            break
+    return first
+
+
+def _judge_segment(
+    arena: Arena, settings: Ints, scales: Floats, step: int, ends: tuple[int, int, int, int], robot: Robot
+) -> None:
+    """Notes walls that a segment of an unsafe motion model cuts: deepest cut, first overlap, first tunnel."""
+    px, py, qx, qy = ends
+    counts, sums = robot.counts, robot.sums
+    reach = settings[layout.SET_REACH]
+    radius = math.sqrt(float(settings[layout.SET_CLEAR_SQ]))
+    for iy in range(
+        max((min(py, qy) - reach) // UNIT, -1), min((max(py, qy) + reach) // UNIT, arena.cells.shape[0]) + 1
+    ):
+        for ix in range(
+            max((min(px, qx) - reach) // UNIT, -1),
+            min((max(px, qx) + reach) // UNIT, arena.cells.shape[1]) + 1,
+        ):
+            inside = 0 <= ix < arena.cells.shape[1] and 0 <= iy < arena.cells.shape[0]
+            if inside and arena.cells[iy, ix] != SOLID:
+                continue
+            depth = segment_box_depth(radius, px, py, qx, qy, ix, iy)
+            sums[layout.SUM_OVERLAP] = max(sums[layout.SUM_OVERLAP], depth)
+            if depth > scales[layout.SCALE_TOLERANCE] and counts[layout.OUT_OVERLAP_STEP] < 0:
+                counts[layout.OUT_OVERLAP_STEP] = step
+                counts[layout.OUT_OVERLAP_IX], counts[layout.OUT_OVERLAP_IY] = ix, iy
+            if counts[layout.OUT_ENDING] == layout.LIMIT and segment_crosses_box(px, py, qx, qy, ix, iy):
+                counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STEP] = layout.TUNNEL, step
+                counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
+
+
+def _judge_path(
+    arena: Arena, settings: Ints, scales: Floats, step: int, rows: tuple[int, int], free: bool, robot: Robot
+) -> None:
+    """What a piece of a step's path meant: fire, walls, target, length; and puts the robot at its end.
+
+    Args:
+        arena: Surroundings.
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        step: Number of the step.
+        rows: First row of the chain, and the one after the last; none if the robot stands.
+        free: Whether nothing is near the path.
+        robot: The robot.
+    """
+    state, counts, sums = robot.state, robot.counts, robot.sums
+    clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
+    x, y = state[layout.STATE_X], state[layout.STATE_Y]
+    swept = settings[layout.SET_MOTION] == SWEPT
+    fire = arena.events.shape[0] > 0
+    for k in range(rows[0], max(rows[1], rows[0] + 1)):
+        qx, qy = (robot.chain[k, 0], robot.chain[k, 1]) if k < rows[1] else (x, y)
+        ends = (x, y, qx, qy)
+        if fire and not free and counts[layout.OUT_ENDING] == layout.LIMIT:
+            burnt, ix, iy = segment_first_not_clear(arena.cells, BURNING, clear_sq, reach, ends)
+            if burnt:
+                counts[layout.OUT_ENDING], counts[layout.OUT_HIT_STATE] = layout.BURNED, BURNING
+                counts[layout.OUT_HIT_STEP] = step
+                counts[layout.OUT_HIT_IX], counts[layout.OUT_HIT_IY] = ix, iy
+        if not swept and not free and segment_first_not_clear(arena.cells, SOLID, clear_sq, reach, ends)[0]:
+            _judge_segment(arena, settings, scales, step, ends, robot)
+        if counts[layout.OUT_ENDING] == layout.LIMIT:
+            tx, ty, within = (
+                settings[layout.SET_TARGET_X],
+                settings[layout.SET_TARGET_Y],
+                settings[layout.SET_TARGET_SQ],
+            )
+            from_x, from_y = (x, y) if swept else (qx, qy)
+            if segment_point_within(from_x, from_y, qx, qy, tx, ty, within):
+                counts[layout.OUT_ENDING] = layout.REACHED
+        sums[layout.SUM_PATH] += math.sqrt(float((qx - x) * (qx - x) + (qy - y) * (qy - y)))
+        x, y = qx, qy
+    state[layout.STATE_X], state[layout.STATE_Y] = x, y
+
+
+def _nothing_near(arena: Arena, reach: int, ends: tuple[int, int, int, int], distance: int) -> bool:
+    """Whether the tables show that no cell that is not free is within reach of a step; if not, a closer look is due."""
+    if arena.clearance.shape[0] == 0:
+        return window_is_free(arena.near, reach, ends)
+    x, y = ends[0], ends[1]
+    return bool((arena.clearance[y // UNIT, x // UNIT] - 1) * UNIT >= reach + distance)
+
+
+def _move(
+    arena: Arena,
+    settings: Ints,
+    scales: Floats,
+    step: int,
+    part: tuple[int, int],
+    during: tuple[int, int],
+    count: int,
+    robot: Robot,
+) -> tuple[int, float, float]:
+    """Moves the robot by a part of a step, in which the world stands still, and judges the path.
+
+    Args:
+        arena: Surroundings.
+        settings: ``SET_``.
+        scales: ``SCALE_``.
+        step: Number of the step.
+        part: Displacement, lattice units.
+        during: When the part begins and ends, ``TIME_UNIT``ths of the step.
+        count: Rows of the chain that are filled.
+        robot: The robot.
+
+    Returns:
+        Rows of the chain that are filled then, and the normal of the contact (0, 0 for none).
+    """
+    state, chain = robot.state, robot.chain
+    dx, dy = part
+    ends = (state[layout.STATE_X], state[layout.STATE_Y], dx, dy)
+    clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
+    nx, ny, before = 0.0, 0.0, count
+    free = _nothing_near(
+        arena, reach, (ends[0], ends[1], ends[0] + dx, ends[1] + dy), abs(_drive(state[layout.STATE_SPEED]))
+    )
+    if free:
+        if dx != 0 or dy != 0:
+            chain[count, 0], chain[count, 1], chain[count, 2] = ends[0] + dx, ends[1] + dy, during[1]
+            count += 1
+    elif settings[layout.SET_MOTION] == SWEPT:
+        span = (float(during[0]) / TIME_UNIT, float(during[1]) / TIME_UNIT)
+        friction = scales[layout.SCALE_WALL_FRICTION]
+        count, nx, ny = swept_move(arena.cells, clear_sq, reach, ends, span, friction, chain, count)
+    else:
+        count, nx, ny = endpoint_move(arena.cells, clear_sq, reach, ends, chain, count)
+    _judge_path(arena, settings, scales, step, (before, count), free, robot)
+    return count, nx, ny
+
+
+def _share(whole: int, time: int) -> int:
+    """What of a displacement is covered by a time in the step, lattice units."""
+    return round_away(float(whole) * (float(time) / TIME_UNIT))
+
+
+def _move_through_events(
+    arena: Arena, settings: Ints, scales: Floats, step: int, way: tuple[int, int], event: int, robot: Robot
+) -> tuple[int, int, float, float]:
+    """Moves the robot by a step's displacement, the events of the step each at its time.
+
+    ``endpoint`` looks at the world where a step ends only: there all events come first.
+
+    Returns:
+        Index of the next event, rows of the chain that are filled, and the normal of the last contact.
+    """
+    events, counts, exact = arena.events, robot.counts, settings[layout.SET_MOTION] == SWEPT
+    count, now, gone = 0, 0, (0, 0)
+    nx, ny = 0.0, 0.0
+    while now < TIME_UNIT:
+        due = event < events.shape[0] and events[event, layout.EVENT_STEP] == step
+        until = events[event, layout.EVENT_TIME] if due and exact else TIME_UNIT
+        if until > now and not (due and not exact):
+            there = way if until == TIME_UNIT else (_share(way[0], until), _share(way[1], until))
+            part = (there[0] - gone[0], there[1] - gone[1])
+            count, px, py = _move(arena, settings, scales, step, part, (now, until), count, robot)
+            if until < TIME_UNIT and (count == 0 or robot.chain[count - 1, 2] < until):  # it waits for what comes
+                robot.chain[count, 0], robot.chain[count, 1] = robot.state[layout.STATE_X], robot.state[layout.STATE_Y]
+                robot.chain[count, 2] = until
+                count += 1
+            if px != 0.0 or py != 0.0:
+                nx, ny = px, py
+            gone, now = there, until
+        if due and counts[layout.OUT_ENDING] == layout.LIMIT:
+            event = _apply_events(arena, settings, step, event, robot)
+        if counts[layout.OUT_ENDING] != layout.LIMIT:
+            break
+    return event, count, nx, ny
+
+
+def _round_pose(arena: Arena, settings: Ints, scales: Floats, step: int, count: int, robot: Robot) -> int:
+    """Moves the robot on to the nearest point of the coarser lattice to which a clear way leads, if there is one.
+
+    Of points that are equally near the first counts, from the lower left.
+
+    Returns:
+        Rows of the chain that are filled then.
+    """
+    state, grid = robot.state, settings[layout.SET_LATTICE]
+    x, y = state[layout.STATE_X], state[layout.STATE_Y]
+    if x % grid == 0 and y % grid == 0:
+        return count
+    qx, qy, best = x, y, -1
+    for corner in range(4):
+        ax, ay = (x // grid + (corner & 1)) * grid, (y // grid + (corner >> 1)) * grid
+        away = (ax - x) * (ax - x) + (ay - y) * (ay - y)
+        if best < 0 or away < best:
+            ends = (x, y, ax, ay)
+            clear_sq, reach = settings[layout.SET_CLEAR_SQ], settings[layout.SET_REACH]
+            if not segment_first_not_clear(arena.cells, SOLID, clear_sq, reach, ends)[0]:
+                qx, qy, best = ax, ay, away
+    if best > 0:
+        robot.chain[count, 0], robot.chain[count, 1], robot.chain[count, 2] = qx, qy, TIME_UNIT
+        _judge_path(arena, settings, scales, step, (count, count + 1), False, robot)
+        count += 1
+    return count
+
+
+def _measure(settings: Ints, scales: Floats, headings: Ints, step: int, way: tuple[int, int], robot: Robot) -> None:
+    """Adds a displacement to the odometry as the robot measures it: its length a little wrong, its direction too."""
+    noise = scales[layout.SCALE_ODOMETRY_NOISE]
+    turned = math.floor(robot.odometry[2] + 0.5) - robot.state[layout.STATE_HEADING]
+    along, across = float(headings[turned % TURN]) / (1 << 30), float(headings[(turned - TURN // 4) % TURN]) / (1 << 30)
+    wrong = 1.0 + noise * (2.0 * noise_draw(settings, noise_channel(step, NOISE_WAY)) - 1.0)
+    robot.odometry[0] += wrong * (along * way[0] - across * way[1])
+    robot.odometry[1] += wrong * (across * way[0] + along * way[1])
+
+
+def _advance(
+    arena: Arena, settings: Ints, scales: Floats, step: int, event: int, robot: Robot
+) -> tuple[int, int, float, float]:
+    """Moves the robot for one step, with the events that fall into it, and judges the path.
+
+    Returns:
+        Index of the next event, rows of the chain that are filled, and the normal of the contact (0, 0 for none).
+    """
+    state, counts = robot.state, robot.counts
+    x, y, drive = state[layout.STATE_X], state[layout.STATE_Y], _drive(state[layout.STATE_SPEED])
+    slip = scales[layout.SCALE_SLIP]
+    if slip > 0.0:
+        lost = slip * noise_draw(settings, noise_channel(step, NOISE_SLIP))
+        drive = whole_speed(float(drive) * (1.0 - lost))
+    way = displacement(arena.headings, state[layout.STATE_HEADING], drive)
+    if event < arena.events.shape[0] and arena.events[event, layout.EVENT_STEP] == step:
+        event, count, nx, ny = _move_through_events(arena, settings, scales, step, way, event, robot)
+    else:
+        whole = (0, TIME_UNIT)
+        count, nx, ny = _move(arena, settings, scales, step, way, whole, 0, robot)
+    if settings[layout.SET_LATTICE] > 1 and counts[layout.OUT_ENDING] == layout.LIMIT:
+        count = _round_pose(arena, settings, scales, step, count, robot)
+    if scales[layout.SCALE_ODOMETRY_NOISE] > 0.0:
+        moved = (state[layout.STATE_X] - x, state[layout.STATE_Y] - y)
+        _measure(settings, scales, arena.headings, step, moved, robot)
+    counts[layout.OUT_POINTS] += count
+    jx, jy = state[layout.STATE_X] // UNIT, state[layout.STATE_Y] // UNIT
+    if 0 <= jx < arena.visited.shape[1] and 0 <= jy < arena.visited.shape[0] and arena.visited[jy, jx] == 0:
+        arena.visited[jy, jx] = 1
+        counts[layout.OUT_LAST_NEW_CELL] = step
+    return event, count, nx, ny
+
+
+def is_inside(arena: Arena, robot: Robot) -> bool:
+    """Whether the centre is in the grid."""
+    x, y = robot.state[layout.STATE_X] // UNIT, robot.state[layout.STATE_Y] // UNIT
+    return bool(0 <= x < arena.cells.shape[1] and 0 <= y < arena.cells.shape[0])
+
+
+def move_and_sense(
+    arena: Arena, settings: Ints, scales: Floats, room: Room, robot: Robot, step: int, event: int
+) -> tuple[int, int, float, float]:
+    """The part of a step before the controller acts; result as :func:`_advance`."""
+    robot.counts[layout.OUT_STEPS] = step
+    event, count, nx, ny = _advance(arena, settings, scales, step, event, robot)
+    if robot.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, robot):
+        for k in range(room.observation.size):  # what a controller wrote there would be memory that no state holds
+            room.observation[k] = math.nan
+        sense(
+            arena.cells, arena.headings, settings, scales, robot.state, robot.odometry, (nx, ny), step,
+            room.observation,
+        )  # fmt: skip
+        for k in range(room.command.size):
+            room.command[k] = 0.0
+    return event, count, nx, ny
+
+
+def _next_speed(now: int, wanted: int, scales: Floats) -> int:
+    """Speed after a step: as wanted, or as near as the wheels' gain and the floor's friction allow."""
+    gain, loss = scales[layout.SCALE_GAIN], scales[layout.SCALE_LOSS]
+    if gain == math.inf and loss == math.inf:
+        return wanted
+    if (wanted > 0 and now < 0) or (wanted < 0 and now > 0):
+        wanted = 0  # it must come to a stand first
+    if abs(wanted) > abs(now) + gain:
+        return now + int(gain) if wanted > 0 else now - int(gain)
+    if abs(wanted) < abs(now) - loss:
+        return now - int(loss) if now > 0 else now + int(loss)
+    return wanted
+
+
+def obey(settings: Ints, scales: Floats, command: Floats, step: int, robot: Robot) -> None:
+    """Applies a command: the turn now, the speed in the next step; clamps both, refuses nan and infinities."""
+    state = robot.state
+    speed, rate = command[layout.CMD_SPEED], command[layout.CMD_TURN_RATE]
+    if not (math.isfinite(speed) and math.isfinite(rate)):
+        robot.counts[layout.OUT_ENDING] = layout.INVALID_COMMAND
+        return
+    top, limit = scales[layout.SCALE_TOP_SPEED], scales[layout.SCALE_TURN_LIMIT]
+    most = math.floor(min(limit * scales[layout.SCALE_TURN] + 1e-9, float(TURN // 2)))
+    asked = round_away(min(max(rate * scales[layout.SCALE_TURN], -float(TURN)), float(TURN)))
+    turn = min(max(asked, -most), most)  # rounded to the lattice, and never above the limit
+    state[layout.STATE_HEADING] = (state[layout.STATE_HEADING] + turn) % TURN
+    noise = scales[layout.SCALE_ODOMETRY_NOISE]
+    if noise > 0.0:
+        wrong = 1.0 + noise * (2.0 * noise_draw(settings, noise_channel(step, NOISE_TURN)) - 1.0)
+        robot.odometry[2] += wrong * turn
+    wanted = whole_speed(min(max(speed, -top), top) * scales[layout.SCALE_SPEED] * SPEED_UNIT)
+    state[layout.STATE_SPEED] = _next_speed(state[layout.STATE_SPEED], wanted, scales)
+    if command[layout.CMD_DRAW] != 0.0:
+        state[layout.STATE_DRAWS] += 1
+
+
+def remember(room: Room, robot: Robot) -> None:
+    """Takes the controller's memory into the state."""
+    for k in range(room.words.size):
+        robot.state[layout.STATE_MEMORY + k] = room.words[k]
+
+
+def one_step(
+    arena: Arena, settings: Ints, scales: Floats, act: Any, room: Room, robot: Robot, step: int, event: int
+) -> tuple[int, int, bool]:
+    """One step: move, sense, act.
+
+    Returns:
+        Index of the next event, rows of the chain that are filled, and whether a wall was touched.
+    """
+    event, count, nx, ny = move_and_sense(arena, settings, scales, room, robot, step, event)
+    if robot.counts[layout.OUT_ENDING] == layout.LIMIT and is_inside(arena, robot):
+        act(room.observation, room.memory, room.command)
+        obey(settings, scales, room.command, step, robot)
+    remember(room, robot)
+    return event, count, nx != 0.0 or ny != 0.0
