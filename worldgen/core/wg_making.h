@@ -187,6 +187,13 @@ WgStatus wg_plant(uint8_t *barred, int64_t size, const int64_t *places, const in
 // found:  (rows, columns) to be filled; (rows + columns)^2 if none is marked.
 WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t columns, int32_t *found);
 
+// Marks the nodes that are clear and have no larger free disc next to them.
+//
+// clear:    (rows, columns) 1 where the disc is clear; 0 on the rim.
+// squared:  (rows, columns) squared distances to the nearest wall.
+// found:    (rows, columns) to be filled.
+WgStatus wg_largest_discs(const uint8_t *clear, const int32_t *squared, int64_t rows, int64_t columns, uint8_t *found);
+
 // Unites nodes in the order of their distance from the target, until the start is joined to it.
 //
 // places:   (count,) nodes, the nearest first; none on the rim.
@@ -220,6 +227,24 @@ WgStatus wg_openings(const uint8_t *clear, const uint8_t *middle, int64_t size, 
 // closed:       1 if such a chain came about.
 WgStatus wg_unite(const int64_t *ones, const int64_t *others, const uint8_t *odd, int64_t links, int64_t *parent,
                   uint8_t *bit, int64_t cells, int64_t *closed);
+
+// making/surroundings.c: what is around points. Cells are closed; what is outside is solid.
+
+// Distance from each point to the nearest wall, cells.
+//
+// solid: (rows, columns) 1 is solid.
+// x, y:  (count,) cells.
+// found: (count,) to be filled.
+WgStatus wg_nearest_walls(const uint8_t *solid, int64_t rows, int64_t columns, const double *x, const double *y,
+                          int64_t count, double *found);
+
+// How far rays get before they touch a wall, in steps of their directions.
+//
+// directions: (rays, 2) steps in x and y, in cells.
+// reach:      cells along the longer axis, beyond which rays between the axes and diagonals are not followed.
+// far:        (count, rays) to be filled; infinity beyond the reach.
+WgStatus wg_rays(const uint8_t *solid, int64_t rows, int64_t columns, const double *x, const double *y, int64_t count,
+                 const int64_t *directions, int64_t rays, double reach, double *far);
 
 // making/octile.c: shortest paths of straight and diagonal moves that cut no corner.
 //

@@ -13,7 +13,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -45,12 +44,14 @@ def decision_points(nodes: Nodes, touched: Ints) -> list[tuple[int, int, int]]:
     return sorted(max(group, key=lambda spot: spot[2]) for group in spots.groups(chosen.tolist()))
 
 
-def _largest_discs(nodes: Nodes) -> Any:
-    """Whether the robot is clear at a node, and none of its eight neighbours has a larger free disc."""
-    padded = np.pad(nodes.clearance_sq, 1)
-    rows = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
-    highest = np.maximum(np.maximum(rows[:, :-2], rows[:, 1:-1]), rows[:, 2:])
-    return nodes.graph.clear & (nodes.clearance_sq == highest)
+def _largest_discs(nodes: Nodes) -> Bools:
+    """Return whether the robot is clear at a node, and none of its eight neighbours has a larger free disc."""
+    ffi, lib = _core.ffi, _core.lib
+    found = np.empty(nodes.graph.clear.shape, np.bool_)
+    clear = pointer(ffi, np.ascontiguousarray(nodes.graph.clear), np.bool_)
+    squared = pointer(ffi, nodes.clearance_sq, np.int32)
+    check(lib.wg_largest_discs(clear, squared, *found.shape, writable(ffi, found, np.bool_)))
+    return found
 
 
 def _openings(nodes: Nodes, places: Ints, sizes: Ints) -> Ints:

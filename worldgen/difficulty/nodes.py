@@ -78,7 +78,7 @@ def squared_distances(marked: Bools) -> Ints:
     """
     ffi, lib = _core.ffi, _core.lib
     found: Ints
-    found = np.empty(marked.shape, np.int32)  # type: ignore[assignment]
+    found = np.empty(marked.shape, np.int32)
     marks = pointer(ffi, np.ascontiguousarray(marked), np.bool_)
     check(lib.wg_squared_distances(marks, *marked.shape, writable(ffi, found, np.int32)))
     return found
