@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from sim import Command, Observation
+from sim._core import ffi, lib
 from sim.robot_options import RobotOptions
+from worldgen.ccall import pointer, writable
 from worldgen.errors import InvalidParameter
-from worldgen_plugins.for_gymnasium.kernels import layout as at
-from worldgen_plugins.for_gymnasium.kernels.navigate import encode
 
 __all__ = ["CHOICES", "DEFAULT_BEAMS", "SENSORS", "Interface"]
 
@@ -29,7 +29,7 @@ class Sensor(NamedTuple):
     """A sensor of the environment.
 
     Args:
-        code: Its number in the kernel.
+        code: Its number in the core.
         low: Least value of each of its numbers.
         high: Greatest value.
         senses: What of the simulator's observation it looks at.
@@ -46,16 +46,16 @@ def _direction(code: int, *senses: str) -> Sensor:
 
 
 SENSORS: Mapping[str, Sensor] = {
-    "bump": Sensor(at.BUMP, (0.0,), (1.0,), ("bump",)),
-    "bump_direction": _direction(at.BUMP_DIRECTION, "bump", "bump_bearing"),
-    "signal": Sensor(at.SIGNAL, (0.0,), (1.0,), ("signal",)),
-    "signal_direction": _direction(at.SIGNAL_DIRECTION, "signal_heading"),
-    "target_direction": _direction(at.TARGET_DIRECTION, "target_heading"),
-    "target_distance": Sensor(at.TARGET_DISTANCE, (0.0,), (1.0,), ("target_distance",)),
-    "heading": _direction(at.HEADING),
-    "position": Sensor(at.POSITION, (0.0, 0.0), (1.0, 1.0), ("x", "y")),
-    "odometry": Sensor(at.ODOMETRY, (-1.0,) * 4, (1.0,) * 4, ("odometry_x", "odometry_y", "odometry_heading")),
-    "beams": Sensor(at.BEAMS, (0.0,), (1.0,), ("beams",)),
+    "bump": Sensor(lib.WG_SHOW_BUMP, (0.0,), (1.0,), ("bump",)),
+    "bump_direction": _direction(lib.WG_SHOW_BUMP_DIRECTION, "bump", "bump_bearing"),
+    "signal": Sensor(lib.WG_SHOW_SIGNAL, (0.0,), (1.0,), ("signal",)),
+    "signal_direction": _direction(lib.WG_SHOW_SIGNAL_DIRECTION, "signal_heading"),
+    "target_direction": _direction(lib.WG_SHOW_TARGET_DIRECTION, "target_heading"),
+    "target_distance": Sensor(lib.WG_SHOW_TARGET_DISTANCE, (0.0,), (1.0,), ("target_distance",)),
+    "heading": _direction(lib.WG_SHOW_HEADING),
+    "position": Sensor(lib.WG_SHOW_POSITION, (0.0, 0.0), (1.0, 1.0), ("x", "y")),
+    "odometry": Sensor(lib.WG_SHOW_ODOMETRY, (-1.0,) * 4, (1.0,) * 4, ("odometry_x", "odometry_y", "odometry_heading")),
+    "beams": Sensor(lib.WG_SHOW_BEAMS, (0.0,), (1.0,), ("beams",)),
 }
 """Every sensor; of ``beams`` there are as many as the robot has."""
 
@@ -124,7 +124,7 @@ class Interface:
 
     @property
     def codes(self) -> npt.NDArray[np.int64]:
-        """(k,) the sensors as the kernel knows them."""
+        """(k,) the sensors as the core knows them."""
         return np.array([SENSORS[name].code for name in self.sensors], np.int64)
 
     @property
@@ -132,11 +132,13 @@ class Interface:
         """(m, 2) the discrete actions; none for continuous ones."""
         return np.array(CHOICES if self.actions == "discrete" else (), np.float64).reshape(-1, 2)
 
-    def rules(self) -> Floats:
-        """(RULE_SIZE,) what this decides of the rules; zeros for the rest."""
-        rules = np.zeros(at.RULE_SIZE)
-        rules[at.RULE_EXTENT], rules[at.RULE_BEAM_RANGE] = self.extent, self.needs.beam_range
-        rules[at.RULE_TURN_RATE], rules[at.RULE_SLOWEST] = self.turn_rate, -1.0 if self.reverse else 0.0
+    def rules(self) -> Any:
+        """Return what this decides of a WgRules; zeros for the rest."""
+        rules = ffi.new("WgRules *")
+        rules.extent = self.extent
+        rules.beam_range = self.needs.beam_range
+        rules.turn_rate = self.turn_rate
+        rules.slowest = -1.0 if self.reverse else 0.0
         return rules
 
     def bounds(self) -> dict[str, tuple[Singles, Singles]]:
@@ -153,9 +155,14 @@ class Interface:
 
     def observe(self, observation: Observation) -> Singles:
         """What the environment would have shown, from what a controller sees: (size,) float32."""
-        seen = np.array([*observation[:-1], *observation.beams], np.float64)
+        numbers, beams = np.array(observation[:-1], np.float64), np.array(observation.beams, np.float64)
+        seen = ffi.new("WgObservation *")
+        ffi.memmove(seen, pointer(ffi, numbers, np.float64), numbers.nbytes)
+        seen.beams, seen.beam_count = pointer(ffi, beams, np.float64), len(beams)
         out = np.empty(sum(len(low) for low, _ in self.bounds().values()), np.float32)
-        encode(seen, self.codes, self.rules(), out)
+        codes = self.codes
+        sensors = pointer(ffi, codes, np.int64)
+        lib.wg_show(seen, sensors, len(codes), self.rules(), writable(ffi, out, np.float32))
         return out
 
     def command(self, action: Any, observation: Observation) -> Command:

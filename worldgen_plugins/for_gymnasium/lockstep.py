@@ -1,26 +1,24 @@
-"""Robots in lockstep: packs worlds and robots for the kernels, and calls them. No maths of its own."""
+"""Robots in lockstep: packs worlds and robots for the core, and calls it. No maths of its own."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from sim import CompiledController
-from sim.kernels import layout
-from sim.kernels._bridge import settings_of
-from sim.kernels.lattice_state import new_robot, new_room
+from sim._core import ffi, lib
+from sim.lattice_core import MOST_CORNERS, STATE_WORDS
 from sim.lattice_run import LatticeRun
+from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import lattice_to_metres
 from worldgen.world import World
-from worldgen_plugins.for_gymnasium.kernels import layout as at
-from worldgen_plugins.for_gymnasium.kernels.navigate import Crew, Told, Worlds, begin, begin_many, step
 from worldgen_plugins.for_gymnasium.options import Rules
 from worldgen_plugins.for_gymnasium.ways import ways_to_target
 
-__all__ = ["Lockstep"]
+__all__ = ["Lockstep", "Told"]
 
 Ints = npt.NDArray[np.int64]
 Singles = npt.NDArray[np.float32]
@@ -31,6 +29,117 @@ def _nobody(observation: npt.NDArray[np.float64], memory: object, command: objec
     """Never called: an environment's actions are its commands."""
 
 
+class Told(NamedTuple):
+    """What a call says of each robot; made anew for each.
+
+    Args:
+        observation: (n, size) float32.
+        reward: (n,).
+        terminated: (n,) whether it arrived, or burned.
+        truncated: (n,) whether its time is over.
+        reached: (n,) whether it arrived.
+        began: (n,) whether the observation is the first of an episode.
+        last: (n, size) float32, the last observation of an episode after which the next began in the same step; of
+            no rows where that does not happen.
+    """
+
+    observation: Singles
+    reward: npt.NDArray[np.float64]
+    terminated: Bools
+    truncated: Bools
+    reached: Bools
+    began: Bools
+    last: Singles
+
+    def in_core(self) -> Any:
+        """Return the WgTold whose memory this is."""
+        told = ffi.new("WgTold *")
+        for name, array in self._asdict().items():
+            setattr(told, name, writable(ffi, array, array.dtype.type))
+        return told
+
+
+_OF_ROBOTS = ("world", "seed", "episode", "run", "clock", "elapsed", "distance", "over")
+
+
+class Crew:
+    """What the core knows of n robots, as arrays over its memory.
+
+    Args:
+        rules: What an episode is.
+        numbers: WgRules.
+        count: Robots.
+        size: Numbers of an observation.
+    """
+
+    def __init__(self, rules: Rules, numbers: Any, count: int, size: int) -> None:
+        self.world = np.zeros(count, np.int64)
+        self.seed = np.zeros(count, np.uint64)
+        self.episode = np.zeros(count, np.int64)
+        self.run = np.zeros(count, np.int64)
+        self.clock = np.zeros(count, np.int64)
+        self.elapsed = np.zeros(count, np.int64)
+        self.distance = np.zeros(count)
+        self.over = np.zeros(count, np.bool_)
+        self.state = np.zeros((count, STATE_WORDS), np.int64)
+        self.c: Any = ffi.new("WgCrew *")
+        for name in _OF_ROBOTS:
+            array = getattr(self, name)
+            setattr(self.c, name, writable(ffi, array, array.dtype.type))
+
+        # What all share.
+        interface = rules.interface
+        codes, choices, beams = interface.codes, interface.choices, np.full(interface.needs.beams, np.nan)
+        self.c.count, self.c.size = count, size
+        self.c.rules = numbers
+        self.c.sensors, self.c.sensor_count = pointer(ffi, codes, np.int64), len(codes)
+        self.c.choices, self.c.choice_count = pointer(ffi, choices, np.float64), len(choices)
+        self.c.workspace.beams = writable(ffi, beams, np.float64)
+        self.c.workspace.observation.beams = self.c.workspace.beams
+        self.c.workspace.observation.beam_count = len(beams)
+        self._robots = ffi.new("WgRobot[]", count)
+        self.c.robots = self._robots
+        self._held: tuple[Any, ...] = (numbers, codes, choices, beams)
+        self._worlds: tuple[Any, ...] = ()
+        self._chain: Any = ffi.NULL
+        self._own: tuple[npt.NDArray[Any], ...] = ()
+
+    def load(self, places: Any, runs: Sequence[LatticeRun], held: tuple[Any, ...]) -> None:
+        """Put the robots into other worlds, of which ``held`` is the memory."""
+        changing = [run.events for run in runs if len(run.events)]
+        most = max((int(np.unique(rows[:, 0], return_counts=True)[1].max()) for rows in changing), default=0)
+        self._chain = ffi.new("WgCorner[]", MOST_CORNERS * (most + 1))
+        self._tie_robots()
+        self.c.places, self.c.place_count = places, len(runs)
+        self.c.cells, self.c.near, self.c.page = ffi.NULL, ffi.NULL, 0
+        self._own = ()
+        if changing:
+            self.c.page = max(run.world.walls.size for run in runs)
+            shape = (len(self.world), self.c.page)
+            cells, near = np.zeros(shape, np.uint8), np.zeros(shape, np.int32)
+            self.c.cells, self.c.near = writable(ffi, cells, np.uint8), writable(ffi, near, np.int32)
+            self._own = (cells, near)
+        self._worlds = (places, held)
+
+    def _tie_robots(self) -> None:
+        """Give the robots their states and their chain."""
+        lib.wg_crew_robots(self.c, ffi.cast("WgState *", writable(ffi, self.state, np.int64)), self._chain)
+
+    def snapshot(self) -> tuple[list[npt.NDArray[Any]], bytes]:
+        """Return all that changes as robots go."""
+        arrays = [getattr(self, name) for name in _OF_ROBOTS]
+        return [array.copy() for array in (*arrays, self.state, *self._own)], bytes(ffi.buffer(self._robots))
+
+    def restore(self, snapshot: tuple[list[npt.NDArray[Any]], bytes]) -> None:
+        """Put everything back as it was; the same worlds must be loaded."""
+        arrays, robots = snapshot
+        own = [getattr(self, name) for name in _OF_ROBOTS]
+        for array, before in zip((*own, self.state, *self._own), arrays, strict=True):
+            array[...] = before
+        ffi.memmove(self._robots, robots, len(robots))
+        self._tie_robots()
+
+
 class Lockstep:
     """n robots in some of w worlds.
 
@@ -38,26 +147,28 @@ class Lockstep:
         rules: What an episode is.
         count: Robots.
         limit: Steps until an episode is cut off; 0 for never.
-        autoreset: ``NEXT_STEP``, ``SAME_STEP`` or ``DISABLED``.
+        autoreset: WG_NEXT_STEP, WG_SAME_STEP or WG_NO_AUTORESET.
     """
 
-    def __init__(self, rules: Rules, count: int, limit: int = 0, autoreset: int = at.DISABLED) -> None:
-        self._rules, self.count, self._autoreset = rules, count, autoreset
+    def __init__(self, rules: Rules, count: int, limit: int = 0, autoreset: int = lib.WG_NO_AUTORESET) -> None:
+        self._rules, self.count, self._limit, self._autoreset = rules, count, limit, autoreset
         interface = rules.interface
         self.size = sum(len(low) for low, _ in interface.bounds().values())
         self._driver = CompiledController("gymnasium", _nobody, senses=interface.senses)
         self.worlds: Sequence[World] = ()
-        room, ints = new_room(0, interface.needs.beams), np.zeros((8, count), np.int64)
-        nothing = np.zeros((0, 0), np.uint8)
-        self.crew = Crew(
-            nothing.ravel(), np.zeros(0, np.int32), nothing, np.zeros((0, 3), np.int64), room.memory, room.words,
-            room.observation, room.command, room.search, rules.numbers(limit, autoreset),
-            interface.codes, interface.choices, ints[0], ints[1], ints[2], ints[3], ints[4], ints[5], ints[6], ints[7],
-            np.zeros(count), np.zeros(count, np.bool_), np.zeros((count, layout.STATE_MEMORY), np.int64),
-            np.zeros((count, 3)), np.zeros((count, layout.OUT_SIZE), np.int64), np.zeros((count, layout.SUM_SIZE)),
-        )  # fmt: skip
-        self._packed: Worlds | None = None
-        self._no_choice, self._no_move = np.zeros(0, np.int64), np.zeros((0, 2), np.float32)
+        self.crew = Crew(rules, rules.numbers(limit, autoreset), count, self.size)
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        """Return what a copy is made of, which memory of the core cannot be."""
+        return self._rules, self.count, self._limit, self._autoreset, self.worlds, self.crew.snapshot()
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        """Make the copy."""
+        rules, count, limit, autoreset, worlds, snapshot = state
+        self.__init__(rules, count, limit, autoreset)  # type: ignore[misc]
+        if worlds:
+            self.load(worlds)
+        self.crew.restore(snapshot)
 
     def load(self, worlds: Sequence[World]) -> None:
         """Puts the robots into other worlds; each must begin an episode before it steps.
@@ -68,81 +179,57 @@ class Lockstep:
         """
         options = self._rules.run_options()
         runs = [LatticeRun(world, self._driver, options) for world in worlds]
-        packed = _packed(runs, [ways_to_target(world) for world in worlds] if self._rules.by_way else [])
-        chain = np.zeros((max(len(new_robot(0, run.events).chain) for run in runs), 3), np.int64)
-        cells, near = packed.cells, packed.near
-        if len(packed.events):
-            most = int((packed.place[:, at.PLACE_HEIGHT] * packed.place[:, at.PLACE_WIDTH]).max())
-            cells, near = np.zeros(most * self.count, np.uint8), np.zeros(most * self.count, np.int32)
-            self.crew.page[:] = np.arange(self.count) * most
-        self.crew = self.crew._replace(cells=cells, near=near, chain=chain)
-        self.worlds, self._packed = worlds, packed
+        arenas = [run.arena() for run in runs]
+        ways = [ways_to_target(world) for world in worlds] if self._rules.by_way else []
+        places = ffi.new("WgPlace[]", len(runs))
+        for k, (run, arena) in enumerate(zip(runs, arenas, strict=True)):
+            places[k].arena = arena.c[0]
+            places[k].settings = run.settings[0]
+            if ways:
+                places[k].ways = pointer(ffi, ways[k], np.float32)
+        self.crew.load(places, runs, (arenas, ways))
+        self.worlds = worlds
 
     def begin(self, robot: int, world: int) -> Singles:
         """Puts one robot at the start of an episode in a world; its observation."""
         out = np.empty(self.size, np.float32)
-        begin(self._worlds(), self.crew, robot, world, out)
+        lib.wg_crew_begin(self._crew(), robot, world, writable(ffi, out, np.float32))
         return out
 
     def begin_many(self, which: Bools) -> Told:
         """Puts robots at the starts of episodes in the worlds that their seeds choose."""
         told = self._told()
-        begin_many(self._worlds(), self.crew, which, told)
+        lib.wg_crew_begin_many(self._crew(), pointer(ffi, which, np.bool_), writable(ffi, told.observation, np.float32))
         return told
 
     def step(self, actions: npt.NDArray[Any]) -> Told:
-        """One action of each robot: (n,) int64 discrete, or (n, 2) float32 continuous ones, in C order."""
+        """One action of each robot: (n,) int64 discrete, or (n, 2) float32 continuous ones, in C order.
+
+        Raises:
+            ValueError: If there is no such discrete action.
+        """
         told = self._told()
+        chosen, moves = ffi.NULL, ffi.NULL
         if actions.ndim == 1:
-            step(self._worlds(), self.crew, actions, self._no_move, told)
+            chosen = pointer(ffi, actions, np.int64)
         else:
-            step(self._worlds(), self.crew, self._no_choice, actions, told)
+            moves = pointer(ffi, actions, np.float32)
+        check(lib.wg_crew_step(self._crew(), chosen, moves, told.in_core()))
         return told
 
     def place_of(self, robot: int) -> tuple[float, float]:
         """Where a robot's centre is, m."""
         side = self.worlds[self.crew.world[robot]].cell_size
-        state = self.crew.state[robot]
-        return lattice_to_metres(int(state[layout.STATE_X]), side), lattice_to_metres(int(state[layout.STATE_Y]), side)
+        x, y = self.crew.state[robot, :2].tolist()
+        return lattice_to_metres(x, side), lattice_to_metres(y, side)
 
-    def _worlds(self) -> Worlds:
-        if self._packed is None:
+    def _crew(self) -> Any:
+        if not self.worlds:
             raise RuntimeError("no worlds are loaded")
-        return self._packed
+        return self.crew.c
 
     def _told(self) -> Told:
         n = self.count
         flags = [np.empty(n, np.bool_) for _ in range(4)]
-        last = np.empty((n if self._autoreset == at.SAME_STEP else 0, self.size), np.float32)
+        last = np.empty((n if self._autoreset == lib.WG_SAME_STEP else 0, self.size), np.float32)
         return Told(np.empty((n, self.size), np.float32), np.empty(n), flags[0], flags[1], flags[2], flags[3], last)
-
-
-def _packed(runs: Sequence[LatticeRun], ways: Sequence[Singles]) -> Worlds:
-    """All parts of all worlds, one behind the other."""
-    arenas = [run.arena() for run in runs]
-    settings = [settings_of(run.settings) for run in runs]
-    place = np.zeros((len(runs), at.PLACE_SIZE), np.int64)
-    place[:, [at.PLACE_HEIGHT, at.PLACE_WIDTH]] = [arena.cells.shape for arena in arenas]
-    place[:, [at.PLACE_ROWS, at.PLACE_COLUMNS]] = [arena.clearance.shape for arena in arenas]
-    place[:, at.PLACE_CELLS] = _begins([arena.cells.size for arena in arenas])
-    place[:, at.PLACE_CLEARANCE] = _begins([arena.clearance.size for arena in arenas])
-    place[:, at.PLACE_EVENT] = _begins([len(arena.events) for arena in arenas])
-    place[:, at.PLACE_LAST_EVENT] = np.cumsum([len(arena.events) for arena in arenas])
-    place[:, at.PLACE_WAY] = _begins([len(way) for way in ways]) if ways else -1
-    return Worlds(
-        cells=np.concatenate([arena.cells.ravel() for arena in arenas]),
-        near=np.concatenate([arena.near.ravel() for arena in arenas]),
-        clearance=np.concatenate([arena.clearance.ravel() for arena in arenas]),
-        events=np.concatenate([arena.events for arena in arenas]),
-        headings=arenas[0].headings,
-        place=place,
-        settings=np.stack([ints for ints, _ in settings]),
-        scales=np.stack([floats for _, floats in settings]),
-        way=np.concatenate(ways) if ways else np.zeros(0, np.float32),
-    )
-
-
-def _begins(sizes: Sequence[int]) -> Ints:
-    """Where each part begins."""
-    ends = np.cumsum(sizes)
-    return np.asarray(ends - sizes, np.int64)

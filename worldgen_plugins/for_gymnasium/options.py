@@ -8,16 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypedDict
 
-import numpy as np
-import numpy.typing as npt
-
 from sim.robot_options import RobotOptions
 from sim.run_options import DEFAULT_TIME_STEP, RunOptions
 from worldgen.errors import InvalidParameter
 from worldgen.family import Family
 from worldgen.world import Value, World
 from worldgen_plugins.for_gymnasium.interface import Interface
-from worldgen_plugins.for_gymnasium.kernels import layout as at
 from worldgen_plugins.for_gymnasium.supply import SOURCES, Supply
 
 __all__ = ["REWARD", "Options", "Rules", "resolve", "sources_in"]
@@ -25,13 +21,6 @@ __all__ = ["REWARD", "Options", "Rules", "resolve", "sources_in"]
 REWARD: Mapping[str, float] = {"progress": 1.0, "time": -0.1, "contact": -0.01, "reached": 1.0, "burned": -1.0}
 """What is rewarded: a metre nearer to the target, a second, a step that a wall stopped or bent, and the two ends."""
 
-_PLACES = {
-    "progress": at.RULE_PROGRESS,
-    "time": at.RULE_TIME,
-    "contact": at.RULE_CONTACT,
-    "reached": at.RULE_REACHED,
-    "burned": at.RULE_BURNED,
-}
 _INTERFACE = ("sensors", "actions", "turn_rate", "reverse", "extent", "robot")
 
 
@@ -95,17 +84,17 @@ class Rules:
     reward: Mapping[str, float] = field(default_factory=lambda: REWARD)
     by_way: bool = False
 
-    def numbers(self, limit: int, autoreset: int) -> npt.NDArray[np.float64]:
-        """(RULE_SIZE,) the rules as the kernels know them.
+    def numbers(self, limit: int, autoreset: int) -> Any:
+        """Return the rules as the core knows them, WgRules.
 
         Args:
             limit: Steps until an episode is cut off; 0 for never.
-            autoreset: ``NEXT_STEP``, ``SAME_STEP`` or ``DISABLED``.
+            autoreset: WG_NEXT_STEP, WG_SAME_STEP or WG_NO_AUTORESET.
         """
         rules = self.interface.rules()
-        for name, place in _PLACES.items():
-            rules[place] = self.reward[name]
-        rules[at.RULE_LIMIT], rules[at.RULE_AUTORESET] = limit, autoreset
+        for name in REWARD:
+            setattr(rules, name, self.reward[name])
+        rules.limit, rules.autoreset = limit, autoreset
         return rules
 
     def run_options(self) -> RunOptions:

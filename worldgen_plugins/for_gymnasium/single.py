@@ -115,12 +115,12 @@ class NavigateEnv(gymnasium.Env[Any, Any]):
             self._places.append(self._lockstep.place_of(0))
 
 
-def seed_of(generator: np.random.Generator) -> np.int64:
-    """Bits of a seed from a generator: of its raw stream, which NumPy promises to keep."""
-    return np.uint64(generator.bit_generator.random_raw()).astype(np.int64)
+def seed_of(generator: np.random.Generator) -> int:
+    """Return a seed of 64 bits from a generator: of its raw stream, which NumPy promises to keep."""
+    return int(generator.bit_generator.random_raw())
 
 
 def world_of_episode(seed: int, episode: int, count: int) -> int:
-    """Which of so many worlds an episode is in, as the kernel chooses it."""
+    """Which of so many worlds an episode is in, as the core chooses it."""
     drawn = (mix64((seed + (2 * episode + 1) * GAMMA) & MASK64) >> 11) * 2.0**-53
     return min(int(drawn * count), count - 1)

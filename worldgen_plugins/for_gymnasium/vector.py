@@ -11,14 +11,13 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
+from sim._core import lib
 from sim.run_options import whole
 from worldgen.errors import InvalidParameter
 from worldgen.progress import working
 from worldgen_plugins.for_gymnasium.actions import checked_actions
 from worldgen_plugins.for_gymnasium.interface import Interface
-from worldgen_plugins.for_gymnasium.kernels import layout as at
-from worldgen_plugins.for_gymnasium.kernels.navigate import Told
-from worldgen_plugins.for_gymnasium.lockstep import Lockstep
+from worldgen_plugins.for_gymnasium.lockstep import Lockstep, Told
 from worldgen_plugins.for_gymnasium.options import Options, resolve, sources_in
 from worldgen_plugins.for_gymnasium.picture import RENDER_MODES, check_render_mode, frame_of
 from worldgen_plugins.for_gymnasium.single import seed_of
@@ -31,9 +30,9 @@ Bools = npt.NDArray[np.bool_]
 MAX_ENVS = 1_000_000
 MAX_STEPS = 100_000_000
 _MODES = {
-    AutoresetMode.NEXT_STEP: at.NEXT_STEP,
-    AutoresetMode.SAME_STEP: at.SAME_STEP,
-    AutoresetMode.DISABLED: at.DISABLED,
+    AutoresetMode.NEXT_STEP: lib.WG_NEXT_STEP,
+    AutoresetMode.SAME_STEP: lib.WG_SAME_STEP,
+    AutoresetMode.DISABLED: lib.WG_NO_AUTORESET,
 }
 _MASK = "reset_mask"
 

@@ -1,0 +1,294 @@
+// Environments for reinforcement learning; see wg_navigate.h.
+
+#include "wg_navigate.h"
+
+#include "fdlibm.h"
+#include "step.h"
+
+enum { HALF = WG_UNIT / 2 };  // distance of two neighbouring nodes, lattice units
+
+// Writes the cosine and sine of an angle; returns where the next number goes.
+static float *show_direction(double angle, float *shown)
+{
+    shown[0] = (float)wg_cos(angle);
+    shown[1] = (float)wg_sin(angle);
+    return shown + 2;
+}
+
+// Writes a length as a share of another, -1 to 1.
+static float *show_share(double value, double whole, float *shown)
+{
+    shown[0] = (float)wg_clamp(value / whole, -1.0, 1.0);
+    return shown + 1;
+}
+
+void wg_show(const WgObservation *seen, const int64_t *sensors, int64_t sensor_count, const WgRules *rules, float *shown)
+{
+    for (int64_t k = 0; k < sensor_count; k++) {
+        switch (sensors[k]) {
+        case WG_SHOW_BUMP:
+            *shown++ = (float)seen->bump;
+            break;
+        case WG_SHOW_BUMP_DIRECTION:
+            if (seen->bump != 0.0) {
+                shown = show_direction(seen->bump_bearing, shown);
+            } else {
+                *shown++ = 0.0f;
+                *shown++ = 0.0f;
+            }
+            break;
+        case WG_SHOW_SIGNAL:
+            *shown++ = (float)seen->signal;
+            break;
+        case WG_SHOW_SIGNAL_DIRECTION:
+            shown = show_direction(seen->signal_heading - seen->heading, shown);
+            break;
+        case WG_SHOW_TARGET_DIRECTION:
+            shown = show_direction(seen->target_heading - seen->heading, shown);
+            break;
+        case WG_SHOW_TARGET_DISTANCE:
+            shown = show_share(seen->target_distance, rules->extent, shown);
+            break;
+        case WG_SHOW_HEADING:
+            shown = show_direction(seen->heading, shown);
+            break;
+        case WG_SHOW_POSITION:
+            shown = show_share(seen->x, rules->extent, shown);
+            shown = show_share(seen->y, rules->extent, shown);
+            break;
+        case WG_SHOW_ODOMETRY:
+            shown = show_share(seen->odometry_x, rules->extent, shown);
+            shown = show_share(seen->odometry_y, rules->extent, shown);
+            shown = show_direction(seen->odometry_heading, shown);
+            break;
+        default:
+            for (int64_t beam = 0; beam < seen->beam_count; beam++) {
+                shown = show_share(seen->beams[beam], rules->beam_range, shown);
+            }
+        }
+    }
+}
+
+int64_t wg_world_of_episode(uint64_t seed, int64_t episode, int64_t count)
+{
+    return wg_least((int64_t)(wg_random_draw(seed, 2 * episode) * (double)count), count - 1);
+}
+
+int64_t wg_run_of_episode(uint64_t seed, int64_t episode)
+{
+    return (int64_t)(wg_random_draw(seed, 2 * episode + 1) * 0x1p53);
+}
+
+// What surrounds a robot now. Nobody asks where it has been.
+static WgArena arena_of(const WgCrew *crew, int64_t robot)
+{
+    WgArena arena = crew->places[crew->world[robot]].arena;
+    arena.visited = NULL;
+    if (crew->cells != NULL) {
+        arena.cells = crew->cells + robot * crew->page;
+        arena.near = crew->near + robot * crew->page;
+    }
+    return arena;
+}
+
+// The settings of a robot's world, with its own seed.
+static const WgSettings *settings_of(WgCrew *crew, int64_t robot)
+{
+    WgSettings *settings = &crew->places[crew->world[robot]].settings;
+    settings->seed = (uint64_t)crew->run[robot];
+    return settings;
+}
+
+static void sense_at(WgCrew *crew, int64_t robot, WgNormal contact)
+{
+    WgArena arena = arena_of(crew, robot);
+    const WgRobot *driver = &crew->robots[robot];
+    wg_sense(&arena, settings_of(crew, robot), &driver->body->state, &driver->odometry, contact, crew->clock[robot],
+             &crew->workspace.observation, crew->workspace.beams);
+}
+
+// Moves a robot and lets it sense, also at its last pose; returns whether a wall stopped or bent the move.
+static bool advance(WgCrew *crew, int64_t robot)
+{
+    WgArena arena = arena_of(crew, robot);
+    WgRobot *driver = &crew->robots[robot];
+    crew->clock[robot]++;
+    wg_move_and_sense(&arena, settings_of(crew, robot), driver, &crew->workspace, crew->clock[robot]);
+    if (driver->report.ending != WG_LIMIT) {
+        sense_at(crew, robot, driver->contact);
+    }
+    return driver->contact.x != 0.0 || driver->contact.y != 0.0;
+}
+
+// Length of the path to the target, m: straight to one of the four nodes around, then the shortest; or infinite.
+static double length_of_way(const WgPlace *place, int64_t x, int64_t y)
+{
+    double best = (double)INFINITY;
+    int64_t columns = 2 * place->arena.width;
+    int64_t rows = 2 * place->arena.height;
+    for (int corner = 0; corner < 4; corner++) {
+        int64_t i = wg_least(wg_floor_div(x, HALF) + (corner & 1), columns);
+        int64_t j = wg_least(wg_floor_div(y, HALF) + (corner >> 1), rows);
+        int64_t dx = i * HALF - x;
+        int64_t dy = j * HALF - y;
+        double aside = sqrt((double)(dx * dx + dy * dy)) * place->settings.metres;
+        best = wg_lower(best, aside + (double)place->ways[j * (columns + 1) + i]);
+    }
+    return best;
+}
+
+// How far a robot is from the target, m: by the shortest path where those are known, else straight.
+static double distance_of(const WgCrew *crew, int64_t robot)
+{
+    const WgPlace *place = &crew->places[crew->world[robot]];
+    const WgState *state = &crew->robots[robot].body->state;
+    if (place->ways != NULL) {
+        double away = length_of_way(place, state->x, state->y);
+        if (away < (double)INFINITY) {
+            return away;
+        }
+    }
+    int64_t dx = place->settings.target_x - state->x;
+    int64_t dy = place->settings.target_y - state->y;
+    return sqrt((double)(dx * dx + dy * dy)) * place->settings.metres;
+}
+
+static void observe(const WgCrew *crew, float *observation)
+{
+    wg_show(&crew->workspace.observation, crew->sensors, crew->sensor_count, crew->rules, observation);
+}
+
+void wg_crew_robots(WgCrew *crew, WgState *states, WgCorner *chain)
+{
+    for (int64_t robot = 0; robot < crew->count; robot++) {
+        crew->robots[robot].body = (WgBody *)&states[robot];  // a body without a memory
+        crew->robots[robot].chain = chain;
+    }
+}
+
+void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observation)
+{
+    const WgController nobody = {0};
+    crew->run[robot] = wg_run_of_episode(crew->seed[robot], crew->episode[robot]);
+    crew->world[robot] = world;
+
+    // Where worlds change, the robot gets a fresh copy.
+    if (crew->cells != NULL) {
+        const WgArena *fresh = &crew->places[world].arena;
+        size_t size = (size_t)(fresh->width * fresh->height);
+        memcpy(crew->cells + robot * crew->page, fresh->cells, size * sizeof *crew->cells);
+        memcpy(crew->near + robot * crew->page, fresh->near, size * sizeof *crew->near);
+    }
+    wg_robot_begin(&crew->robots[robot], settings_of(crew, robot), &nobody);
+    crew->clock[robot] = 0;
+    crew->elapsed[robot] = 0;
+
+    // The first move, at a stand.
+    advance(crew, robot);
+    observe(crew, observation);
+    crew->distance[robot] = distance_of(crew, robot);
+    crew->over[robot] = 0;
+}
+
+void wg_crew_begin_many(WgCrew *crew, const uint8_t *which, float *observations)
+{
+    for (int64_t robot = 0; robot < crew->count; robot++) {
+        if (which[robot] != 0) {
+            int64_t world = wg_world_of_episode(crew->seed[robot], crew->episode[robot], crew->place_count);
+            wg_crew_begin(crew, robot, world, observations + robot * crew->size);
+        }
+    }
+}
+
+// The next episode, in a world that the robot's seed chooses.
+static void begin_next(WgCrew *crew, int64_t robot, float *observation)
+{
+    crew->episode[robot]++;
+    int64_t world = wg_world_of_episode(crew->seed[robot], crew->episode[robot], crew->place_count);
+    wg_crew_begin(crew, robot, world, observation);
+}
+
+// Applies an action: shares of the turn rate and of the top speed.
+static void command(WgCrew *crew, int64_t robot, double turn, double speed)
+{
+    const WgRules *rules = crew->rules;
+    const WgSettings *settings = settings_of(crew, robot);
+    WgCommand wanted = {
+        .speed = wg_clamp(speed, rules->slowest, 1.0) * settings->top_speed,
+        .turn_rate = wg_clamp(turn, -1.0, 1.0) * rules->turn_rate,
+    };
+    wg_apply_command(settings, &wanted, crew->clock[robot], &crew->robots[robot]);
+}
+
+// What a step is worth; notes the new distance.
+static double reward_of(WgCrew *crew, int64_t robot, bool touched)
+{
+    const WgRules *rules = crew->rules;
+    double before = crew->distance[robot];
+    double now = distance_of(crew, robot);
+    crew->distance[robot] = now;
+    double reward = rules->progress * (before - now);
+    reward += rules->time * crew->places[crew->world[robot]].settings.time_step;
+    if (touched) {
+        reward += rules->contact;
+    }
+    int64_t ending = crew->robots[robot].report.ending;
+    if (ending == WG_REACHED) {
+        reward += rules->reached;
+    } else if (ending == WG_BURNED) {
+        reward += rules->burned;
+    }
+    return reward;
+}
+
+// One action of a robot whose episode goes on.
+static void act(WgCrew *crew, int64_t robot, double turn, double speed, const WgTold *told)
+{
+    float *observation = told->observation + robot * crew->size;
+    const WgReport *report = &crew->robots[robot].report;
+    bool touched = false;
+    if (report->ending == WG_LIMIT) {
+        command(crew, robot, turn, speed);
+        touched = advance(crew, robot);
+    } else {
+        sense_at(crew, robot, (WgNormal){0.0, 0.0});  // it began where episodes end
+    }
+    observe(crew, observation);
+    crew->elapsed[robot]++;
+    told->reward[robot] = reward_of(crew, robot, touched);
+    told->terminated[robot] = report->ending != WG_LIMIT;
+    told->reached[robot] = report->ending == WG_REACHED;
+    told->truncated[robot] = crew->rules->limit > 0.0 && (double)crew->elapsed[robot] >= crew->rules->limit;
+    crew->over[robot] = told->terminated[robot] | told->truncated[robot];
+    if (crew->over[robot] != 0 && crew->rules->autoreset == WG_SAME_STEP) {
+        memcpy(told->last + robot * crew->size, observation, (size_t)crew->size * sizeof *observation);
+        begin_next(crew, robot, observation);
+        told->began[robot] = 1;
+    }
+}
+
+WgStatus wg_crew_step(WgCrew *crew, const int64_t *chosen, const float *moves, const WgTold *told)
+{
+    for (int64_t robot = 0; chosen != NULL && robot < crew->count; robot++) {
+        if (chosen[robot] < 0 || chosen[robot] >= crew->choice_count) {
+            return WG_BAD_VALUE;
+        }
+    }
+    for (int64_t robot = 0; robot < crew->count; robot++) {
+        told->reward[robot] = 0.0;
+        told->began[robot] = 0;
+        told->reached[robot] = 0;
+        told->terminated[robot] = 0;
+        told->truncated[robot] = 0;
+        if (crew->over[robot] != 0 && crew->rules->autoreset == WG_NEXT_STEP) {
+            begin_next(crew, robot, told->observation + robot * crew->size);
+            told->began[robot] = 1;
+        } else if (chosen != NULL) {
+            const double *choice = crew->choices + 2 * chosen[robot];
+            act(crew, robot, choice[0], choice[1], told);
+        } else {
+            act(crew, robot, (double)moves[2 * robot], (double)moves[2 * robot + 1], told);
+        }
+    }
+    return WG_OK;
+}

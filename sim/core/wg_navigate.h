@@ -1,0 +1,115 @@
+// Episodes of many robots in lockstep whose commands come from outside, as environments for reinforcement learning have
+// them: act, move, sense, reward, and begin again, in one call.
+//
+// Each robot's steps are those of a controller in an episode: a first move before anything was sensed, at a stand; then,
+// in turns, the command and the next move. Arrays belong to the caller.
+
+#ifndef WG_NAVIGATE_H
+#define WG_NAVIGATE_H
+
+#include <stdint.h>
+
+#include "wg_episode.h"
+#include "wg_sim.h"
+
+// What an environment shows of the senses, in its own order.
+enum {
+    WG_SHOW_BUMP = 0,
+    WG_SHOW_BUMP_DIRECTION = 1,
+    WG_SHOW_SIGNAL = 2,
+    WG_SHOW_SIGNAL_DIRECTION = 3,
+    WG_SHOW_TARGET_DIRECTION = 4,
+    WG_SHOW_TARGET_DISTANCE = 5,
+    WG_SHOW_HEADING = 6,
+    WG_SHOW_POSITION = 7,
+    WG_SHOW_ODOMETRY = 8,
+    WG_SHOW_BEAMS = 9,
+};
+
+// When the next episode begins: in the step after the last one, in the same step, or when the caller says so.
+enum { WG_NEXT_STEP = 0, WG_SAME_STEP = 1, WG_NO_AUTORESET = 2 };
+
+// What decides numbers of observations, commands and rewards. As (11,) float64 in Python.
+typedef struct WgRules {
+    double extent;      // m: what counts as 1 in distances
+    double beam_range;  // m: what counts as 1 in range beams
+    double turn_rate;   // rad/s: what counts as 1 in actions
+    double slowest;     // share of the top speed: the least that an action may ask for
+    double progress;    // reward for a metre nearer to the target
+    double time;        // for a second
+    double contact;     // for a step in which a wall stopped or bent the move
+    double reached;
+    double burned;
+    double limit;       // steps until an episode is cut off; 0: never
+    double autoreset;   // WG_NEXT_STEP, ...
+} WgRules;
+
+// A world that robots may be in.
+typedef struct WgPlace {
+    WgArena arena;        // before its first event; not changed
+    WgSettings settings;  // the seed is each robot's own
+    const float *ways;    // (2 height + 1, 2 width + 1) m, length of the shortest path to the target from each node at
+                          // half a cell, infinite if there is none; NULL: distances are straight
+} WgPlace;
+
+// n robots, and what all of them share.
+typedef struct WgCrew {
+    int64_t count;
+    const WgRules *rules;
+    const int64_t *sensors;   // (sensor_count,) WG_SHOW_BUMP, ...
+    int64_t sensor_count;
+    int64_t size;             // numbers of an observation
+    const double *choices;    // (choice_count, 2) discrete actions: shares of the turn rate and of the top speed
+    int64_t choice_count;     // 0 for continuous actions
+    WgPlace *places;
+    int64_t place_count;
+    WgWorkspace workspace;
+    uint8_t *cells;           // (count, page) where worlds change: each robot's own; else NULL
+    int32_t *near;            // likewise
+    int64_t page;             // cells of the largest world
+    WgRobot *robots;          // (count,) without memories
+    int64_t *world;           // (count,)
+    uint64_t *seed;           // (count,) of a robot's episodes
+    int64_t *episode;         // (count,) number of the episode
+    int64_t *run;             // (count,) seed of its run
+    int64_t *clock;           // (count,) steps of the simulator
+    int64_t *elapsed;         // (count,) actions in this episode
+    double *distance;         // (count,) m, to the target
+    uint8_t *over;            // (count,) 1 if the episode has ended
+} WgCrew;
+
+// What a step says of each robot.
+typedef struct WgTold {
+    float *observation;   // (count, size)
+    double *reward;       // (count,)
+    uint8_t *terminated;  // (count,) 1 if it arrived, or burned
+    uint8_t *truncated;   // (count,) 1 if its time is over
+    uint8_t *reached;     // (count,) 1 if it arrived
+    uint8_t *began;       // (count,) 1 if the observation is the first of an episode
+    float *last;          // (count, size) the last observation of an episode after which the next began in the same
+                          // step; only for WG_SAME_STEP
+} WgTold;
+
+// Fills an environment's observation: what the sensors show of the simulator's. Fills (size,).
+void wg_show(const WgObservation *seen, const int64_t *sensors, int64_t sensor_count, const WgRules *rules, float *shown);
+
+// Which of so many worlds an episode is in.
+int64_t wg_world_of_episode(uint64_t seed, int64_t episode, int64_t count);
+
+// Seed of an episode's run, from which noise is drawn: 53 bits.
+int64_t wg_run_of_episode(uint64_t seed, int64_t episode);
+
+// Gives the robots their states (count,), and one chain that is long enough for any step of any of them.
+void wg_crew_robots(WgCrew *crew, WgState *states, WgCorner *chain);
+
+// Puts a robot at the start of its episode in a world, and observes: (size,).
+void wg_crew_begin(WgCrew *crew, int64_t robot, int64_t world, float *observation);
+
+// The same for each robot of which `which` (count,) is not 0, in the world that its seed chooses. Seeds and numbers of
+// episodes are as they shall be. Their rows of (count, size) observations are filled.
+void wg_crew_begin_many(WgCrew *crew, const uint8_t *which, float *observations);
+
+// One action of each robot: (count,) discrete ones, or (count, 2) continuous ones; the other is NULL.
+WgStatus wg_crew_step(WgCrew *crew, const int64_t *chosen, const float *moves, const WgTold *told);
+
+#endif

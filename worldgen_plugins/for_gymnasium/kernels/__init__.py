@@ -1,1 +1,0 @@
-"""Compiled: episodes of many robots in lockstep, with observations and rewards; numbers and arrays only."""
