@@ -106,7 +106,15 @@ CORES = (
     Core(
         "sim._core",
         ("sim/core",),
-        (_TYPES, _CONTROLLER, *_SIM, "sim/core/wg_parts.h", "sim/core/wg_runs.h", "sim/core/wg_navigate.h", "sim/core/wg_thesis.h"),
+        (
+            _TYPES,
+            _CONTROLLER,
+            *_SIM,
+            "sim/core/wg_parts.h",
+            "sim/core/wg_runs.h",
+            "sim/core/wg_navigate.h",
+            "sim/core/wg_thesis.h",
+        ),
         ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers"),
     ),
     # The search runs the simulator and the prover's flood inside its own loops, so both are compiled into it.
