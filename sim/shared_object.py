@@ -14,7 +14,7 @@ from sim._core import ffi as _ffi
 from sim._core import lib as _lib
 from worldgen.errors import InvalidParameter
 
-__all__ = ["include_folder", "info_of", "is_library_name", "library_file"]
+__all__ = ["check_file", "include_folder", "info_of", "is_library_name", "library_file"]
 
 ffi: Any = _ffi
 lib: Any = _lib
@@ -75,10 +75,20 @@ def info_of(name: str) -> Any:
     return info
 
 
-def _loaded(name: str, file: Path) -> ctypes.CDLL:
-    """Return the library, which stays loaded until this process ends."""
+def check_file(name: str) -> None:
+    """Refuse a name of a library that is not there, without loading what is.
+
+    Raises:
+        InvalidParameter: If it is not there.
+    """
+    file = library_file(name)
     if not file.is_file():
         raise InvalidParameter(f"controller {name!r}: there is no file {file}; build it: {_BUILD}")
+
+
+def _loaded(name: str, file: Path) -> ctypes.CDLL:
+    """Return the library, which stays loaded until this process ends."""
+    check_file(name)
     try:
         return ctypes.CDLL(str(file.resolve()))
     except OSError as error:

@@ -13,6 +13,7 @@ from urllib.parse import quote
 
 from sim.controllers import CONTROLLERS
 from sim.controllers.process import is_process_name
+from sim.shared_object import is_library_name, library_file
 from worldgen.files import read_text
 
 __all__ = ["Place", "place_of", "repository", "uri_of"]
@@ -44,12 +45,15 @@ def place_of(controller: str, root: Path) -> Place | None:
     """Where a controller's source stands; ``None`` if it is not a file of the repository.
 
     Args:
-        controller: Name, ``package.module:name``, ``./file.py:name`` or ``cmd:program``.
+        controller: Name, ``package.module:name``, ``./file.py:name``, ``lib:./file.so:name`` or ``cmd:program``.
         root: Of the repository.
     """
     if is_process_name(controller):
         uris = (uri_of(file, root) for file in _files(controller.partition(":")[2]))
         return next((Place(uri) for uri in uris if uri), None)
+    if is_library_name(controller):
+        uri = uri_of(library_file(controller), root)
+        return Place(uri) if uri else None
     point = CONTROLLERS.entry_points().get(controller)
     module, _, name = (point.value if point else controller).rpartition(":")
     file = Path(module) if module.endswith(".py") else _source(module)

@@ -5,8 +5,10 @@
 #include "faults.h"
 
 // Values of WgBug1Memory.mode and WgBug2Memory.mode.
-enum { BUG1_MEET = 2, BUG1_ROUND = 3 };
-enum { BUG2_GOAL = 1, BUG2_ROUND = 2 };
+static const double BUG1_MEET = 2.0;
+static const double BUG1_ROUND = 3.0;
+static const double BUG2_GOAL = 1.0;
+static const double BUG2_ROUND = 2.0;
 
 static const double STILL_ROUND = 2.0;  // WgBug1Memory.away: it is back at the hit point
 

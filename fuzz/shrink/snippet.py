@@ -9,6 +9,7 @@ from pathlib import Path
 from fuzz.failure import scenario_of
 from sim.controllers.process import is_process_name
 from sim.run_options import RunOptions
+from sim.shared_object import is_library_name, library_file
 from worldgen.grid_file import dumps
 from worldgen.plain_text import shown
 from worldgen.world import FailureRecord, Witness, World
@@ -79,6 +80,8 @@ def _is_relative(controller: str) -> bool:
     """Whether it depends on the current folder which file a controller's name means."""
     if is_process_name(controller):
         return re.search(r"(?<![^\s:])\./", controller) is not None
+    if is_library_name(controller):
+        return not library_file(controller).is_absolute()
     place = controller.rpartition(":")[0]
     return place.endswith(".py") and not place.startswith("~") and not Path(place).is_absolute()
 

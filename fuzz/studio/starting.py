@@ -9,6 +9,7 @@ from pathlib import Path
 from sim.controllers import CONTROLLERS
 from sim.controllers.process import is_process_name
 from sim.scenario import Scenario
+from sim.shared_object import check_file, is_library_name
 from worldgen.archives import is_archive
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.grid_file import read_world
@@ -40,6 +41,9 @@ def check_controller(label: str) -> None:
             raise error from None
     place, colon, attribute = name.rpartition(":")
     if name in CONTROLLERS.names() or is_process_name(name):
+        return
+    if is_library_name(name):
+        check_file(name)
         return
     if not colon:
         CONTROLLERS.get(name)  # which says what there is, and what is nearly called so

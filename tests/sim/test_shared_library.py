@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from build_tools.cores import compiler
+from fuzz.studio.starting import check_controller
 from sim import CONTROLLERS, RobotOptions, containment, simulate
 from sim.shared_object import include_folder
 from tests.helpers.command_line import worldgen
@@ -141,3 +142,10 @@ def test_the_core_reads_the_observation_as_the_library_does(library):
     seen[11] = 2.0  # top speed
     controller.act(seen, np.array(controller.memory), command)
     assert command.tolist() == [2.0, 25.0, 0.0]
+
+
+def test_the_studio_looks_for_the_file_and_does_not_load_it(tmp_path):
+    (tmp_path / "robot.so").write_text("int act;")
+    check_controller(f"lib:{tmp_path}/robot.so:act")
+    with pytest.raises(InvalidParameter, match="there is no file"):
+        check_controller(f"lib:{tmp_path}/absent.so:act")

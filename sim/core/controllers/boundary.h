@@ -17,7 +17,8 @@
 #include "wg_controllers.h"
 
 // Values of WgWallBody.phase.
-enum { WG_ADVANCE = 0, WG_PRESS = 1 };
+static const double WG_ADVANCE = 0.0;
+static const double WG_PRESS = 1.0;
 
 // Length of a step along a wall, m.
 double wg_stride(const WgObservation *seen);

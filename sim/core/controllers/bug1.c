@@ -7,7 +7,11 @@
 #include "directions.h"
 #include "library.h"
 
-enum { START = 0, GOAL = 1, MEET = 2, ROUND = 3, BACK = 4 };
+static const double START = 0.0;
+static const double GOAL = 1.0;
+static const double MEET = 2.0;
+static const double ROUND = 3.0;
+static const double BACK = 4.0;
 
 static const double SAME_PLACE = 0.5;  // of a step
 static const double ELSEWHERE = 1.5;  // of a step: further from the hit point it has been away

@@ -8,7 +8,10 @@
 #include "directions.h"
 #include "library.h"
 
-enum { START = 0, GOAL = 1, ROUND = 2, BACK = 3 };
+static const double START = 0.0;
+static const double GOAL = 1.0;
+static const double ROUND = 2.0;
+static const double BACK = 3.0;
 
 static const double NEARER = 0.05;  // of a step: a place to leave at must be so much nearer than the hit point
 static const double THERE = 0.02;  // of a step: nearer to the place to leave at it is there

@@ -219,7 +219,7 @@ static int64_t at_least(const WgMapperMemory *map, WgNode node)
 {
     double dx = fabs((double)node.x - map->target_x);
     double dy = fabs((double)node.y - map->target_y);
-    return wg_floor(STRAIGHT * wg_higher(dx, dy) + (DIAGONAL - STRAIGHT) * wg_lower(dx, dy));
+    return wg_floor((double)STRAIGHT * wg_higher(dx, dy) + (double)(DIAGONAL - STRAIGHT) * wg_lower(dx, dy));
 }
 
 // A* from a node; the number in the window of the node where the plan ends, -1 if there is no path.

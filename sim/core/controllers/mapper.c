@@ -9,7 +9,11 @@
 #include "lattice_map.h"
 #include "library.h"
 
-enum { START = 0, GO = 1, DOOR = 2, TOUCH = 3, BACK = 4 };
+static const double START = 0.0;
+static const double GO = 1.0;
+static const double DOOR = 2.0;
+static const double TOUCH = 3.0;
+static const double BACK = 4.0;
 
 static const double THERE = 0.01;  // of the pitch: nearer to a node it is there
 static const double STANDS = 0.02;  // of the pitch: a free step of less cannot come nearer

@@ -7,7 +7,10 @@
 #include "directions.h"
 #include "library.h"
 
-enum { GOAL = 0, APPROACH = 1, WALL = 2, LEAVE = 3 };
+static const double GOAL = 0.0;
+static const double APPROACH = 1.0;
+static const double WALL = 2.0;
+static const double LEAVE = 3.0;
 
 static const double RANGE = 1.0;  // m: further points are not looked at
 static const double APART = 1.4;  // of the radius: points further apart than this from beam to beam are not, either

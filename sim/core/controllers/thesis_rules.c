@@ -15,7 +15,7 @@
 // The thesis's numbers of its rules.
 typedef enum Rule { RIGHT = 1, LEFT = 2, RANDOM = 3 } Rule;
 
-static const double UNITS = WG_TURN / 6.28318530717958647693;  // heading units per rad
+static const double UNITS = (double)WG_TURN / 6.28318530717958647693;  // heading units per rad
 static const int64_t TURN_STEP = 834;  // heading units turned in a step: 0.08 rad
 static const int64_t SNAP = 2086;  // heading units: a rest of at most 0.2 rad is turned at once
 
@@ -37,7 +37,7 @@ static int64_t turn_after_collision(Rule rule, int64_t heading, double random)
         return wg_floor_mod(heading + WG_TURN / 4, WG_TURN);
     case RANDOM:
     default:
-        return wg_floor(random * WG_TURN);
+        return wg_floor(random * (double)WG_TURN);
     }
 }
 

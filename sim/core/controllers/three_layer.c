@@ -52,7 +52,7 @@ static int64_t within_side(int64_t place)
 static void lay(const WgObservation *seen, WgThreeLayerMemory *own, const WgThreeLayer *tuned)
 {
     double far = seen->target_distance;
-    double pitch = wg_higher(tuned->pitch * seen->radius, tuned->reach * far / SIDE);
+    double pitch = wg_higher(tuned->pitch * seen->radius, tuned->reach * far / (double)SIDE);
     double to_x = far * wg_cos(seen->target_heading);
     double to_y = far * wg_sin(seen->target_heading);
     double column = (double)(SIDE / 2 + wg_floor(0.5 * to_x / pitch));

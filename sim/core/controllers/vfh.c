@@ -109,7 +109,7 @@ static Sides reachable_sides(const WgObservation *seen, const WgVfh *tuned)
 static double apart(double one, double other)
 {
     double away = wg_remainder(fabs(one - other), SECTORS);
-    return wg_lower(away, SECTORS - away);
+    return wg_lower(away, (double)SECTORS - away);
 }
 
 // Stage 4's cost of a direction in sectors.

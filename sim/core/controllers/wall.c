@@ -8,7 +8,8 @@
 #include "boundary.h"
 #include "library.h"
 
-enum { GOAL = 0, WALL = 1 };
+static const double GOAL = 0.0;
+static const double WALL = 1.0;
 
 void wg_wall_act(const WgObservation *seen, double *memory, WgCommand *command)
 {
