@@ -68,6 +68,8 @@ def parts(chain: Sequence[Cell], start: ExactPoint, pose: ExactPoint) -> bool:
 
 def beyond(chain: Sequence[Cell], start: ExactPoint, disc: Disc) -> bool:
     """Whether a chain parts a pose from a whole disc, as its line keeps out of the disc."""
+    # Whole numbers where they are whole, for fractions are slow.
+    disc = Disc(*(value.numerator if value.denominator == 1 else value for value in disc))  # type: ignore[arg-type]
     centre = (disc.x, disc.y)
     return parts(chain, start, centre) and all(_away(line, disc) for line in chain_lines(chain))
 

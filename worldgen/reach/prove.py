@@ -289,8 +289,13 @@ class _Question:
 
     def _cut(self) -> Decision | None:
         """A proof that no pose of the target can be reached; without one, ``goal`` is a pose that can."""
-        if self.goal is not None and self._chain([self.goal]) is None:
-            return None  # nothing parts it from the start, so there is a way to it
+        if self.goal is not None:
+            chain = self._chain([self.goal])
+            if chain is None:
+                return None  # nothing parts it from the start, so there is a way to it
+            # Most rings are around the whole disc, and then there is no need to look at each of its poses.
+            if self.goal == (self.disc.x, self.disc.y) and beyond(chain, self.start, self.disc):
+                return self._ringed(chain)
         poses = deciding_poses(self.walls, self.disc)
         if poses is None:
             reason = "the target's disc is too large to look at all of its poses; give a smaller one"
@@ -305,8 +310,7 @@ class _Question:
                 break
             left = [pose for pose in poses if not parts(chain, self.start, pose)]
             if not left:
-                reason = f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start and target"
-                return Decision(BLOCKED, self._make_cut(chain, self._stopped_sq(chain)), reason)
+                return self._ringed(chain)
             if self._chain(left[:1]) is None:
                 self.goal = left[0]
                 return None
@@ -315,6 +319,10 @@ class _Question:
             self.goal = parted[0]
             return None
         return Decision(UNDECIDED, None, "each pose in the target's disc is walled off, and no single ring was found")
+
+    def _ringed(self, chain: list[Cell]) -> Decision:
+        reason = f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start and target"
+        return Decision(BLOCKED, self._make_cut(chain, self._stopped_sq(chain)), reason)
 
     def _chain(self, poses: Sequence[ExactPoint]) -> list[Cell] | None:
         return find_chain(self.world.walls, self.walls.radius, self.start, poses)
