@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 
 import worldgen.families._mazes
 import worldgen.families.maze
@@ -17,7 +18,7 @@ from worldgen.difficulty import METRICS, measure
 from worldgen.difficulty import junctions as junctions_module
 from worldgen.difficulty.bottleneck import bottleneck
 from worldgen.difficulty.nodes import nodes_of, squared_distances
-from worldgen.difficulty.pockets import pockets
+from worldgen.difficulty.pockets import by_distance, pockets
 from worldgen.difficulty.surroundings import samples_of
 from worldgen.difficulty.way import way_of
 from worldgen.families._mazes.board import ways_out
@@ -211,6 +212,18 @@ def test_squared_distances_are_those_to_the_nearest_mark(height, width, data):
     y, x = np.indices(marks.shape)
     expected = np.min([(x - mx) ** 2 + (y - my) ** 2 for my, mx in np.argwhere(marks)], axis=0)
     assert np.array_equal(squared_distances(marks), expected)
+
+
+@given(
+    hnp.arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 9))), st.integers(-99, 99), st.integers(-99, 99)
+)
+def test_nodes_come_in_the_order_of_their_distance(clear, x, y):
+    expected = np.flatnonzero(clear)
+    squares = (expected % clear.shape[1] * 7 - x) ** 2 + (expected // clear.shape[1] * 7 - y) ** 2
+    order = np.argsort(squares, kind="stable")
+    places, squared = by_distance(clear, 7, x, y)
+    assert places.tolist() == expected[order].tolist()
+    assert squared.tolist() == squares[order].tolist()
 
 
 def test_samples_lie_in_the_middle_of_equal_parts():

@@ -179,7 +179,7 @@ WgStatus wg_plant(uint8_t *barred, int64_t size, const int64_t *places, const in
                   const int64_t *cells, const int64_t *cell_ends, const int64_t *halos, const int64_t *halo_ends,
                   int64_t kinds, uint8_t *stands);
 
-// making/distances.c, pockets.c, openings.c, unite.c: what the measures of difficulty take.
+// making/distances.c, by_distance.c, pockets.c, openings.c, unite.c: what the measures of difficulty take.
 
 // Squared distance from each node to the nearest marked one, exactly.
 //
@@ -193,6 +193,16 @@ WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t colum
 // squared:  (rows, columns) squared distances to the nearest wall.
 // found:    (rows, columns) to be filled.
 WgStatus wg_largest_discs(const uint8_t *clear, const int32_t *squared, int64_t rows, int64_t columns, uint8_t *found);
+
+// Sorts the clear nodes by their distance from a point; those of the same distance stay in their order.
+//
+// clear:   (rows, columns) 1 where the disc is clear.
+// pitch:   from one node to the next, in the units of x and y.
+// places:  (count,) to be filled: the nodes, the nearest first.
+// squared: (count,) to be filled: their squared distances.
+// count:   how many nodes are clear.
+WgStatus wg_by_distance(const uint8_t *clear, int64_t rows, int64_t columns, int64_t pitch, int64_t x, int64_t y,
+                        int64_t *places, int64_t *squared, int64_t count);
 
 // Unites nodes in the order of their distance from the target, until the start is joined to it.
 //

@@ -19,12 +19,12 @@ import numpy as np
 
 from worldgen import _core
 from worldgen.ccall import check, pointer, writable
-from worldgen.difficulty.nodes import HALF, Nodes
+from worldgen.difficulty.nodes import HALF, Bools, Nodes
 from worldgen.difficulty.way import Ints, Way
 from worldgen.reach.disc import Disc
 from worldgen.reach.lattice_graph import nodes_within
 
-__all__ = ["pockets"]
+__all__ = ["by_distance", "pockets"]
 
 
 def pockets(nodes: Nodes, way: Way, disc: Disc) -> tuple[float, float] | None:
@@ -40,23 +40,38 @@ def pockets(nodes: Nodes, way: Way, disc: Disc) -> tuple[float, float] | None:
     Returns:
         Concavity and retreat, 1/1024 cell; None if no way leads over the half cells.
     """
-    columns = nodes.graph.stride
     start = (int(way.x[0]), int(way.y[0]))
     x, y = round(disc.x), round(disc.y)
     sources = nodes_within(disc, nodes.graph).tolist() or nodes.beside((int(way.x[-1]), int(way.y[-1])))
     begins = nodes.beside(start)
     if not sources or not begins:
         return None
-    places = np.flatnonzero(nodes.graph.clear)
-    squared = (places % columns * HALF - x) ** 2 + (places // columns * HALF - y) ** 2
-    order = np.argsort(squared, kind="stable")
-    places, squared = places[order], squared[order]
+    places, squared = by_distance(nodes.graph.clear, HALF, x, y)
     at_start = (start[0] - x) ** 2 + (start[1] - y) ** 2
     found = _flooded(nodes, places, squared, sources, begins, at_start)
     if found[0] < 0:
         return None
     deepest = max((math.sqrt(top) - math.sqrt(bottom) for top, bottom in found[1]), default=0.0)
     return deepest, math.sqrt(found[0]) - math.sqrt(at_start)
+
+
+def by_distance(clear: Bools, pitch: int, x: int, y: int) -> tuple[Ints, Ints]:
+    """Return the clear nodes, flat, by their distance from a point, and their squared distances.
+
+    Args:
+        clear: (height, width) bool, nodes at multiples of ``pitch``.
+        pitch: From one node to the next, in the units of the point.
+        x: Of the point.
+        y: Of the point.
+    """
+    ffi, lib = _core.ffi, _core.lib
+    count = int(np.count_nonzero(clear))
+    places = np.empty(count, np.int64)
+    squared = np.empty(count, np.int64)
+    grid = (pointer(ffi, np.ascontiguousarray(clear), np.bool_), *clear.shape)
+    found = (writable(ffi, places, np.int64), writable(ffi, squared, np.int64), count)
+    check(lib.wg_by_distance(*grid, pitch, x, y, *found))
+    return places, squared
 
 
 def _flooded(

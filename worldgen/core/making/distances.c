@@ -1,13 +1,17 @@
 // Squared distances to marked nodes, exactly and in linear time.
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "wg_making.h"
 
+enum { MOST_NODES = 1 << 17 };  // rows and columns in all
+
+// The quotient rounded down, exactly: a is below 2^35 and b below 2^18, so no quotient that is not a whole number comes
+// nearer to one than 2^-18, and the rounding of the division is below 2^-18.
 static int64_t floor_div(int64_t a, int64_t b)
 {
-    int64_t quotient = a / b;
-    return a % b != 0 && (a < 0) != (b < 0) ? quotient - 1 : quotient;
+    return (int64_t)floor((double)a / (double)b);
 }
 
 // A parabola of the lower envelope: the node that it belongs to, and the node from which on it is the lowest.
@@ -58,7 +62,7 @@ static void along_row(const int32_t *beside, int64_t count, Parabola *envelope, 
 // Linear Time", 2000.
 WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t columns, int32_t *found)
 {
-    if (rows < 1 || columns < 1 || rows > INT32_MAX / 4 || columns > INT32_MAX / 4) {
+    if (rows < 1 || columns < 1 || rows > MOST_NODES || columns > MOST_NODES - rows) {
         return WG_BAD_SIZE;
     }
     Parabola *envelope = malloc((size_t)(columns + 1) * sizeof *envelope);
