@@ -90,7 +90,7 @@ FAULTS = (
         "sim/core/recurrence.h",
         "if (step < search->next && step < budget) {",
         "if (step < search->next && step <= budget) {",
-        ("tests/sim/test_episode.py", "tests/quality/test_thesis_configurations.py"),
+        ("tests/agreement/test_no_loop_is_missed.py", "tests/sim/test_episode.py"),
     ),
     Fault(
         "late-entry",
