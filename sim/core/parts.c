@@ -8,6 +8,11 @@ WgVector wg_drive_displacement(const int64_t *headings, int64_t heading, int64_t
     return wg_displacement(headings, heading, distance);
 }
 
+bool wg_box_of_path_is_free(const WgArena *arena, int64_t reach, WgSegment way)
+{
+    return wg_window_is_free(arena, reach, way);
+}
+
 double wg_draw_of_stream(uint64_t seed, int64_t index)
 {
     return wg_random_draw(seed, index);

@@ -154,6 +154,9 @@ bool wg_surely_reaches(WgGrid grid, WgDisc disc, WgSegment way, int64_t within_s
 // Displacement of a drive, rounded to the nearest lattice point, halves away from zero.
 WgVector wg_drive_displacement(const int64_t *headings, int64_t heading, int64_t distance);
 
+// Whether the masks of an arena show that no cell in the box around a disc's path is taken; false shows nothing.
+bool wg_box_of_path_is_free(const WgArena *arena, int64_t reach, WgSegment way);
+
 // Draw number `index`, from 0, of the stream of a seed, in [0, 1).
 double wg_draw_of_stream(uint64_t seed, int64_t index);
 

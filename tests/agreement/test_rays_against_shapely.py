@@ -8,9 +8,8 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from sim.kernels.lattice_rays import beam_heading, ray_distance, smoke_on_the_way, walls_on_the_way
-from sim.kernels.lattice_sense import heading_table
 from sim.kernels.layout import TURN, UNIT
+from tests.helpers.core_parts import beam_heading, heading_table, ray_distance, smoke_on_the_way, walls_on_the_way
 
 SIDE = 8
 HEADINGS = heading_table()

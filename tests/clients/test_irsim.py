@@ -5,10 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from sim.kernels.lattice_rays import ray_distance
-from sim.kernels.lattice_sense import heading_table
 from sim.kernels.layout import TURN, UNIT
 from tests.clients.environments import client
+from tests.helpers.core_parts import heading_table, ray_distance
 from tests.helpers.drawn_worlds import drawn
 from worldgen.generation import generate
 from worldgen.interop import export_world, write_export

@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.kernels.lattice_rays import ray_distance
-from sim.kernels.lattice_sense import heading_table
 from sim.kernels.layout import TURN, UNIT
+from tests.helpers.core_parts import heading_table, ray_distance
 from worldgen.timeline import CellState
 
 __all__ = ["Beam", "beams", "solid_at"]

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from sim.kernels.fdlibm import REDUCTION_LIMIT
+from tests.reference.sim.fdlibm import REDUCTION_LIMIT
 
 Recording = dict[str, Any]
 

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.kernels import layout
-from sim.kernels.lattice_motion import MOST_POINTS
 from sim.kernels.layout import SPEED_UNIT
+from tests.reference.sim.lattice_motion import MOST_POINTS
 from tests.reference.sim.recurrence import TOUCHED, Search, begin_search, new_search
 
 __all__ = ["HASH_START", "Arena", "Robot", "Room", "last_event", "new_robot", "new_room", "set_out", "whole_speed"]
@@ -27,11 +27,11 @@ class Arena(NamedTuple):
 
     Args:
         cells: (height, width) uint8, cell states now.
-        near: (height, width) int32, :func:`sim.kernels.geometry.near_masks` of ``cells``.
+        near: (height, width) int32, :func:`tests.reference.sim.geometry.near_masks` of ``cells``.
         clearance: (height, width) int32, chessboard distance to cells that are ever not free; of no rows where
             the masks reach as far as any step.
         events: (n, EVENT_SIZE) int64, sorted by step and time.
-        headings: (131072,) int64, :func:`sim.kernels.lattice_sense.heading_table`.
+        headings: (131072,) int64, :func:`tests.reference.sim.lattice_sense.heading_table`.
         visited: (height, width) uint8, cells that the centre has been in.
     """
 

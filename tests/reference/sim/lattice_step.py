@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.kernels import layout
-from sim.kernels.geometry import (
+from sim.kernels.layout import BURNING, SOLID, SPEED_UNIT, SWEPT, TIME_UNIT, TURN, UNIT
+from tests.reference.sim.geometry import (
     mark_near,
     pose_is_clear,
     segment_box_depth,
@@ -22,8 +23,8 @@ from sim.kernels.geometry import (
     segment_point_within,
     window_is_free,
 )
-from sim.kernels.lattice_motion import endpoint_move, round_away, swept_move
-from sim.kernels.lattice_sense import (
+from tests.reference.sim.lattice_motion import endpoint_move, round_away, swept_move
+from tests.reference.sim.lattice_sense import (
     NOISE_SLIP,
     NOISE_TURN,
     NOISE_WAY,
@@ -32,7 +33,6 @@ from sim.kernels.lattice_sense import (
     noise_draw,
     sense,
 )
-from sim.kernels.layout import BURNING, SOLID, SPEED_UNIT, SWEPT, TIME_UNIT, TURN, UNIT
 from tests.reference.sim.lattice_state import Arena, Robot, Room, whole_speed
 
 __all__ = ["is_inside", "move_and_sense", "obey", "one_step", "remember"]

@@ -8,11 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.kernels import layout
-from sim.kernels._jit import kernel, rare_kernel
-from sim.kernels.fdlibm import atan, cos, sin
-from sim.kernels.geometry import cell_state
-from sim.kernels.lattice_rays import beam_heading, ray_distance, smoke_on_the_way, walls_on_the_way
 from sim.kernels.layout import FREE, TURN, UNIT
+from tests.reference.sim.fdlibm import atan, cos, sin
+from tests.reference.sim.geometry import cell_state
+from tests.reference.sim.lattice_rays import beam_heading, ray_distance, smoke_on_the_way, walls_on_the_way
 
 __all__ = [
     "displacement",
@@ -59,7 +58,6 @@ def _whole_turn(quarter: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     return np.concatenate([half, half[-2:0:-1]])
 
 
-@kernel
 def displacement(table: npt.NDArray[np.int64], heading: int, distance: int) -> tuple[int, int]:
     """Lattice displacement of a drive: rounded to the nearest point, halves away from zero."""
     half = 1 << (_SCALE_BITS - 1)
@@ -70,7 +68,6 @@ def displacement(table: npt.NDArray[np.int64], heading: int, distance: int) -> t
     return dx, dy
 
 
-@rare_kernel
 def heading_of(dx: int, dy: int, otherwise: int) -> int:
     """Heading, in units, of the vector (dx, dy); ``otherwise`` for the zero vector.
 
@@ -80,9 +77,9 @@ def heading_of(dx: int, dy: int, otherwise: int) -> int:
     if ax == 0 and ay == 0:
         return otherwise
     if ay <= ax:
-        units = int(math.floor(atan(float(ay) / float(ax)) * _PER_RADIAN + 0.5))
+        units = math.floor(atan(float(ay) / float(ax)) * _PER_RADIAN + 0.5)
     else:
-        units = TURN // 4 - int(math.floor(atan(float(ax) / float(ay)) * _PER_RADIAN + 0.5))
+        units = TURN // 4 - math.floor(atan(float(ax) / float(ay)) * _PER_RADIAN + 0.5)
     if dx < 0:
         units = TURN // 2 - units
     if dy < 0:
@@ -90,14 +87,12 @@ def heading_of(dx: int, dy: int, otherwise: int) -> int:
     return units % TURN
 
 
-@kernel
 def turn_towards(heading: int, target: int) -> int:
     """Signed units, in (-half turn, half turn], from one heading to another."""
     turn = (target - heading) % TURN
     return turn - TURN if turn > TURN // 2 else turn
 
 
-@kernel
 def random_draw(seed: int, index: int) -> float:
     """Draw number ``index`` (from 0) of the stream of a seed: SplitMix64's top 53 bits, in [0, 1)."""
     z = np.uint64(seed) + np.uint64(index + 1) * np.uint64(0x9E3779B97F4A7C15)
@@ -112,19 +107,16 @@ NOISE_SLIP, NOISE_WAY, NOISE_TURN, NOISE_SIGNAL, NOISE_BEAMS = 0, 1, 2, 8, 1024
 _CHANNELS = 4096
 
 
-@kernel
 def noise_channel(step: int, channel: int) -> int:
     """Number of the random draw of a channel in a step."""
     return step * _CHANNELS + channel
 
 
-@kernel
 def noise_draw(settings: npt.NDArray[np.int64], draw: int) -> float:
     """One of the simulator's own random numbers, in [0, 1), apart from those that the controller gets."""
     return random_draw(settings[layout.SET_SEED] ^ _APART, draw)
 
 
-@rare_kernel
 def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, heading: int) -> int:
     """Heading to the strongest of the nine cells round the robot: to its centre, or to the target in it.
 
@@ -138,7 +130,6 @@ def signal_heading(cells: Cells, x: int, y: int, target_x: int, target_y: int, h
     return heading_of(best_x * UNIT + _MIDDLE - x, best_y * UNIT + _MIDDLE - y, heading)
 
 
-@kernel
 def _strongest_of_nine(cells: Cells, ix: int, iy: int, target_x: int, target_y: int) -> tuple[int, int]:
     """The cell, of the nine round (ix, iy), of which :func:`signal_heading` speaks."""
     away_x, away_y = ix * UNIT + _MIDDLE - target_x, iy * UNIT + _MIDDLE - target_y
@@ -161,13 +152,11 @@ def _strongest_of_nine(cells: Cells, ix: int, iy: int, target_x: int, target_y: 
     return best_x, best_y
 
 
-@kernel
 def _in_field(dx: int, dy: int, heading: int, half_field: float) -> bool:
     """Whether a direction lies in the sensor's field, which reaches as far to either side of the heading."""
     return half_field >= TURN // 2 or abs(turn_towards(heading, heading_of(dx, dy, heading))) <= half_field
 
 
-@rare_kernel
 def _reading(
     cells: Cells,
     settings: npt.NDArray[np.int64],
@@ -210,7 +199,6 @@ def _reading(
     return value if noise == 0.0 else value * (1.0 + noise * (2.0 * noise_draw(settings, draw) - 1.0))
 
 
-@rare_kernel
 def _strongest_cell(
     cells: Cells,
     settings: npt.NDArray[np.int64],
@@ -243,7 +231,6 @@ def _strongest_cell(
     return heading_of(best_x - x, best_y - y, heading)
 
 
-@kernel
 def sense(
     cells: Cells,
     headings: npt.NDArray[np.int64],
@@ -307,7 +294,7 @@ def sense(
         if scales[layout.SCALE_ODOMETRY_NOISE] > 0.0:
             observation[layout.OBS_ODOMETRY_X] = odometry[0] * metres
             observation[layout.OBS_ODOMETRY_Y] = odometry[1] * metres
-            observation[layout.OBS_ODOMETRY_HEADING] = turn_towards(0, int(math.floor(odometry[2] + 0.5))) * radians
+            observation[layout.OBS_ODOMETRY_HEADING] = turn_towards(0, math.floor(odometry[2] + 0.5)) * radians
         else:
             for k in range(3):
                 observation[layout.OBS_ODOMETRY_X + k] = observation[_POSE[k]]
@@ -315,7 +302,6 @@ def sense(
         _sense_beams(cells, headings, settings, scales, (x, y, heading), step, observation)
 
 
-@rare_kernel
 def _sense_beams(
     cells: Cells,
     headings: npt.NDArray[np.int64],

@@ -11,7 +11,6 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels._jit import kernel, rare_kernel
 from sim.kernels.layout import SOLID, UNIT
 
 __all__ = [
@@ -43,7 +42,6 @@ _SIDE = 2 * NEAR + 1
 _EACH_ROW = 0b00001_00001_00001_00001_00001
 
 
-@kernel
 def cell_state(cells: Cells, ix: int, iy: int) -> int:
     """State of a cell; outside the grid everything is solid."""
     if ix < 0 or iy < 0 or iy >= cells.shape[0] or ix >= cells.shape[1]:
@@ -51,7 +49,6 @@ def cell_state(cells: Cells, ix: int, iy: int) -> int:
     return int(cells[iy, ix])
 
 
-@kernel
 def point_box_distance_sq(x: int, y: int, ix: int, iy: int) -> int:
     """Squared distance from a lattice point to a closed cell, lattice units squared, exact."""
     left, low = ix * UNIT, iy * UNIT
@@ -60,7 +57,6 @@ def point_box_distance_sq(x: int, y: int, ix: int, iy: int) -> int:
     return dx * dx + dy * dy
 
 
-@rare_kernel
 def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y: int) -> bool:
     """Whether the disc at (x, y) is clear of every cell in ``state``, exactly."""
     if x < 0 or y < 0 or x > cells.shape[1] * UNIT or y > cells.shape[0] * UNIT:
@@ -72,7 +68,6 @@ def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y
     return True
 
 
-@kernel
 def _corner_is_clear(clear_sq: int, along: int, across: int, length_sq: int) -> bool:
     """Whether a corner is clear of the inside of a segment, from its dot and cross product with it."""
     if along <= 0 or along >= length_sq:
@@ -86,7 +81,6 @@ def _corner_is_clear(clear_sq: int, along: int, across: int, length_sq: int) -> 
     return across * across >= clear_sq * length_sq
 
 
-@kernel
 def segment_box_is_clear(clear_sq: int, px: int, py: int, qx: int, qy: int, ix: int, iy: int) -> bool:
     """Whether the disc swept from p to q is clear of one closed cell, exactly; p itself is taken as clear.
 
@@ -111,7 +105,6 @@ def segment_box_is_clear(clear_sq: int, px: int, py: int, qx: int, qy: int, ix: 
     return apart or not (above and below)
 
 
-@rare_kernel
 def segment_first_not_clear(
     cells: Cells, state: int, clear_sq: int, reach: int, ends: tuple[int, int, int, int]
 ) -> tuple[bool, int, int]:
@@ -136,7 +129,7 @@ def segment_first_not_clear(
             a = (float(iy * UNIT - reach - py)) / float(dy)
             b = (float((iy + 1) * UNIT + reach - py)) / float(dy)
             first, last = max(0.0, min(a, b)), min(1.0, max(a, b))
-            one, two = px + int(math.floor(first * dx)), px + int(math.ceil(last * dx))
+            one, two = px + math.floor(first * dx), px + math.ceil(last * dx)
             left, right = min(one, two) - 1, max(one, two) + 1
         for ix in range(max((left - reach) // UNIT, -1), min((right + reach) // UNIT, cells.shape[1]) + 1):
             if cell_state(cells, ix, iy) == state and not segment_box_is_clear(clear_sq, px, py, qx, qy, ix, iy):
@@ -144,7 +137,6 @@ def segment_first_not_clear(
     return False, 0, 0
 
 
-@rare_kernel
 def segment_crosses_box(px: int, py: int, qx: int, qy: int, ix: int, iy: int) -> bool:
     """Whether a segment, or a point where p = q, meets the open inside of a cell, exactly."""
     left, low = ix * UNIT - px, iy * UNIT - py
@@ -159,7 +151,6 @@ def segment_crosses_box(px: int, py: int, qx: int, qy: int, ix: int, iy: int) ->
     return (above and below) or (dx == 0 and dy == 0)
 
 
-@rare_kernel
 def segment_box_depth(radius: float, px: int, py: int, qx: int, qy: int, ix: int, iy: int) -> float:
     """How deep the disc swept from p to q cuts a cell, lattice units; 0 if it does not.
 
@@ -180,7 +171,6 @@ def segment_box_depth(radius: float, px: int, py: int, qx: int, qy: int, ix: int
     return max(0.0, radius - math.sqrt(nearest))
 
 
-@kernel
 def segment_point_within(px: int, py: int, qx: int, qy: int, x: int, y: int, within_sq: int) -> bool:
     """Whether some point of a segment is within a distance of (x, y); squared distance, exact."""
     dx, dy = qx - px, qy - py
@@ -196,7 +186,6 @@ def segment_point_within(px: int, py: int, qx: int, qy: int, x: int, y: int, wit
     return across * across <= float(within_sq) * float(length_sq)
 
 
-@rare_kernel
 def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
     """Fills ``table`` with the chessboard distance, in cells, from each cell to the nearest one not free.
 
@@ -206,7 +195,7 @@ def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
     height, width = cells.shape
     for iy in range(height):
         for ix in range(width):
-            border = min(min(ix, width - 1 - ix), min(iy, height - 1 - iy)) + 1
+            border = min(ix, width - 1 - ix, iy, height - 1 - iy) + 1
             near = 0 if cells[iy, ix] != 0 else border
             if near > 0 and iy > 0:
                 for k in range(max(ix - 1, 0), min(ix + 2, width)):
@@ -225,7 +214,6 @@ def chessboard_clearance(cells: Cells, table: npt.NDArray[np.int32]) -> None:
             table[iy, ix] = near
 
 
-@rare_kernel
 def mark_near(cells: Cells, near: npt.NDArray[np.int32], ix: int, iy: int) -> None:
     """Notes in the masks of the cells around what a cell is now; a cell outside the grid counts as solid."""
     taken = cell_state(cells, ix, iy) != 0
@@ -235,7 +223,6 @@ def mark_near(cells: Cells, near: npt.NDArray[np.int32], ix: int, iy: int) -> No
             near[jy, jx] = near[jy, jx] | bit if taken else near[jy, jx] & ~bit
 
 
-@rare_kernel
 def near_masks(cells: Cells, near: npt.NDArray[np.int32]) -> None:
     """Fills ``near`` with the cells that are not free among the 25 around each cell: bits in rows from the lowest."""
     height, width = cells.shape
@@ -246,7 +233,6 @@ def near_masks(cells: Cells, near: npt.NDArray[np.int32]) -> None:
                 mark_near(cells, near, ix, iy)
 
 
-@kernel
 def window_is_free(near: npt.NDArray[np.int32], reach: int, ends: tuple[int, int, int, int]) -> bool:
     """Whether the masks show that no cell in the box round a disc's way is taken; if not, a closer look is due.
 

@@ -7,9 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels._jit import kernel, rare_kernel
-from sim.kernels.geometry import cell_state
 from sim.kernels.layout import BURNING, SOLID, TURN, UNIT
+from tests.reference.sim.geometry import cell_state
 
 __all__ = ["beam_heading", "ray_distance", "smoke_on_the_way", "walls_on_the_way"]
 
@@ -18,7 +17,6 @@ Cells = npt.NDArray[np.uint8]
 _FAR = 1e300
 
 
-@kernel
 def _next_line(place: int, cell: int, direction: float) -> float:
     """Distance along a ray from a coordinate to the side of its cell that the ray makes for."""
     if direction > 0.0:
@@ -28,14 +26,12 @@ def _next_line(place: int, cell: int, direction: float) -> float:
     return _FAR
 
 
-@kernel
 def _cosine(headings: npt.NDArray[np.int64], heading: int) -> float:
     """Of a heading, right to the last bits."""
     place = heading % TURN
     return float(headings[place]) / (1 << 30) + float(headings[TURN + place]) / (1 << 60)
 
 
-@rare_kernel
 def ray_distance(cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, heading: int, longest: float) -> float:
     """Distance from a place to the first solid cell in a direction, lattice units; ``longest`` if that is nearer.
 
@@ -70,7 +66,6 @@ def ray_distance(cells: Cells, headings: npt.NDArray[np.int64], x: int, y: int, 
                 return at
 
 
-@kernel
 def _next_cell(x: int, y: int, to_x: int, to_y: int, cell: tuple[int, int], last: tuple[int, int]) -> tuple[int, int]:
     """The cell after one on the straight line between two places.
 
@@ -92,7 +87,6 @@ def _next_cell(x: int, y: int, to_x: int, to_y: int, cell: tuple[int, int], last
     return ix, iy
 
 
-@rare_kernel
 def walls_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
     """How many solid cells the straight line between two places goes through, its ends' cells not counted."""
     cell, last = (x // UNIT, y // UNIT), (to_x // UNIT, to_y // UNIT)
@@ -104,7 +98,6 @@ def walls_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int) -> int:
     return count
 
 
-@kernel
 def _in_smoke(cells: Cells, ix: int, iy: int, reach: int) -> bool:
     """Whether a cell, or one of those around it as far as smoke reaches, burns."""
     for jy in range(max(iy - reach, 0), min(iy + reach + 1, cells.shape[0])):
@@ -114,7 +107,6 @@ def _in_smoke(cells: Cells, ix: int, iy: int, reach: int) -> bool:
     return False
 
 
-@rare_kernel
 def smoke_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int, reach: int) -> int:
     """How many cells of the straight line between two places lie in smoke, its ends' cells counted."""
     cell, last = (x // UNIT, y // UNIT), (to_x // UNIT, to_y // UNIT)
@@ -126,11 +118,10 @@ def smoke_on_the_way(cells: Cells, x: int, y: int, to_x: int, to_y: int, reach: 
     return count
 
 
-@kernel
 def beam_heading(heading: int, beam: int, beams: int, field: float) -> int:
     """World heading of a beam: spread evenly over ``field`` about the robot's heading, over a whole turn from it."""
     if field >= float(TURN):
-        return heading + int(math.floor(float(beam) * TURN / beams + 0.5))
+        return heading + math.floor(float(beam) * TURN / beams + 0.5)
     if beams == 1:
         return heading
-    return heading + int(math.floor((float(beam) / (beams - 1) - 0.5) * field + 0.5))
+    return heading + math.floor((float(beam) / (beams - 1) - 0.5) * field + 0.5)

@@ -1,7 +1,7 @@
 """How a commanded displacement becomes a path on the pose lattice: swept and endpoint.
 
 ``swept`` never tunnels, for any controller, because every segment that it takes has passed the exact
-integer test of :mod:`sim.kernels.geometry`; floating point only proposes where to stop.
+integer test of :mod:`tests.reference.sim.geometry`; floating point only proposes where to stop.
 """
 
 from __future__ import annotations
@@ -11,9 +11,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels._jit import kernel, rare_kernel
-from sim.kernels.geometry import cell_state, pose_is_clear, segment_first_not_clear
 from sim.kernels.layout import SOLID, TIME_UNIT, UNIT
+from tests.reference.sim.geometry import cell_state, pose_is_clear, segment_first_not_clear
 
 __all__ = ["MOST_POINTS", "endpoint_move", "first_contact", "round_away", "swept_move"]
 
@@ -26,15 +25,13 @@ MOST_POINTS = _TRIES + 1
 """Points that one move may add to a path, the end of a wait included."""
 
 
-@kernel
 def round_away(value: float) -> int:
     """Nearest integer, halves away from zero, so that rounding has every mirror symmetry."""
     if value < 0.0:
-        return -int(math.floor(0.5 - value))
-    return int(math.floor(value + 0.5))
+        return -math.floor(0.5 - value)
+    return math.floor(value + 0.5)
 
 
-@kernel
 def _contact_with_corner(radius_sq: float, mx: float, my: float, dx: float, dy: float, graze: float) -> float:
     """Time in [0, 1) at which a point moving by d from m meets the circle round the origin; 2 if it doesn't.
 
@@ -52,7 +49,6 @@ def _contact_with_corner(radius_sq: float, mx: float, my: float, dx: float, dy: 
     return max(0.0, (-approach - math.sqrt(inside)) / a)
 
 
-@rare_kernel
 def first_contact(
     cells: Cells, radius: float, reach: int, x: int, y: int, dx: int, dy: int, graze: float
 ) -> tuple[float, float, float]:
@@ -99,7 +95,6 @@ def first_contact(
     return best, normal_x, normal_y
 
 
-@kernel
 def _step_aside(
     cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], nx: float, ny: float
 ) -> tuple[bool, int, int]:
@@ -117,7 +112,6 @@ def _step_aside(
     return False, x, y
 
 
-@rare_kernel
 def _stop_at(
     cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], contact: tuple[float, float, float]
 ) -> tuple[int, int]:
@@ -141,7 +135,6 @@ def _stop_at(
     return x, y
 
 
-@rare_kernel
 def _first_stop(
     cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int]
 ) -> tuple[float, float, float, int, int]:
@@ -163,15 +156,13 @@ def _first_stop(
         graze = 0.0
 
 
-@kernel
 def _append(chain: Chain, count: int, x: int, y: int, time: float) -> int:
     """Adds a point to a chain; the number of its points then."""
     chain[count, 0], chain[count, 1] = x, y
-    chain[count, 2] = int(math.floor(time * TIME_UNIT + 0.5))
+    chain[count, 2] = math.floor(time * TIME_UNIT + 0.5)
     return count + 1
 
 
-@rare_kernel
 def swept_move(
     cells: Cells,
     clear_sq: int,
@@ -229,7 +220,6 @@ def swept_move(
     return count, normal_x, normal_y
 
 
-@rare_kernel
 def endpoint_move(
     cells: Cells, clear_sq: int, reach: int, ends: tuple[int, int, int, int], chain: Chain, count: int
 ) -> tuple[int, float, float]:
