@@ -158,3 +158,20 @@ def test_lines_through_cells_are_the_reference_s(data, x, y, to_x, to_y, heading
     assert core_parts.walls_on_the_way(cells, *line) == lattice_rays.walls_on_the_way(cells, *line)
     assert core_parts.smoke_on_the_way(cells, *line, 1) == lattice_rays.smoke_on_the_way(cells, *line, 1)
     assert core_parts.signal_heading(cells, *line, heading) == lattice_sense.signal_heading(cells, *line, heading)
+
+
+@given(
+    st.integers(0, 2**32 - 1),
+    INSIDE,
+    INSIDE,
+    st.integers(0, TURN - 1) | st.sampled_from(range(0, TURN, TURN // 16)),
+    st.integers(1, 40),
+    st.sampled_from([float(TURN), 12_345.6, 0.0]),
+    st.floats(1.0, 1e6),
+)
+def test_beams_that_skip_along_their_lanes_end_where_the_reference_ends(seed, x, y, heading, beams, field, longest):
+    cells = (np.random.default_rng(seed).random((8, 8)) < 0.2).astype(np.uint8)
+    table = core_parts.heading_table()
+    found = core_parts.beams_with_tables(cells, (x, y, heading), beams, field, longest)
+    towards = [lattice_rays.beam_heading(heading, beam, beams, field) for beam in range(beams)]
+    assert found == [lattice_rays.ray_distance(cells, table, x, y, ray, longest) for ray in towards]

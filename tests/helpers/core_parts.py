@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from sim._core import ffi, lib
-from sim.lattice_core import grid_of, headings
+from sim.lattice_core import Arena, beam_tables, grid_of, headings
 from sim.lattice_parts import pose_is_clear, segment_first_not_clear, swept_move  # noqa: F401 - as the others
 from worldgen.ccall import pointer, writable
 
@@ -77,6 +77,21 @@ def window_is_free(near, reach, ends):
     arena = ffi.new("WgArena *", {"height": near.shape[0], "width": near.shape[1]})
     arena.near = writable(ffi, near, np.int32)
     return lib.wg_box_of_path_is_free(arena, reach, ends)
+
+
+def beams_with_tables(cells, pose, beams, field, longest):
+    """Return what beams measure that look up how far cells are free, lattice units."""
+    settings = ffi.new("WgSettings *", {"beams": beams, "beam_field": field, "beam_range": longest, "metres": 1.0})
+    settings.senses = lib.WG_SENSE_BEAMS
+    near, nothing = np.zeros(cells.shape, np.int32), np.zeros((0, 0), np.int32)
+    events, visited = np.zeros((0, 5), np.int64), np.zeros_like(cells)
+    arena = Arena(cells, near, nothing, events, visited, beam_tables(cells, settings))
+    state = ffi.new("WgState *", pose)
+    found = np.zeros(beams)
+    observation, odometry = ffi.new("WgObservation *"), ffi.new("WgOdometry *")
+    out = writable(ffi, found, np.float64)
+    lib.wg_sense_at(arena.c, settings, state, odometry, (0.0, 0.0), 0, observation, out)
+    return found.tolist()
 
 
 def trigonometry(x):
