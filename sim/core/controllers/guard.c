@@ -285,11 +285,43 @@ GUARDED(4)
 GUARDED(5)
 GUARDED(6)
 GUARDED(7)
+GUARDED(8)
+GUARDED(9)
+GUARDED(10)
+GUARDED(11)
+GUARDED(12)
+GUARDED(13)
+GUARDED(14)
+GUARDED(15)
+GUARDED(16)
+GUARDED(17)
+GUARDED(18)
+GUARDED(19)
+GUARDED(20)
+GUARDED(21)
+GUARDED(22)
+GUARDED(23)
+GUARDED(24)
+GUARDED(25)
+GUARDED(26)
+GUARDED(27)
+GUARDED(28)
+GUARDED(29)
+GUARDED(30)
+GUARDED(31)
 
 WgAct wg_guarded_act(int64_t slot)
 {
-    static const WgAct acts[WG_GUARDS] = {act_guarded_0, act_guarded_1, act_guarded_2, act_guarded_3,
-                                          act_guarded_4, act_guarded_5, act_guarded_6, act_guarded_7};
+    static const WgAct acts[WG_GUARDS] = {
+        act_guarded_0, act_guarded_1, act_guarded_2, act_guarded_3,
+        act_guarded_4, act_guarded_5, act_guarded_6, act_guarded_7,
+        act_guarded_8, act_guarded_9, act_guarded_10, act_guarded_11,
+        act_guarded_12, act_guarded_13, act_guarded_14, act_guarded_15,
+        act_guarded_16, act_guarded_17, act_guarded_18, act_guarded_19,
+        act_guarded_20, act_guarded_21, act_guarded_22, act_guarded_23,
+        act_guarded_24, act_guarded_25, act_guarded_26, act_guarded_27,
+        act_guarded_28, act_guarded_29, act_guarded_30, act_guarded_31,
+    };
     return slot >= 0 && slot < WG_GUARDS ? acts[slot] : NULL;
 }
 

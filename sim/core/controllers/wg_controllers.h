@@ -255,7 +255,7 @@ WgMapCell wg_next_cell(const WgThreeLayerMemory *memory, WgMapCell here, WgMapCe
 // A controller in a process of its own; see guard.h. Not on Windows.
 
 enum {
-    WG_GUARDS = 8,             // that a process can have open
+    WG_GUARDS = 32,            // that a process can have open
     WG_GUARD_DEADLINE = 1000,  // ms that a guarded controller can take for a step
 };
 
