@@ -22,7 +22,6 @@ import functools
 import importlib
 import json
 import math
-import os
 import subprocess
 import sys
 import tempfile
@@ -355,19 +354,15 @@ def measure(rounds: int) -> tuple[dict[str, float], list[str]]:
     return best, absent
 
 
-def _first_call() -> dict[str, float]:
-    """Seconds until a new process has simulated its first step: with an empty cache of kernels, and with a full one."""
+def _first_call() -> float:
+    """Seconds until a new process has simulated its first step."""
     code = (
         "from sim import simulate; from worldgen import generate;"
         "simulate(generate('maze', seed=3, size=60), 'turn-right', steps=1)"
     )
-    with tempfile.TemporaryDirectory() as cache:
-        took = []
-        for _ in range(2):
-            begin = time.perf_counter()
-            subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "WORLDGEN_CACHE_DIR": cache})
-            took.append(time.perf_counter() - begin)
-    return {"cold": took[0], "warm": took[1]}
+    begin = time.perf_counter()
+    subprocess.run([sys.executable, "-c", code], check=True)
+    return time.perf_counter() - begin
 
 
 def _bytes_per_robot() -> int:
@@ -406,7 +401,7 @@ def main() -> None:
         click.echo(f"{name:36}{case['steps_per_second']:12,.0f}{ratios}")
     for peer in peers:
         click.echo(f"{peer:36}{rates[peer]:12,.0f}")
-    click.echo(f"first step of a new process: {first['cold']:.1f} s cold, {first['warm']:.1f} s warm")
+    click.echo(f"first step of a new process: {first:.2f} s")
     click.echo(f"memory per robot: {result['bytes_per_robot']} bytes, and a byte of each cell for where it has been")
     if absent:
         click.echo(f"not installed: {', '.join(absent)}")

@@ -22,7 +22,6 @@ import argparse
 import functools
 import importlib
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -204,34 +203,13 @@ def _start(rounds: int) -> dict[str, float]:
     return result
 
 
-def _cold() -> dict[str, float]:
-    """Seconds of processor time of the first proofs of a large world, before and after kernels are compiled."""
-    code = (
-        "import time, numpy as np; from worldgen.world import World, Pose, Target; from worldgen.reach import decide;"
-        "w = np.zeros((300, 300), bool); w[100:200, 150] = True; a = Pose(.15, .15), Target(29.85, 29.85, .05);"
-        "b = w.copy(); b[150] = True; t = time.process_time(); decide(World(w, *a)); decide(World(b, *a));"
-        "print(time.process_time() - t)"
-    )
-    with tempfile.TemporaryDirectory() as folder:
-        environment = {**os.environ, "WORLDGEN_CACHE_DIR": folder}
-        times = [
-            float(
-                subprocess.run(
-                    [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment
-                ).stdout
-            )
-            for _ in range(2)
-        ]
-    return {"first proofs, nothing compiled": times[0], "first proofs, compiled before": times[1]}
-
-
 def measure(sizes: list[int], rounds: int) -> dict[str, Any]:
     """All of it, as one object."""
     absent: set[str] = set()
     side = sizes[-1]
     return {
         "side": side,
-        "start": {**_start(rounds), **_cold()},
+        "start": _start(rounds),
         "worlds": _rates(sizes, rounds),
         "proofs": _proofs(side, rounds, absent),
         "batch": _batch(rounds),

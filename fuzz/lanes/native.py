@@ -16,9 +16,9 @@ from fuzz.lanes.task import Task
 from fuzz.layout_bytes import SCENE_BYTES
 from fuzz.native import Looks, can_look, evaluate
 from fuzz.variation import applied
+from sim._core import lib
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController, VectorController
 from sim.controllers.base import robot_for
-from sim.kernels.layout import LIMIT
 from sim.stopping import OutOfTime, check_time, is_out_of_time, stopping_when
 from worldgen.random_streams import RandomStream
 from worldgen.world import DEFAULT_CELL_SIZE
@@ -182,8 +182,8 @@ class Few:
         chosen: list[tuple[Looks, int]] = []
         undecided = 0
         for _, _, _, looks, n in ranked:
-            undecided += looks.ending[n] == LIMIT
-            if looks.ending[n] != LIMIT or undecided <= pace.undecided:
+            undecided += looks.ending[n] == lib.WG_LIMIT
+            if looks.ending[n] != lib.WG_LIMIT or undecided <= pace.undecided:
                 chosen.append((looks, n))
         return chosen[: pace.proved]
 

@@ -10,23 +10,23 @@ from fuzz.shrink.edits import edited
 from fuzz.shrink.order import Case, simplicity
 from fuzz.shrink.passes import Edit
 from fuzz.shrink.predicate import StillFails
+from sim._core import lib
 from sim.controllers import CompiledController
 from sim.edited_runs import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_way
-from sim.kernels import layout
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 
 __all__ = ["Trying"]
 
 _WANTED = {
-    "loop": Wanted(layout.LOOP, overlap=False),
-    "tunnel": Wanted(layout.TUNNEL),
+    "loop": Wanted(lib.WG_LOOP, overlap=False),
+    "tunnel": Wanted(lib.WG_TUNNEL),
     "overlap": Wanted(ANY_ENDING, overlap=True),
-    "burned": Wanted(layout.BURNED),
-    "invalid-command": Wanted(layout.INVALID_COMMAND),
-    "crash": Wanted(layout.LIMIT, crash=True),
-    "stalled": Wanted(layout.LIMIT, overlap=False),
-    "timeout": Wanted(layout.LIMIT, overlap=False),
+    "burned": Wanted(lib.WG_BURNED),
+    "invalid-command": Wanted(lib.WG_INVALID_COMMAND),
+    "crash": Wanted(lib.WG_LIMIT, crash=True),
+    "stalled": Wanted(lib.WG_LIMIT, overlap=False),
+    "timeout": Wanted(lib.WG_LIMIT, overlap=False),
 }
 
 _AT_ONCE = 256  # edits that are handed to compiled code in one call

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol, TypeAlias, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
+from sim._core import lib
 from sim.controllers.core_act import CoreAct
 from sim.controllers.memory_view import MemoryField, MemoryMap, check_fields
 from sim.kernels import layout
@@ -42,7 +43,7 @@ _PLAIN = RobotOptions()
 
 
 class Observation(NamedTuple):
-    """What a controller sees after each step; units and frames as in :mod:`sim.kernels.layout`."""
+    """What a controller sees after each step; units and frames as in ``worldgen_controller.h``."""
 
     bump: bool
     bump_bearing: float
@@ -250,17 +251,17 @@ Controller: TypeAlias = CompiledController | PythonController | VectorController
 
 
 _COSTLY_SENSES = {
-    "bump_bearing": layout.SENSE_BUMP_BEARING,
-    "signal": layout.SENSE_SIGNAL,
-    "signal_heading": layout.SENSE_SIGNAL_HEADING,
-    "target_heading": layout.SENSE_TARGET_HEADING,
-    "target_distance": layout.SENSE_TARGET_DISTANCE,
-    "random": layout.SENSE_RANDOM,
-    "time": layout.SENSE_TIME,
-    "odometry_x": layout.SENSE_ODOMETRY,
-    "odometry_y": layout.SENSE_ODOMETRY,
-    "odometry_heading": layout.SENSE_ODOMETRY,
-    "beams": layout.SENSE_BEAMS,
+    "bump_bearing": lib.WG_SENSE_BUMP_BEARING,
+    "signal": lib.WG_SENSE_SIGNAL,
+    "signal_heading": lib.WG_SENSE_SIGNAL_HEADING,
+    "target_heading": lib.WG_SENSE_TARGET_HEADING,
+    "target_distance": lib.WG_SENSE_TARGET_DISTANCE,
+    "random": lib.WG_SENSE_RANDOM,
+    "time": lib.WG_SENSE_TIME,
+    "odometry_x": lib.WG_SENSE_ODOMETRY,
+    "odometry_y": lib.WG_SENSE_ODOMETRY,
+    "odometry_heading": lib.WG_SENSE_ODOMETRY,
+    "beams": lib.WG_SENSE_BEAMS,
 }
 
 

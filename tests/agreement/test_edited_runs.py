@@ -9,8 +9,8 @@ from fuzz.shrink.edits import edited
 from sim.controllers import CONTROLLERS
 from sim.edited_runs import CellEdit, EditedRuns, EditKind, Wanted, has_sure_way
 from sim.episode import prepare
-from sim.kernels import layout
 from sim.run_options import RunOptions
+from tests.reference.sim import layout
 from worldgen import CellState, Event, InvalidWorld, Pose, Target, Timeline, World, decide
 
 STEPS = 3_000

@@ -9,7 +9,7 @@ from sim import Command, CompiledController, RunOptions, simulate, simulate_many
 from sim.controllers import CONTROLLERS, Commands
 from sim.edited_runs import ANY_ENDING, CellEdit, EditedRuns, EditKind, Wanted
 from sim.episode import prepare
-from sim.kernels.layout import CMD_SPEED, LOOP
+from tests.reference.sim.layout import CMD_SPEED, LOOP
 from worldgen import generate
 from worldgen.family import FAMILIES
 from worldgen.world import Pose, Target, World

@@ -8,8 +8,8 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from sim.kernels.layout import TURN, UNIT
 from tests.helpers.core_parts import beam_heading, heading_table, ray_distance, smoke_on_the_way, walls_on_the_way
+from tests.reference.sim.layout import TURN, UNIT
 
 SIDE = 8
 HEADINGS = heading_table()

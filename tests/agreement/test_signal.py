@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.kernels.layout import FREE, UNIT
 from tests.helpers.core_parts import heading_of, signal_heading
+from tests.reference.sim.layout import FREE, UNIT
 
 SIDE = 6
 PLACE = st.integers(0, SIDE * UNIT - 1)

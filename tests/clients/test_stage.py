@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.kernels.layout import TURN, UNIT
 from tests.clients.environments import FOLDER, SCRIPTS, program
 from tests.helpers.core_parts import heading_table, ray_distance
 from tests.helpers.drawn_worlds import drawn
+from tests.reference.sim.layout import TURN, UNIT
 from worldgen.generation import generate
 from worldgen.interop import export_world, write_export
 from worldgen.lattice import heading_to_lattice, metres_to_lattice

@@ -17,10 +17,10 @@ from fuzz.shrink import shrink
 from sim import RobotOptions, simulate, simulate_many
 from sim.chance import ARRIVED, explore
 from sim.controllers.base import CompiledController
-from sim.kernels import layout
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
+from tests.reference.sim import layout
 from worldgen import Event, Pose, Target, Timeline, World, write_world
 from worldgen.errors import InvalidParameter
 from worldgen.timeline import CellState

@@ -13,8 +13,8 @@ from fuzz.unit import run_unit
 from sim import CompiledController
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
-from sim.kernels import layout
 from sim.scenario import Scenario
+from tests.reference.sim import layout
 from worldgen.errors import InvalidParameter
 from worldgen.grid_file import dumps
 from worldgen.lattice import UNIT

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.kernels.layout import TURN, UNIT
 from tests.helpers.core_parts import heading_table, ray_distance
+from tests.reference.sim.layout import TURN, UNIT
 from worldgen.timeline import CellState
 
 __all__ = ["Beam", "beams", "solid_at"]

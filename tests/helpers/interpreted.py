@@ -3,7 +3,7 @@
 import numpy as np
 
 from sim import Command
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.reference.sim.library import ACTS
 
 

@@ -54,3 +54,9 @@ def test_prover_and_simulator_share_one_header_of_types():
     for file in (ROOT / "worldgen").rglob("*.[ch]"):
         names = {Path(name).name for name in INCLUDED.findall(file.read_text(encoding="utf-8"))}
         assert not names & simulator, f"{file.relative_to(ROOT)} includes code of the simulator"
+
+
+def test_what_checks_certificates_and_audits_is_plain_python():
+    checkers = [*(ROOT / "worldgen/reach").glob("check*.py"), *(ROOT / "sim").glob("audit*.py")]
+    assert len(checkers) > 6
+    assert not [file.name for file in checkers if "_core" in file.read_text(encoding="utf-8")]

@@ -10,8 +10,8 @@ import pytest
 
 from sim import Command, CompiledController, Observation, RunOptions, simulate, simulate_many
 from sim.episode import prepare
-from sim.kernels import layout
 from sim.words import evidence_in_words
+from tests.reference.sim import layout
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Target, Timeline, World, generate
 
 TURN_RATE = 512 / 65536 * 2 * math.pi / 0.015  # rad/s: 512 heading units a step, 128 steps a turn

@@ -4,8 +4,8 @@ import numpy as np
 
 from sim import CompiledController, simulate
 from sim.controllers.base import robot_for
-from sim.kernels import layout
 from sim.robot_options import RobotOptions
+from tests.reference.sim import layout
 from worldgen import Pose, Target, World
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from sim import CompiledController, simulate
-from sim.kernels import layout
 from tests.helpers.drawn_worlds import drawn
+from tests.reference.sim import layout
 from worldgen import generate
 
 NOTCH = """

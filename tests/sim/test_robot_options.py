@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sim import Command, CompiledController, Observation, RobotOptions, RunOptions, simulate
 from sim.audit import Trajectory, audit
 from sim.episode import prepare
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.sim.test_episode import arena
 from worldgen import CellState, Event, InvalidParameter, Pose, Target, Timeline
 

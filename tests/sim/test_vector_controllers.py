@@ -9,7 +9,7 @@ import pytest
 
 from sim import Command, Commands, Observation, Observations, RobotOptions, simulate, simulate_many
 from sim.controllers import CONTROLLERS
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.sim.test_batch import FIELDS, burning, single
 from tests.sim.test_episode import arena, cup
 from worldgen import InvalidParameter, Pose, generate

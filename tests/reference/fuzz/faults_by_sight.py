@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from sim.kernels import layout
 from tests.reference.fuzz.planting import Act, Floats, seeded, unwrap_turn
+from tests.reference.sim import layout
 from tests.reference.sim.controllers import three_layer as layers
 from tests.reference.sim.controllers import vfh as histogram
 from tests.reference.sim.controllers._directions import target_bearing

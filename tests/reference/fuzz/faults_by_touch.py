@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from sim.kernels import layout
 from tests.reference.fuzz.planting import Act, Floats, seeded, unwrap_turn
+from tests.reference.sim import layout
 from tests.reference.sim.controllers import _boundary as body
 from tests.reference.sim.controllers import bug1 as one
 from tests.reference.sim.controllers import bug2 as two

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.reference.sim.library import ACTS
 
 Act = Callable[..., None]

@@ -32,7 +32,7 @@ COUNTS = (
 
 
 def settings_of(settings: Any) -> tuple[Ints, Floats]:
-    """Return a WgSettings as ``SET_`` and ``SCALE_`` of :mod:`sim.kernels.layout`."""
+    """Return a WgSettings as ``SET_`` and ``SCALE_`` of :mod:`tests.reference.sim.layout`."""
     whole = [int(getattr(settings, name)) for name in _SETTINGS]
     ints = np.array([np.uint64(number % 2**64) for number in whole], np.uint64).view(np.int64)
     return ints, np.array([getattr(settings, name) for name in _SCALES], np.float64)

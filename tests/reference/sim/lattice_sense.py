@@ -7,11 +7,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
-from sim.kernels.layout import FREE, TURN, UNIT
+from tests.reference.sim import layout
 from tests.reference.sim.fdlibm import atan, cos, sin
 from tests.reference.sim.geometry import cell_state
 from tests.reference.sim.lattice_rays import beam_heading, ray_distance, smoke_on_the_way, walls_on_the_way
+from tests.reference.sim.layout import FREE, TURN, UNIT
 
 __all__ = [
     "displacement",

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
-from sim.kernels.layout import SPEED_UNIT
+from tests.reference.sim import layout
 from tests.reference.sim.lattice_motion import MOST_POINTS
+from tests.reference.sim.layout import SPEED_UNIT
 from tests.reference.sim.recurrence import TOUCHED, Search, begin_search, new_search
 
 __all__ = ["HASH_START", "Arena", "Robot", "Room", "last_event", "new_robot", "new_room", "set_out", "whole_speed"]

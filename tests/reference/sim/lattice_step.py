@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
-from sim.kernels.layout import BURNING, SOLID, SPEED_UNIT, SWEPT, TIME_UNIT, TURN, UNIT
+from tests.reference.sim import layout
 from tests.reference.sim.geometry import (
     mark_near,
     pose_is_clear,
@@ -34,6 +33,7 @@ from tests.reference.sim.lattice_sense import (
     sense,
 )
 from tests.reference.sim.lattice_state import Arena, Robot, Room, whole_speed
+from tests.reference.sim.layout import BURNING, SOLID, SPEED_UNIT, SWEPT, TIME_UNIT, TURN, UNIT
 
 __all__ = ["is_inside", "move_and_sense", "obey", "one_step", "remember"]
 

@@ -29,7 +29,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.reference.sim.controllers._directions import steer, wrap
 from tests.reference.sim.fdlibm import cos, sin
 

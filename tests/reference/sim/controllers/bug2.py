@@ -20,7 +20,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.reference.sim.controllers import _boundary as body
 from tests.reference.sim.controllers._directions import angle_of, distance
 from tests.reference.sim.fdlibm import cos, sin

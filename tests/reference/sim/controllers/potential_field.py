@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.reference.sim.controllers._directions import angle_of, bearing_of, steer, target_bearing
 from tests.reference.sim.fdlibm import cos, sin
 

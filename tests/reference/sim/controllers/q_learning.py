@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.train_q_learning import TABLE
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.reference.sim.controllers._directions import WHOLE_TURN, steer, target_bearing
 
 Floats = npt.NDArray[np.float64]

@@ -13,7 +13,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
+from tests.reference.sim import layout
 
 Floats = npt.NDArray[np.float64]
 

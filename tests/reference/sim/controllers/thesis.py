@@ -19,8 +19,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
-from tests.reference.sim import thesis_arbiter
+from tests.reference.sim import layout, thesis_arbiter
 from tests.reference.sim.thesis_arbiter import A0, run_behaviour, select_behaviour
 
 Floats = npt.NDArray[np.float64]

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.reference.sim.controllers._directions import WHOLE_TURN, bearing_of, steer, target_bearing, wrap
 from tests.reference.sim.fdlibm import atan, cos, sin
 

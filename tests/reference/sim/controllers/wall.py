@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from sim.kernels import layout
+from tests.reference.sim import layout
 from tests.reference.sim.controllers import _boundary as body
 
 Floats = npt.NDArray[np.float64]
