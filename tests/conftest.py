@@ -8,8 +8,6 @@ import pytest
 from hypothesis import HealthCheck, Phase, settings
 from hypothesis.database import DirectoryBasedExampleDatabase
 
-from tests.helpers import kernels
-
 # With CI set, Hypothesis would choose a profile for us, silently. This one tries the same examples each time: nobody
 # should fail to land by luck. New examples are tried at night, and those that failed are kept: --hypothesis-profile.
 settings.register_profile(
@@ -55,14 +53,6 @@ def pytest_cmdline_main(config):
     """
     if getattr(config.option, "numprocesses", None) and config.option.dist == "no":
         config.option.dist, config.option.loadscopereorder = "loadfile", False
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_sessionstart(session):
-    """Compile what most files need once, before there are workers that would each compile it."""
-    workers = getattr(session.config.option, "numprocesses", None)
-    if workers and not hasattr(session.config, "workerinput"):
-        kernels.prepare(workers, session.config.get_terminal_writer().line)
 
 
 @pytest.hookimpl(wrapper=True, optionalhook=True)

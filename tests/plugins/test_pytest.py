@@ -14,17 +14,14 @@ from fuzz.failure import failure_of, replay
 from sim.scenario import Scenario
 from worldgen.generation import generate
 from worldgen.grid_file import read_world, write_world
-from worldgen.jit import cache_root
 
 pytest_plugins = ["pytester"]
-KERNELS = str(cache_root())  # pytester has a home of its own, in which every kernel would be compiled anew
 
 DOCUMENT = (Path(__file__).parents[2] / "docs/pytest.md").read_text()
 
 
 @pytest.fixture
 def project(pytester, monkeypatch):
-    monkeypatch.setenv("WORLDGEN_CACHE_DIR", KERNELS)
     monkeypatch.delenv("PYTEST_ADDOPTS", raising=False)
     return pytester
 

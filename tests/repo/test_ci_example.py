@@ -12,13 +12,11 @@ import pytest
 from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
 from tests.helpers.command_line import worldgen
 from tests.helpers.workflow import Job, load
-from worldgen.jit import cache_root
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "ci"
 WORKFLOW = ".github/workflows/worldgen.yml"
 GUIDE = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
-KERNELS = str(cache_root())
 QUICK = {"controller": "./robot.py:Robot", "families": "rooms", "units": "1", "seed": "1", "install": "false"}
 
 
@@ -55,14 +53,14 @@ def job(project, name, **inputs):
         if step.get("uses") == "./.worldgen":
             step["with"] |= inputs
     known = {"github.event_name": event, "github.workspace": str(project), "runner.os": "Linux"}
-    done = Job(project, load(ROOT / "action.yml"), known, {"WORLDGEN_CACHE_DIR": KERNELS})
+    done = Job(project, load(ROOT / "action.yml"), known, {})
     assert done.value(plan["if"])
     return done.run(plan["steps"])
 
 
 def action(project, **inputs):
     """Runs our action alone."""
-    done = Job(project, load(ROOT / "action.yml"), {}, {"WORLDGEN_CACHE_DIR": KERNELS})
+    done = Job(project, load(ROOT / "action.yml"), {}, {})
     return done.run([{"uses": "./.worldgen", "id": "worldgen", "with": QUICK | inputs}])
 
 
