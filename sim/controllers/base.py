@@ -250,7 +250,7 @@ class VectorController(Protocol):
 Controller: TypeAlias = CompiledController | PythonController | VectorController
 
 
-_COSTLY_SENSES = {
+_COSTLY_SENSES: dict[str, int] = {
     "bump_bearing": lib.WG_SENSE_BUMP_BEARING,
     "signal": lib.WG_SENSE_SIGNAL,
     "signal_heading": lib.WG_SENSE_SIGNAL_HEADING,
@@ -282,7 +282,7 @@ def wants_world(controller: Any) -> bool:
 
 
 def bits_of(sense: str) -> int:
-    """Return the ``SENSE_`` bit of a field of an observation; 0 for what is always there."""
+    """Return the ``WG_SENSE_`` bit of a field of an observation; 0 for what is always there."""
     return _COSTLY_SENSES.get(sense, 0)
 
 
