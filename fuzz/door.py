@@ -78,7 +78,7 @@ class Door:
             world: Where, with or without certificate.
             scenario: What ran.
             verdict: At first look; ``breach`` for a robot that got to a walled-off target.
-            cause: Of the verdict, as far as the kernel knows it.
+            cause: Of the verdict, as far as the core knows it.
             **details: What the failure's record is to say besides.
 
         Returns:

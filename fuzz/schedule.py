@@ -25,8 +25,8 @@ _TO_CONFIRM = 0.3  # share of a failure's time in which what it was shrunk to is
 class Schedule:
     """A campaign's clock. The time begins with the first work that no earlier sitting did.
 
-    What start-up takes counts, up to three seconds and a quarter of the time: compiling on a new installation takes a
-    minute, which would leave nothing of a short budget. What the controller's own code took of it counts in full.
+    What start-up takes counts, up to three seconds and a quarter of the time: a slow machine would leave nothing of a
+    short budget. What the controller's own code took of it counts in full.
 
     Args:
         seconds: Of search and shrinking together; ``None`` for no limit.

@@ -99,7 +99,7 @@ def configure(
         database=database,
         epoch=epoch,
     )
-    with working("loading the simulator (compiled once after an installation, for about a minute)"):
+    with working("loading the simulator and the controller"):
         _try_out(config, seconds, [Asked.parse(text) for text in oracles])
     return config
 
@@ -260,13 +260,16 @@ class CampaignSession:
         if self._campaign.units is not None:
             note(f"{are}: shrinking could not prove {'it' if late == 1 else 'them'} again")
             return
-        resume = f"worldgen fuzz --resume {shlex.quote(str(self._out))} --units {state.until}"
-        note(f"{are}, because the time ended before shrinking did: {resume} does the rest")
+        folder = shlex.quote(str(self._out))
+        note(
+            f"{are}, because the time ended before shrinking did: "
+            f"worldgen fuzz --resume {folder} --units {state.until} does the rest"
+        )
 
     def _so_far(self) -> str:
         """The campaign in half a line."""
         if not self._campaign.is_ready:
-            return "loading the simulator in each process (compiled once after an installation)"
+            return "loading the simulator in each process"
         state = self._campaign.state
         if not state.until:
             return "the first units are under way"

@@ -33,7 +33,7 @@ VERDICTS = (
 )  # fmt: skip
 """The verdict of each number in :attr:`Runs.verdict`."""
 
-_MOST_AT_ONCE = 256  # runs in one call of the kernel, so that all cores have something to do
+_MOST_AT_ONCE = 256  # runs in one call of the core, so that all cores have something to do
 _MOST_IN_A_FLEET = 1024  # robots in lockstep: enough for NumPy, and few enough for the processor's cache
 _FLEET_BYTES = 1 << 26  # that the robots of a fleet take
 _LOG_BYTES = 1 << 30  # that the logs of all runs under way may take, in which loops are found: 8 a step
@@ -255,7 +255,7 @@ def _run_alike(alike: Sequence[tuple[_Job, LatticeRun]], runs: Runs, digest: boo
 
 
 def _run_compiled(job: _Job, runs: Runs, digest: bool) -> None:
-    """Runs a job in one call of the kernel; one by one if the controller raises, to find which do."""
+    """Runs a job in one call of the core; one by one if the controller raises, to find which do."""
     controller = job.controller
     if not isinstance(controller, CompiledController):
         raise TypeError("only compiled controllers run in a batch")

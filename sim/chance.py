@@ -150,7 +150,7 @@ def states_of(trace: Trace) -> Ints:
 
 
 class _Search:
-    """Breadth first, all states of one distance in one call of the kernel."""
+    """Breadth first, all states of one distance in one call of the core."""
 
     def __init__(self, run: LatticeRun, controller: CompiledController, most: int) -> None:
         self._run, self._controller, self._most = run, controller, most

@@ -101,7 +101,7 @@ def simulate(
 
 
 def prepare(world: World, controller: str | Controller | type, options: RunOptions, *, lean: bool = False) -> Runnable:
-    """Packs a scenario for its motion model's kernel; see :func:`simulate`."""
+    """Packs a scenario for its motion model; see :func:`simulate`."""
     found = controller_of(controller)
     motion = MOTIONS.get(options.motion)
     switch_sets(motion.name, options.robot.changed() if motion.kernel == THESIS else options.thesis.changed())

@@ -480,7 +480,7 @@ def _metres(units: Ints, cell_size: float) -> Floats:
 
 
 def _event_rows(world: World, time_step: float) -> Ints:
-    """Events as the kernel takes them, sorted by time."""
+    """Events as the core takes them, sorted by time."""
     rows = [
         (*event_time(event, time_step, _STEP_TIME), event.ix, event.iy, int(event.state)) for event in world.timeline
     ]

@@ -1,4 +1,4 @@
-"""What one kernel run found, in the same words for every motion model."""
+"""What one run found, in the same words for every motion model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BY_THE_CONTROLLER = ("crash", "hang", "invalid-command")
 
 @dataclass(frozen=True)
 class Outcome:
-    """The kernel's claims about a run; oracles check them from the trace.
+    """The core's claims about a run; oracles check them from the trace.
 
     Args:
         ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, or one of :data:`BY_THE_CONTROLLER`.
@@ -66,7 +66,7 @@ class Outcome:
 
     @property
     def verdict(self) -> str:
-        """The verdict; ``loop`` is the kernel's claim here, for the episode to prove."""
+        """The verdict; ``loop`` is the core's claim here, for the episode to prove."""
         if self.ending in ("tunnel", "burned", *BY_THE_CONTROLLER):
             return self.ending
         if self.overlap_step >= 0:
@@ -77,7 +77,7 @@ class Outcome:
 
 
 class Runnable(Protocol):
-    """A world, a controller and options, packed for some kernel."""
+    """A world, a controller and options, packed for the core."""
 
     @property
     def last_event_step(self) -> int:

@@ -1,4 +1,4 @@
-"""The episode loop for a Python controller or a program: the kernel stops in each step, and the controller acts."""
+"""The episode loop for a Python controller or a program: the core stops in each step, and the controller acts."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class PythonLoop:
         self.complete = hidden is not None and hidden_state(self._controller) == hidden
 
     def recording(self) -> tuple[Ints, Ints] | None:
-        """The states as rows, and the points of the path, as the compiled episode writes them.
+        """The states as rows, and the points of the path, as the core writes them.
 
         ``None`` of a run that was not recorded, or whose controller failed in ``reset``.
         """
@@ -207,7 +207,7 @@ def _numbers(speed: Any, turn_rate: Any, used_random: Any) -> tuple[float, float
 
 
 def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room: Workspace, memory: Memory) -> Memory:
-    """The same for a controller of many robots, of which there is one; the kernel keeps its memory."""
+    """The same for a controller of many robots, of which there is one; the core keeps its memory."""
     seen = room.observation[np.newaxis]
     kept = room.memory[np.newaxis]
     command = room.command[np.newaxis]

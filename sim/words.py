@@ -69,7 +69,7 @@ def _fault(episode: Episode) -> str:
     last = _list(evidence.get("stderr"))
     said = f"; stderr: {last[-1]}" if last else ""
     flush = "; does it flush its output?" if episode.verdict == "hang" and evidence["step"] == 1 else ""
-    error = evidence.get("error", "speed or turn rate is no finite number")  # that is all that the kernel judges
+    error = evidence.get("error", "speed or turn rate is no finite number")  # that is all that the core judges
     at = f", {evidence['at']}" if "at" in evidence else ""
     remedy = f"; {evidence['remedy']}" if "remedy" in evidence else ""
     return f"{error}{at}{within}{where}{answer}{partly}{said}{flush}{remedy}"

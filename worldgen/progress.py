@@ -41,7 +41,7 @@ class Work:
     """One piece of slow work that is under way.
 
     Args:
-        message: What is being done, such as ``"compiling the simulator"``.
+        message: What is being done, such as ``"loading the simulator"``.
         clock: Gives seconds.
         often: See :func:`working`.
     """
@@ -234,7 +234,7 @@ def working(message: str, *, often: bool = False) -> Iterator[Work]:
     """Say, if it takes long, that this is being done; the body may add details to what it gets.
 
     Args:
-        message: What is being done, such as ``"compiling the simulator"``.
+        message: What is being done, such as ``"loading the simulator"``.
         often: Whether this is done thousands of times, so that ``--verbose`` and the log leave it out.
     """
     display = _display

@@ -1,4 +1,4 @@
-"""The native lane: random scenes by the thousand, looked at in the kernel; the few smallest of each kind are proved."""
+"""The native lane: random scenes by the thousand, looked at in the core; the few smallest of each kind are proved."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Native search: thousands of worlds a second, drawn, simulated and judged at first look in one compiled call.
+"""Native search: thousands of worlds a second, drawn, simulated and judged at first look in one call of the C core.
 
 Contents:
     evaluate: runs of a compiled controller in the worlds of many layouts.

@@ -298,7 +298,7 @@ class _Packed:
 
     @classmethod
     def of(cls, scenario: Scenario, time_steps: Sequence[float], robot: Mapping[str, float]) -> _Packed:
-        """Packs the simplest layout for each time step; the kernel puts in what other layouts have instead."""
+        """Packs the simplest layout for each time step; the core puts in what other layouts have instead."""
         controller = CONTROLLERS.get(scenario.controller)
         world = replace(decode_world(bytes(layout_bytes.LAYOUT_BYTES)), **robot)  # type: ignore[arg-type]
         each = (replace(scenario, time_step=time_step).options(world) for time_step in time_steps)

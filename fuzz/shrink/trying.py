@@ -29,7 +29,7 @@ _WANTED = {
     "timeout": Wanted(lib.WG_LIMIT, overlap=False),
 }
 
-_AT_ONCE = 256  # edits that are handed to compiled code in one call
+_AT_ONCE = 256  # edits that are handed to the core in one call
 _MOST_CELLS = 1_000_000  # of a world with a quick look: the flood takes 36 bytes a cell
 
 

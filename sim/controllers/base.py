@@ -66,7 +66,7 @@ class Observation(NamedTuple):
 
     @classmethod
     def of(cls, array: Floats) -> Observation:
-        """Reads the flat array that kernels fill."""
+        """Read the flat array that the core fills."""
         values: list[Any] = array.tolist()
         values[layout.OBS_SIZE :] = (tuple(values[layout.OBS_SIZE :]),)
         values[layout.OBS_BUMP] = values[layout.OBS_BUMP] != 0.0
@@ -98,7 +98,7 @@ class Observations(NamedTuple):
 
     @classmethod
     def of(cls, array: Floats) -> Observations:
-        """Reads the rows that kernels fill, (n, OBS_SIZE + beams)."""
+        """Read the rows that the core fills, (n, OBS_SIZE + beams)."""
         columns: list[Any] = [array[:, k] for k in range(layout.OBS_SIZE)]
         columns[layout.OBS_BUMP] = columns[layout.OBS_BUMP] != 0.0
         return cls._make([*columns, array[:, layout.OBS_SIZE :]])
@@ -151,7 +151,7 @@ class CompiledController:
             otherwise has its way.
         slow: Whether a step takes tens of microseconds, as one in Python does; a campaign then does less in a unit.
         memory_fields: Numbers of the memory that have a name, for pages that show a run.
-        memory_map: What the memory (m,) says about the world, likewise; no kernel calls it.
+        memory_map: What the memory (m,) says about the world, also for pages; no run calls it.
         memory_map_on: Indices of the numbers that the map hangs on; without any it hangs on all.
 
     Raises:

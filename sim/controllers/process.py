@@ -237,7 +237,7 @@ class ProcessController:
             offer: What the program offered.
             robots: (n,) their numbers.
             fresh: Those of them that begin an episode.
-            seen: (n, OBS_SIZE + beams) what kernels observed.
+            seen: (n, OBS_SIZE + beams) what the robots observe.
             command: (n, CMD_SIZE), filled.
 
         Raises:

@@ -75,7 +75,7 @@ def batch_line(offer: Offer, robots: Ints, fresh: Ints, seen: Floats) -> bytes:
         offer: The program's.
         robots: (n,) their numbers.
         fresh: Those of them that begin an episode.
-        seen: (n, OBS_SIZE + beams) what kernels observed.
+        seen: (n, OBS_SIZE + beams) what the robots observe.
     """
     message: dict[str, Any] = {"robots": robots.tolist(), "reset": fresh.tolist()}
     for name in offer.senses:

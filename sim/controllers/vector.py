@@ -23,7 +23,7 @@ class Asker:
 
     Args:
         controller: The controller.
-        seen: (n, OBS_SIZE + beams) what kernels observed.
+        seen: (n, OBS_SIZE + beams) what the robots observe.
         memory: (n, m) the robots' memories.
         command: (n, CMD_SIZE), filled in each step.
     """

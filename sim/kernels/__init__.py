@@ -1,1 +1,1 @@
-"""kernels."""
+"""Names for controllers that numba compiles: :mod:`sim.kernels.layout`."""

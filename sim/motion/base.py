@@ -22,7 +22,7 @@ class Motion:
         name: As on the command line.
         version: Goes up when equal scenarios no longer give equal traces; failures record it.
         kernel: Which simulator runs it, ``LATTICE`` or ``THESIS``.
-        code: The kernel's number for it.
+        code: The core's number for it.
         overlap_tolerance: Cut of the disc into a wall, in cells, that is not reported as ``overlap``.
         summary: One line for people.
         exact_events: Whether events count at their time inside a step, else from the beginning of that step.
