@@ -161,14 +161,25 @@ def simulate_many(
     runs = _empty(len(found), [called(one) for one in named], places, numbers)
     jobs = list(_jobs(found, drivers, poses, len(numbers), settings))
     threaded = [job for job in jobs if _is_threaded(job)]
-    with ThreadPoolExecutor(_at_once(threads, (job.options.steps for job in threaded))) as pool:
-        for _ in pool.map(lambda job: _run_compiled(job, runs, digest), threaded):
-            pass
+    _run_side_by_side(threaded, _at_once(threads, (job.options.steps for job in threaded)), runs, digest)
     _run_in_lockstep([job for job in jobs if _is_vector(job)], runs, digest)
     for job in jobs:
         if not _is_threaded(job) and not _is_vector(job):
             _run_each(job, job.rows, runs, digest)
     return runs
+
+
+def _run_side_by_side(jobs: Sequence[_Job], threads: int, runs: Runs, digest: bool) -> None:
+    """Run jobs in threads; what ends this one, such as Ctrl-C, soon ends them too."""
+    stop = np.zeros(1, np.int64)
+    with ThreadPoolExecutor(threads) as pool:
+        try:
+            for _ in pool.map(lambda job: _run_compiled(job, runs, digest, stop), jobs):
+                pass
+        except BaseException:
+            stop[0] = 1
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
 
 
 def _empty(worlds: int, names: Sequence[str], starts: int, seeds: npt.NDArray[np.uint64]) -> Runs:
@@ -254,7 +265,7 @@ def _run_alike(alike: Sequence[tuple[_Job, LatticeRun]], runs: Runs, digest: boo
             _fill(runs, rows[part], found, alike[0][0].options.time_step, metres[world[part]], digest)
 
 
-def _run_compiled(job: _Job, runs: Runs, digest: bool) -> None:
+def _run_compiled(job: _Job, runs: Runs, digest: bool, stop: Ints) -> None:
     """Runs a job in one call of the core; one by one if the controller raises, to find which do."""
     controller = job.controller
     if not isinstance(controller, CompiledController):
@@ -262,7 +273,7 @@ def _run_compiled(job: _Job, runs: Runs, digest: bool) -> None:
     run = LatticeRun(replace(job.world, start=job.starts[0]), controller, job.options)
     places = np.array([run.start_of(pose) for pose in job.starts], np.int64)
     rows = slice(job.rows.start, job.rows.stop)
-    reports = run.run_many(controller, places[runs.start[rows]], runs.seed[rows], digest=digest)
+    reports = run.run_many(controller, places[runs.start[rows]], runs.seed[rows], digest=digest, stop=stop)
     if len(reports) and reports["ending"][-1] == lib.WG_CRASH:
         _run_each(job, job.rows, runs, digest)
         return

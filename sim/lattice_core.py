@@ -151,7 +151,9 @@ class Arena:
         self.c.visited = writable(ffi, visited, np.uint8)
         self.beams = beams
         if beams is not None:
-            self.c.rays = _rays()
+            # Kept here too: of two threads that first ask for the table at once, one gets a table of its own.
+            self._rays = _rays()
+            self.c.rays = self._rays
             self.c.spread = pointer(ffi, beams.spread, np.int64)
             self.c.runs = pointer(ffi, beams.runs, np.uint16)
 
@@ -196,21 +198,22 @@ class Workspace:
 
     def __init__(self, episode: Episode) -> None:
         c = episode.c
-        self._episode = episode  # whose memory this is
         size = int(c.controller.memory_size)
         self.beams = int(c.workspace.observation.beam_count)
-        self.seen = ffi.buffer(c.workspace.seen, 8 * (1 + SENSES + self.beams))
-        self.answer = ffi.buffer(c.workspace.answer, 8 * (4 + size))
+        self.seen = _buffer(episode, c.workspace.seen, 1 + SENSES + self.beams)
+        self.answer = _buffer(episode, c.workspace.answer, 4 + size)
         self.observation: Floats = np.frombuffer(self.seen, np.float64)[1:]
-        self.memory = _array(c.robot.body.memory, size)
-        self.command = _array(ffi.addressof(c.workspace, "command"), 3)
+        self.memory = np.frombuffer(_buffer(episode, c.robot.body.memory, size)) if size else np.zeros(0)
+        self.command = np.frombuffer(_buffer(episode, ffi.addressof(c.workspace, "command"), 3))
 
 
-def _array(address: Any, count: int) -> Floats:
-    """Return so many float64s at an address."""
-    if count == 0:
-        return np.zeros(0)
-    return np.frombuffer(ffi.buffer(address, 8 * count), np.float64)
+def _buffer(owner: object, address: Any, count: int) -> Any:
+    """Return so many float64s in the memory of an owner, which lives as long as the buffer and what is made of it.
+
+    A controller of the user's may keep a view of what it was given.
+    """
+    held = ffi.gc(address, lambda _, owner=owner: None)
+    return ffi.buffer(held, 8 * count)
 
 
 class Episode:

@@ -258,7 +258,13 @@ class LatticeRun:
         return robot.slip == 0.0 and not self.settings.senses & noisy
 
     def run_many(
-        self, controller: CompiledController, starts: Ints, seeds: npt.NDArray[np.uint64], *, digest: bool
+        self,
+        controller: CompiledController,
+        starts: Ints,
+        seeds: npt.NDArray[np.uint64],
+        *,
+        digest: bool,
+        stop: Ints | None = None,
     ) -> Reports:
         """Runs many episodes in few calls of the core; several threads may do so at once.
 
@@ -267,6 +273,7 @@ class LatticeRun:
             starts: (n, 3) :meth:`start_of`.
             seeds: (n,).
             digest: Whether to work out the traces' digests.
+            stop: (1,) once it is not 0, no run counts and this soon returns.
 
         Returns:
             (n,) reports, :data:`sim.lattice_core.REPORT`; fewer if the controller failed in one, which is the last.
@@ -277,6 +284,8 @@ class LatticeRun:
         fresh = self.arena()
         episode = Episode(self.arena(), settings, Driver(controller, controller.memory))
         reports = np.zeros(len(seeds), REPORT)
+        stop = np.zeros(1, np.int64) if stop is None else stop
+        stop_at = pointer(ffi, stop, np.int64)
         for first in range(0, len(seeds), _MANY):
             part = slice(first, first + _MANY)
             into = ffi.cast("WgReport *", ffi.from_buffer(reports[part], require_writable=True))
@@ -284,7 +293,7 @@ class LatticeRun:
             places = ffi.cast("WgStart *", pointer(ffi, own, np.int64))
             check(
                 lib.wg_run_many(
-                    episode.c, settings, fresh.c, places, pointer(ffi, numbers, np.uint64), len(numbers), into
+                    episode.c, settings, fresh.c, places, pointer(ffi, numbers, np.uint64), len(numbers), stop_at, into
                 )
             )
             if (reports["ending"][part] == lib.WG_CRASH).any():

@@ -3,6 +3,8 @@
 #include "step.h"
 #include "wg_runs.h"
 
+enum { PORTION = 1 << 20 };  // steps between two looks at whether to stop: a tenth of a second
+
 // Sets an arena back to what it was before the first event, with the robot's cell visited.
 static void renew(const WgArena *arena, const WgArena *fresh, const WgSettings *settings)
 {
@@ -14,20 +16,27 @@ static void renew(const WgArena *arena, const WgArena *fresh, const WgSettings *
     wg_visit_start(arena, settings);
 }
 
-static WgStatus run_again(WgEpisode *episode, const WgArena *fresh)
+// Another thread writes it.
+static bool is_stopped(const int64_t *stop)
+{
+    return *(const volatile int64_t *)stop != 0;
+}
+
+static WgStatus run_again(WgEpisode *episode, const WgArena *fresh, const int64_t *stop)
 {
     renew(episode->arena, fresh, episode->settings);
     WgStatus status = wg_episode_begin(episode);
     if (status == WG_OK) {
-        wg_episode_run(episode, INT64_MAX / 2);
+        while (wg_episode_run(episode, PORTION) == WG_GOES_ON && !is_stopped(stop)) {
+        }
     }
     return status;
 }
 
 // Runs once, and proves a loop.
-static WgStatus run_one(WgEpisode *episode, WgSettings *settings, const WgArena *fresh)
+static WgStatus run_one(WgEpisode *episode, WgSettings *settings, const WgArena *fresh, const int64_t *stop)
 {
-    WgStatus status = run_again(episode, fresh);
+    WgStatus status = run_again(episode, fresh, stop);
     const WgReport *report = &episode->robot.report;
     if (status != WG_OK || report->ending != WG_LOOP) {
         return status;
@@ -38,19 +47,19 @@ static WgStatus run_one(WgEpisode *episode, WgSettings *settings, const WgArena 
     settings->loop_entry = wg_episode_entry(episode);
     settings->steps = settings->loop_entry + report->period;
     settings->find_loop = WG_PROVE_LOOP;
-    status = run_again(episode, fresh);
+    status = run_again(episode, fresh, stop);
 
     // If two different states had one fingerprint, the budget counts.
     if (status == WG_OK && report->ending == WG_LIMIT) {
         settings->steps = steps;
         settings->find_loop = WG_NO_LOOP;
-        status = run_again(episode, fresh);
+        status = run_again(episode, fresh, stop);
     }
     return status;
 }
 
 WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fresh, const WgStart *starts,
-                     const uint64_t *seeds, int64_t count, WgReport *reports)
+                     const uint64_t *seeds, int64_t count, const int64_t *stop, WgReport *reports)
 {
     const WgArena *arena = episode->arena;
     if (settings != episode->settings || fresh->width != arena->width || fresh->height != arena->height) {
@@ -58,12 +67,12 @@ WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fr
     }
     int64_t steps = settings->steps;
     int64_t find_loop = settings->find_loop;
-    for (int64_t n = 0; n < count; n++) {
+    for (int64_t n = 0; n < count && !is_stopped(stop); n++) {
         settings->start_x = starts[n].x;
         settings->start_y = starts[n].y;
         settings->start_heading = starts[n].heading;
         settings->seed = seeds[n];
-        WgStatus status = run_one(episode, settings, fresh);
+        WgStatus status = run_one(episode, settings, fresh, stop);
         settings->steps = steps;
         settings->find_loop = find_loop;
         if (status != WG_OK) {

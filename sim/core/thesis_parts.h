@@ -49,7 +49,7 @@ static inline double thesis_wrap(double angle)
     return fabs(angle) < THESIS_TWO_PI ? angle : fmod(angle, THESIS_TWO_PI);
 }
 
-// Keeps the disc one cell away from the edge of the grid->
+// Keeps the disc one cell away from the edge of the grid.
 static inline void thesis_clamp(const ThesisGrid *grid, double radius, double *x, double *y)
 {
     double low = radius + THESIS_CELL;

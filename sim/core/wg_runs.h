@@ -25,9 +25,10 @@ typedef struct WgStart {
 // settings:  those of the episode; start, seed, steps and the search for loops are changed and set back.
 // starts:    (count,)
 // seeds:     (count,)
+// stop:      once it is not 0, which another thread may make it, no run counts and the call soon returns.
 // reports:   (count,) filled.
 WgStatus wg_run_many(WgEpisode *episode, WgSettings *settings, const WgArena *fresh, const WgStart *starts,
-                     const uint64_t *seeds, int64_t count, WgReport *reports);
+                     const uint64_t *seeds, int64_t count, const int64_t *stop, WgReport *reports);
 
 // edits.c
 

@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim import CompiledController, simulate, simulate_many
+from sim import CompiledController, RobotOptions, RunOptions, simulate, simulate_many
 from sim.batch import VERDICTS
+from sim.controllers import CONTROLLERS
+from sim.lattice_run import LatticeRun
 from tests.sim.test_episode import GoToTarget, arena, cup
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Timeline, generate
 
@@ -96,3 +98,12 @@ def test_results_print_themselves_and_convert():
 def test_bad_input_gets_a_sentence(arguments, error, message):
     with pytest.raises(error, match=message):
         simulate_many(**{"worlds": arena(), "controllers": "turn-left", **arguments})
+
+
+def test_a_batch_that_another_thread_stops_runs_no_further():
+    options = RunOptions(steps=50_000_000, robot=RobotOptions(slip=0.1))
+    controller = CONTROLLERS.get("random-walk")
+    run = LatticeRun(cup(), controller, options)
+    starts = np.array([run.start_of(run.world.start)] * 3, np.int64)
+    reports = run.run_many(controller, starts, np.arange(3, dtype=np.uint64), digest=False, stop=np.ones(1, np.int64))
+    assert reports["steps"].tolist() == [0, 0, 0]

@@ -97,6 +97,12 @@ def test_the_outside_of_the_grid_is_solid():
     assert decided(drawn("SG", radius=0.05)).result == REACHABLE
 
 
+@pytest.mark.parametrize("radius", [0.2, 0.7, 1e6])
+def test_a_robot_larger_than_the_world_is_blocked(radius):
+    decision = decided(drawn("SG", radius=radius))
+    assert decision.result == BLOCKED
+
+
 def test_a_start_too_near_to_a_cell_is_blocked_by_that_cell():
     decision = decided(drawn("....\n#S.G\n....", radius=0.07))
     assert decision.result == BLOCKED

@@ -193,6 +193,8 @@ class _Question:
         world = self.world
         if self.start != self.exact_start or world.walls.size > FROM_CELLS:
             return None
+        if 2 * self.walls.radius > min(world.walls.shape):  # nothing is clear, and C takes no such disc
+            return None
         goal = self._centre()
         asked = ask_still(self.walls.radius, world.cell_size, world.robot_speed)
         if goal is None or asked is None:
