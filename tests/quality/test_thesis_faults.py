@@ -169,7 +169,8 @@ def console():
 def test_the_page_shows_what_its_commands_print(command, shown, monkeypatch):
     monkeypatch.chdir(ROOT)
     result = worldgen(*shlex.split(command))
-    assert result.out.strip().endswith(shown.strip()) if shown else "confirmed" in result.out
+    printed = result.out + result.err  # a note follows on stderr
+    assert printed.strip().endswith(shown.strip()) if shown else "confirmed" in result.out
 
 
 def test_every_picture_and_link_of_the_page_leads_somewhere():

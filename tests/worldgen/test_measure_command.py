@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+from dataclasses import replace
 
 import pytest
 
@@ -74,3 +75,11 @@ def test_a_files_name_cannot_steer_the_terminal(folder, command):
     assert "\\x1b[31mred\\n.grid" in result.out
     assert "\\x1b[32mgreen.grid" in result.err
     assert "\x1b" not in result.out + result.err
+
+
+def test_a_file_whose_witness_is_wrong_is_refused(folder):
+    world = read_world(folder / "w1.grid")
+    moved = replace(world, target=replace(world.target, x=world.start.x, y=world.start.y))
+    write_world(moved, folder / "moved.grid")
+    result = run("measure", folder / "moved.grid")
+    assert result.code == 2 and "its certificate proves nothing, because the witness ends" in result.err

@@ -6,12 +6,16 @@ import csv
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from worldgen.cli.output import emit_json, json_option, shown
+from worldgen.errors import InvalidWorld
 from worldgen.progress import working
+
+if TYPE_CHECKING:
+    from worldgen.world import World
 
 __all__ = ["measure"]
 
@@ -37,10 +41,26 @@ def measure(paths: tuple[Path, ...], as_csv: bool, as_json: bool) -> None:
         with working("measuring") as work:
             for path, world in read_worlds(paths):
                 work.say(f"{path}, world {len(results) + 1}")
+                _check_its_own(path, world)
                 results.append((path, measured(world).as_dict()))
     finally:  # what was measured is told, whatever ends the work
         if results:
             _tell(results, as_csv=as_csv, as_json=as_json)
+
+
+def _check_its_own(path: Path, world: World) -> None:
+    """Refuse a file whose certificate is wrong: what goes by a witness would be measured along it.
+
+    Raises:
+        InvalidWorld: If it is.
+    """
+    from worldgen.reach import check_certificate
+
+    if world.certificate is not None and not (report := check_certificate(world)).valid:
+        raise InvalidWorld(
+            f"{path}: its certificate proves nothing, because {report.reason}; "
+            "take it out, and the world is decided before it is measured"
+        )
 
 
 def _tell(results: Sequence[tuple[Path, dict[str, float]]], *, as_csv: bool, as_json: bool) -> None:

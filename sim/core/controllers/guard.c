@@ -201,12 +201,12 @@ static void describe_end(int64_t status, char *error)
             break;
         }
         if (name != NULL) {
-            snprintf(error, WG_LONGEST_ERROR, "killed by %s", name);
+            (void)snprintf(error, WG_LONGEST_ERROR, "killed by %s", name);
         } else {
-            snprintf(error, WG_LONGEST_ERROR, "killed by signal %d", WTERMSIG(code));
+            (void)snprintf(error, WG_LONGEST_ERROR, "killed by signal %d", WTERMSIG(code));
         }
     } else {
-        snprintf(error, WG_LONGEST_ERROR, "exit code %d", WIFEXITED(code) ? WEXITSTATUS(code) : code);
+        (void)snprintf(error, WG_LONGEST_ERROR, "exit code %d", WIFEXITED(code) ? WEXITSTATUS(code) : code);
     }
 }
 

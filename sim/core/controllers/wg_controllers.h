@@ -241,7 +241,7 @@ extern const WgThreeLayer wg_three_layer_default;
 double wg_arc_to_contact(double x, double y, double speed, double turn_rate, double radius);
 
 // The number of the situation that the Q-learning robot sees, below WG_Q_SITUATIONS. It needs 8 beams.
-int64_t wg_q_situation(const WgObservation *seen, const WgQMemory *memory);
+int64_t wg_q_situation(const WgObservation *seen, const WgQMemory *own);
 
 // A cell of the map of three-layer.
 typedef struct WgMapCell {
@@ -250,7 +250,7 @@ typedef struct WgMapCell {
 } WgMapCell;
 
 // The cell after `here` on a shortest path through the map to `target`; (-1, -1) if there is none.
-WgMapCell wg_next_cell(const WgThreeLayerMemory *memory, WgMapCell here, WgMapCell target);
+WgMapCell wg_next_cell(const WgThreeLayerMemory *own, WgMapCell here, WgMapCell target);
 
 // A controller in a process of its own; see guard.h. Not on Windows.
 

@@ -164,7 +164,7 @@ void wg_maze_recursive_division(Growth *growth)
             int8_t along = cut.columns == 1 ? WG_NORTH : WG_EAST;
             int32_t step = cut.columns == 1 ? stride : 1;
             for (int32_t number = 0; number < cut.columns * cut.rows - 1; number++) {
-                board[cut.base + number * step] |= along;
+                board[cut.base + number * step] = (int8_t)(board[cut.base + number * step] | along);
             }
             maze->waiting--;
             continue;
