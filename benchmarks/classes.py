@@ -34,6 +34,7 @@ from sim import Command, Observation, RobotOptions
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.effort import Effort
 from sim.scenario import Scenario
+from tests.helpers.interpreted import Interpreted
 from worldgen.random_streams import RandomStream
 
 __all__ = ["CASES", "Row", "measure"]
@@ -88,8 +89,9 @@ CASES = {
 def __getattr__(name: str) -> Any:
     if name.startswith("_"):
         raise AttributeError(name)
-    plain = name.removeprefix("plain_")
-    return AsClass(plain.replace("_", "-"), plain=plain != name)
+    if name == "plain_bug2":
+        return Interpreted(CONTROLLERS.get("bug2"))
+    return AsClass(name.replace("_", "-"))
 
 
 @dataclass(frozen=True)

@@ -117,13 +117,22 @@ def narrowest_gap_sq(solid: Bools, start: Any, target: Any, below: int) -> int |
     bit = np.zeros(len(cells), np.uint8)
     tree = (writable(ffi, parent, np.int64), writable(ffi, bit, np.uint8), len(cells))
     closed = ffi.new("int64_t *")
+    place = cells[:, 1] * stride + cells[:, 0]
+    rays = [(pose, _below_ray(cells, pad, pose)) for pose in (start, target)]
+    odd = np.zeros(len(cells), np.uint8)
     for gap_sq, offsets in _by_gap(below):
         for dx, dy in offsets:
-            other = number[(cells[:, 1] + dy) * stride + cells[:, 0] + dx]
+            other = number[place + (dy * stride + dx)]
             near = np.flatnonzero(other >= 0)
-            odd = _crosses(cells[near] - pad, dx, dy, start) ^ _crosses(cells[near] - pad, dx, dy, target)
-            linked = (pointer(ffi, near, np.int64), pointer(ffi, other[near], np.int64), pointer(ffi, odd, np.uint8))
-            check(lib.wg_unite(*linked, len(near), *tree, closed))
+
+            # Only links near the rays upwards from the two poses can cross them, and few cells are there.
+            for pose, close in rays:
+                odd[close] ^= _crosses(cells[close] - pad, dx, dy, pose)
+            crossing = odd[near]
+            for _, close in rays:
+                odd[close] = 0
+            ends = (pointer(ffi, near, np.int64), pointer(ffi, other[near], np.int64))
+            check(lib.wg_unite(*ends, pointer(ffi, crossing, np.uint8), len(near), *tree, closed))
             if closed[0]:
                 return gap_sq
     return None
@@ -149,6 +158,12 @@ def _by_gap(below: int) -> Iterator[tuple[int, list[tuple[int, int]]]]:
             if gap_sq < below and (dy > 0 or dx > 0):
                 found.setdefault(gap_sq, []).append((dx, dy))
     yield from sorted(found.items())
+
+
+def _below_ray(cells: Ints, pad: int, pose: Any) -> Ints:
+    """Indices of the cells that some link of theirs can join across the ray upwards from a pose."""
+    column = math.floor(Fraction(pose[0]) / UNIT) + pad
+    return np.flatnonzero(np.abs(cells[:, 0] - column) <= pad + 1)
 
 
 def _crosses(cells: Ints, dx: int, dy: int, pose: Any) -> npt.NDArray[np.uint8]:
