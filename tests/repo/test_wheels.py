@@ -20,9 +20,10 @@ FROM_PYTHON = {
 }
 # Of the C library, as ELF names them.
 FROM_C = {
-    "__assert_fail", "__cxa_finalize", "__stack_chk_fail", "_ITM_deregisterTMCloneTable", "_ITM_registerTMCloneTable",
-    "__gmon_start__", "calloc", "free", "malloc", "memchr", "memcmp", "memcpy", "memmove", "memset", "qsort", "realloc",
-    "strcmp", "strlen", "ceil", "floor", "fmod", "hypot", "round", "sqrt", "trunc", "exp", "log", "sin", "cos",
+    "_ITM_deregisterTMCloneTable", "_ITM_registerTMCloneTable", "_exit", "bcmp", "bzero", "calloc", "clock_gettime",
+    "close", "floor", "fmax", "fmin", "fmod", "fork", "free", "getpid", "kill", "ldexp", "malloc", "memchr", "memcmp",
+    "memcpy", "memmove", "memset", "memset_pattern16", "nanosleep", "pipe", "poll", "prctl", "realloc", "round",
+    "sched_yield", "snprintf", "sqrt", "strcmp", "strlen", "strncpy", "syscall", "waitpid",
 }  # fmt: skip
 OLDEST_GLIBC = (2, 17)
 
@@ -69,6 +70,7 @@ def check_unix(module, target):
 
 # What a build is asked for: worlds of every family with their proofs, and runs of every controller in them.
 DIGESTS = """
+import hashlib
 from sim import simulate
 from sim.controllers import CONTROLLERS
 from worldgen import generate

@@ -80,3 +80,11 @@ def test_a_diagonal_move_needs_both_cells_beside_it():
 @pytest.mark.parametrize(("start", "goal"), [((0, 1), (1, 1)), ((1, 1), (0, 0))])
 def test_an_end_in_a_wall_has_no_path(start, goal):
     assert solve(drawn("..", ".#"), start, goal) == (-1, -1)
+
+
+def test_walls_that_are_stored_by_columns_are_the_same_map():
+    walls = np.zeros((4, 9), bool)
+    walls[1:, 4] = True
+    ends = (np.array([(0, 3)]), np.array([(8, 3)]))
+    by_rows = OctileMap(walls).lengths(*ends)
+    assert OctileMap(np.asfortranarray(walls)).lengths(*ends).tolist() == by_rows.tolist()

@@ -129,6 +129,6 @@ def _regions(free: npt.NDArray[np.bool_]) -> npt.NDArray[np.int32]:
     owner = np.empty(free.size, np.int32)
     queue = np.empty(free.size, np.int32)
     count = ffi.new("int64_t *")
-    grid = (pointer(ffi, free, np.bool_), free.size, free.shape[1])
+    grid = (pointer(ffi, np.ascontiguousarray(free), np.bool_), free.size, free.shape[1])
     check(lib.wg_components(*grid, writable(ffi, owner, np.int32), writable(ffi, queue, np.int32), count))
     return owner
