@@ -21,7 +21,7 @@ import click
 import numpy as np
 import shapely
 
-from sim.lattice_parts import MOST_CORNERS, pose_is_clear, swept_move
+from tests.helpers.core_parts import MOST_CORNERS, pose_is_clear, swept_move
 from worldgen.lattice import UNIT, clear_distance_sq
 from worldgen.random_streams import RandomStream
 from worldgen.timeline import CellState

@@ -40,10 +40,10 @@ def _compiler_wheel() -> list[str]:
 
 
 def get_requires_for_build_wheel(config_settings: Any = None) -> list[str]:
-    """Return what a build needs beside ``build-system.requires``."""
+    """Return what a build needs in addition to ``build-system.requires``."""
     return [*build_meta.get_requires_for_build_wheel(config_settings), *_compiler_wheel()]
 
 
 def get_requires_for_build_editable(config_settings: Any = None) -> list[str]:
-    """Return what an editable build needs beside ``build-system.requires``."""
+    """Return what an editable build needs in addition to ``build-system.requires``."""
     return [*build_meta.get_requires_for_build_editable(config_settings), *_compiler_wheel()]

@@ -133,7 +133,7 @@ def compiler(target: Target | None = None) -> list[str]:
     That is ``$CC``, else one on the path, else the one in the wheel ``ziglang``; for another system always the last.
 
     Raises:
-        RuntimeError: If there is none.
+        RuntimeError: If no compiler is found.
     """
     named = os.environ.get("CC")
     if target is None and named:
@@ -196,13 +196,13 @@ def compile_core(
     libraries = _libraries(target, work)
     subprocess.run([*command, "-shared", *flags, *objects, *libraries, "-o", str(fresh)], check=True)
     # A running process may have the old module open; a rename leaves that one as it is.
-    beside = made.with_name(f".{made.name}.{os.getpid()}")
-    shutil.copyfile(fresh, beside)
-    beside.replace(made)
+    replacement = made.with_name(f".{made.name}.{os.getpid()}")
+    shutil.copyfile(fresh, replacement)
+    replacement.replace(made)
 
 
 def _libraries(target: Target | None, work: Path) -> list[str]:
-    """Return what the linker needs beside the objects: Python's functions come from the program that loads a module."""
+    """Return the linker's other inputs. Python's functions come from the program that loads the module."""
     if sys.platform == "win32" if target is None else target.is_windows:
         return [str(import_library(work))]
     if sys.platform == "darwin" if target is None else target.is_macos:

@@ -35,7 +35,7 @@ class Target:
 
     @property
     def is_macos(self) -> bool:
-        """Whether symbols of Python are looked up when a module is loaded only if the linker is told so."""
+        """Whether the linker must be told that Python's symbols are found when the module is loaded."""
         return "macos" in self.triple
 
 
@@ -52,7 +52,7 @@ def chosen_target() -> Target | None:
     """Return the system that ``WORLDGEN_TARGET`` names; None is this machine.
 
     Raises:
-        ValueError: If there is none of that name.
+        ValueError: If the name is unknown.
     """
     name = os.environ.get(VARIABLE)
     if not name:

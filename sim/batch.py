@@ -289,7 +289,8 @@ def _fill(
     digest: bool,
 ) -> None:
     """Turns the core's reports into results, with the rules of :attr:`sim.outcome.Outcome.verdict`."""
-    ending, steps = reports["ending"], reports["steps"]
+    ending = reports["ending"]
+    steps = reports["steps"]
     decided = {lib.WG_TUNNEL: "tunnel", lib.WG_BURNED: "burned", lib.WG_INVALID_COMMAND: "invalid-command"}
     confined = reports["last_new_cell"] <= steps // 2
     verdict = np.where(confined, _CODE["stalled"], _CODE["timeout"])

@@ -216,7 +216,9 @@ class _Search:
     def _step(self, states: Ints, values: Ints) -> tuple[Ints, Ints, Ints]:
         """States after one step, how it ended, and whether the random number was used up."""
         count = len(states)
-        after, endings, drew = np.empty_like(states), np.zeros(count, np.int64), np.zeros(count, np.int64)
+        after = np.empty_like(states)
+        endings = np.zeros(count, np.int64)
+        drew = np.zeros(count, np.int64)
         check(
             lib.wg_outcomes(
                 self._episode().c,

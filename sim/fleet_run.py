@@ -164,7 +164,8 @@ class _Fleet:
         """Put all robots at the starts that their settings name."""
         height, width = self._visited.shape[1:]
         for k, index in enumerate(self._world.tolist()):
-            settings, arena = self.settings[k], self._arenas[k]
+            settings = self.settings[k]
+            arena = self._arenas[k]
             row = min(settings.start_y // UNIT, height - 1)
             self._visited[k, row, min(settings.start_x // UNIT, width - 1)] = 1
             arena.visited = writable(ffi, self._visited[k], np.uint8)
@@ -203,7 +204,8 @@ class _Fleet:
     def reports(self) -> tuple[Reports, Ints]:
         """Return (n,) reports, and (n,) the first steps of loops with which runs ended, else -1."""
         n = len(self.settings)
-        reports, entries = np.zeros(n, REPORT), np.zeros(n, np.int64)
+        reports = np.zeros(n, REPORT)
+        entries = np.zeros(n, np.int64)
         lib.wg_fleet_reports(
             self._episodes, n, ffi.cast("WgReport *", ffi.from_buffer(reports)), writable(ffi, entries, np.int64)
         )

@@ -105,7 +105,9 @@ def _end(guard: Any, server: subprocess.Popen[bytes]) -> None:
 
 def main() -> None:
     """Serve a guard until its owner is gone."""
-    descriptor, size, name = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
+    descriptor = int(sys.argv[1])
+    size = int(sys.argv[2])
+    name = sys.argv[3]
     shared = mmap.mmap(descriptor, size)
     os.close(descriptor)
     lib.wg_guard_serve(_guard_in(shared), info_of(name).act)

@@ -289,7 +289,8 @@ class LatticeRun:
         for first in range(0, len(seeds), _MANY):
             part = slice(first, first + _MANY)
             into = ffi.cast("WgReport *", ffi.from_buffer(reports[part], require_writable=True))
-            own, numbers = np.ascontiguousarray(starts[part]), np.ascontiguousarray(seeds[part])
+            own = np.ascontiguousarray(starts[part])
+            numbers = np.ascontiguousarray(seeds[part])
             places = ffi.cast("WgStart *", pointer(ffi, own, np.int64))
             check(
                 lib.wg_run_many(
@@ -333,7 +334,8 @@ class LatticeRun:
         fault = self._fault(controller, episode) if episode.report.ending == lib.WG_CRASH else None
         if not record:
             return self._outcome(episode, None, fault=fault), episode
-        done, points = int(episode.report.steps), int(episode.report.points)
+        done = int(episode.report.steps)
+        points = int(episode.report.points)
         if self._lean and 8 * (done + 1) * (_STATE + episode.words) > MOST_HELD:
             outcome = self._outcome(episode, None, fault=fault)
             return replace(outcome, trace=self._lean_trace(controller, done, points)), episode
@@ -373,7 +375,8 @@ class LatticeRun:
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
         """The recording without the memory, which it can recall."""
-        settings, size = copy_of(self.settings), len(controller.memory)
+        settings = copy_of(self.settings)
+        size = len(controller.memory)
         settings.find_loop = lib.WG_NO_LOOP
         rows = np.zeros((steps + 1, _STATE + STATE_WORDS), np.int64)
         path, filled = np.zeros((points, _POINT_FIELDS), np.int64), 0

@@ -142,7 +142,8 @@ def first_crossing(vector: Vector, rows: Any) -> int:
     """First tick that ends in a free cell of another 4-connected component than the start's; -1 if none."""
     component = flood(vector["rows"], *(int(value // CELL) for value in vector["start"][:2]))
     for tick in range(1, len(rows)):
-        x, y = int(rows[tick]["x"] // CELL), int(rows[tick]["y"] // CELL)
+        x = int(rows[tick]["x"] // CELL)
+        y = int(rows[tick]["y"] // CELL)
         if vector["rows"][y][x] != "#" and (x, y) not in component:
             return tick
     return -1

@@ -146,8 +146,8 @@ static int drive(Grid grid, Disc *disc, Move move)
     return 1;
 }
 
-// Ahead, and after a bump on the spot for 5 to 24 steps; where the disc ends is returned, so that
-// nothing is left out.
+// Drives ahead, and after a bump turns on the spot for 5 to 24 steps. Returns where the disc ends, so that the compiler
+// cannot drop the work.
 double bounce(const uint8_t *cells, int64_t width, int64_t height, double x, double y,
               double radius, double step, double turn, uint64_t seed, int64_t steps)
 {

@@ -1,4 +1,4 @@
-// What a seat does with a run, beside running it.
+// What a seat does with a run in addition to running it.
 
 #ifndef WG_LOOKS_PARTS_H
 #define WG_LOOKS_PARTS_H

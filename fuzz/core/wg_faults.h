@@ -13,7 +13,7 @@ typedef struct WgFault {
     int64_t room;  // numbers of memory behind those of the controller without the fault, 0 at reset
 } WgFault;
 
-// The fault of a name; NULL if there is none.
+// The fault of a name; NULL if the name is unknown.
 const WgFault *wg_fault(const char *name);
 
 #endif

@@ -125,7 +125,8 @@ class Looks:
     @property
     def density(self) -> Floats:
         """Share of the cells inside the border that are solid."""
-        width, height = self.raw["width"], self.raw["height"]
+        width = self.raw["width"]
+        height = self.raw["height"]
         share: Floats = (self.solid - 2 * (width + height - 2)) / ((width - 2) * (height - 2))
         return share
 

@@ -5,7 +5,7 @@
 #include "step.h"
 #include "wg_runs.h"
 
-// What the work on one edit needs beside the episode.
+// What the work on one edit needs in addition to the episode.
 typedef struct Scratch {
     uint8_t *ever;   // (height, width) cells that are ever not free
     uint8_t *seen;   // (2 height + 1, 2 width + 1)

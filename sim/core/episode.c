@@ -27,7 +27,7 @@ WgStatus wg_episode_record(WgEpisode *episode, int64_t *rows, int64_t row_count,
     return WG_OK;
 }
 
-// Runs up to a step, with everything that a run can have. Returns whether it goes on.
+// Runs up to a step, with everything that a run can have. Returns true if it continues.
 static bool run_any(WgEpisode *episode, int64_t last)
 {
     const WgSettings *settings = episode->settings;

@@ -53,7 +53,7 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
     int64_t log = log_steps > 0 ? log_steps + 1 : 0;
     int64_t total = words + corner_words + beams + flat + answer + prints + words;
 
-    // The log is not cleared: a long one takes memory only as the run goes on, and no entry is read before it is written.
+    // The log is not cleared: a long one takes memory only as the run progresses, and no entry is read before it is written.
     WgEpisode *episode = calloc(1, sizeof *episode);
     uint64_t *rest = calloc((size_t)total, sizeof *rest);
     uint64_t *entries = log > 0 ? malloc((size_t)log * sizeof *entries) : NULL;

@@ -241,7 +241,7 @@ static double reward_of(WgCrew *crew, int64_t robot, bool touched)
     return reward;
 }
 
-// One action of a robot whose episode goes on.
+// One action of a robot whose episode continues.
 static void act(WgCrew *crew, int64_t robot, double turn, double speed, const WgTold *told)
 {
     float *observation = told->observation + robot * crew->size;

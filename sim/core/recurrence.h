@@ -1,6 +1,6 @@
 // Finds the step in which a run's complete state comes back, whatever the motion model.
 //
-// While a run goes on, each state leaves a 64-bit fingerprint in a log. A state that equals an earlier one is followed
+// During a run, each state leaves a 64-bit fingerprint in a log. A state that equals an earlier one is followed
 // by the same states, so once any state has come back, every later one has been there before. It is therefore enough to
 // look up the last state of the budget: if it is new, nothing in the run has come back. To stop early, states are
 // looked up before that too, each twice as far along as the one before.

@@ -65,7 +65,7 @@ typedef struct WgCrew {
     int64_t place_count;
     WgWorkspace workspace;
     uint8_t *cells;           // (count, page) where worlds change: each robot's own; else NULL
-    int32_t *near;            // likewise
+    int32_t *near;            // same
     int64_t page;             // cells of the largest world
     WgRobot *robots;          // (count,) without memories
     int64_t *world;           // (count,)

@@ -84,7 +84,7 @@ WgStatus wg_first_edit(WgEpisode *episode, WgSettings *settings, const WgSetting
 // states:   (count, words) complete states; the number of draws is left out of account.
 // faces:    (count,) which value the random number has that is drawn next, from 0, of WgSettings.coin.
 // after:    (count, words) filled; the number of draws is 0.
-// endings:  (count,) filled; WG_LIMIT where the run goes on.
+// endings:  (count,) filled; WG_LIMIT where the run continues.
 // drew:     (count,) filled; 1 if the random number was used up.
 WgStatus wg_outcomes(WgEpisode *episode, const int64_t *states, const int64_t *faces, int64_t count, int64_t *after,
                      int64_t *endings, int64_t *drew);
@@ -115,7 +115,7 @@ void wg_fleet_free(WgEpisode **episodes, int64_t count);
 // commands:      (count, 3) speed, turn rate, and whether the random number was used
 // after:         (count, memory) the robots' memories, as the controller wants them
 // observations:  (count, 17 + beams) filled for the slots that act
-// memories:      (count, memory) likewise
+// memories:      (count, memory) same
 //
 // Returns how many slots act.
 int64_t wg_fleet_step(WgEpisode **slots, int64_t count, const double *commands, const double *after,

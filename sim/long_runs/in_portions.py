@@ -56,7 +56,8 @@ def portions(controller: CompiledController, arena: Arena, settings: Any, steps:
     rows[0, 1:] = episode.state_words()
     yield Portion(0, rows[:1], path[:0])
     while not episode.c.over:
-        done, points = int(episode.report.steps), int(episode.report.points)
+        done = int(episode.report.steps)
+        points = int(episode.report.points)
         episode.record(rows[: min(most, steps - done)], path)
         episode.run(most)
         count = int(episode.report.steps) - done

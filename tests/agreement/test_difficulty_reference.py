@@ -34,10 +34,12 @@ def test_pockets_are_those_of_the_reference(name, seed):
     graph = nodes.graph
     places = np.flatnonzero(graph.clear)
     goal, start = (int(places[seed % (k + 1) * len(places) // (k + 1)]) for k in (1, 2))
-    x, y = goal % graph.stride, goal // graph.stride
+    x = goal % graph.stride
+    y = goal // graph.stride
     squared = (places % graph.stride - x) ** 2 + (places // graph.stride - y) ** 2
     order = np.argsort(squared, kind="stable")
-    places, squared = places[order], squared[order]
+    places = places[order]
+    squared = squared[order]
     at_start = int(squared[places == start][0])
 
     rank = np.full(graph.clear.size, -1)

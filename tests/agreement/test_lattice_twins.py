@@ -123,7 +123,8 @@ def test_the_heading_table_is_the_reference_s():
 @given(ROOM, PLACE, PLACE, STEP, STEP, st.integers(1, 2 * UNIT), st.integers(0, 2))
 def test_clear_poses_and_paths_are_the_reference_s(data, x, y, dx, dy, reach, state):
     cells = (np.frombuffer(data, np.uint8).reshape(8, 8) % 5 % 3).astype(np.uint8)
-    disc, way = (reach * reach - 7, reach), (x, y, x + dx, y + dy)
+    disc = (reach * reach - 7, reach)
+    way = (x, y, x + dx, y + dy)
     clear = core_parts.pose_is_clear(cells, state, *disc, x, y)
     assert clear == geometry.pose_is_clear(cells, state, *disc, x, y)
     met = core_parts.segment_first_not_clear(cells, state, *disc, way)

@@ -23,10 +23,12 @@ def test_a_drawn_layout_has_the_cells_of_its_world(data):
 @given(LAYOUT)
 @settings(max_examples=20)
 def test_a_layout_is_drawn_and_flooded_as_specified(data):
-    layouts, solid = np.frombuffer(data, np.uint8)[None, :], np.zeros(ROWS, np.int64)
+    layouts = np.frombuffer(data, np.uint8)[None, :]
+    solid = np.zeros(ROWS, np.int64)
     draw_layout(layouts, 0, solid)
     drawn = draw(data)
-    cells, near = np.zeros_like(drawn.cells), np.zeros_like(drawn.near)
+    cells = np.zeros_like(drawn.cells)
+    near = np.zeros_like(drawn.near)
     assert fill_arena(solid, cells, near) == drawn.solid
     assert cells.tolist() == drawn.cells.tolist() and near.tolist() == drawn.near.tolist()
     length = flood_length(layouts, 0, solid, np.zeros((3, ROWS), np.int64))

@@ -174,8 +174,10 @@ def test_a_slanting_distance_that_equals_the_radius_is_clear_but_only_fractions_
     walls[5, 5] = True  # (7, 6.75) is 1.25 from its corner (6, 6), and so is the line at right angles through it
     p, q = (11 * UNIT // 2, 35 * UNIT // 4), (17 * UNIT // 2, 19 * UNIT // 4)
     of = Walls(walls, Fraction(5, 4))
-    state, kept = np.array([0, 1, 1, 1, 2]), np.zeros(2, np.int64)
-    x, y = np.array([p[0], q[0]]), np.array([p[1], q[1]])
+    state = np.array([0, 1, 1, 1, 2])
+    kept = np.zeros(2, np.int64)
+    x = np.array([p[0], q[0]])
+    y = np.array([p[1], q[1]])
     arrays = [pointer(ffi, array, np.int64) for array in (x, y, state, kept)]
     done = ffi.new("int64_t *")
     whole = ffi.new("uint8_t[]", [1, 1])
@@ -218,9 +220,12 @@ def test_a_walk_over_links_is_that_of_the_reference(world, thorough, limit, targ
     radius = Fraction(str(world.robot_radius))
     places = [(round(UNIT * end.x), round(UNIT * end.y)) for end in (world.start, world.target)]
     links = _Links(world.walls, radius, places[0], places[1:] * targets)
-    states, layer = len(links.cells) << links.bits, len(links.cells) + 1
+    states = len(links.cells) << links.bits
+    layer = len(links.cells) + 1
     graph = (links.rank, links.place, links.rows.ravel(), links.slot, links.begins, links.ends, links.odd)
-    before, order, chain = [-1] * states, [0] * states, [0] * states
+    before = [-1] * states
+    order = [0] * states
+    chain = [0] * states
     work = (*(array.tolist() for array in graph), before, order, list(range(layer << links.bits)), chain)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("worldgen.reach.cut._PORTION", 7)

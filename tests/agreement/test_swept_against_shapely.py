@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.referee import referee
-from sim.lattice_parts import pose_is_clear, segment_first_not_clear, swept_move
+from tests.helpers.core_parts import pose_is_clear, segment_first_not_clear, swept_move
 from worldgen.lattice import UNIT, clear_distance_sq
 from worldgen.timeline import CellState
 

@@ -170,10 +170,13 @@ def test_a_run_with_every_kind_of_switch_has_the_bits_of_the_specification(chang
 @st.composite
 def scenarios(draw):
     """A small world with walls and changes, a robot with any switches, and what a run takes."""
-    width, height = draw(st.integers(5, 12)), draw(st.integers(5, 12))
-    columns, rows = st.integers(0, width - 1), st.integers(0, height - 1)
+    width = draw(st.integers(5, 12))
+    height = draw(st.integers(5, 12))
+    columns = st.integers(0, width - 1)
+    rows = st.integers(0, height - 1)
     inner = st.tuples(st.integers(1, width - 2), st.integers(1, height - 2))
-    target, start = draw(inner), draw(inner)
+    target = draw(inner)
+    start = draw(inner)
     light = signal_map(width, height, *target)
     cells = light.copy()
     for wall in draw(st.sets(st.tuples(columns, rows), max_size=30)) - {target, start}:

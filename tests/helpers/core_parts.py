@@ -3,11 +3,86 @@
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from sim._core import ffi, lib
-from sim.lattice_core import Arena, beam_tables, grid_of, headings
-from sim.lattice_parts import pose_is_clear, segment_first_not_clear, swept_move  # noqa: F401 - as the others
+from sim.lattice_core import MOST_CORNERS, Arena, beam_tables, grid_of, headings
 from worldgen.ccall import pointer, writable
+
+Cells = npt.NDArray[np.uint8]
+Chain = npt.NDArray[np.int64]
+
+
+def pose_is_clear(cells: Cells, state: int, clear_sq: int, reach: int, x: int, y: int) -> bool:
+    """Return True if the disc at (x, y) is clear of every cell in ``state``; cells outside the grid are solid.
+
+    Args:
+        cells: (height, width) cell states.
+        state: Which cells count.
+        clear_sq: Squared clear distance, lattice units squared.
+        reach: Its root, rounded up.
+        x: Lattice units.
+        y: Lattice units.
+    """
+    return bool(lib.wg_disc_is_clear(grid_of(cells), state, {"clear_sq": clear_sq, "reach": reach}, x, y))
+
+
+def segment_first_not_clear(
+    cells: Cells, state: int, clear_sq: int, reach: int, ends: tuple[int, int, int, int]
+) -> tuple[bool, int, int]:
+    """Return the first cell in ``state``, in order of rows, that the disc swept along a segment cuts.
+
+    Args:
+        cells: (height, width) cell states.
+        state: Which cells count.
+        clear_sq: Squared clear distance, lattice units squared.
+        reach: Its root, rounded up.
+        ends: px, py, qx, qy; p is taken as clear.
+
+    Returns:
+        Whether a cell is cut, and its ix and iy.
+    """
+    found = lib.wg_first_not_clear(grid_of(cells), state, {"clear_sq": clear_sq, "reach": reach}, ends)
+    return bool(found.found), int(found.ix), int(found.iy)
+
+
+def swept_move(
+    cells: Cells,
+    clear_sq: int,
+    reach: int,
+    ends: tuple[int, int, int, int],
+    during: tuple[float, float],
+    wall_friction: float,
+    chain: Chain,
+    count: int,
+) -> tuple[int, float, float]:
+    """Move a disc, stopping at walls and sliding along them.
+
+    Args:
+        cells: (height, width) cell states.
+        clear_sq: Squared clear distance, lattice units squared.
+        reach: Its root, rounded up.
+        ends: Start, a clear lattice pose, and displacement, lattice units: x, y, dx, dy.
+        during: When the move begins and ends, in shares of the step.
+        wall_friction: Share of a slide that the wall takes, 0 to 1.
+        chain: (n, 3) int64; rows x, y, time in the step are filled with the clear lattice points of the path
+            after the start.
+        count: Rows that are already filled; at most ``MOST_CORNERS`` follow.
+
+    Returns:
+        Rows filled then, and the normal of the last contact (0, 0: none).
+
+    Raises:
+        ValueError: If the chain has too few rows.
+    """
+    if len(chain) < count + MOST_CORNERS:
+        raise ValueError(f"a chain of {len(chain)} rows has no room for {MOST_CORNERS} corners after {count}")
+    x, y, dx, dy = ends
+    corners = ffi.cast("WgCorner *", writable(ffi, chain, np.int64))
+    disc = {"clear_sq": clear_sq, "reach": reach}
+    way = (x, y, x + dx, y + dy)
+    moved = lib.wg_swept_move(grid_of(cells), disc, way, *during, wall_friction, corners, count)
+    return int(moved.count), float(moved.contact.x), float(moved.contact.y)
 
 
 def heading_table() -> Any:
@@ -83,12 +158,15 @@ def beams_with_tables(cells, pose, beams, field, longest):
     """Return what beams measure that look up how far cells are free, lattice units."""
     settings = ffi.new("WgSettings *", {"beams": beams, "beam_field": field, "beam_range": longest, "metres": 1.0})
     settings.senses = lib.WG_SENSE_BEAMS
-    near, nothing = np.zeros(cells.shape, np.int32), np.zeros((0, 0), np.int32)
-    events, visited = np.zeros((0, 5), np.int64), np.zeros_like(cells)
+    near = np.zeros(cells.shape, np.int32)
+    nothing = np.zeros((0, 0), np.int32)
+    events = np.zeros((0, 5), np.int64)
+    visited = np.zeros_like(cells)
     arena = Arena(cells, near, nothing, events, visited, beam_tables(cells, settings))
     state = ffi.new("WgState *", pose)
     found = np.zeros(beams)
-    observation, odometry = ffi.new("WgObservation *"), ffi.new("WgOdometry *")
+    observation = ffi.new("WgObservation *")
+    odometry = ffi.new("WgOdometry *")
     out = writable(ffi, found, np.float64)
     lib.wg_sense_at(arena.c, settings, state, odometry, (0.0, 0.0), 0, observation, out)
     return found.tolist()
@@ -96,7 +174,8 @@ def beams_with_tables(cells, pose, beams, field, longest):
 
 def trigonometry(x):
     """Return fdlibm's sine, cosine and arc tangent of a number."""
-    of, found = np.array([x], np.float64), np.zeros((3, 1))
+    of = np.array([x], np.float64)
+    found = np.zeros((3, 1))
     parts = [writable(ffi, row, np.float64) for row in found]
     lib.wg_trigonometry(pointer(ffi, of, np.float64), 1, *parts)
     return tuple(found[:, 0].tolist())

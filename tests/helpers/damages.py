@@ -14,14 +14,17 @@ WORDS = (
 @st.composite
 def damages(draw):
     """A way to damage bytes: replaced, cut out, doubled, or with a word put in."""
-    at, length = draw(st.floats(0, 1)), draw(st.integers(0, 40))
+    at = draw(st.floats(0, 1))
+    length = draw(st.integers(0, 40))
     kind = draw(st.sampled_from(["cut", "flip", "drop", "double", "word", "number"]))
     word = draw(st.sampled_from(WORDS))
     bit = draw(st.integers(0, 7))
 
     def damage(data):
         place = int(at * len(data))
-        before, part, after = data[:place], data[place : place + length], data[place + length :]
+        before = data[:place]
+        part = data[place : place + length]
+        after = data[place + length :]
         if kind == "cut":
             return before
         if kind == "flip":

@@ -30,7 +30,8 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def answers(folder):
     """What each command prints; the campaign's failures are those that are replayed."""
-    world, found = folder / "w.grid", folder / "found"
+    world = folder / "w.grid"
+    found = folder / "found"
     search = ("--controller", "turn-right", "--lane", "native", "--examples", 1, "--units", 1, "--seed", 1)
     commands = {
         "verify": (world,),

@@ -49,7 +49,8 @@ class Swallows(TakesForever):
 
 @pytest.mark.parametrize("kind", [TakesForever, Swallows])
 def test_a_step_that_goes_on_when_the_time_is_over_is_broken_off(kind):
-    controller, before = kind(), steps_broken_off()
+    controller = kind()
+    before = steps_broken_off()
     with pytest.raises(OutOfTime), stopping_when(controller.is_over):
         simulate(generate("corridor", 1), controller, steps=50)
     assert controller.steps == 3

@@ -32,7 +32,8 @@ def hardness(seed, side=40):
 def test_steps_are_those_of_the_reference_in_its_order(seed):
     windows = ~ground(seed, 20)
     start = int(np.flatnonzero(windows)[0])
-    steps, queue = [-1] * windows.size, [0] * windows.size
+    steps = [-1] * windows.size
+    queue = [0] * windows.size
     count = ground_reference.flood(windows.tobytes(), steps, queue, start, windows.shape[1])
     found, order = steps_from(windows, start)
     assert found.tolist() == steps
@@ -44,8 +45,10 @@ def test_steps_are_those_of_the_reference_in_its_order(seed):
 def test_a_shortest_path_is_that_of_the_reference(seed):
     windows = ~ground(seed, 20)
     places = np.flatnonzero(windows).tolist()
-    start, goal = places[seed % len(places)], places[-1]
-    came, queue = [-1] * windows.size, [0] * windows.size
+    start = places[seed % len(places)]
+    goal = places[-1]
+    came = [-1] * windows.size
+    queue = [0] * windows.size
     ground_reference.breadth_first(windows.tobytes(), came, queue, start, goal, windows.shape[1])
     path = shortest_way(windows, start, goal)
     if came[goal] < 0:

@@ -64,7 +64,8 @@ def walk_squares(walls: Walls, side: int, source: int, goal: int) -> list[int]:
     Returns:
         Squares from source to goal, without those in the middle of a straight line; none if there is no way.
     """
-    made, progress = ffi.new("WgSquares **"), ffi.new("WgProgress *")
+    made = ffi.new("WgSquares **")
+    progress = ffi.new("WgProgress *")
     check(lib.wg_squares_new(walls.described, side, source, goal, made))
     try:
         while True:

@@ -200,8 +200,10 @@ def _spread_out(
         "goal": pointer(ffi, goal, np.uint8),
         "came": writable(ffi, came, np.int64),
     }
-    tiles, made = ffi.new("WgTiles *", fields), ffi.new("WgSpread **")
-    progress, slab = ffi.new("WgProgress *"), ffi.new("int64_t *")
+    tiles = ffi.new("WgTiles *", fields)
+    made = ffi.new("WgSpread **")
+    progress = ffi.new("WgProgress *")
+    slab = ffi.new("int64_t *")
     check(lib.wg_spread_new(tiles, ffi.new("int64_t[]", sources), len(sources), made))
     try:
         while True:

@@ -158,9 +158,11 @@ class _Links:
     @functools.cached_property
     def _walk(self) -> Any:
         """What C searches on."""
-        states, layer = len(self.cells) << self.bits, len(self.cells) + 1
+        states = len(self.cells) << self.bits
+        layer = len(self.cells) + 1
         self.before = np.full(states, -1, np.int32)
-        order, chain = np.empty(states, np.int32), np.empty(states, np.int32)
+        order = np.empty(states, np.int32)
+        chain = np.empty(states, np.int32)
         skip = np.arange(layer << self.bits, dtype=np.int32)
         self._held = (order, chain, skip)  # C has their addresses only
         fields = {

@@ -77,7 +77,8 @@ def safe_intervals(clear: npt.NDArray[np.bool_], spans: Blocked, classes: Sequen
         end = min(begin + _PORTION, clear.size)
         check(lib.wg_safe_intervals(asked, begin, end, made, ffi.NULL, ffi.NULL, False))
     first = np.cumsum(first)
-    begins, ends = np.empty(int(first[-1]), np.int64), np.empty(int(first[-1]), np.int64)
+    begins = np.empty(int(first[-1]), np.int64)
+    ends = np.empty(int(first[-1]), np.int64)
     outputs = tuple(writable(ffi, array, np.int64) for array in (first, begins, ends))
     for begin in range(0, clear.size, _PORTION):
         end = min(begin + _PORTION, clear.size)

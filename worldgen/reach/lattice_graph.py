@@ -73,7 +73,8 @@ def build_graph(solid: npt.NDArray[np.bool_], radius: Fraction, k: int) -> Graph
     shape = (k * height + 1, k * width + 1)
     if 2 * radius > min(height, width):  # nothing is clear
         return Graph(k, np.zeros(shape, np.bool_), np.zeros(shape, np.bool_))
-    clear, middle = np.empty(shape, np.bool_), np.empty(shape, np.bool_)
+    clear = np.empty(shape, np.bool_)
+    middle = np.empty(shape, np.bool_)
     cells = pointer(ffi, np.ascontiguousarray(solid), np.bool_)
     made = writable(ffi, clear, np.bool_), writable(ffi, middle, np.bool_)
     check(lib.wg_disc_rasters(cells, height, width, k, clear_from(radius, 2 * k), *made))

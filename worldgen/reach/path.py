@@ -126,8 +126,10 @@ def _least_of_whole(
     if last - first < 2:
         return Fraction(reach * reach), odd
     x, y = x[first:last], y[first:last]
-    sides, lengths_sq = np.empty(len(x), np.int64), np.empty(len(x), np.int64)
-    found, least = ffi.new("int64_t *"), ffi.new("int64_t *")
+    sides = np.empty(len(x), np.int64)
+    lengths_sq = np.empty(len(x), np.int64)
+    found = ffi.new("int64_t *")
+    least = ffi.new("int64_t *")
     nearest = (writable(ffi, sides, np.int64), writable(ffi, lengths_sq, np.int64), found, least)
     check(lib.wg_sweep_least(walls.described, *_as_read(x, y), len(x), reach, *nearest))
     pairs = set(zip(sides[: found[0]].tolist(), lengths_sq[: found[0]].tolist(), strict=True))

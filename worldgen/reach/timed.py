@@ -191,7 +191,9 @@ def _search(
     """Run the search: final state, and of the states their node, cost, predecessor and departure from that."""
     size, count = len(nodes.first) - 1, len(nodes.begin)
     node_of = np.repeat(np.arange(size, dtype=np.int32), np.diff(nodes.first))
-    cost, came, depart = np.full(count, FOREVER, np.int64), np.full(count, -1, np.int32), np.zeros(count, np.int64)
+    cost = np.full(count, FOREVER, np.int64)
+    came = np.full(count, -1, np.int32)
+    depart = np.zeros(count, np.int64)
     lists = (nodes.first, nodes.begin, nodes.end, middles.first, middles.begin, middles.end)
     names = ("first", "begin", "end", "mid_first", "mid_begin", "mid_end")
     fields = {
@@ -211,8 +213,10 @@ def _search(
         "came": writable(ffi, came, np.int32),
         "depart": writable(ffi, depart, np.int64),
     }
-    asked, made = ffi.new("WgTimed *", fields), ffi.new("WgTimedSearch **")
-    progress, final = ffi.new("WgProgress *"), ffi.new("int64_t *")
+    asked = ffi.new("WgTimed *", fields)
+    made = ffi.new("WgTimedSearch **")
+    progress = ffi.new("WgProgress *")
+    final = ffi.new("int64_t *")
     check(lib.wg_timed_new(asked, pointer(ffi, begun, np.int64), len(begun), made))
     try:
         while True:

@@ -155,10 +155,12 @@ class Interface:
 
     def observe(self, observation: Observation) -> Singles:
         """What the environment would have shown, from what a controller sees: (size,) float32."""
-        numbers, beams = np.array(observation[:-1], np.float64), np.array(observation.beams, np.float64)
+        numbers = np.array(observation[:-1], np.float64)
+        beams = np.array(observation.beams, np.float64)
         seen = ffi.new("WgObservation *")
         ffi.memmove(seen, pointer(ffi, numbers, np.float64), numbers.nbytes)
-        seen.beams, seen.beam_count = pointer(ffi, beams, np.float64), len(beams)
+        seen.beams = pointer(ffi, beams, np.float64)
+        seen.beam_count = len(beams)
         out = np.empty(sum(len(low) for low, _ in self.bounds().values()), np.float32)
         codes = self.codes
         sensors = pointer(ffi, codes, np.int64)

@@ -92,8 +92,10 @@ class Crew:
         codes, choices, beams = interface.codes, interface.choices, np.full(interface.needs.beams, np.nan)
         self.c.count, self.c.size = count, size
         self.c.rules = numbers
-        self.c.sensors, self.c.sensor_count = pointer(ffi, codes, np.int64), len(codes)
-        self.c.choices, self.c.choice_count = pointer(ffi, choices, np.float64), len(choices)
+        self.c.sensors = pointer(ffi, codes, np.int64)
+        self.c.sensor_count = len(codes)
+        self.c.choices = pointer(ffi, choices, np.float64)
+        self.c.choice_count = len(choices)
         self.c.workspace.beams = writable(ffi, beams, np.float64)
         self.c.workspace.observation.beams = self.c.workspace.beams
         self.c.workspace.observation.beam_count = len(beams)
@@ -116,8 +118,10 @@ class Crew:
         if changing:
             self.c.page = max(run.world.walls.size for run in runs)
             shape = (len(self.world), self.c.page)
-            cells, near = np.zeros(shape, np.uint8), np.zeros(shape, np.int32)
-            self.c.cells, self.c.near = writable(ffi, cells, np.uint8), writable(ffi, near, np.int32)
+            cells = np.zeros(shape, np.uint8)
+            near = np.zeros(shape, np.int32)
+            self.c.cells = writable(ffi, cells, np.uint8)
+            self.c.near = writable(ffi, near, np.int32)
             self._own = (cells, near)
         self._worlds = (places, held)
 

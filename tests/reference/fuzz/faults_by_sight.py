@@ -24,7 +24,8 @@ def three_layer_patience_starts_anew(observation: Floats, memory: Floats, comman
 @seeded("three-layer")
 def three_layer_forgets_its_map(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """The map is cleared with each new waypoint: what was learnt is lost with the reset."""
-    to_x, to_y = memory[layers.TO_X], memory[layers.TO_Y]
+    to_x = memory[layers.TO_X]
+    to_y = memory[layers.TO_Y]
     base(observation, memory, command)
     if memory[layers.TO_X] != to_x or memory[layers.TO_Y] != to_y:
         for k in range(2 * layers.SIDE):
@@ -35,7 +36,8 @@ def three_layer_forgets_its_map(observation: Floats, memory: Floats, command: Fl
 def three_layer_columns_and_rows_swapped(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Columns and rows are mixed up where the robot's cell is looked up."""
     if memory[layers.LAID] != 0.0:
-        x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
+        x = observation[layout.OBS_X]
+        y = observation[layout.OBS_Y]
         observation[layout.OBS_X], observation[layout.OBS_Y] = y, x
     base(observation, memory, command)
 

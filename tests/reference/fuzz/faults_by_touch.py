@@ -26,7 +26,8 @@ def bug1_hit_point_moves_along(observation: Floats, memory: Floats, command: Flo
     """Notes the hit point anew at each step along the wall, so it never comes back to it."""
     base(observation, memory, command)
     if memory[one.MODE] == one.ROUND:
-        memory[one.HIT], memory[one.HIT + 1] = observation[layout.OBS_X], observation[layout.OBS_Y]
+        memory[one.HIT] = observation[layout.OBS_X]
+        memory[one.HIT + 1] = observation[layout.OBS_Y]
 
 
 @seeded("bug1")
@@ -60,7 +61,8 @@ def bug2_leaves_by_equality(observation: Floats, memory: Floats, command: Floats
     """Leaves the wall only where it is on the line exactly: a comparison of floats for equality."""
     before = memory[two.MODE]
     base(observation, memory, command)
-    x, y = observation[layout.OBS_X] - memory[two.HIT_X], observation[layout.OBS_Y] - memory[two.HIT_Y]
+    x = observation[layout.OBS_X] - memory[two.HIT_X]
+    y = observation[layout.OBS_Y] - memory[two.HIT_Y]
     off = memory[two.LINE_X] * y - memory[two.LINE_Y] * x
     if before == two.ROUND and memory[two.MODE] != two.ROUND and off != 0.0:
         memory[two.MODE] = two.ROUND
@@ -85,15 +87,18 @@ def bug2_hit_point_not_kept(observation: Floats, memory: Floats, command: Floats
     """The hit point is forgotten at a corner, so the line then begins where the robot is."""
     base(observation, memory, command)
     if memory[two.MODE] == two.ROUND and memory[body.LOST] == 1.0:
-        memory[two.HIT_X], memory[two.HIT_Y] = observation[layout.OBS_X], observation[layout.OBS_Y]
+        memory[two.HIT_X] = observation[layout.OBS_X]
+        memory[two.HIT_Y] = observation[layout.OBS_Y]
 
 
 @seeded("bug2")
 def bug2_leaves_behind_the_hit_point(observation: Floats, memory: Floats, command: Floats, base: Act) -> None:
     """Leaves wherever it crosses the line: that the place must be nearer than the hit point is forgotten."""
-    from_x, from_y = memory[body.X] - memory[two.HIT_X], memory[body.Y] - memory[two.HIT_Y]
+    from_x = memory[body.X] - memory[two.HIT_X]
+    from_y = memory[body.Y] - memory[two.HIT_Y]
     base(observation, memory, command)
-    x, y = observation[layout.OBS_X] - memory[two.HIT_X], observation[layout.OBS_Y] - memory[two.HIT_Y]
+    x = observation[layout.OBS_X] - memory[two.HIT_X]
+    y = observation[layout.OBS_Y] - memory[two.HIT_Y]
     before = memory[two.LINE_X] * from_y - memory[two.LINE_Y] * from_x
     after = memory[two.LINE_X] * y - memory[two.LINE_Y] * x
     away = x * x + y * y > 0.01  # (0.1 m)^2: not at once

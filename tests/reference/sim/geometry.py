@@ -129,7 +129,8 @@ def segment_first_not_clear(
             a = (float(iy * UNIT - reach - py)) / float(dy)
             b = (float((iy + 1) * UNIT + reach - py)) / float(dy)
             first, last = max(0.0, min(a, b)), min(1.0, max(a, b))
-            one, two = px + math.floor(first * dx), px + math.ceil(last * dx)
+            one = px + math.floor(first * dx)
+            two = px + math.ceil(last * dx)
             left, right = min(one, two) - 1, max(one, two) + 1
         for ix in range(max((left - reach) // UNIT, -1), min((right + reach) // UNIT, cells.shape[1]) + 1):
             if cell_state(cells, ix, iy) == state and not segment_box_is_clear(clear_sq, px, py, qx, qy, ix, iy):

@@ -28,7 +28,8 @@ def walk_squares(solid: Any, side: Any, source: Any, goal: Any, state: Any, heig
             run = run + 1 if heights[ix] >= side else 0
             if run >= side:
                 state[(iy - side + 2) * stride + ix - side + 2] = 1
-    now, after = np.empty(1024, np.int32), np.empty(1024, np.int32)
+    now = np.empty(1024, np.int32)
+    after = np.empty(1024, np.int32)
     now[0], count = source, 1 if state[source] == 1 and state[goal] == 1 else 0
     state[source] = 6
     while count > 0 and state[goal] == 1:

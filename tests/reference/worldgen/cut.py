@@ -15,7 +15,8 @@ def odd_walk(
     Returns:
         Number of cells in ``chain``, the last first and the source last; and the number of looks.
     """
-    full, layer_size = (1 << bits) - 1, len(place) + 1
+    full = (1 << bits) - 1
+    layer_size = len(place) + 1
     goal, head, tail, level_end, depth, looked = (source << bits) + full, 0, 1, 1, 0, 0
     order[0] = source << bits
     before[source << bits] = source << bits
@@ -28,10 +29,12 @@ def odd_walk(
                 break
         state = order[head]
         head += 1
-        u, layer = state >> bits, state & full
+        u = state >> bits
+        layer = state & full
         if slot[u] >= 0:
             for link in range(begins[slot[u]], begins[slot[u] + 1]):
-                other_layer, cell = layer ^ odd[link], ends[link]
+                other_layer = layer ^ odd[link]
+                cell = ends[link]
                 other = (cell << bits) + other_layer
                 looked += 1
                 if before[other] < 0:
@@ -42,8 +45,10 @@ def odd_walk(
             continue
         base = layer * layer_size
         for row in range(len(rows) // 2):
-            at, wide = place[u] + rows[2 * row], rows[2 * row + 1]
-            last, v = base + rank[at + wide + 1], base + rank[at - wide]
+            at = place[u] + rows[2 * row]
+            wide = rows[2 * row + 1]
+            last = base + rank[at + wide + 1]
+            v = base + rank[at - wide]
             looked += 1
             while v < last:
                 while skip[v] != v:

@@ -98,7 +98,8 @@ def _search(
             if onward < cost[other]:
                 cost[other] = onward
                 came[other] = direction + 1
-                dx, dy = abs(other % stride - gx), abs(other // stride - gy)
+                dx = abs(other % stride - gx)
+                dy = abs(other // stride - gy)
                 guess = 70 * dx + 29 * dy if dx > dy else 70 * dy + 29 * dx
                 heapq.heappush(queue, (onward + guess) * 2147483648 + other)
     return spare

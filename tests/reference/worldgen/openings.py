@@ -24,8 +24,11 @@ def count_openings(  # noqa: PLR0912 - it is one kernel
     3 for its parts.
     """
     for k in range(len(places)):
-        x, y = places[k] % stride, places[k] // stride
-        first, last, stamp = begins[kind[k]], begins[kind[k] + 1], 4 * (k + 1)
+        x = places[k] % stride
+        y = places[k] // stride
+        first = begins[kind[k]]
+        last = begins[kind[k] + 1]
+        stamp = 4 * (k + 1)
         outer = ring_x[last - 1] * ring_x[last - 1] + ring_y[last - 1] * ring_y[last - 1]
         for only_reached in range(2):
             tail = 0
@@ -42,13 +45,15 @@ def count_openings(  # noqa: PLR0912 - it is one kernel
                             continue
                         if direction > 3 and middle[node + corners[direction]] == 0:
                             continue
-                        dx, dy = other % stride - x, other // stride - y
+                        dx = other % stride - x
+                        dy = other // stride - y
                         if dx * dx + dy * dy <= outer:
                             mark[other] = stamp + 1
                             queue[tail] = other
                             tail += 1
             for r in range(first, last):
-                i, j = x + ring_x[r], y + ring_y[r]
+                i = x + ring_x[r]
+                j = y + ring_y[r]
                 node = j * stride + i
                 if (
                     0 <= i < stride
@@ -60,7 +65,8 @@ def count_openings(  # noqa: PLR0912 - it is one kernel
                     mark[node] = stamp + 2
             parts = 0
             for r in range(first, last):
-                i, j = x + ring_x[r], y + ring_y[r]
+                i = x + ring_x[r]
+                j = y + ring_y[r]
                 node = j * stride + i
                 if i < 0 or i >= stride or j < 0 or node >= len(mark) or mark[node] != stamp + 2:
                     continue
@@ -70,7 +76,8 @@ def count_openings(  # noqa: PLR0912 - it is one kernel
                 while head < tail:
                     node = queue[head]
                     head += 1
-                    dx, dy = node % stride - x, node // stride - y
+                    dx = node % stride - x
+                    dy = node // stride - y
                     if dx * dx + dy * dy >= 4 * sizes[k]:
                         leads_on = 1
                     for direction in range(8):

@@ -15,7 +15,8 @@ def put_down(barred, stands, places, kinds, cells, cell_ends, halos, ends):
         ends: Where these end.
     """
     for turn in range(len(places)):
-        at, kind = places[turn], kinds[turn]
+        at = places[turn]
+        kind = kinds[turn]
         if barred[at] != 0:
             continue
         fits = True

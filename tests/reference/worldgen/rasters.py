@@ -35,9 +35,11 @@ class _Windows:
         """Array w with w[j, i] = any of the padded cells i .. i + count - 1 of row j."""
         level = count.bit_length() - 1
         while len(self._powers) <= level:
-            half, step = self._powers[-1], 1 << (len(self._powers) - 1)
+            half = self._powers[-1]
+            step = 1 << (len(self._powers) - 1)
             self._powers.append(half[:, :-step] | half[:, step:])
-        base, rest = self._powers[level], count - (1 << level)
+        base = self._powers[level]
+        rest = count - (1 << level)
         return base if rest == 0 else base[:, : base.shape[1] - rest] | base[:, rest:]
 
 
@@ -56,10 +58,12 @@ def clear_raster(
     for dj in range(-((reach + m - b) // m), (reach + b) // m + 1):
         dy = max(m * dj - b, 0, b - m * dj - m)
         across = math.isqrt(limit - dy * dy - 1)
-        low, high = -((across + m - a) // m), (across + a) // m
+        low = -((across + m - a) // m)
+        high = (across + a) // m
         count = high - low + 1
         if count not in made:
             made[count] = windows.any_of(count)
-        row, column = windows.pad + dj, windows.pad + low
+        row = windows.pad + dj
+        column = windows.pad + low
         blocked |= made[count][row : row + shape[0], column : column + shape[1]]
     return ~blocked

@@ -43,7 +43,8 @@ def _points_and_spans(
     steps = np.array([dy * cells.shape[1] + dx for found in classes for dx, dy in found], np.int64)
     class_first = np.concatenate([[0], np.cumsum([len(found) for found in classes])]).astype(np.int64)
     rows, columns = clear.shape
-    y, x = np.arange(rows, dtype=np.int32)[:, None], np.arange(columns, dtype=np.int32)[None, :]
+    y = np.arange(rows, dtype=np.int32)[:, None]
+    x = np.arange(columns, dtype=np.int32)[None, :]
     place = (y // k + pad) * cells.shape[1] + x // k + pad  # 32 bits: there are tens of millions of points
     kind = y % k * k + x % k
     points = [clear.view(np.uint8).ravel(), place.ravel(), kind.ravel()]
@@ -70,7 +71,8 @@ def _safe_intervals(
                 while at > 0 and low[at - 1] > span_begin[span]:
                     low[at], high[at] = low[at - 1], high[at - 1]
                     at -= 1
-                low[at], high[at] = span_begin[span], span_end[span]
+                low[at] = span_begin[span]
+                high[at] = span_end[span]
                 count += 1
         free, found = 0, 0  # free: tick from which on nothing seen so far blocks the point
         for i in range(count + 1):
@@ -89,7 +91,9 @@ def search(nodes: Any, middles: Any, stride: int, begun: Any, goal: Any, lean: A
     """Return the final state, and of the states their node, cost, predecessor and departure; as the package's does."""
     count = len(nodes.begin)
     node_of = np.repeat(np.arange(len(nodes.first) - 1), np.diff(nodes.first)).tolist()
-    cost, came, depart = [FOREVER] * count, [-1] * count, [0] * count
+    cost = [FOREVER] * count
+    came = [-1] * count
+    depart = [0] * count
     lists = [array.tolist() for part in (nodes, middles) for array in (part.first, part.begin, part.end)]
     final = _safe_search(
         *lists,
@@ -118,7 +122,8 @@ def _safe_search(
     queue = [(0, 0, 0)]
     heapq.heappop(queue)
     for i in range(len(begun)):
-        state, arrival = int(begun[i][0]), int(begun[i][1])
+        state = int(begun[i][0])
+        arrival = int(begun[i][1])
         cost[state] = arrival
         heapq.heappush(queue, (arrival, arrival, state))
     while len(queue) > 0:
@@ -129,9 +134,11 @@ def _safe_search(
         if goal[node] == 1:
             return state
         for direction in range(8):
-            other, takes = node + shifts[direction], axis if direction < 4 else diagonal
+            other = node + shifts[direction]
+            takes = axis if direction < 4 else diagonal
             for onto in range(first[other], first[other + 1]):
-                leave, close = max(now, begin[onto]), min(end[state], end[onto])
+                leave = max(now, begin[onto])
+                close = min(end[state], end[onto])
                 if leave + takes > close or leave + takes >= cost[onto]:
                     continue
                 if direction > 3:
@@ -143,7 +150,8 @@ def _safe_search(
                         continue
                     leave = found
                 cost[onto], came[onto], depart[onto] = leave + takes, state, leave
-                dx, dy = abs(other % stride - gx), abs(other // stride - gy)
+                dx = abs(other % stride - gx)
+                dy = abs(other // stride - gy)
                 guess = max(0, axis * max(dx, dy) + (diagonal - axis) * min(dx, dy) - slack)
                 heapq.heappush(queue, (leave + takes + guess, leave + takes, onto))
     return -1
@@ -163,7 +171,8 @@ def spread_out(
         here = tile[state]
         if goal[here] == 1:
             return now
-        x, y = here % columns, here // columns
+        x = here % columns
+        y = here // columns
         for iy in range(max(y - 1, 0), min(y + 2, rows)):
             for ix in range(max(x - 1, 0), min(x + 2, columns)):
                 other = iy * columns + ix

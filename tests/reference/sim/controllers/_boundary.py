@@ -42,13 +42,17 @@ ADVANCE, PRESS = 0.0, 1.0
 _STRIDE = 0.03 / 0.07  # of the radius: longest step along a wall; less than the diameter, or it steps over openings
 _LEAST_STRIDE = 0.005  # m: a robot smaller than half of this would take for ever
 _DEGREE = math.pi / 180.0
-_FLAT, _ROUND = 20.0 * _DEGREE, 40.0 * _DEGREE  # lean on a flat wall, and round a corner
+# lean on a flat wall, and round a corner
+_FLAT = 20.0 * _DEGREE
+_ROUND = 40.0 * _DEGREE
 _FLAT_AFTER = 2.0  # touches in a row by which a wall counts as flat
 _SEARCH = 30.0 * _DEGREE  # turn towards a wall that is lost, in each step
 _WHOLE_TURN, _WHOLE_TURNS = 12.0, 24.0  # steps of a search that turn it once, and after which the count goes back
 _GIVE_WAY = 40.0 * _DEGREE  # turn away from a wall at which it is stuck
 _SAME_FLAT = 5.0 * _DEGREE  # a wall that turns by less is flat
-_AHEAD, _BEHIND = 45.0 * _DEGREE, 120.0 * _DEGREE  # turns of one wall: into the way, and out of it
+# turns of one wall: into the way, and out of it
+_AHEAD = 45.0 * _DEGREE
+_BEHIND = 120.0 * _DEGREE
 _STANDS = 0.02  # a move ahead of less than this share of a step is none
 _PROGRESS = 0.5  # share of a step by which the target must come nearer; a slide that does goes on
 _PRESSES = 3.0  # presses without finding the wall before it is searched for
@@ -62,7 +66,9 @@ def stride(observation: Floats) -> float:
 
 def drive(observation: Floats, memory: Floats, command: Floats, direction: float, length: float) -> None:
     """Commands a step in a direction of the world, rad, of a length, m, and notes it."""
-    memory[X], memory[Y], memory[STEP] = observation[layout.OBS_X], observation[layout.OBS_Y], length
+    memory[X] = observation[layout.OBS_X]
+    memory[Y] = observation[layout.OBS_Y]
+    memory[STEP] = length
     turn = wrap(direction - observation[layout.OBS_HEADING])
     steer(observation, command, turn, length / observation[layout.OBS_TIME_STEP])
 
@@ -105,7 +111,9 @@ def begin_following(memory: Floats, wall: float) -> None:
 
 def _ahead(observation: Floats, memory: Floats) -> float:
     """How far the last step came in its direction, m; walls may have pushed the robot back, or aside."""
-    x, y, heading = observation[layout.OBS_X], observation[layout.OBS_Y], observation[layout.OBS_HEADING]
+    x = observation[layout.OBS_X]
+    y = observation[layout.OBS_Y]
+    heading = observation[layout.OBS_HEADING]
     return float((x - memory[X]) * cos(heading) + (y - memory[Y]) * sin(heading))
 
 

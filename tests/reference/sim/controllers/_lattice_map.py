@@ -77,7 +77,9 @@ def block(memory: Floats, x: int, y: int, move: int) -> None:
 def block_near(memory: Floats, x: float, y: float, radius: float) -> None:
     """Notes that all edges that pass a point nearer than a radius are blocked; both in nodes."""
     reach = math.floor(radius) + 2
-    low_x, low_y, side = int(memory[WINDOW_X]), int(memory[WINDOW_Y]), int(memory[SIDE])
+    low_x = int(memory[WINDOW_X])
+    low_y = int(memory[WINDOW_Y])
+    side = int(memory[SIDE])
     for j in range(max(math.floor(y) - reach, low_y + 1), min(math.floor(y) + reach + 1, low_y + side - 2) + 1):
         for i in range(max(math.floor(x) - reach, low_x + 1), min(math.floor(x) + reach + 1, low_x + side - 2) + 1):
             for move in range(4):
@@ -176,7 +178,8 @@ def _pop(heap: Ints, count: int) -> int:
 
 def _at_least(memory: Floats, x: int, y: int) -> int:
     """Cost that the way from a node to the target has at least."""
-    dx, dy = abs(x - float(memory[TARGET_X])), abs(y - float(memory[TARGET_Y]))
+    dx = abs(x - float(memory[TARGET_X]))
+    dy = abs(y - float(memory[TARGET_Y]))
     return math.floor(_STRAIGHT * max(dx, dy) + (_DIAGONAL - _STRAIGHT) * min(dx, dy))
 
 
@@ -186,17 +189,21 @@ def _search(memory: Floats, start: tuple[int, int], cost: Ints, came: Ints, heap
     A plan ends next to the target, or where it leaves the window, which is as good as the way left from there plus
     a charge that makes it the last resort.
     """
-    side, low_x, low_y = int(memory[SIDE]), int(memory[WINDOW_X]), int(memory[WINDOW_Y])
+    side = int(memory[SIDE])
+    low_x = int(memory[WINDOW_X])
+    low_y = int(memory[WINDOW_Y])
     first = (start[1] - low_y) * side + start[0] - low_x
     cost[first] = 0
     count = _push(heap, 0, (_at_least(memory, start[0], start[1]) << 32) | first)
     out, out_cost = -1, _UNKNOWN
     while count > 0:
-        node, bound = int(heap[0] & 0xFFFFFFFF), int(heap[0] >> 32)
+        node = int(heap[0] & 0xFFFFFFFF)
+        bound = int(heap[0] >> 32)
         count = _pop(heap, count)
         if bound >= out_cost:
             return out
-        x, y = low_x + node % side, low_y + node // side
+        x = low_x + node % side
+        y = low_y + node // side
         if bound > cost[node] + _at_least(memory, x, y):
             continue  # a better way to it was found since
         if has_door(memory, x, y):
@@ -224,7 +231,8 @@ def plan(memory: Floats, x: int, y: int) -> bool:
         Whether there is a way; it may have no moves.
     """
     side = int(memory[SIDE])
-    cost, came = np.full(side * side, _UNKNOWN), np.full(side * side, -1)
+    cost = np.full(side * side, _UNKNOWN)
+    came = np.full(side * side, -1)
     heap = np.empty(8 * side * side + 1, np.int64)
     last = _search(memory, (x, y), cost, came, heap)
     memory[PLAN_AT], memory[PLAN_LENGTH] = 0.0, 0.0
@@ -238,7 +246,8 @@ def plan(memory: Floats, x: int, y: int) -> bool:
         count += 1
     memory[PLAN_LENGTH] = float(min(count, _MOST_MOVES))
     for k in range(int(memory[PLAN_LENGTH])):
-        word, shift = PLAN + k // _MOVES_A_WORD, 3 * (k % _MOVES_A_WORD)
+        word = PLAN + k // _MOVES_A_WORD
+        shift = 3 * (k % _MOVES_A_WORD)
         before = 0 if shift == 0 else int(memory[word])
         memory[word] = float(before | (heap[count - 1 - k] << shift))
     return True

@@ -30,8 +30,12 @@ Floats = npt.NDArray[np.float64]
 # of the wall there; the leave point likewise, and its distance to the target; way since the hit, and to the leave
 # point; whether it has been away from the hit point.
 MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
-HIT, LEAVE, LEAVE_FAR = body.BODY_SIZE + 2, body.BODY_SIZE + 5, body.BODY_SIZE + 8
-WAY, LEAVE_WAY, AWAY = body.BODY_SIZE + 9, body.BODY_SIZE + 10, body.BODY_SIZE + 11
+HIT = body.BODY_SIZE + 2
+LEAVE = body.BODY_SIZE + 5
+LEAVE_FAR = body.BODY_SIZE + 8
+WAY = body.BODY_SIZE + 9
+LEAVE_WAY = body.BODY_SIZE + 10
+AWAY = body.BODY_SIZE + 11
 SIZE = body.BODY_SIZE + 12
 
 START, GOAL, MEET, ROUND, BACK = 0.0, 1.0, 2.0, 3.0, 4.0
@@ -44,21 +48,24 @@ _NEARER = 0.1  # of a step: a hit on the same wall must be so much nearer than t
 
 def _passes(observation: Floats, memory: Floats, place: int) -> bool:
     """Whether the last step passed a place of the memory, along the same wall."""
-    x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
+    x = observation[layout.OBS_X]
+    y = observation[layout.OBS_Y]
     apart = distance_to_way(memory[place], memory[place + 1], memory[body.X], memory[body.Y], x, y)
     turned = abs(wrap(memory[body.WALL] - memory[place + 2]))
     return bool(apart < _SAME_PLACE * body.stride(observation) and turned < _SAME_WALL)
 
 
 def _note(observation: Floats, memory: Floats, place: int) -> None:
-    memory[place], memory[place + 1] = observation[layout.OBS_X], observation[layout.OBS_Y]
+    memory[place] = observation[layout.OBS_X]
+    memory[place + 1] = observation[layout.OBS_Y]
     memory[place + 2] = memory[body.WALL]
 
 
 def _go_round(observation: Floats, memory: Floats, touches: bool) -> None:
     """One step of the way round: the nearest place, and whether the hit point is reached again."""
     far = observation[layout.OBS_TARGET_DISTANCE]
-    x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
+    x = observation[layout.OBS_X]
+    y = observation[layout.OBS_Y]
     memory[WAY] += distance(memory[body.X], memory[body.Y], x, y)
     if touches and (memory[MODE] == MEET or far < memory[LEAVE_FAR]):
         _note(observation, memory, LEAVE)

@@ -31,7 +31,8 @@ Floats = npt.NDArray[np.float64]
 # target and direction of the line (a unit vector); the place to leave at.
 MODE, FAR = body.BODY_SIZE, body.BODY_SIZE + 1
 HIT_X, HIT_Y, HIT_FAR, LINE_X, LINE_Y = (body.BODY_SIZE + k for k in range(2, 7))
-LEAVE_X, LEAVE_Y = body.BODY_SIZE + 7, body.BODY_SIZE + 8
+LEAVE_X = body.BODY_SIZE + 7
+LEAVE_Y = body.BODY_SIZE + 8
 SIZE = body.BODY_SIZE + 9
 
 START, GOAL, ROUND, BACK = 0.0, 1.0, 2.0, 3.0
@@ -46,28 +47,36 @@ def _hit(observation: Floats, memory: Floats) -> None:
     memory[MODE] = ROUND
     far = observation[layout.OBS_TARGET_DISTANCE]
     if far < memory[HIT_FAR] - 0.5 * _NEARER * body.stride(observation):
-        memory[HIT_X], memory[HIT_Y], memory[HIT_FAR] = observation[layout.OBS_X], observation[layout.OBS_Y], far
+        memory[HIT_X] = observation[layout.OBS_X]
+        memory[HIT_Y] = observation[layout.OBS_Y]
+        memory[HIT_FAR] = far
         heading = observation[layout.OBS_TARGET_HEADING]
-        memory[LINE_X], memory[LINE_Y] = cos(heading), sin(heading)
+        memory[LINE_X] = cos(heading)
+        memory[LINE_Y] = sin(heading)
 
 
 def _crosses(observation: Floats, memory: Floats) -> bool:
     """Whether the last step crossed the line at a place to leave at, which is then noted."""
-    from_x, from_y = memory[body.X] - memory[HIT_X], memory[body.Y] - memory[HIT_Y]
-    to_x, to_y = observation[layout.OBS_X] - memory[HIT_X], observation[layout.OBS_Y] - memory[HIT_Y]
+    from_x = memory[body.X] - memory[HIT_X]
+    from_y = memory[body.Y] - memory[HIT_Y]
+    to_x = observation[layout.OBS_X] - memory[HIT_X]
+    to_y = observation[layout.OBS_Y] - memory[HIT_Y]
     before = memory[LINE_X] * from_y - memory[LINE_Y] * from_x
     after = memory[LINE_X] * to_y - memory[LINE_Y] * to_x
     if (before > 0.0) == (after > 0.0):
         return False
     share = before / (before - after)
-    x, y = from_x + share * (to_x - from_x), from_y + share * (to_y - from_y)
+    x = from_x + share * (to_x - from_x)
+    y = from_y + share * (to_y - from_y)
     along = memory[LINE_X] * x + memory[LINE_Y] * y
     memory[LEAVE_X], memory[LEAVE_Y] = memory[HIT_X] + x, memory[HIT_Y] + y
     return bool(_NEARER * body.stride(observation) < along < memory[HIT_FAR])
 
 
 def _bug2(observation: Floats, memory: Floats, command: Floats) -> None:
-    far, x, y = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_X], observation[layout.OBS_Y]
+    far = observation[layout.OBS_TARGET_DISTANCE]
+    x = observation[layout.OBS_X]
+    y = observation[layout.OBS_Y]
     if memory[MODE] == START:
         memory[MODE] = GOAL
     elif memory[MODE] == GOAL and body.is_stopped(observation, memory, memory[FAR]):

@@ -90,15 +90,19 @@ def arc_to_contact(x: float, y: float, speed: float, turn_rate: float, radius: f
 def _fill(observation: Floats, points: Floats) -> None:
     """Fills in the ends of the beams, m, in the robot's frame."""
     for beam in range(points.shape[0]):
-        distance, angle = observation[layout.OBS_SIZE + beam], bearing_of(beam, points.shape[0])
-        points[beam, 0], points[beam, 1] = distance * cos(angle), distance * sin(angle)
+        distance = observation[layout.OBS_SIZE + beam]
+        angle = bearing_of(beam, points.shape[0])
+        points[beam, 0] = distance * cos(angle)
+        points[beam, 1] = distance * sin(angle)
 
 
 def _free_way(points: Floats, speed: float, turn_rate: float, radius: float, far: float) -> float:
     """Way along an arc until a disc meets the first beam's end, m; at most ``far``."""
     free = far
     for beam in range(points.shape[0]):
-        x, y, reach = points[beam, 0], points[beam, 1], free + radius
+        x = points[beam, 0]
+        y = points[beam, 1]
+        reach = free + radius
         if x * x + y * y < reach * reach:
             free = min(free, arc_to_contact(x, y, speed, turn_rate, radius))
     return free
@@ -108,9 +112,12 @@ def _facing(observation: Floats, speed: float, turn_rate: float, tuned: DynamicW
     """How well an arc faces the target after a while: 1 straight at it, 0 away from it."""
     turned = turn_rate * tuned.ahead
     # On an arc the way so far lies half the turn off the heading.
-    way, half, towards = speed * tuned.ahead, 0.5 * turned, target_bearing(observation)
+    way = speed * tuned.ahead
+    half = 0.5 * turned
+    towards = target_bearing(observation)
     far = observation[layout.OBS_TARGET_DISTANCE]
-    x, y = far * cos(towards) - way * cos(half), far * sin(towards) - way * sin(half)
+    x = far * cos(towards) - way * cos(half)
+    y = far * sin(towards) - way * sin(half)
     return 1.0 - abs(wrap(angle_of(x, y) - turned)) / math.pi
 
 
@@ -125,11 +132,13 @@ def drive(observation: Floats, memory: Floats, command: Floats, points: Floats, 
         tuned: Numbers.
     """
     _fill(observation, points)
-    step, top = observation[layout.OBS_TIME_STEP], observation[layout.OBS_TOP_SPEED]
+    step = observation[layout.OBS_TIME_STEP]
+    top = observation[layout.OBS_TOP_SPEED]
     radius = observation[layout.OBS_RADIUS] + tuned.margin
     if observation[layout.OBS_BUMP] != 0.0:
         memory[SPEED] = 0.0  # the wall has stopped the wheels
-    slow, fast = max(memory[SPEED] - tuned.gain * step, 0.0), min(memory[SPEED] + tuned.gain * step, top)
+    slow = max(memory[SPEED] - tuned.gain * step, 0.0)
+    fast = min(memory[SPEED] + tuned.gain * step, top)
     right = max(memory[TURN_RATE] - tuned.turn_gain * step, -tuned.fastest_turn)
     left = min(memory[TURN_RATE] + tuned.turn_gain * step, tuned.fastest_turn)
     best, best_speed, best_turn = -1.0, slow, tuned.fastest_turn
@@ -146,7 +155,8 @@ def drive(observation: Floats, memory: Floats, command: Floats, points: Floats, 
                 best, best_speed, best_turn = worth, speed, turn_rate
     memory[SPEED] = math.floor(best_speed * _GRAIN) / _GRAIN
     memory[TURN_RATE] = math.floor(best_turn * _GRAIN + 0.5) / _GRAIN
-    command[layout.CMD_SPEED], command[layout.CMD_TURN_RATE] = memory[SPEED], memory[TURN_RATE]
+    command[layout.CMD_SPEED] = memory[SPEED]
+    command[layout.CMD_TURN_RATE] = memory[TURN_RATE]
 
 
 def act(observation: Floats, memory: Floats, command: Floats) -> None:

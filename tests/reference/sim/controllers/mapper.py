@@ -49,9 +49,12 @@ _MOST_TRIES = 12.0  # steps on the way back that a wall may bend before the near
 
 def _begin(observation: Floats, memory: Floats) -> None:
     """Lays the grid through the start, and the window half-way to the target."""
-    memory[START_X], memory[START_Y] = observation[layout.OBS_X], observation[layout.OBS_Y]
-    far, heading = observation[layout.OBS_TARGET_DISTANCE] / memory[GRID], observation[layout.OBS_TARGET_HEADING]
-    memory[lattice.TARGET_X], memory[lattice.TARGET_Y] = far * cos(heading), far * sin(heading)
+    memory[START_X] = observation[layout.OBS_X]
+    memory[START_Y] = observation[layout.OBS_Y]
+    far = observation[layout.OBS_TARGET_DISTANCE] / memory[GRID]
+    heading = observation[layout.OBS_TARGET_HEADING]
+    memory[lattice.TARGET_X] = far * cos(heading)
+    memory[lattice.TARGET_Y] = far * sin(heading)
     half = memory[lattice.SIDE] / 2.0
     memory[lattice.WINDOW_X] = math.floor(memory[lattice.TARGET_X] / 2.0 - half)
     memory[lattice.WINDOW_Y] = math.floor(memory[lattice.TARGET_Y] / 2.0 - half)
@@ -59,7 +62,8 @@ def _begin(observation: Floats, memory: Floats) -> None:
 
 def _drive_to(observation: Floats, memory: Floats, command: Floats, x: float, y: float) -> None:
     """Commands a step towards a point, m."""
-    here_x, here_y = observation[layout.OBS_X], observation[layout.OBS_Y]
+    here_x = observation[layout.OBS_X]
+    here_y = observation[layout.OBS_Y]
     step = observation[layout.OBS_TIME_STEP]
     length = min(observation[layout.OBS_TOP_SPEED] * step, distance(here_x, here_y, x, y))
     turn = wrap(angle_of(x - here_x, y - here_y) - observation[layout.OBS_HEADING])
@@ -85,7 +89,8 @@ def _is_barred(observation: Floats, memory: Floats, x: float, y: float) -> bool:
 
 def _choose(observation: Floats, memory: Floats) -> None:
     """Chooses the next move from the node that the robot is at."""
-    x, y = int(memory[FROM_X]), int(memory[FROM_Y])
+    x = int(memory[FROM_X])
+    y = int(memory[FROM_Y])
     lattice.move_window(memory, x, y)
     move = lattice.next_move(memory)
     if move < 0 and not lattice.plan(memory, x, y):
@@ -101,12 +106,15 @@ def _choose(observation: Floats, memory: Floats) -> None:
 def _point(observation: Floats, memory: Floats) -> tuple[float, float]:
     """Where the robot is driving to, m."""
     if memory[MODE] == DOOR:
-        far, heading = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_TARGET_HEADING]
+        far = observation[layout.OBS_TARGET_DISTANCE]
+        heading = observation[layout.OBS_TARGET_HEADING]
         return observation[layout.OBS_X] + far * cos(heading), observation[layout.OBS_Y] + far * sin(heading)
     if memory[MODE] == TOUCH:
-        towards, length = body.touched(observation), _PROBE * memory[GRID]
+        towards = body.touched(observation)
+        length = _PROBE * memory[GRID]
         return observation[layout.OBS_X] + length * cos(towards), observation[layout.OBS_Y] + length * sin(towards)
-    x, y = int(memory[FROM_X]), int(memory[FROM_Y])
+    x = int(memory[FROM_X])
+    y = int(memory[FROM_Y])
     if memory[MODE] == GO:
         x, y = lattice.neighbour(x, y, int(memory[MOVE]))
     return memory[START_X] + memory[GRID] * x, memory[START_Y] + memory[GRID] * y
@@ -114,10 +122,12 @@ def _point(observation: Floats, memory: Floats) -> tuple[float, float]:
 
 def _feel(observation: Floats, memory: Floats) -> None:
     """Notes where the wall is that the robot felt for: there, if it did not slide."""
-    here_x, here_y = observation[layout.OBS_X], observation[layout.OBS_Y]
+    here_x = observation[layout.OBS_X]
+    here_y = observation[layout.OBS_Y]
     if observation[layout.OBS_BUMP] == 0.0 or distance(memory[X], memory[Y], here_x, here_y) > _STANDS * memory[GRID]:
         return
-    towards, radius = body.touched(observation), observation[layout.OBS_RADIUS]
+    towards = body.touched(observation)
+    radius = observation[layout.OBS_RADIUS]
     x = (here_x + radius * cos(towards) - memory[START_X]) / memory[GRID]
     y = (here_y + radius * sin(towards) - memory[START_Y]) / memory[GRID]
     lattice.block_near(memory, x, y, memory[NO_ROOM] * radius / memory[GRID])
@@ -134,7 +144,8 @@ def _look(observation: Floats, memory: Floats) -> bool:
     if memory[MODE] != DOOR and _arrived(observation, memory, x, y):
         if memory[MODE] == GO:
             to_x, to_y = lattice.neighbour(int(memory[FROM_X]), int(memory[FROM_Y]), int(memory[MOVE]))
-            memory[FROM_X], memory[FROM_Y] = float(to_x), float(to_y)
+            memory[FROM_X] = float(to_x)
+            memory[FROM_Y] = float(to_y)
         memory[TRIES] = 0.0
         return True
     if not barred and not (memory[MODE] == DOOR and _arrived(observation, memory, x, y)):

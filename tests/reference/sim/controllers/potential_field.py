@@ -54,17 +54,21 @@ def _push(gap: float, tuned: PotentialField) -> float:
 
 def drive(observation: Floats, memory: Floats, command: Floats, tuned: PotentialField) -> None:
     """One step: sums the forces in the robot's frame and drives along their sum."""
-    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
+    beams = observation.size - layout.OBS_SIZE
+    radius = observation[layout.OBS_RADIUS]
     towards = target_bearing(observation)
     pull = tuned.pull * min(observation[layout.OBS_TARGET_DISTANCE], tuned.far)
-    force_x, force_y, nearest = pull * cos(towards), pull * sin(towards), math.inf
+    force_x = pull * cos(towards)
+    force_y = pull * sin(towards)
+    nearest = math.inf
     for beam in range(beams):
         distance = observation[layout.OBS_SIZE + beam]
         nearest = min(nearest, distance)
         before = observation[layout.OBS_SIZE + (beam - 1) % beams]
         after = observation[layout.OBS_SIZE + (beam + 1) % beams]
         if distance < before and distance <= after:
-            push, angle = _push(distance - radius, tuned), bearing_of(beam, beams)
+            push = _push(distance - radius, tuned)
+            angle = bearing_of(beam, beams)
             force_x -= push * cos(angle)
             force_y -= push * sin(angle)
     force = math.sqrt(force_x * force_x + force_y * force_y)

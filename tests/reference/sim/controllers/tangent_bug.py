@@ -42,7 +42,8 @@ _PATIENCE = 60.0  # steps in which the way must have become shorter
 # Memory after the body's: what it does; shortest way so far, and steps since; the wall's least distance to the target;
 # distance to the target before the step; the place to leave for.
 MODE, BEST, SINCE, WALL_FAR, FAR = (body.BODY_SIZE + k for k in range(5))
-LEAVE_X, LEAVE_Y = body.BODY_SIZE + 5, body.BODY_SIZE + 6
+LEAVE_X = body.BODY_SIZE + 5
+LEAVE_Y = body.BODY_SIZE + 6
 SIZE = body.BODY_SIZE + 7
 
 GOAL, APPROACH, WALL, LEAVE = 0.0, 1.0, 2.0, 3.0
@@ -56,7 +57,8 @@ def _sight(observation: Floats) -> float:
 
 def _free_way(observation: Floats, bearing: float) -> float:
     """How far the disc can go in a direction from the heading, rad, past all points that beams met; m."""
-    beams, sight = observation.size - layout.OBS_SIZE, _sight(observation)
+    beams = observation.size - layout.OBS_SIZE
+    sight = _sight(observation)
     free = float(sight - observation[layout.OBS_RADIUS])
     wide = _TOUCHING * observation[layout.OBS_RADIUS]
     for beam in range(beams):
@@ -64,7 +66,8 @@ def _free_way(observation: Floats, bearing: float) -> float:
         if far >= 0.999 * sight:
             continue
         angle = wrap(bearing_of(beam, beams) - bearing)
-        along, across = far * cos(angle), far * sin(angle)
+        along = far * cos(angle)
+        across = far * sin(angle)
         if along > 0.0 and abs(across) < wide:
             free = min(free, along - math.sqrt(wide * wide - across * across))
     return max(free, 0.0)
@@ -83,7 +86,8 @@ def _best_end(observation: Floats) -> tuple[float, float, float]:
     Returns:
         The length of that way, m (inf: there is no end); the end's direction from the heading, rad; its distance.
     """
-    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
+    beams = observation.size - layout.OBS_SIZE
+    radius = observation[layout.OBS_RADIUS]
     best, best_bearing, best_length = math.inf, 0.0, 0.0
     first = _free_way(observation, 0.0)
     before = first
@@ -124,7 +128,8 @@ def _take_up(memory: Floats, far: float) -> None:
 
 def _go(observation: Floats, memory: Floats, command: Floats) -> None:
     """Towards the target, or to the best end of the wall before it; a wall that both fail at is taken up."""
-    far, heading = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_HEADING]
+    far = observation[layout.OBS_TARGET_DISTANCE]
+    heading = observation[layout.OBS_HEADING]
     ahead = observation[layout.OBS_TARGET_HEADING] - heading
     way, bearing, length = far, ahead, far
     if _free_way(observation, ahead) < min(far, 0.999 * (_sight(observation) - observation[layout.OBS_RADIUS])):
@@ -146,9 +151,12 @@ def _go(observation: Floats, memory: Floats, command: Floats) -> None:
 
 def _see_wall(observation: Floats, memory: Floats, side: int) -> None:
     """Takes in how near to the target the wall comes that is followed, as far as it is seen to one side, 1 or -1."""
-    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS]
+    beams = observation.size - layout.OBS_SIZE
+    radius = observation[layout.OBS_RADIUS]
     towards = wrap(memory[body.WALL] - observation[layout.OBS_HEADING]) / WHOLE_TURN
-    beam, before, sight = math.floor(towards * beams + 0.5), radius, _sight(observation)
+    beam = math.floor(towards * beams + 0.5)
+    before = radius
+    sight = _sight(observation)
     for k in range(beams // 2):
         at = (beam + side * k) % beams
         far = observation[layout.OBS_SIZE + at]
@@ -173,14 +181,16 @@ def _see_whether_to_leave(observation: Floats, memory: Floats) -> None:
 
 def _leave(observation: Floats, memory: Floats, command: Floats) -> None:
     """Drives to the place for which a wall is left."""
-    x, y = observation[layout.OBS_X], observation[layout.OBS_Y]
+    x = observation[layout.OBS_X]
+    y = observation[layout.OBS_Y]
     left = distance(x, y, memory[LEAVE_X], memory[LEAVE_Y])
     step = observation[layout.OBS_TOP_SPEED] * observation[layout.OBS_TIME_STEP]
     body.drive(observation, memory, command, angle_of(memory[LEAVE_X] - x, memory[LEAVE_Y] - y), min(step, left))
 
 
 def _tangent_bug(observation: Floats, memory: Floats, command: Floats) -> None:
-    far, bump = observation[layout.OBS_TARGET_DISTANCE], observation[layout.OBS_BUMP] != 0.0
+    far = observation[layout.OBS_TARGET_DISTANCE]
+    bump = observation[layout.OBS_BUMP] != 0.0
     if memory[MODE] == LEAVE:
         moved = distance(memory[body.X], memory[body.Y], observation[layout.OBS_X], observation[layout.OBS_Y])
         if far < memory[WALL_FAR] - 0.5 * _NEARER:

@@ -65,12 +65,16 @@ class ThreeLayer(NamedTuple):
 
 def _lay(observation: Floats, memory: Floats, tuned: ThreeLayer) -> None:
     """Lays the map about the middle between start and target, the target in the middle of its cell."""
-    towards, far = observation[layout.OBS_TARGET_HEADING], observation[layout.OBS_TARGET_DISTANCE]
+    towards = observation[layout.OBS_TARGET_HEADING]
+    far = observation[layout.OBS_TARGET_DISTANCE]
     pitch = max(tuned.pitch * observation[layout.OBS_RADIUS], tuned.reach * far / SIDE)
-    way_x, way_y = far * cos(towards), far * sin(towards)
-    column, row = SIDE // 2 + math.floor(0.5 * way_x / pitch), SIDE // 2 + math.floor(0.5 * way_y / pitch)
+    way_x = far * cos(towards)
+    way_y = far * sin(towards)
+    column = SIDE // 2 + math.floor(0.5 * way_x / pitch)
+    row = SIDE // 2 + math.floor(0.5 * way_y / pitch)
     memory[PITCH], memory[LAID], memory[TO_X] = pitch, 1.0, -1.0
-    memory[TARGET_X], memory[TARGET_Y] = float(column), float(row)
+    memory[TARGET_X] = float(column)
+    memory[TARGET_Y] = float(row)
     memory[CORNER_X] = observation[layout.OBS_X] + way_x - (column + 0.5) * pitch
     memory[CORNER_Y] = observation[layout.OBS_Y] + way_y - (row + 0.5) * pitch
 
@@ -86,7 +90,8 @@ def _spread(memory: Floats, near: Ints, wave: Ints) -> bool:
     """One round of the flood: cells next to ``near`` go into ``wave``; whether there was a new one."""
     grown = False
     for row in range(SIDE):
-        right, cells = int(memory[RIGHT + row]), near[row]
+        right = int(memory[RIGHT + row])
+        cells = near[row]
         new = cells | ((cells & ~right) << 1) | ((cells >> 1) & ~right)
         if row > 0:
             new |= near[row - 1] & ~int(memory[UP + row - 1])
@@ -138,7 +143,8 @@ def _close(memory: Floats, here: tuple[int, int], there: tuple[int, int]) -> Non
     """Marks the way between two cells as closed, if they are neighbours."""
     if _steps_between(here, there) != 1:
         return
-    column, row = min(here[0], there[0]), min(here[1], there[1])
+    column = min(here[0], there[0])
+    row = min(here[1], there[1])
     first = RIGHT if here[1] == there[1] else UP
     memory[first + row] = float(int(memory[first + row]) | (1 << column))
 
@@ -157,7 +163,8 @@ def _sequence(observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned
     before = (int(memory[HERE_X]), int(memory[HERE_Y]))
     if here != before:
         memory[FROM_X], memory[FROM_Y] = memory[HERE_X], memory[HERE_Y]
-        memory[HERE_X], memory[HERE_Y] = float(here[0]), float(here[1])
+        memory[HERE_X] = float(here[0])
+        memory[HERE_Y] = float(here[1])
     there = (int(memory[TO_X]), int(memory[TO_Y]))
     memory[WAITED] += 1.0
     late = memory[WAITED] > tuned.patience * (1.0 + memory[FORGOTTEN])
@@ -175,18 +182,21 @@ def _sequence(observation: Floats, memory: Floats, near: Ints, wave: Ints, tuned
     there = next_cell(memory, here, target, near, wave)
     if there[0] < 0:
         _forget(memory)
-    memory[TO_X], memory[TO_Y] = float(there[0]), float(there[1])
+    memory[TO_X] = float(there[0])
+    memory[TO_Y] = float(there[1])
 
 
 def _is_free(observation: Floats, turn: float, look: float, tuned: ThreeLayer) -> bool:
     """Whether the disc can drive straight on so far, m, in a direction from the heading, by what the beams see."""
-    beams, radius = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS] + tuned.margin
+    beams = observation.size - layout.OBS_SIZE
+    radius = observation[layout.OBS_RADIUS] + tuned.margin
     for beam in range(beams):
         distance = observation[layout.OBS_SIZE + beam]
         if distance > look + radius:
             continue
         angle = bearing_of(beam, beams) - turn
-        along, across = distance * cos(angle), distance * sin(angle)
+        along = distance * cos(angle)
+        across = distance * sin(angle)
         short = radius * radius - across * across
         if along > 0.0 and short > 0.0 and along - math.sqrt(short) < look:
             return False
@@ -195,7 +205,8 @@ def _is_free(observation: Floats, turn: float, look: float, tuned: ThreeLayer) -
 
 def _react(observation: Floats, memory: Floats, command: Floats, tuned: ThreeLayer) -> None:
     """The controller: drives in the free direction nearest to the waypoint's, or to the target's in the last cell."""
-    wanted, beams = target_bearing(observation), observation.size - layout.OBS_SIZE
+    wanted = target_bearing(observation)
+    beams = observation.size - layout.OBS_SIZE
     look = min(tuned.look, observation[layout.OBS_TARGET_DISTANCE])
     if memory[TO_X] >= 0.0:
         x = memory[CORNER_X] + (memory[TO_X] + 0.5) * memory[PITCH] - observation[layout.OBS_X]

@@ -62,7 +62,8 @@ class VfhPlus(NamedTuple):
 
 def _fill(observation: Floats, density: Floats, tuned: VfhPlus) -> None:
     """Stage 1: the polar histogram; each beam's obstacle covers the sectors that the widened obstacle covers."""
-    beams, reach = observation.size - layout.OBS_SIZE, observation[layout.OBS_RADIUS] * (1.0 + tuned.safety)
+    beams = observation.size - layout.OBS_SIZE
+    reach = observation[layout.OBS_RADIUS] * (1.0 + tuned.safety)
     window = tuned.window * observation[layout.OBS_RADIUS]
     for beam in range(beams):
         distance = observation[layout.OBS_SIZE + beam]
@@ -94,10 +95,12 @@ def _reachable_side(observation: Floats, tuned: VfhPlus) -> tuple[float, float]:
     if turn <= 0.0:
         return right, left
     for beam in range(beams):
-        angle, distance = wrap(bearing_of(beam, beams)), observation[layout.OBS_SIZE + beam]
+        angle = wrap(bearing_of(beam, beams))
+        distance = observation[layout.OBS_SIZE + beam]
         if distance >= tuned.window * observation[layout.OBS_RADIUS]:
             continue
-        x, y = distance * cos(angle), distance * sin(angle)
+        x = distance * cos(angle)
+        y = distance * sin(angle)
         if angle < 0.0 and x * x + (y + turn) * (y + turn) < near * near:
             right = max(right, angle)
         if angle > 0.0 and x * x + (y - turn) * (y - turn) < near * near:
@@ -141,7 +144,8 @@ def _choose(heading: float, target: float, sides: tuple[float, float], memory: F
         if width > 0:
             ways = (0.5 * (right + left - 1), -1.0, -1.0)
             if width > tuned.wide:
-                near, far = right + 0.5 * tuned.wide, left - 1 - 0.5 * tuned.wide
+                near = right + 0.5 * tuned.wide
+                far = left - 1 - 0.5 * tuned.wide
                 inside = (target - near) % SECTORS <= far - near
                 ways = (near, far, target if inside else -1.0)
             for way in ways:
