@@ -1,23 +1,110 @@
-"""Errors that a user can cause, each a sentence: what came, the rule, the way out."""
+"""Errors that a user can cause, as data: a code, the facts, and templates that put them into words."""
 
 from __future__ import annotations
+
+import string
+from typing import Any
+
+from worldgen.plain_text import quote
 
 __all__ = [
     "FormatError",
     "GenerationFailed",
     "InvalidParameter",
     "InvalidWorld",
+    "Message",
     "NotAGrid",
     "OutputError",
     "WorldgenError",
 ]
 
 
-class WorldgenError(Exception):
-    """Base of every error that is the input's fault, not the program's.
+class _Words(string.Formatter):
+    """``str.format`` with one more conversion: ``{name!q}`` quotes text that came from outside."""
 
-    The command line prints the message alone and exits with 2.
+    def convert_field(self, value: Any, conversion: Any) -> Any:
+        return quote(value) if conversion == "q" else super().convert_field(value, conversion)
+
+
+class Message:
+    """What a program has to tell its user: a code and facts, and how they read.
+
+    Programs and tests compare ``code`` and ``facts``; neither changes when the wording does. A front end that has other
+    means than the command line, such as the studio's page, words the remedy itself, by the code.
+
+    Args:
+        code: Names the rule, in lower case with dashes: ``door-too-narrow``.
+        problem: Template of what came and the rule: ``"door_width={door_width:g} m is less than {least:g} m"``.
+            A field is a fact, as in ``str.format``; ``{name!q}`` quotes text from outside.
+        remedy: Template of the way out: ``"widen the door"``; empty if the problem already says it.
+        facts: The values, by name.
     """
+
+    def __init__(self, code: str, problem: str, remedy: str = "", /, **facts: Any) -> None:
+        self.code = code
+        self.facts = facts
+        self._problem = problem
+        self._remedy = remedy
+
+    @property
+    def problem(self) -> str:
+        """What came and the rule it breaks, in words."""
+        return self.word(self._problem)
+
+    @property
+    def remedy(self) -> str:
+        """The way out, in the command line's words; empty if there is none to give."""
+        return self.word(self._remedy)
+
+    def word(self, template: str) -> str:
+        """Fill a template with the facts, such as a front end's own remedy for this code."""
+        return _Words().vformat(template, (), self.facts)
+
+    def __str__(self) -> str:
+        return "; ".join(filter(None, (self.problem, self.remedy)))
+
+
+class WorldgenError(Exception):
+    """Base of every error that the input causes, not the program.
+
+    The command line prints the error and exits with 2. ``str(error)`` is the whole sentence; ``error.message`` its parts.
+
+    Args:
+        code: As in `Message`, and so are the others.
+        problem: Template of what came and the rule.
+        remedy: Template of the way out.
+        facts: The values, by name.
+    """
+
+    def __init__(self, code: str, problem: str = "", remedy: str = "", /, **facts: Any) -> None:
+        super().__init__(code)
+        if not problem:  # a sentence without a code, as errors were raised before; goes when none is left
+            self.message = Message("", "{sentence}", sentence=code)
+        else:
+            self.message = Message(code, problem, remedy, **facts)
+
+    @property
+    def code(self) -> str:
+        """The rule that was broken, in lower case with dashes; it stays when the wording changes."""
+        return self.message.code
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """The values that the message is about, by name."""
+        return self.message.facts
+
+    def __str__(self) -> str:
+        return str(self.message)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # An exception is pickled by its arguments, which have no room for keywords.
+        return _restore, (type(self), self.args, self.__dict__)
+
+
+def _restore(kind: type[WorldgenError], args: tuple[Any, ...], state: dict[str, Any]) -> WorldgenError:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(state)
+    return error
 
 
 class InvalidParameter(WorldgenError, ValueError):
@@ -33,24 +120,45 @@ class GenerationFailed(WorldgenError):
 
 
 class OutputError(WorldgenError):
-    """A file that cannot be written, or that is there already."""
+    """A file that cannot be written, or that already exists."""
 
 
 class FormatError(WorldgenError, ValueError):
     """A file that breaks the rules of its format.
 
     Args:
-        message: What came, the rule, the way out.
-        line: Line of the fault, counted from 1; ``None`` where the file has no lines.
+        code: As in `Message`, and so are the others.
+        problem: Template of what came and the rule.
+        remedy: Template of the way out.
+        line: Line of the fault, counted from 1; ``None`` if the file has no lines.
         source: The file's name for the message.
+        facts: The values, by name.
     """
 
-    def __init__(self, message: str, *, line: int | None = None, source: str | None = None) -> None:
-        self.message, self.line, self.source = message, line, source
-        place = ":".join(str(part) for part in (source, line) if part is not None)
-        if source is None and line is not None:
-            place = f"line {line}"
-        super().__init__(f"{place}: {message}" if place else message)
+    def __init__(
+        self,
+        code: str,
+        problem: str = "",
+        remedy: str = "",
+        /,
+        *,
+        line: int | None = None,
+        source: str | None = None,
+        **facts: Any,
+    ) -> None:
+        super().__init__(code, problem, remedy, **facts)
+        self.line = line
+        self.source = source
+
+    @property
+    def place(self) -> str:
+        """``FILE:LINE``, as far as known."""
+        if self.source is None and self.line is not None:
+            return f"line {self.line}"
+        return ":".join(str(part) for part in (self.source, self.line) if part is not None)
+
+    def __str__(self) -> str:
+        return ": ".join(filter(None, (self.place, str(self.message))))
 
 
 class NotAGrid(FormatError):

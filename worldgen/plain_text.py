@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-__all__ = ["GAP", "aligned", "counted", "shown", "shown_lines", "value_in_words"]
+__all__ = ["GAP", "aligned", "counted", "quote", "shown", "shown_lines", "value_in_words"]
 
 GAP = "  "  # between two columns
 
@@ -32,6 +32,19 @@ def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> str:
 def counted(count: int, one: str, many: str = "") -> str:
     """The count and its noun: ``1 map``, ``2 maps``; ``many`` where an s is not enough."""
     return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def quote(text: object, limit: int = 40) -> str:
+    """Return text from outside in quotes, short enough for a message, with nothing that a terminal would obey.
+
+    Args:
+        text: Bytes that are not UTF-8 are shown as escapes; anything but text by its ``repr``.
+        limit: The longest result, in characters.
+    """
+    if isinstance(text, bytes | bytearray):
+        text = bytes(text[: 4 * limit]).decode("utf-8", "backslashreplace")
+    quoted = repr(text)
+    return quoted if len(quoted) <= limit else f"{quoted[: limit - 3]}..."
 
 
 def shown(text: object) -> str:

@@ -106,6 +106,6 @@ def check_world(path: Path) -> None:
     try:
         read_world(path) if is_world_file(path.name) else read_map(path)
     except WorldgenError as error:
-        said = error.message if isinstance(error, FormatError) else str(error)  # without the path
+        said = str(error.message) if isinstance(error, FormatError) else str(error)  # without the path
         if " --" not in said:  # options, which are fields on the page
             raise

@@ -220,7 +220,7 @@ def test_a_fault_has_its_line_and_its_message(name):
     old, new, line, message = (HEADER_FAULTS | SECTION_FAULTS)[name]
     count = -1 if name == "windows" else 1
     error = complaint(GOOD.replace(old, new, count).encode())
-    assert (error.line, message in error.message) == (line, True), str(error)
+    assert (error.line, message in str(error.message)) == (line, True), str(error)
 
 
 @pytest.mark.parametrize(
@@ -236,7 +236,7 @@ def test_a_fault_has_its_line_and_its_message(name):
 )
 def test_a_fault_in_a_cut_has_its_line_and_its_message(old, new, line, message):
     error = complaint(CUT.replace(old, new, 1).encode())
-    assert (error.line, message in error.message) == (line, True), str(error)
+    assert (error.line, message in str(error.message)) == (line, True), str(error)
 
 
 @pytest.mark.parametrize(
@@ -251,7 +251,7 @@ def test_a_fault_in_a_cut_has_its_line_and_its_message(old, new, line, message):
 )
 def test_a_fault_in_a_drawn_world_has_its_line_and_its_message(old, new, line, message):
     error = complaint(DRAWN.replace(old, new, 1).encode())
-    assert (error.line, message in error.message) == (line, True), str(error)
+    assert (error.line, message in str(error.message)) == (line, True), str(error)
 
 
 @pytest.mark.parametrize(
@@ -269,7 +269,7 @@ def test_a_fault_in_a_drawn_world_has_its_line_and_its_message(old, new, line, m
 )
 def test_bytes_that_are_no_text_have_their_line_and_message(data, line, message):
     error = complaint(data)
-    assert (error.line, message in error.message) == (line, True), str(error)
+    assert (error.line, message in str(error.message)) == (line, True), str(error)
 
 
 def test_the_fault_in_the_last_of_many_lines_has_its_line():

@@ -158,5 +158,5 @@ def _problem(files: Sequence[tuple[Path, int]], number: int) -> tuple[Path, int]
 
 def _without_name(error: WorldgenError, path: Path) -> str:
     if isinstance(error, FormatError):
-        return error.message if error.line is None else f"line {error.line}: {error.message}"
+        return str(error.message) if error.line is None else f"line {error.line}: {error.message}"
     return str(error).removeprefix(f"{path}: ")

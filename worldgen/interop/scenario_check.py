@@ -212,7 +212,7 @@ def _fault(problems: Problems, row: int, ours: npt.NDArray[np.float64], blocked:
 
 
 def _sentence(error: FormatError) -> str:
-    return error.message if error.line is None else f"line {error.line}: {error.message}"
+    return str(error.message) if error.line is None else f"line {error.line}: {error.message}"
 
 
 def total(reports: Sequence[ScenarioReport]) -> dict[str, int | float]:

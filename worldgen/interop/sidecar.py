@@ -96,7 +96,7 @@ def _bytes(path: Path) -> bytes:
     try:
         return read_bounded(path, _MOST_BYTES)
     except FormatError as error:  # whose way out is for maps
-        fault, _, _ = error.message.partition(";")
+        fault, _, _ = str(error.message).partition(";")
         raise FormatError(f"{fault}; delete it, or export the world again", source=str(path)) from error
 
 
