@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import string
-from typing import Any
+from pathlib import PurePath
+from typing import Any, Self
 
 from worldgen.plain_text import quote
 
@@ -19,11 +20,36 @@ __all__ = [
 ]
 
 
+class _Listed(str):
+    """Items between commas; the format specification is what an empty list reads as."""
+
+    def __format__(self, if_empty: str) -> str:
+        return str(self) or if_empty
+
+
 class _Words(string.Formatter):
-    """``str.format`` with one more conversion: ``{name!q}`` quotes text that came from outside."""
+    """``str.format`` with two more conversions.
+
+    ``{name!q}`` quotes text that came from outside; ``{names!l:none}`` puts commas between the items of a list, and
+    reads ``none`` if there are no items.
+    """
 
     def convert_field(self, value: Any, conversion: Any) -> Any:
-        return quote(value) if conversion == "q" else super().convert_field(value, conversion)
+        if conversion == "q":
+            return quote(value)
+        if conversion == "l":
+            return _Listed(", ".join(map(str, value)))
+        return super().convert_field(value, conversion)
+
+
+def _plain(value: Any) -> Any:
+    """Return a fact as JSON has it: a path as text, a NumPy number as a number."""
+    if isinstance(value, PurePath):
+        return str(value)
+    if type(value) in (list, tuple):
+        return type(value)(map(_plain, value))
+    # Asked by name, because importing NumPy would slow down `worldgen --help`.
+    return value.tolist() if type(value).__module__ == "numpy" else value
 
 
 class Message:
@@ -35,14 +61,14 @@ class Message:
     Args:
         code: Names the rule, in lower case with dashes: ``door-too-narrow``.
         problem: Template of what came and the rule: ``"door_width={door_width:g} m is less than {least:g} m"``.
-            A field is a fact, as in ``str.format``; ``{name!q}`` quotes text from outside.
+            A field is a fact, as in ``str.format``; ``{name!q}`` quotes text from outside, ``{names!l:none}`` lists.
         remedy: Template of the way out: ``"widen the door"``; empty if the problem already says it.
         facts: The values, by name.
     """
 
     def __init__(self, code: str, problem: str, remedy: str = "", /, **facts: Any) -> None:
         self.code = code
-        self.facts = facts
+        self.facts = {name: _plain(value) for name, value in facts.items()}
         self._problem = problem
         self._remedy = remedy
 
@@ -56,6 +82,15 @@ class Message:
         """The way out, in the command line's words; empty if there is none to give."""
         return self.word(self._remedy)
 
+    def behind(self, prefix: str, /, **facts: Any) -> Message:
+        """Return the same message with words before its problem, such as the place that an outer caller knows.
+
+        Args:
+            prefix: Template, with what separates it: ``"{file}: "``.
+            facts: The values in it; none may have the name of another fact of the message.
+        """
+        return Message(self.code, prefix + self._problem, self._remedy, **self.facts, **facts)
+
     def word(self, template: str) -> str:
         """Fill a template with the facts, such as a front end's own remedy for this code."""
         return _Words().vformat(template, (), self.facts)
@@ -67,7 +102,7 @@ class Message:
 class WorldgenError(Exception):
     """Base of every error that the input causes, not the program.
 
-    The command line prints the error and exits with 2. ``str(error)`` is the whole sentence; ``error.message`` its parts.
+    The command line prints the error and exits with 2. ``str(error)`` is the whole sentence.
 
     Args:
         code: As in `Message`, and so are the others.
@@ -82,6 +117,18 @@ class WorldgenError(Exception):
             self.message = Message("", "{sentence}", sentence=code)
         else:
             self.message = Message(code, problem, remedy, **facts)
+
+    @classmethod
+    def of(cls, message: Message, **more: Any) -> Self:
+        """Return the error that says a message, such as another error's.
+
+        Args:
+            message: What it says.
+            more: Other arguments of the class: ``line`` and ``source`` of a `FormatError`.
+        """
+        error = cls(message.code, message._problem, message._remedy, **more)
+        error.message = message
+        return error
 
     @property
     def code(self) -> str:
