@@ -35,8 +35,10 @@ from fuzz.faults import FAULTS, Fault
 from fuzz.result import UnitResult
 from fuzz.shrink import shrink
 from sim.episode import simulate
+from sim.evidence import evidence_table
 from sim.run_options import RunOptions, step_budget
 from sim.scenario import Scenario
+from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import write_world
 from worldgen.world import World
@@ -126,7 +128,7 @@ def tells(fault: Fault, world: World) -> bool:
     if record is None or fault.base is None:
         return False
     options = RunOptions.of(record.motion, record.seed, record.parameters)
-    return simulate(replace(world, failure=None), fault.base, options).verdict == "reached"
+    return simulate(replace(world, failure=None), fault.base, options).verdict == Verdict.REACHED
 
 
 def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Row, World | None]:
@@ -209,14 +211,16 @@ def _fails_likewise(failure: World, candidate: World) -> bool:
     if record is None or proved is None:
         return False
     options = RunOptions.of(record.motion, record.seed, record.parameters)
-    if record.verdict in ("stalled", "timeout"):
+    if record.verdict in (Verdict.STALLED, Verdict.TIMEOUT):
         options = replace(options, steps=step_budget(proved, options.time_step))
     if record.details.get("kept") == "class":
         other = failure_of(proved, Scenario.of(record.controller, options), steps=options.steps)
         return other is not None and _kind(other) == _kind(failure)
     episode = simulate(proved, record.controller, options)
-    manner = "kind" if record.verdict == "stalled" else "cause"
-    return episode.verdict == record.verdict and episode.evidence.get(manner) == record.evidence.get(manner)
+    manner = "kind" if record.verdict == Verdict.STALLED else "cause"
+    return episode.verdict == record.verdict and evidence_table(episode.evidence).get(manner) == record.evidence.get(
+        manner
+    )
 
 
 def _kind(failure: World) -> str:

@@ -22,6 +22,7 @@ import click
 import numpy as np
 
 from sim import CONTROLLERS, Runs, simulate_many
+from sim.verdict import UNENDED, Verdict
 from worldgen import generate
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
@@ -32,7 +33,7 @@ __all__ = ["Row", "controllers", "family_worlds", "rows_of", "tables"]
 
 WORLDS = 500  # of each family
 STEPS = 20_000  # five minutes of 15 ms, in which a robot can drive 600 m; the worlds are 3 m wide
-VERDICTS = ("reached", "loop", "stalled", "timeout", "tunnel", "burned")
+VERDICTS = (Verdict.REACHED, *UNENDED, Verdict.TUNNEL, Verdict.BURNED)
 
 
 @dataclass(frozen=True)

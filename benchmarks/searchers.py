@@ -30,6 +30,7 @@ from fuzz.unit import run_unit
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
 from sim.run_options import step_budget
+from sim.verdict import Verdict
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import lattice_to_metres
 from worldgen.random_streams import RandomStream
@@ -125,7 +126,7 @@ def _look(door: Door, config: CampaignConfig, world: World, stream: RandomStream
     door.look(world, scenario, outcome)
     way = math.dist((world.start.x, world.start.y), (world.target.x, world.target.y))
     took = outcome.steps * scenario.time_step * world.robot_speed
-    return took / max(way, world.cell_size) if outcome.ending == "reached" else 0.0
+    return took / max(way, world.cell_size) if outcome.ending == Verdict.REACHED else 0.0
 
 
 def _random_world(stream: RandomStream) -> World:

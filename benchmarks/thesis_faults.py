@@ -21,6 +21,7 @@ import numpy.typing as npt
 from sim.episode import prepare
 from sim.outcome import Outcome
 from sim.scenario import Scenario
+from sim.verdict import Verdict
 from worldgen.random_streams import RandomStream
 from worldgen.reach import REACHABLE, decide
 from worldgen.world import Pose, Target, World
@@ -86,10 +87,10 @@ def tally(worlds: list[World], controller: str, steps: int = STEPS) -> Counter[s
     scenario, counts = Scenario.parse(controller, motion="stepped"), Counter[str]()
     for number, world in enumerate(worlds):
         outcome = _run(world, scenario, number, steps)
-        tunnelled = outcome.ending == "tunnel"
+        tunnelled = outcome.ending == Verdict.TUNNEL
         counts["tunnel"] += tunnelled
         counts["overlap"] += tunnelled or outcome.overlap_step >= 0
-        counts["reached"] += outcome.ending == "reached"
+        counts["reached"] += outcome.ending == Verdict.REACHED
         if outcome.cause:
             counts[f"{outcome.cause} {'tunnel' if tunnelled else 'overlap'}"] += 1
     return counts

@@ -19,6 +19,7 @@ from sim.controllers.base import Memory
 from sim.controllers.library.q_learning import AT_RESET, DRIVEN, NEEDS, SENSES, SITUATIONS, TURNS
 from sim.episode import prepare
 from sim.run_options import RunOptions
+from sim.verdict import Verdict
 from worldgen.random_streams import RandomStream
 
 __all__ = ["TABLE", "Learner", "as_c", "train"]
@@ -124,7 +125,7 @@ def train(episodes: int = EPISODES, seed: int = _SEED) -> npt.NDArray[np.int64]:
         learner.learn = _LEARN_LEAST + (_LEARN - _LEARN_LEAST) * left
         learner.explore = _EXPLORE_LEAST + (_EXPLORE - _EXPLORE_LEAST) * left
         run = prepare(choose.choice(worlds), learner, RunOptions(steps=_BUDGET))
-        if run.run(_BUDGET, find_loop=False, record=False, digest=False).ending == "reached":
+        if run.run(_BUDGET, find_loop=False, record=False, digest=False).ending == Verdict.REACHED:
             learner.arrived()
     return np.floor(learner.table * 1000.0 + 0.5).astype(np.int64)
 

@@ -10,6 +10,8 @@ from fuzz.asked import objection_in_words
 from fuzz.failure import Replay, certificate_fault, replay
 from fuzz.fixed import fixed
 from sim.episode import Episode
+from sim.evidence import evidence_table
+from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import Cut, FailureRecord, Value, World
 
@@ -106,12 +108,12 @@ def _mended(world: World, episode: Episode) -> str:
 
 def _how(record: FailureRecord, episode: Episode, was: str, wrong: str, outcome: Replay) -> str:
     """Return how a failure fails now, and how it did."""
-    if episode.verdict == "reached":  # an oracle still objects
+    if episode.verdict == Verdict.REACHED:  # an oracle still objects
         return wrong
-    now = _in_short(episode.verdict, episode.evidence)
+    now = _in_short(episode.verdict, evidence_table(episode.evidence))
     if now == was:
         return f"{now}, on another path; {outcome.reason}"
-    if episode.verdict == record.verdict == "loop":
+    if episode.verdict == record.verdict == Verdict.LOOP:
         return f"{now} (was {record.evidence.get('period')})"
     return f"{now} (was: {was})"
 
@@ -119,10 +121,10 @@ def _how(record: FailureRecord, episode: Episode, was: str, wrong: str, outcome:
 def _in_short(verdict: str, evidence: Mapping[str, Value]) -> str:
     """Return a verdict with the fact that tells two of its kind apart at a glance."""
     objection = objection_in_words(evidence)
-    if verdict == "loop":
+    if verdict == Verdict.LOOP:
         return f"loop, period {evidence.get('period')}{objection}"
-    if verdict in ("tunnel", "overlap", "burned", "hang"):
+    if verdict in (Verdict.TUNNEL, Verdict.OVERLAP, Verdict.BURNED, Verdict.HANG):
         return f"{verdict} in step {evidence.get('step')}{objection}"
-    if verdict in ("crash", "invalid-command"):
+    if verdict in (Verdict.CRASH, Verdict.INVALID_COMMAND):
         return f"{verdict}, {evidence.get('error')}"
     return f"{verdict}{objection}"

@@ -13,6 +13,7 @@ import re
 from collections.abc import Mapping
 from pathlib import PurePath
 
+from sim.evidence import FaultEvidence
 from worldgen.world import Value
 
 __all__ = ["FACTS", "crash_bucket", "has_facts"]
@@ -26,22 +27,21 @@ _DIGITS = 4  # hex, of what was being done
 _CHOSE_TO_END = re.compile(r"exit-|SIGABRT$|SIGTRAP$")
 
 
-def has_facts(evidence: Mapping[str, Value]) -> bool:
+def has_facts(evidence: FaultEvidence) -> bool:
     """Return whether a crash's evidence is detailed enough to be compared with another's."""
-    return any(name in evidence for name in FACTS)
+    return any(getattr(evidence, name) is not None for name in FACTS)
 
 
-def crash_bucket(evidence: Mapping[str, Value]) -> str:
+def crash_bucket(evidence: FaultEvidence) -> str:
     """Return a readable name for what crashed, fit for a file name; equal for equal crashes.
 
     Args:
-        evidence: Of a run with verdict ``crash``: ``error``, and as far as they are known ``frames``, ``reason``,
-            ``message``, ``bump``, ``stderr``, ``step``.
+        evidence: Of a run with verdict ``crash``.
     """
-    ended = _how_it_ended(str(evidence.get("error", "")))
+    ended = _how_it_ended(evidence.error or "")
     frames = _frames(evidence)
-    reason = str(evidence.get("reason", ""))
-    message = str(evidence.get("message", ""))
+    reason = evidence.reason or ""
+    message = evidence.message or ""
     of_a_program = not ended.isidentifier() or ended.startswith("SIG")
     if ended == "RecursionError":  # where the stack was full depends on who called first
         return _joined(ended, *_names(sorted(frames, key=_name)))
@@ -65,32 +65,28 @@ def _how_it_ended(error: str) -> str:
     return f"exit-{ended[1]}" if ended[1].isdigit() and "exit" in error else ended[1]
 
 
-def _of_last_line(evidence: Mapping[str, Value], ended: str) -> list[str]:
+def _of_last_line(evidence: FaultEvidence, ended: str) -> list[str]:
     """Return the words that a program ended with, if it chose to end: a signal that it did not raise comes amid them.
 
     An exception's name in front is all that is taken of such a line.
     """
-    said = evidence.get("stderr")
-    if not isinstance(said, list) or not said or not _CHOSE_TO_END.match(ended):
+    if not evidence.stderr or not _CHOSE_TO_END.match(ended):
         return []
-    last = str(said[-1])
+    last = evidence.stderr[-1]
     kind = re.match(r"(\w*(?:Error|Exception))\b", last)
     return [kind[1] if kind else _word(_plain(last))]
 
 
-def _where_it_stood(evidence: Mapping[str, Value]) -> list[str]:
+def _where_it_stood(evidence: FaultEvidence) -> list[str]:
     """Return whether a run ended in its first step, and whether the robot touched a wall then."""
-    first = ["first"] if evidence.get("step") == 1 else []
-    return first + (["bump"] if evidence.get("bump") is True else [])
+    first = ["first"] if evidence.step == 1 else []
+    return first + (["bump"] if evidence.bump else [])
 
 
-def _frames(evidence: Mapping[str, Value]) -> list[dict[str, Value]]:
+def _frames(evidence: FaultEvidence) -> list[Mapping[str, Value]]:
     """Return the innermost frames; a function that calls itself counts once."""
-    frames = evidence.get("frames")
-    kept: list[dict[str, Value]] = []
-    for frame in frames if isinstance(frames, list) else ():
-        if not isinstance(frame, dict):
-            continue
+    kept: list[Mapping[str, Value]] = []
+    for frame in evidence.frames or ():
         if kept and _name(kept[-1]) == _name(frame):
             kept.pop()
         kept.append(frame)
@@ -104,7 +100,7 @@ def _name(frame: Mapping[str, Value]) -> str:
     return ".".join(_word(str(part)) for part in (file, inside) if part)
 
 
-def _names(frames: list[dict[str, Value]]) -> list[str]:
+def _names(frames: list[Mapping[str, Value]]) -> list[str]:
     """Return the frames' names, a file that is the same only once."""
     names: list[str] = []
     before = ""
@@ -115,7 +111,7 @@ def _names(frames: list[dict[str, Value]]) -> list[str]:
     return names
 
 
-def _digest(reason: str, message: str, frames: list[dict[str, Value]]) -> str:
+def _digest(reason: str, message: str, frames: list[Mapping[str, Value]]) -> str:
     """Return a few digits that tell statements in one function apart; empty where nothing is known of them."""
     statement = " ".join(str(frames[-1][key]) for key in ("code", "repeat") if key in frames[-1]) if frames else ""
     parts = [statement, _plain(message), _plain(reason) if ": " in reason and not statement else ""]

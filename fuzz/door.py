@@ -13,9 +13,10 @@ from fuzz.deadline import NO_DEADLINE, Deadline
 from fuzz.failure import certified, failure_by, failure_of, walled_off
 from fuzz.result import UnitResult
 from sim.controllers import CONTROLLERS, ProcessController
-from sim.outcome import Outcome
+from sim.outcome import LIMIT, Outcome
 from sim.scenario import Scenario
 from sim.stopping import OutOfTime, check_time, stopping_when
+from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
@@ -66,8 +67,8 @@ class Door:
         verdict = first_look(outcome)
         self.count(verdict, outcome.steps)
         # Crashes are counted by bucket, or one that occurs in every run would keep all others from being proved.
-        cause = crash_bucket(outcome.fault) if verdict == "crash" else outcome.cause
-        kind = "" if verdict == "reached" else self.enter(world, scenario, verdict, cause)
+        cause = crash_bucket(outcome.fault) if outcome.fault and verdict == Verdict.CRASH else outcome.cause
+        kind = "" if verdict == Verdict.REACHED else self.enter(world, scenario, verdict, cause)
         check_time()
         return self.ask(world, scenario) or kind
 
@@ -127,7 +128,7 @@ class Door:
 
     def _is_one_of_few(self, verdict: str, cause: str) -> bool:
         self._failed[verdict, cause] += 1
-        return self._failed[verdict, cause] <= (_PROVE_HANGS_AT_MOST if verdict == "hang" else _PROVE_AT_MOST)
+        return self._failed[verdict, cause] <= (_PROVE_HANGS_AT_MOST if verdict == Verdict.HANG else _PROVE_AT_MOST)
 
     def _keep(self, failure: World | None) -> str:
         if failure is None or failure.failure is None:
@@ -142,6 +143,7 @@ class Door:
 
 def first_look(outcome: Outcome) -> str:
     """The verdict of a run whose budget was short: ``undecided`` where it was spent."""
-    if outcome.ending == "limit":
-        return "overlap" if outcome.overlap_step >= 0 else "undecided"
-    return "overlap" if outcome.overlap_step >= 0 and outcome.ending in ("reached", "loop") else outcome.ending
+    if outcome.ending == LIMIT:
+        return Verdict.OVERLAP if outcome.overlap_step >= 0 else "undecided"
+    overlaps = outcome.overlap_step >= 0 and outcome.ending in (Verdict.REACHED, Verdict.LOOP)
+    return Verdict.OVERLAP if overlaps else outcome.ending

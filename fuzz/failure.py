@@ -23,11 +23,12 @@ from fuzz.oracles import object_to_breach, objection
 from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from sim.episode import Episode, prepare, simulate
+from sim.evidence import LoopEvidence, WallEvidence, evidence_table
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.outcome import BY_THE_CONTROLLER
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
+from sim.verdict import BY_THE_CONTROLLER, Verdict
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.grid_file import dumps
 from worldgen.lattice import in_cells
@@ -119,9 +120,8 @@ def judge(world: World, controller: str, options: RunOptions) -> tuple[Episode, 
     _afresh(controller)
     episode = simulate(world, controller, options, record=True)
     trace = episode.trace
-    if episode.verdict == "loop":
-        period = episode.evidence["period"]
-        longer = episode.steps + (period if isinstance(period, int) else 0)
+    if isinstance(episode.evidence, LoopEvidence):
+        longer = episode.steps + episode.evidence.period
         trace = prepare(world, controller, options).run(longer, find_loop=False, record=True).trace
     if trace is None:  # a controller that failed before its first step leaves none
         return episode, "" if episode.verdict in BY_THE_CONTROLLER else "no trace was recorded"
@@ -139,13 +139,18 @@ def _afresh(controller: str) -> None:
 
 
 def _judge_breach(world: World, controller: str, options: RunOptions, episode: Episode) -> tuple[Episode, str]:
-    if episode.verdict != "tunnel" or options.motion_model().kernel != THESIS:
+    wall = episode.evidence
+    if (
+        episode.verdict != Verdict.TUNNEL
+        or not isinstance(wall, WallEvidence)
+        or options.motion_model().kernel != THESIS
+    ):
         return episode, "the target is walled off, and the robot goes through no wall"
     whole = simulate(world, controller, regardless_of_walls(options), record=True)
-    if whole.verdict != "reached" or whole.trace is None or episode.trace is None:
+    if whole.verdict != Verdict.REACHED or whole.trace is None or episode.trace is None:
         return episode, "the target is walled off, and the robot does not reach it"
-    breach = replace(episode, evidence={**episode.evidence, "reached": whole.steps})
-    return breach, object_to_breach(world, episode.trace, whole.trace, breach.evidence)
+    wall = replace(wall, reached=whole.steps)
+    return replace(episode, evidence=wall), object_to_breach(world, episode.trace, whole.trace, wall)
 
 
 def failure_of(
@@ -164,24 +169,24 @@ def failure_of(
     options = scenario.options(world)
     longer = replace(options, steps=steps or max(options.steps, fewest_steps))
     episode, wrong = judge(world, scenario.controller, longer)
-    late = episode.verdict == "reached" and episode.steps > options.steps
-    if longer != options and (late or episode.verdict in ("stalled", "timeout")):
+    late = episode.verdict == Verdict.REACHED and episode.steps > options.steps
+    if longer != options and (late or episode.verdict in (Verdict.STALLED, Verdict.TIMEOUT)):
         episode, wrong = judge(world, scenario.controller, options)
     else:
         options = longer
-    if episode.verdict == "reached" or wrong:
+    if episode.verdict == Verdict.REACHED or wrong:
         return None
     if not isinstance(CONTROLLERS.get(scenario.controller), CompiledController):
         again = simulate(world, scenario.controller, options)
-        if (again.verdict, again.trace_digest, _repeatable(again.evidence)) != (
+        if (again.verdict, again.trace_digest, _repeatable(evidence_table(again.evidence))) != (
             episode.verdict,
             episode.trace_digest,
-            _repeatable(episode.evidence),
+            _repeatable(evidence_table(episode.evidence)),
         ):
             return None  # a controller that does not do the same twice: nothing that a file could replay
     kind = failure_class(world, episode)
     details = {**hazard_details(episode.verdict, kind, scenario), **details}
-    return _recorded(world, scenario, options, episode, episode.evidence, kind, details)
+    return _recorded(world, scenario, options, episode, evidence_table(episode.evidence), kind, details)
 
 
 def failure_by(world: World, scenario: Scenario, asked: Asked, **details: Value) -> World | None:
@@ -201,7 +206,7 @@ def failure_by(world: World, scenario: Scenario, asked: Asked, **details: Value)
         again, same = judge_asked(world, scenario.controller, options, asked)
         if same != said or again.trace_digest != episode.trace_digest:
             return None
-    evidence: dict[str, Value] = {**episode.evidence, "oracle": asked.text, "objection": said}
+    evidence: dict[str, Value] = {**evidence_table(episode.evidence), "oracle": asked.text, "objection": said}
     return _recorded(world, scenario, options, episode, evidence, asked.kind(said), details)
 
 
@@ -219,7 +224,7 @@ def _recorded(
         controller=scenario.controller,
         motion=scenario.motion,
         seed=scenario.seed,
-        verdict=episode.verdict,
+        verdict=episode.verdict.value,
         trace_digest=episode.trace_digest,
         parameters=options.parameters(),
         evidence=evidence,
@@ -268,7 +273,7 @@ def replay(world: World, controller: str | None = None) -> Replay:
     record, options = scenario_of(world)
     if "oracle" in record.evidence:
         return _replay_asked(world, record, controller or record.controller, options)
-    if record.verdict == "reached":
+    if record.verdict == Verdict.REACHED:
         return Replay("reached", False, "the file records that the robot arrived, which is no failure")
     try:
         episode, wrong = judge(world, controller or record.controller, options)
@@ -291,8 +296,7 @@ def _replay_asked(world: World, record: FailureRecord, controller: str, options:
     if said is None:
         return Replay(episode.verdict, False, f"oracle {asked.text} does not object to the run", episode)
     if _comes_again(said):
-        shown = replace(episode, evidence={**episode.evidence, "oracle": asked.text, "objection": said})
-        reason = _difference(record, shown)
+        reason = _difference(record, episode, {"oracle": asked.text, "objection": said})
     else:
         reason = "" if asked.kind(said) == asked.kind(before) else f"oracle {asked.text} objects otherwise: {said}"
     reason = reason or certificate_fault(world)
@@ -316,16 +320,17 @@ def _check_cut(world: World) -> CheckReport:
     return check_certificate(_with_whole_cell(world)) if report.valid else report
 
 
-def _difference(record: FailureRecord, episode: Episode) -> str:
-    """What is not as it was recorded; empty if nothing."""
+def _difference(record: FailureRecord, episode: Episode, said: Mapping[str, Value] | None = None) -> str:
+    """What is not as it was recorded; empty if nothing. ``said`` is what the record's oracle says now."""
+    evidence = {**evidence_table(episode.evidence), **(said or {})}
     made, now = record.details.get("motion_version"), MOTIONS.get(record.motion).version
     other = f" (recorded with version {made} of {record.motion}, this is {now})" if made not in (None, now) else ""
     if episode.verdict != record.verdict:
         return f"the verdict is {episode.verdict}, not {record.verdict}{other}"
     if episode.trace_digest != record.trace_digest:
         return f"the trace digest is {episode.trace_digest}{other}"
-    if _repeatable(episode.evidence) != _repeatable(record.evidence):
-        return f"the evidence is {dict(episode.evidence)}{other}"
+    if _repeatable(evidence) != _repeatable(record.evidence):
+        return f"the evidence is {evidence}{other}"
     return ""
 
 
@@ -370,7 +375,7 @@ def share_that_fails(world: World, scenario: Scenario, count: int) -> dict[str, 
     failing = 0
     for seed in range(count):
         run = prepare(world, controller, replace(options, seed=seed))
-        arrives = run.run(options.steps, find_loop=False, record=False, digest=False).ending == "reached"
+        arrives = run.run(options.steps, find_loop=False, record=False, digest=False).ending == Verdict.REACHED
         failing += arrives == sealed
     least = float(betaincinv(failing, count - failing + 1, 0.025)) if failing else 0.0
     return {"failing_seeds": [failing, count], "failing_share_at_least": round(least, 4)}

@@ -10,13 +10,12 @@ from sim.controllers.contract import check_contract
 from sim.episode import Episode
 from sim.run_options import RunOptions, step_budget
 from sim.scenario import Scenario
+from sim.verdict import UNENDED, Verdict
 from sim.words import evidence_in_words
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.world import Cut, World
 
 __all__ = ["Checked", "Seen", "fixed", "who_drives"]
-
-_STAYS_OUT = ("loop", "stalled", "timeout")  # verdicts that are right where the target is walled off
 
 
 @dataclass(frozen=True)
@@ -72,12 +71,12 @@ def fixed(world: World, controller: str | None = None) -> Checked:
     seen = Seen(world, scenario, options, episode)
     ended = f"{who_drives(scenario)}: {episode.verdict}{evidence_in_words(episode)}"
     if isinstance(world.certificate, Cut):
-        return Checked("" if episode.verdict in _STAYS_OUT else f"{ended}, where the target is walled off", seen)
-    if episode.verdict == "reached" and asked is not None and not wrong:
+        return Checked("" if episode.verdict in UNENDED else f"{ended}, where the target is walled off", seen)
+    if episode.verdict == Verdict.REACHED and asked is not None and not wrong:
         said = judge_asked(world, scenario.controller, options, asked)[1]
         words = "" if said is None else objection_in_words({"oracle": asked.text, "objection": said})
         return Checked(f"{ended}{words}" if words else "", seen)
-    if episode.verdict == "reached":
+    if episode.verdict == Verdict.REACHED:
         return Checked(f"{ended}, but {wrong}" if wrong else "", seen)
     return Checked(f"{ended}, though the target can be reached", seen)
 

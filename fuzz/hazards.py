@@ -6,6 +6,7 @@ from sim.controllers import CONTROLLERS, Controller
 from sim.controllers.base import DEFAULT_SENSES, robot_for, wants_world
 from sim.robot_options import RobotOptions
 from sim.scenario import Scenario
+from sim.verdict import Verdict
 from worldgen.timeline import CellState
 from worldgen.world import Value, World
 
@@ -45,7 +46,7 @@ def hazard_details(verdict: str, kind: str, scenario: Scenario) -> dict[str, Val
         kind: The failure's class, whose words say what burned the robot.
         scenario: What ran.
     """
-    if verdict != "burned":
+    if verdict != Verdict.BURNED:
         return {}
     _, state, how = (*kind.split("-"), "", "")[:3]
     controller = CONTROLLERS.get(scenario.controller)

@@ -37,6 +37,7 @@ from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from sim.stopping import stopping_when
 from sim.try_out import EMPTY_ARENA, try_out
+from sim.verdict import Verdict
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.grid_file import dumps
@@ -49,7 +50,7 @@ __all__ = ["CampaignSession", "configure"]
 
 _SUMMARY_EVERY = 1.0  # s, at least, between two summaries while the search goes on
 _TO_DRAW = 2.0  # s for the runs of all pictures together
-_NO_FAILURE = ("reached", "sealed")  # verdicts at first look
+_NO_FAILURE = (Verdict.REACHED, "sealed")  # verdicts at first look
 
 
 def configure(
@@ -108,9 +109,10 @@ def _try_out(config: CampaignConfig, seconds: float | None, asked: list[Asked]) 
     """One short run in an empty arena, judged by each oracle, so that a name or a compile error shows at once."""
     scenario = config.scenario
     outcome = try_out(scenario, seconds)
-    if outcome.verdict == "hang" and outcome.steps == 1:  # so would every run, each for the whole start-up deadline
+    # So would every run, each for the whole start-up deadline.
+    if outcome.fault is not None and outcome.verdict == Verdict.HANG and outcome.steps == 1:
         raise InvalidParameter(
-            f"{scenario.controller} does not answer its first observation within {outcome.fault['deadline']} s; does "
+            f"{scenario.controller} does not answer its first observation within {outcome.fault.deadline} s; does "
             "it flush its output after each line? docs/controllers.md has the protocol"
         )
     proved = certified(EMPTY_ARENA) or EMPTY_ARENA

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
 
 from fuzz.contacts import KINDS, Contact, contacts, enclosure, part_of, times_round
 from fuzz.crash_bucket import crash_bucket
-from fuzz.oracles._plain import cell_of, integer
 from sim.episode import Episode
+from sim.evidence import BudgetEvidence, BurnedEvidence, FaultEvidence, LoopEvidence, WallEvidence
 from sim.trace import Trace
-from worldgen.world import Value, World
+from sim.verdict import Verdict
+from worldgen.world import World
 
 __all__ = ["failure_class"]
 
@@ -29,22 +29,25 @@ def failure_class(world: World, episode: Episode) -> str:
         episode: The run, recorded.
     """
     verdict, trace, evidence = episode.verdict, episode.trace, episode.evidence
-    if verdict == "invalid-command":
-        return _joined(verdict, re.sub("[^a-z]+", "-", str(evidence.get("error", "")).partition("'")[0]).strip("-"))
-    if verdict == "crash":
-        return _joined(verdict, crash_bucket(evidence))
+    if isinstance(evidence, FaultEvidence):
+        if verdict == Verdict.CRASH:
+            return _joined(verdict, crash_bucket(evidence))
+        if verdict == Verdict.INVALID_COMMAND:
+            error = (evidence.error or "").partition("'")[0]
+            return _joined(verdict, re.sub("[^a-z]+", "-", error).strip("-"))
+        return verdict
     if trace is None:
         return verdict
-    if verdict == "loop":
-        return _joined(verdict, *_of_loop(world, trace, integer(evidence, "entry"), integer(evidence, "period")))
-    if verdict in ("tunnel", "overlap"):
-        cell = cell_of(evidence)
-        what = "breach" if "reached" in evidence else verdict
-        return _joined(what, evidence.get("cause"), part_of(world, *cell) if cell else None)
-    if verdict in ("stalled", "timeout"):
-        return _joined(verdict, evidence.get("kind"), *_of_second_half(world, trace))
-    if verdict == "burned":
-        return _joined(verdict, *_of_fire(world, trace, evidence))
+    match evidence:
+        case WallEvidence() as wall:
+            what = verdict if wall.reached is None else "breach"
+            return _joined(what, wall.cause, part_of(world, *wall.cell))
+        case LoopEvidence(entry=entry, period=period):
+            return _joined(verdict, *_of_loop(world, trace, entry, period))
+        case BudgetEvidence(kind=kind):
+            return _joined(verdict, kind, *_of_second_half(world, trace))
+        case BurnedEvidence() as burned:
+            return _joined(verdict, *_of_fire(world, trace, burned))
     return verdict
 
 
@@ -74,13 +77,12 @@ def _of_second_half(world: World, trace: Trace) -> tuple[str, ...]:
     return free, _where(world, trace, touched, half, last), _extent(world, trace, half, last)
 
 
-def _of_fire(world: World, trace: Trace, evidence: Mapping[str, Value]) -> tuple[str, ...]:
+def _of_fire(world: World, trace: Trace, evidence: BurnedEvidence) -> tuple[str, ...]:
     """In which state the cell is, and whether the robot drove into it or was caught by the change."""
-    step, cell = integer(evidence, "step"), cell_of(evidence)
-    begun = (step - 1) * trace.time_step + 1e-9
-    changes = [event for event in world.timeline if (event.ix, event.iy) == cell and event.time <= begun]
-    state = str(evidence.get("state", "burning"))
-    return state, "entered" if changes and changes[-1].state.word == state else "caught"
+    begun = (evidence.step - 1) * trace.time_step + 1e-9
+    changes = [event for event in world.timeline if (event.ix, event.iy) == evidence.cell and event.time <= begun]
+    entered = changes and changes[-1].state.word == evidence.state
+    return evidence.state, "entered" if entered else "caught"
 
 
 def _joined(*words: object) -> str:

@@ -11,6 +11,7 @@ from fuzz.asked import objection_in_words
 from fuzz.boundary import boundaries_in_words
 from fuzz.failure import regardless_of_walls, scenario_of
 from sim.episode import Episode, simulate
+from sim.evidence import Evidence, fault_evidence
 from sim.picture import trail_of
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
@@ -49,11 +50,12 @@ def describe(world: World, path: Path, *, met: Counter[str] | None = None) -> st
     if record is None:
         return str(path)
     options = RunOptions.of(record.motion, record.seed, record.parameters)
+    evidence: Evidence
     try:
         episode, words = run_to_draw(world)
         trail, evidence = trail_of(episode, world), episode.evidence
     except OutOfTime:  # the controller is slow, and its run no longer needed
-        words, trail, evidence = "", None, record.evidence
+        words, trail, evidence = "", None, fault_evidence(record.evidence)
     who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
     kind = str(record.details.get("class", record.verdict))
     often = f", met {counted(met[kind], 'time')}" if met and met[kind] else ""

@@ -22,15 +22,15 @@ from sim.fleet_run import FleetRun
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import LATTICE
+from sim.outcome import ENDINGS
 from sim.run_options import RunOptions, options_of, poses_of, seeds_of, whole, worlds_of
+from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import Pose, Value, World
 
 __all__ = ["VERDICTS", "Runs", "simulate_many"]
 
-VERDICTS = (
-    "reached", "loop", "stalled", "timeout", "tunnel", "overlap", "burned", "crash", "hang", "invalid-command",
-)  # fmt: skip
+VERDICTS = tuple(Verdict)
 """The verdict of each number in :attr:`Runs.verdict`."""
 
 _MOST_AT_ONCE = 256  # runs in one call of the core, so that all cores have something to do
@@ -85,7 +85,7 @@ class Runs:
     @property
     def reached(self) -> npt.NDArray[np.bool_]:
         """(n,) whether the target was reached."""
-        found: npt.NDArray[np.bool_] = self.verdict == _CODE["reached"]
+        found: npt.NDArray[np.bool_] = self.verdict == _CODE[Verdict.REACHED]
         return found
 
     def to_numpy(self) -> npt.NDArray[Any]:
@@ -291,14 +291,14 @@ def _fill(
     """Turns the core's reports into results, with the rules of :attr:`sim.outcome.Outcome.verdict`."""
     ending = reports["ending"]
     steps = reports["steps"]
-    decided = {lib.WG_TUNNEL: "tunnel", lib.WG_BURNED: "burned", lib.WG_INVALID_COMMAND: "invalid-command"}
+    decided = (lib.WG_TUNNEL, lib.WG_BURNED, lib.WG_INVALID_COMMAND)
     confined = reports["last_new_cell"] <= steps // 2
-    verdict = np.where(confined, _CODE["stalled"], _CODE["timeout"])
-    for code, name in ((lib.WG_LOOP, "loop"), (lib.WG_REACHED, "reached")):
-        verdict = np.where(ending == code, _CODE[name], verdict)
-    verdict = np.where(reports["overlap_step"] >= 0, _CODE["overlap"], verdict)
-    for code, name in decided.items():
-        verdict = np.where(ending == code, _CODE[name], verdict)
+    verdict = np.where(confined, _CODE[Verdict.STALLED], _CODE[Verdict.TIMEOUT])
+    for code in (lib.WG_LOOP, lib.WG_REACHED):
+        verdict = np.where(ending == code, _CODE[Verdict(ENDINGS[code])], verdict)
+    verdict = np.where(reports["overlap_step"] >= 0, _CODE[Verdict.OVERLAP], verdict)
+    for code in decided:
+        verdict = np.where(ending == code, _CODE[Verdict(ENDINGS[code])], verdict)
     runs.verdict[rows], runs.steps[rows] = verdict, steps
     runs.time[rows] = np.round(steps * time_step, 9)
     runs.path_length[rows] = reports["path_length"] * metres

@@ -10,21 +10,22 @@ import math
 import statistics
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from sim.controllers import CONTROLLERS, CompiledController, Controller
-from sim.episode import prepare, simulate
+from sim.episode import prepare, simulate, wall_evidence
+from sim.evidence import BudgetEvidence, Evidence, LoopEvidence, WallEvidence
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
 from sim.run_options import MAX_RECORDED, MAX_STEPS, RunOptions
 from sim.scenario import Scenario
+from sim.verdict import NEVER, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.intervals import interval_95
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = [
     "MAX_SEEDS",
-    "NEVER",
     "PERCENTILES",
     "Cell",
     "Comparison",
@@ -36,10 +37,8 @@ __all__ = [
 ]
 
 MAX_SEEDS = 1_000_000
-NEVER = ("loop", "stalled")  # verdicts of a robot that drives on for ever
 PERCENTILES = (5, 25, 50, 75, 95)
 _SAME = 1e-9  # s; times are rounded to that
-_ORDER = ("reached", "loop", "stalled", "timeout", "tunnel", "overlap", "burned", "crash", "hang", "invalid-command")
 
 Progress = Callable[[str], None]
 
@@ -84,7 +83,7 @@ class Cell:
         budget: Steps that each run had.
         random: Whether the controller has chance.
         runs: One a seed, in order of the seeds; a single one without chance.
-        evidence: Of a single run.
+        evidence: Of a single run; ``None`` where nothing is known beside its verdict.
     """
 
     world: str
@@ -93,17 +92,19 @@ class Cell:
     budget: int
     random: bool
     runs: tuple[Run, ...]
-    evidence: Mapping[str, Value] = field(default_factory=dict)
+    evidence: Evidence | None = None
 
     @property
     def arrivals(self) -> list[Run]:
         """The runs that arrived, earliest first."""
-        return sorted((run for run in self.runs if run.verdict == "reached"), key=lambda run: (run.steps, run.seed))
+        return sorted(
+            (run for run in self.runs if run.verdict == Verdict.REACHED), key=lambda run: (run.steps, run.seed)
+        )
 
     @property
     def reached(self) -> int:
         """How many runs arrived."""
-        return sum(run.verdict == "reached" for run in self.runs)
+        return sum(run.verdict == Verdict.REACHED for run in self.runs)
 
     @property
     def arrives(self) -> bool:
@@ -130,30 +131,34 @@ class Cell:
     def verdicts(self) -> dict[str, int]:
         """How often each verdict came up: ``reached`` first, then by kind."""
         counts = Counter(run.verdict for run in self.runs)
-        return {verdict: counts[verdict] for verdict in _ORDER if verdict in counts}
+        return {verdict: counts[verdict] for verdict in Verdict if verdict in counts}
 
     @property
     def verdict(self) -> str:
         """``reached`` if the controller counts as arriving, else the most frequent other verdict."""
         if self.arrives:
-            return "reached"
-        failures = {verdict: count for verdict, count in self.verdicts.items() if verdict != "reached"}
+            return Verdict.REACHED
+        failures = {verdict: count for verdict, count in self.verdicts.items() if verdict != Verdict.REACHED}
         return max(failures, key=lambda verdict: failures[verdict])
 
     @property
     def never(self) -> bool:
         """Whether it drives on for ever; with chance, whether so few arrive that this is to be expected of a run."""
         if self.random:
-            return 20 * self.reached <= len(self.runs) and self.verdict in (*NEVER, "timeout")
+            return 20 * self.reached <= len(self.runs) and self.verdict in UNENDED
         return self.verdict in NEVER
 
     @property
     def detail(self) -> str:
         """More of a single run's verdict: ``period 104``, ``drifting``, ``confined``, ``slide``; may be empty."""
-        if self.verdict == "loop" and "period" in self.evidence:
-            return f"period {self.evidence['period']}"
-        known = self.evidence.get("kind" if self.verdict == "stalled" else "cause", "")
-        return known if isinstance(known, str) else ""
+        match self.evidence:
+            case LoopEvidence(period=period):
+                return f"period {period}"
+            case BudgetEvidence(kind=kind):
+                return kind or ""
+            case WallEvidence(cause=cause):
+                return cause or ""
+        return ""
 
     @property
     def interval(self) -> tuple[float, float] | None:
@@ -173,11 +178,11 @@ class Cell:
 
     def share_until(self, time: float) -> float:
         """Share of all runs that arrived no later than ``time``, s."""
-        return sum(run.verdict == "reached" and run.time <= time + _SAME for run in self.runs) / len(self.runs)
+        return sum(run.verdict == Verdict.REACHED and run.time <= time + _SAME for run in self.runs) / len(self.runs)
 
     def share_before(self, time: float) -> float:
         """Share of all runs that arrived earlier than ``time``, s."""
-        return sum(run.verdict == "reached" and run.time < time - _SAME for run in self.runs) / len(self.runs)
+        return sum(run.verdict == Verdict.REACHED and run.time < time - _SAME for run in self.runs) / len(self.runs)
 
 
 @dataclass(frozen=True)
@@ -236,7 +241,7 @@ class Comparison:
     def _total(self, index: int, best: Sequence[tuple[int, ...]]) -> Total:
         cells = [row[index] for row in self.cells]
         runs, reached = sum(len(cell.runs) for cell in cells), sum(cell.reached for cell in cells)
-        failures = Counter(run.verdict for cell in cells for run in cell.runs if run.verdict != "reached")
+        failures = Counter(run.verdict for cell in cells for run in cell.runs if run.verdict != Verdict.REACHED)
         times = [cells[row].rank_time for row in self.common]
         chance = cells[0].random
         return Total(
@@ -245,7 +250,7 @@ class Comparison:
             runs=runs,
             reached=reached,
             interval=interval_95(reached, runs) if chance else None,
-            failures={verdict: failures[verdict] for verdict in _ORDER if verdict in failures},
+            failures={verdict: failures[verdict] for verdict in Verdict if verdict in failures},
             wins=sum(winners == (index,) for winners in best),
             shared_wins=sum(index in winners and len(winners) > 1 for winners in best),
             mean_time=round(statistics.fmean(times), 9) if times else None,
@@ -307,7 +312,7 @@ class _Look:
     """One run, and what may be told of it."""
 
     run: Run
-    evidence: Mapping[str, Value]
+    evidence: Evidence | None
     draws: int
 
 
@@ -338,7 +343,7 @@ class _Column:
         for row, world in enumerate(worlds):
             first = looks[row] if looks else self._look(world, options[row])
             runs = self._over_seeds(world, options[row], first, seeds) if random else (first.run,)
-            evidence = {} if random else first.evidence
+            evidence = None if random else first.evidence
             cells.append(Cell(world.name, self.label, self.scenario, options[row].steps, random, runs, evidence))
             if progress is not None:
                 progress(f"{self.label}: {row + 1} of {len(worlds)} worlds")
@@ -371,11 +376,11 @@ class _Column:
         verdict = outcome.verdict
         explained = not self.declared_random and MOTIONS.get(options.motion).kernel == THESIS
         if outcome.steps > MAX_RECORDED // 2:
-            verdict = "stalled" if verdict == "loop" else verdict  # too long a run to prove or to explain
-        elif outcome.ending == "loop" or (verdict == "stalled" and explained):
+            verdict = Verdict.STALLED if verdict == Verdict.LOOP else verdict  # too long a run to prove or to explain
+        elif outcome.ending == Verdict.LOOP or (verdict == Verdict.STALLED and explained):
             episode = simulate(world, self.controller, options)
             run = Run(options.seed, episode.verdict, episode.steps, episode.time)
             return _Look(run, episode.evidence, outcome.random_draws)
         time = round(outcome.steps * options.time_step, 9)
-        evidence: dict[str, Value] = {"cause": outcome.cause} if outcome.cause else {}
+        evidence = wall_evidence(outcome) if outcome.cause else None
         return _Look(Run(options.seed, verdict, outcome.steps, time), evidence, outcome.random_draws)

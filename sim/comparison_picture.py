@@ -7,6 +7,7 @@ from sim.comparison_report import outcome_in_words
 from sim.controllers import CONTROLLERS
 from sim.episode import simulate
 from sim.picture import trail_of
+from sim.verdict import Verdict
 from worldgen.render import Panel, Trail, draw_sheet
 from worldgen.world import World
 
@@ -40,7 +41,7 @@ def _short(label: str) -> str:
 
 def _way(world: World, cell: Cell) -> Trail | None:
     shown = cell.shown
-    steps = shown.steps if shown.verdict == "reached" else min(shown.steps, _MOST_STEPS)
+    steps = shown.steps if shown.verdict == Verdict.REACHED else min(shown.steps, _MOST_STEPS)
     if steps < 1:
         return None
     options = cell.scenario.with_seed(shown.seed).options(world, steps)

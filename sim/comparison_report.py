@@ -9,8 +9,10 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sim.comparison import NEVER, PERCENTILES, Cell, Comparison, Total, standing
+from sim.comparison import PERCENTILES, Cell, Comparison, Total, standing
+from sim.evidence import evidence_table
 from sim.published import Agreement, Figure
+from sim.verdict import NEVER, Verdict
 from worldgen.plain_text import aligned
 
 __all__ = ["CSV_COLUMNS", "as_csv", "as_json", "as_text", "outcome_in_words"]
@@ -32,9 +34,9 @@ def outcome_in_words(cell: Cell) -> str:
         return f"never ({failures})" if set(cell.verdicts) <= set(NEVER) else f"none arrives ({failures})"
     if cell.time is not None:
         return f"{cell.time:.3f}"
-    if cell.verdict == "loop":
+    if cell.verdict == Verdict.LOOP:
         return f"never (loop, {cell.detail})" if cell.detail else "never (loop)"
-    if cell.verdict == "stalled":
+    if cell.verdict == Verdict.STALLED:
         return f"never ({cell.detail or 'stalled'})"
     return f"{cell.verdict} ({cell.detail})" if cell.detail else cell.verdict
 
@@ -217,7 +219,7 @@ def _json_cell(cell: Cell, figures: Sequence[Figure]) -> dict[str, Any]:
         "interval": list(cell.interval) if cell.interval else None,
         "verdict": cell.verdict,
         "verdicts": cell.verdicts,
-        "evidence": dict(cell.evidence),
+        "evidence": {} if cell.evidence is None else evidence_table(cell.evidence),
         "time": cell.time,
         "steps": cell.steps,
         "percentiles": {f"p{p}": cell.percentile(p) for p in PERCENTILES} if cell.random else None,

@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 from sim.controllers import CompiledController, Controller, controller_of
+from sim.evidence import (
+    BudgetEvidence,
+    BurnedEvidence,
+    Evidence,
+    FaultEvidence,
+    LoopEvidence,
+    ReachedEvidence,
+    WallEvidence,
+    evidence_table,
+)
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
-from sim.outcome import BY_THE_CONTROLLER, Outcome, Runnable
+from sim.outcome import Outcome, Runnable
 from sim.run_options import RunOptions, check_recordable, check_world, options_of, switch_sets
 from sim.thesis_run import ThesisRun
 from sim.trace import Trace, state_digest
+from sim.verdict import BY_THE_CONTROLLER, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value, Witness, World
 
-__all__ = ["Episode", "prepare", "simulate"]
+__all__ = ["Episode", "prepare", "simulate", "wall_evidence"]
 
 _RECORDED_AT_ONCE = 100_000  # steps, 30 MB: what slow controllers have recorded before it is known whether it is needed
 
@@ -26,28 +36,34 @@ class Episode:
     """What happened in one run.
 
     Args:
-        verdict: ``reached``, ``loop``, ``stalled``, ``timeout``, ``tunnel``, ``overlap``, ``burned``,
-            ``crash``, ``hang`` or ``invalid-command``.
+        verdict: How it ended.
         steps: Steps simulated; for a ``loop`` those until its first state has come back.
         time: Their duration, s.
         path_length: m.
         collisions: Times that the robot began to touch a wall.
         trace_digest: 16 hex digits over every state.
-        evidence: What a checker needs, by verdict.
+        evidence: What a checker needs, a record of the verdict's kind.
         trace: The recorded states, if they were asked for.
     """
 
-    verdict: str
+    verdict: Verdict
     steps: int
     time: float
     path_length: float
     collisions: int
     trace_digest: str
-    evidence: Mapping[str, Value] = field(default_factory=dict)
+    evidence: Evidence
     trace: Trace | None = None
 
+    @property
+    def went_into_a_wall(self) -> bool:
+        """Whether the robot did, by its verdict or as a run that walls do not end says."""
+        evidence = self.evidence
+        entered = isinstance(evidence, ReachedEvidence) and evidence.wall_step is not None
+        return entered or isinstance(evidence, WallEvidence)
+
     def __repr__(self) -> str:
-        evidence = "".join(f"\n  {name}: {value!r}" for name, value in self.evidence.items())
+        evidence = "".join(f"\n  {name}: {value!r}" for name, value in evidence_table(self.evidence).items())
         return (
             f"{self.verdict}: {self.steps} steps, {self.time:g} s, {self.path_length:.3f} m driven, "
             f"{self.collisions} collisions, trace {self.trace_digest}{evidence}"
@@ -92,7 +108,7 @@ def simulate(
     run = prepare(world, found, options, lean=lean)
     at_once = record and options.steps <= _RECORDED_AT_ONCE and not isinstance(found, CompiledController)
     outcome = run.run(options.steps, find_loop=True, record=at_once)
-    if outcome.ending == "loop":
+    if outcome.ending == Verdict.LOOP:
         return _loop(run, world, outcome, options, record)
     if record and outcome.trace is None:
         check_recordable(outcome.steps)
@@ -125,53 +141,49 @@ def _loop(run: Runnable, world: World, found: Outcome, options: RunOptions, reco
         return _decided(run, world, run.run(options.steps, find_loop=False, record=record), options)
     outcome, state = proof
     if outcome.overlap_step >= 0:
-        return _episode("overlap", outcome, options, _overlap_evidence(outcome))
-    evidence: dict[str, Value] = {
-        "entry": entry,
-        "period": period,
-        "state_digest": state_digest(state),
-    }
-    return _episode("loop", outcome, options, evidence)
+        return _episode(Verdict.OVERLAP, outcome, options, wall_evidence(outcome))
+    evidence = LoopEvidence(entry=entry, period=period, state_digest=state_digest(state))
+    return _episode(Verdict.LOOP, outcome, options, evidence)
 
 
 def _decided(run: Runnable, world: World, outcome: Outcome, options: RunOptions) -> Episode:
     evidence = _evidence(world, outcome, options)
-    if outcome.verdict == "stalled" and isinstance(run, ThesisRun):
+    if outcome.verdict == Verdict.STALLED and isinstance(evidence, BudgetEvidence) and isinstance(run, ThesisRun):
         check_recordable(outcome.steps)
-        evidence |= run.confinement(outcome.steps)
+        evidence = run.with_confinement(evidence, outcome.steps)
     return _episode(outcome.verdict, outcome, options, evidence)
 
 
-def _evidence(world: World, outcome: Outcome, options: RunOptions) -> dict[str, Value]:
+def _evidence(world: World, outcome: Outcome, options: RunOptions) -> Evidence:
     verdict = outcome.verdict
-    if verdict == "tunnel":
-        return {"step": outcome.hit_step, "cell": list(outcome.hit_cell), **_cause(outcome)}
-    if verdict == "burned":
-        return {"step": outcome.hit_step, "cell": list(outcome.hit_cell), "state": outcome.hit_state}
-    if verdict == "overlap":
-        return _overlap_evidence(outcome)
-    if verdict in ("stalled", "timeout"):
-        budget: dict[str, Value] = {"last_new_cell": outcome.last_new_cell}
+    if verdict in (Verdict.TUNNEL, Verdict.OVERLAP):
+        return wall_evidence(outcome)
+    if verdict == Verdict.BURNED:
+        return BurnedEvidence(step=outcome.hit_step, cell=outcome.hit_cell, state=outcome.hit_state)
+    if verdict in (Verdict.STALLED, Verdict.TIMEOUT):
+        multiple = None
         if isinstance(world.certificate, Witness) and world.certificate.duration > 0:
             spent = outcome.steps * options.time_step
-            budget["witness_multiple"] = round(spent / world.certificate.duration, 3)
-        return budget
+            multiple = round(spent / world.certificate.duration, 3)
+        return BudgetEvidence(last_new_cell=outcome.last_new_cell, witness_multiple=multiple)
     if verdict in BY_THE_CONTROLLER:
-        return {**outcome.fault, "step": outcome.steps}
-    entered: dict[str, Value] = {"wall_step": outcome.wall_step} if outcome.wall_step >= 0 else {}
-    return {"step": outcome.steps, **entered}
+        return replace(outcome.fault or FaultEvidence(), step=outcome.steps)
+    entered = outcome.wall_step if outcome.wall_step >= 0 else None
+    return ReachedEvidence(step=outcome.steps, wall_step=entered)
 
 
-def _overlap_evidence(outcome: Outcome) -> dict[str, Value]:
-    return {"step": outcome.overlap_step, "cell": list(outcome.overlap_cell), **_cause(outcome)}
+def wall_evidence(outcome: Outcome) -> WallEvidence:
+    """Return where a run went into a wall, and which move let it in, where the motion model knows."""
+    tunnelled = outcome.ending == Verdict.TUNNEL
+    return WallEvidence(
+        step=outcome.hit_step if tunnelled else outcome.overlap_step,
+        cell=outcome.hit_cell if tunnelled else outcome.overlap_cell,
+        cause=outcome.cause or None,
+        since=outcome.cause_step if outcome.cause else None,
+    )
 
 
-def _cause(outcome: Outcome) -> dict[str, Value]:
-    """Which move let the robot into the wall, where the motion model knows."""
-    return {"cause": outcome.cause, "since": outcome.cause_step} if outcome.cause else {}
-
-
-def _episode(verdict: str, outcome: Outcome, options: RunOptions, evidence: dict[str, Value]) -> Episode:
+def _episode(verdict: Verdict, outcome: Outcome, options: RunOptions, evidence: Evidence) -> Episode:
     return Episode(
         verdict=verdict,
         steps=outcome.steps,

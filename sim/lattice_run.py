@@ -33,12 +33,13 @@ from sim.lattice_core import (
 )
 from sim.long_runs import MOST_HELD, portions
 from sim.motion import MOTIONS
-from sim.outcome import Outcome
+from sim.outcome import ENDINGS, Outcome
 from sim.packing import disc_numbers, event_time, start_overlaps, target_sq
 from sim.python_loop import PythonLoop
 from sim.robot_options import SIGNALS
 from sim.run_options import MAX_RECORDED, RunOptions, check_recordable, check_step_length
 from sim.trace import Trace, Words
+from sim.verdict import Verdict
 from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import (
     TURN,
@@ -57,15 +58,6 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Reports = npt.NDArray[Any]
 
-_ENDINGS = {
-    lib.WG_LIMIT: "limit",
-    lib.WG_REACHED: "reached",
-    lib.WG_LOOP: "loop",
-    lib.WG_TUNNEL: "tunnel",
-    lib.WG_BURNED: "burned",
-    lib.WG_INVALID_COMMAND: "invalid-command",
-    lib.WG_CRASH: "crash",
-}
 _STEP_TIME = 1 << 32  # parts of a step in which times are counted
 _MANY = 64  # runs in one call of the core
 
@@ -214,7 +206,7 @@ class LatticeRun:
         settings.steps, settings.digest = entry + period, 1
         settings.find_loop, settings.loop_entry = lib.WG_PROVE_LOOP, entry
         outcome, episode = self._run_compiled(self.controller, record)
-        return (outcome, episode.known_words()) if outcome.ending == "loop" else None
+        return (outcome, episode.known_words()) if outcome.ending == Verdict.LOOP else None
 
     def _prove_by_recording(self, entry: int, period: int, record: bool) -> tuple[Outcome, Words] | None:
         if record:
@@ -228,7 +220,7 @@ class LatticeRun:
         if not np.array_equal(states[entry : entry + period + 1], states[entry + period :]):
             return None
         outcome = self.run(entry + period, find_loop=False, record=record)
-        return replace(outcome, ending="loop", period=period, entry=entry), states[entry]
+        return replace(outcome, ending=Verdict.LOOP, period=period, entry=entry), states[entry]
 
     @property
     def shapes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -370,8 +362,8 @@ class LatticeRun:
             act(room.observation, room.memory, room.command)
         except Exception as error:  # noqa: BLE001 - a controller may raise anything
             facts = crash_facts(error, controller) or {"message": str(error)}
-            return Misbehaviour("crash", f"{type(error).__name__}: {error}", facts)
-        return Misbehaviour("crash", ffi.string(failed.report.error).decode("utf-8", "replace"))
+            return Misbehaviour(Verdict.CRASH, f"{type(error).__name__}: {error}", facts)
+        return Misbehaviour(Verdict.CRASH, ffi.string(failed.report.error).decode("utf-8", "replace"))
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
         """The recording without the memory, which it can recall."""
@@ -404,7 +396,7 @@ class LatticeRun:
     ) -> Outcome:
         report: Any = episode.report if episode else ffi.new("WgReport *")
         return Outcome(
-            ending=fault.verdict if fault else _ENDINGS[int(report.ending)],
+            ending=fault.verdict if fault else ENDINGS[int(report.ending)],
             steps=int(report.steps),
             period=int(report.period),
             entry=episode.entry if episode else -1,
@@ -419,7 +411,7 @@ class LatticeRun:
             overlap_cell=(int(report.overlap_ix), int(report.overlap_iy)),
             random_draws=int(episode.state.draws) if episode else 0,
             complete=complete,
-            fault={"error": fault.error, **fault.evidence} if fault else {},
+            fault=fault.evidence if fault else None,
             trace=None if recording is None else self._trace(*recording, complete),
         )
 

@@ -3,16 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Literal, Protocol, TypeAlias
 
+from sim._core import lib
+from sim.evidence import FaultEvidence
 from sim.trace import Trace, Words
-from worldgen.world import Value
+from sim.verdict import BY_THE_CONTROLLER, Verdict
 
-__all__ = ["BY_THE_CONTROLLER", "Outcome", "Runnable"]
+__all__ = ["ENDINGS", "LIMIT", "Ending", "Outcome", "Runnable"]
 
-BY_THE_CONTROLLER = ("crash", "hang", "invalid-command")
-"""Verdicts on what the controller itself did, wherever it was."""
+LIMIT: Literal["limit"] = "limit"
+"""The ending of a run that spent its budget."""
+
+Ending: TypeAlias = Verdict | Literal["limit"]
+
+ENDINGS: Mapping[int, Ending] = {
+    lib.WG_LIMIT: LIMIT,
+    lib.WG_REACHED: Verdict.REACHED,
+    lib.WG_LOOP: Verdict.LOOP,
+    lib.WG_TUNNEL: Verdict.TUNNEL,
+    lib.WG_BURNED: Verdict.BURNED,
+    lib.WG_INVALID_COMMAND: Verdict.INVALID_COMMAND,
+    lib.WG_CRASH: Verdict.CRASH,
+}
+"""By the core's number."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +35,8 @@ class Outcome:
     """The core's claims about a run; oracles check them from the trace.
 
     Args:
-        ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, or one of :data:`BY_THE_CONTROLLER`.
+        ending: ``limit``, ``reached``, ``loop``, ``tunnel``, ``burned``, or one of
+            :data:`sim.verdict.BY_THE_CONTROLLER`.
         steps: Steps simulated.
         period: Steps of the recurrence, for ``loop``.
         entry: Where it begins, for ``loop``; -1.
@@ -39,11 +55,11 @@ class Outcome:
         wall_step: First step that ended with the centre in a wall, where that ends no run; -1.
         random_draws: Random numbers used.
         complete: Whether the recorded state is all that decides the future.
-        fault: What the controller did wrong: ``error``, and what else is known, such as a program's last ``stderr``.
+        fault: What the controller did wrong, without the step; ``None`` if it did nothing or only the core knows.
         trace: The recording, if one was asked for.
     """
 
-    ending: str
+    ending: Ending
     steps: int
     period: int
     path_length: float
@@ -61,19 +77,20 @@ class Outcome:
     cause_step: int = -1
     wall_step: int = -1
     complete: bool = True
-    fault: Mapping[str, Value] = field(default_factory=dict)
+    fault: FaultEvidence | None = None
     trace: Trace | None = None
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> Verdict:
         """The verdict; ``loop`` is the core's claim here, for the episode to prove."""
-        if self.ending in ("tunnel", "burned", *BY_THE_CONTROLLER):
-            return self.ending
+        ending = self.ending
+        if ending in (Verdict.TUNNEL, Verdict.BURNED, *BY_THE_CONTROLLER):
+            return Verdict(ending)
         if self.overlap_step >= 0:
-            return "overlap"
-        if self.ending in ("reached", "loop"):
-            return self.ending
-        return "stalled" if self.last_new_cell <= self.steps // 2 else "timeout"
+            return Verdict.OVERLAP
+        if ending != LIMIT:
+            return ending
+        return Verdict.STALLED if self.last_new_cell <= self.steps // 2 else Verdict.TIMEOUT
 
 
 class Runnable(Protocol):

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from sim.episode import Episode
+from sim.evidence import LoopEvidence, WallEvidence
 from sim.pierced import pierced_cells
+from sim.verdict import Verdict
 from worldgen.render import Drive, Mark, Trail
+from worldgen.render.overlay import MarkKind
 from worldgen.world import World
 
 __all__ = ["drive_of", "trail_of"]
@@ -24,18 +27,15 @@ def trail_of(episode: Episode, world: World | None = None) -> Trail | None:
     trace = episode.trace
     if trace is None:
         return None
-    entry = episode.evidence.get("entry")
-    loop_from = None
-    if episode.verdict == "loop" and isinstance(entry, int):
-        loop_from = int(np.searchsorted(trace.path_step, entry, side="right")) - 1
+    evidence, loop_from = episode.evidence, None
+    if isinstance(evidence, LoopEvidence):
+        loop_from = int(np.searchsorted(trace.path_step, evidence.entry, side="right")) - 1
     onsets = np.flatnonzero(trace.bump[1:] & ~trace.bump[:-1]) + 1
     marks = [Mark(float(trace.x[k]), float(trace.y[k]), "bump") for k in onsets[:_MOST_BUMPS]]
-    step = episode.evidence.get("step")
-    if isinstance(step, int) and 0 <= step <= trace.steps:
-        if episode.verdict == "tunnel":
-            marks.append(Mark(float(trace.x[step]), float(trace.y[step]), "tunnel"))
-        if episode.verdict == "overlap":
-            marks.append(Mark(float(trace.x[step]), float(trace.y[step]), "overlap"))
+    if isinstance(evidence, WallEvidence) and 0 <= evidence.step <= trace.steps:
+        step = evidence.step
+        kind: MarkKind = "tunnel" if episode.verdict == Verdict.TUNNEL else "overlap"
+        marks.append(Mark(float(trace.x[step]), float(trace.y[step]), kind))
     if loop_from is None:
         marks.append(Mark(float(trace.x[-1]), float(trace.y[-1]), "end"))
     return Trail(trace.path_x, trace.path_y, loop_from, marks, () if world is None else pierced_cells(episode, world))

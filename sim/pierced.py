@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim.episode import Episode
+from sim.evidence import WallEvidence
 from sim.trace import Trace
 from worldgen.render import Pierced
 from worldgen.timeline import CellState
@@ -32,16 +33,15 @@ def pierced_cells(episode: Episode, world: World) -> list[Pierced]:
         world: Where it was.
     """
     trace, evidence = episode.trace, episode.evidence
-    if trace is None or not (episode.verdict in ("tunnel", "overlap") or "wall_step" in evidence):
+    if trace is None or not episode.went_into_a_wall:
         return []
     first: dict[tuple[int, int], int] = {}
     for step, ix, iy in _cut_into(trace, world):
         first[ix, iy] = min(step, first.get((ix, iy), step))
-    at, cell = evidence.get("step"), evidence.get("cell")
     named: tuple[int, int] | None = None
-    if episode.verdict in ("tunnel", "overlap") and isinstance(cell, list) and isinstance(at, int):
-        named = int(cell[0]), int(cell[1])  # type: ignore[arg-type]
-        first[named] = min(at, trace.steps)
+    if isinstance(evidence, WallEvidence):
+        named = evidence.cell
+        first[named] = min(evidence.step, trace.steps)
     return [
         Pierced(ix, iy, step * trace.time_step, _broken_in(trace, world, step, ix, iy) if (ix, iy) == named else None)
         for (ix, iy), step in sorted(first.items(), key=lambda item: (item[1], item[0]))

@@ -11,8 +11,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from sim.comparison import NEVER, Cell, Comparison, NamedWorld
+from sim.comparison import Cell, Comparison, NamedWorld
 from sim.scenario import Scenario
+from sim.verdict import FAILURES, NEVER, Verdict
 from worldgen.errors import FormatError, InvalidParameter
 
 __all__ = ["Agreement", "Deviation", "Figure", "agreement", "figures_of", "read_figures", "relative"]
@@ -20,7 +21,7 @@ __all__ = ["Agreement", "Deviation", "Figure", "agreement", "figures_of", "read_
 _NEEDED = ("world", "controller", "time")
 _LONGEST = 1e9  # s
 _MIDDLE = (0.025, 0.975)  # shares between which the middle 95 % of the seeds lie
-_VERDICTS = ("reached", "never", *NEVER, "timeout", "tunnel", "overlap", "burned", "crash", "hang", "invalid-command")
+_VERDICTS = (Verdict.REACHED, "never", *FAILURES)
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class Figure:
     @property
     def rank_time(self) -> float:
         """The time to rank by, s; ``inf`` without arrival."""
-        return self.time if self.verdict == "reached" and self.time is not None else math.inf
+        return self.time if self.verdict == Verdict.REACHED and self.time is not None else math.inf
 
     def is_of(self, world: NamedWorld) -> bool:
         """Whether the figure speaks of this world."""
@@ -131,12 +132,12 @@ def _figure(header: Sequence[str], row: Sequence[str], line: int, source: str, f
     text, verdict = values["time"], values.get("verdict", "").lower()
     time = None if text.lower() in ("", "never") else _seconds("time", text, line, source)
     if not verdict:
-        verdict = "never" if time is None else "reached"
+        verdict = "never" if time is None else Verdict.REACHED
     if verdict not in _VERDICTS:
         raise FormatError(f"verdict {verdict[:40]!r} is none of {', '.join(_VERDICTS)}", line=line, source=source)
-    if verdict == "reached" and time is None:
+    if verdict == Verdict.REACHED and time is None:
         raise FormatError("reached, but no time; give seconds, or the verdict never", line=line, source=source)
-    if verdict != "reached":
+    if verdict != Verdict.REACHED:
         time = None  # of those few that arrived all the same
     controller, motion, step = _scenario(values["controller"], values.get("motion", ""))
     if values.get("time_step"):

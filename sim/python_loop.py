@@ -30,6 +30,7 @@ from sim.crash_frames import crash_facts
 from sim.effort import sampled, timed
 from sim.lattice_core import MOST_CORNERS, SENSES, Arena, Driver, Episode, Workspace
 from sim.stopping import OutOfTime, breakable, in_time
+from sim.verdict import Verdict
 from worldgen.neighbours import neighbours_of
 from worldgen.progress import working
 from worldgen.world import World
@@ -122,7 +123,7 @@ def crash_of(error: BaseException, controller: object) -> Misbehaviour:
     """Return the finding that a controller raised, with where it did."""
     text = re.sub(r"0x[0-9a-fA-F]+", "0x...", " ".join(f"{type(error).__name__}: {error}".split()))
     text = text[:_LONGEST_ERROR].encode("utf-8", "replace").decode()
-    return Misbehaviour("crash", text, crash_facts(error, controller))
+    return Misbehaviour(Verdict.CRASH, text, crash_facts(error, controller))
 
 
 def plans(controller: PythonController | VectorController) -> bool:

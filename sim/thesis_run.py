@@ -8,6 +8,7 @@ then never enters the cells next to that border less than the disc fits.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -16,19 +17,21 @@ import numpy.typing as npt
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
-from sim.outcome import Outcome
+from sim.evidence import BudgetEvidence
+from sim.outcome import ENDINGS, Outcome
 from sim.packing import disc_numbers, event_step, start_overlaps
 from sim.run_options import RunOptions, check_step_length
 from sim.thesis_core import CELL, STATE_FIELDS, WALL, Setup, ThesisEpisode, add_noise, new_rows, signal_map
 from sim.thesis_options import ARBITERS, SIGNALS, ThesisOptions
 from sim.trace import Trace, Words
+from sim.verdict import Verdict
 from worldgen.ccall import pointer
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.lattice import exact, in_cells, metres_to_lattice, radius_in_cells
 from worldgen.random_streams import RandomStream
 from worldgen.rows import flip_rows
 from worldgen.timeline import CellState
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["ThesisRun", "signal_in"]
 
@@ -36,13 +39,6 @@ Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.int32]
 Rows = npt.NDArray[np.void]
 
-_ENDINGS = {
-    _lib.WG_LIMIT: "limit",
-    _lib.WG_REACHED: "reached",
-    _lib.WG_LOOP: "loop",
-    _lib.WG_TUNNEL: "tunnel",
-    _lib.WG_BURNED: "burned",
-}
 _FIRST_DRAWS = 256
 _CAUSES = {_lib.WG_STRAIGHT: "", _lib.WG_SLIDE: "slide", _lib.WG_BACK_OFF: "back-off", _lib.WG_CORNER: "corner"}
 _REPAIR_BITS = {
@@ -176,7 +172,7 @@ class ThesisRun:
     def prove(self, entry: int, period: int, *, record: bool) -> tuple[Outcome, Words] | None:
         """Runs to the end of a loop's first period; see :meth:`sim.outcome.Runnable.prove`."""
         outcome, episode = self._run(entry + period, record=record, find_loop=_lib.WG_PROVE_LOOP, loop_entry=entry)
-        return (outcome, episode.proved_state()) if outcome.ending == "loop" else None
+        return (outcome, episode.proved_state()) if outcome.ending == Verdict.LOOP else None
 
     def _run(self, steps: int, *, record: bool, **asked: int) -> tuple[Outcome, ThesisEpisode]:
         """One run from the start; ``asked`` are fields of its setup."""
@@ -204,13 +200,10 @@ class ThesisRun:
         inner = slice(self._pad, -self._pad or None)
         return np.ascontiguousarray(flip_rows(self._cells[inner, inner].T))
 
-    def confinement(self, steps: int) -> dict[str, Value]:
-        """What a run that neither arrives nor provably loops does in the second half of ``steps``.
+    def with_confinement(self, evidence: BudgetEvidence, steps: int) -> BudgetEvidence:
+        """Return the evidence for a stalled run with what the run does in the second half of ``steps``.
 
-        Returns:
-            ``kind``: ``drifting`` if the poses come back to within a millionth of a pixel, with their ``period``
-            and the step ``entry`` from which they do, else ``confined``; and ``box``, the columns and rows of
-            cells that the centre was in.
+        It drifts if its poses come back to within a millionth of a pixel; else it is only confined.
         """
         half = steps // 2
         episode = self._episode(steps, digest=0)
@@ -219,17 +212,18 @@ class ThesisRun:
         self._go_on(episode, steps, rows, half)
         poses = np.stack([rows["x"], rows["y"], rows["heading"]], axis=1)
         cells = np.floor(poses[:, :2] / CELL)
-        box: dict[str, Value] = {"box": [int(side) for side in np.ptp(cells, axis=0) + 1]}
+        columns, cell_rows = (int(side) for side in np.ptp(cells, axis=0) + 1)
+        box = (columns, cell_rows)
         period, entry = _drift(poses)
         if period == 0:
-            return {"kind": "confined", **box}
-        return {"kind": "drifting", "entry": half + entry, "period": period, **box}
+            return replace(evidence, kind="confined", box=box)
+        return replace(evidence, kind="drifting", entry=half + entry, period=period, box=box)
 
     def _outcome(self, run: Any, rows: Rows | None) -> Outcome:
         """What a finished run, ``WgThesisRun``, found, in the world's frame."""
         metres = self.world.cell_size / CELL
-        ending = _ENDINGS[run.ending]
-        tunnelled = ending == "tunnel"
+        ending = ENDINGS[run.ending]
+        tunnelled = ending == Verdict.TUNNEL
         keeps_going = self.options.thesis.keep_going
         overlapped = run.overlap.step >= 0 and not keeps_going
         cause = ""

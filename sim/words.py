@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim.episode import Episode
-from sim.outcome import BY_THE_CONTROLLER
+from sim.evidence import BudgetEvidence, BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, WallEvidence
+from sim.verdict import Verdict
+from worldgen.timeline import CellState
 from worldgen.world import Value
 
 __all__ = ["evidence_in_words", "frames_in_words"]
@@ -13,36 +15,33 @@ __all__ = ["evidence_in_words", "frames_in_words"]
 
 def evidence_in_words(episode: Episode) -> str:
     """What the evidence says, to stand behind the verdict; starts with a blank, or is empty."""
-    evidence = episode.evidence
-    verdict = episode.verdict
-    if verdict == "loop":
-        period = evidence["period"]
-        often = "in every step" if period == 1 else f"every {period} steps"
-        return f" for ever (the state after step {evidence['entry']} comes back {often})"
-    if verdict in ("tunnel", "overlap") and "cell" in evidence:
-        since = f", since a {evidence['cause']} in step {evidence['since']}" if "cause" in evidence else ""
-        return f" (step {evidence['step']}, wall cell {tuple(_list(evidence['cell']))}{since})"
-    if verdict == "burned":
-        cause = "fire" if evidence.get("state") == "burning" else "debris"
-        return f" ({cause} in step {evidence['step']}, cell {tuple(_list(evidence['cell']))})"
-    if verdict == "stalled":
-        seen = f"no new cell after step {evidence['last_new_cell']} of {episode.steps}"
-        return f" ({_manner(episode)}{seen}{_multiple(episode)})"
-    if verdict == "timeout":
-        return f" (still reaching new cells when its {episode.steps} steps were over{_multiple(episode)})"
-    if verdict in BY_THE_CONTROLLER:
-        return f" ({_fault(episode)})"
+    match episode.evidence:
+        case LoopEvidence(entry=entry, period=period):
+            often = "in every step" if period == 1 else f"every {period} steps"
+            return f" for ever (the state after step {entry} comes back {often})"
+        case WallEvidence() as wall:
+            since = "" if wall.cause is None else f", since a {wall.cause} in step {wall.since}"
+            return f" (step {wall.step}, wall cell {wall.cell}{since})"
+        case BurnedEvidence() as burned:
+            cause = "fire" if burned.state == CellState.BURNING.word else "debris"
+            return f" ({cause} in step {burned.step}, cell {burned.cell})"
+        case BudgetEvidence() as budget if episode.verdict == Verdict.STALLED:
+            seen = f"no new cell after step {budget.last_new_cell} of {episode.steps}"
+            return f" ({_manner(budget)}{seen}{_multiple(budget)})"
+        case BudgetEvidence() as budget:
+            return f" (still reaching new cells when its {episode.steps} steps were over{_multiple(budget)})"
+        case FaultEvidence() as fault:
+            return f" ({_fault(episode.verdict, fault)})"
     return ""
 
 
-def frames_in_words(evidence: Mapping[str, Value]) -> str:
+def frames_in_words(evidence: Evidence | None) -> str:
     """Return where a controller crashed, a line such as ``  mine.py:12 in act: gap = 1 / free`` for each frame.
 
     The innermost frame comes last, as in Python's tracebacks; each line ends with a newline.
     """
-    frames = evidence.get("frames")
-    known = [frame for frame in frames if isinstance(frame, dict)] if isinstance(frames, list) else []
-    return "".join(f"  {_frame(frame)}\n" for frame in known)
+    frames = evidence.frames if isinstance(evidence, FaultEvidence) else None
+    return "".join(f"  {_frame(frame)}\n" for frame in frames or ())
 
 
 def _frame(frame: Mapping[str, Value]) -> str:
@@ -53,37 +52,29 @@ def _frame(frame: Mapping[str, Value]) -> str:
     return f"{place}{' ' if place and inside else ''}{inside}{code}"
 
 
-def _multiple(episode: Episode) -> str:
+def _multiple(budget: BudgetEvidence) -> str:
     """The budget in times of the witness, with a comma before it; empty where there is none."""
-    multiple = episode.evidence.get("witness_multiple")
-    return "" if multiple is None else f", {multiple} times the witness's time"
+    return "" if budget.witness_multiple is None else f", {budget.witness_multiple} times the witness's time"
 
 
-def _fault(episode: Episode) -> str:
+def _fault(verdict: Verdict, fault: FaultEvidence) -> str:
     """What the controller did wrong, with a program's last line on stderr."""
-    evidence = episode.evidence
-    within = f" within {evidence['deadline']} s" if "deadline" in evidence else ""
-    where = f" in step {evidence['step']}" if episode.verdict != "crash" or "stderr" in evidence else ""
-    answer = f", answer {evidence['answer']!r}" if "answer" in evidence else ""
-    partly = f", but {evidence['unfinished']!r} without newline" if "unfinished" in evidence else ""
-    last = _list(evidence.get("stderr"))
-    said = f"; stderr: {last[-1]}" if last else ""
-    flush = "; does it flush its output?" if episode.verdict == "hang" and evidence["step"] == 1 else ""
-    error = evidence.get("error", "speed or turn rate is no finite number")  # that is all that the core judges
-    at = f", {evidence['at']}" if "at" in evidence else ""
-    remedy = f"; {evidence['remedy']}" if "remedy" in evidence else ""
+    error = fault.error or "speed or turn rate is no finite number"  # that is all that the core judges
+    at = f", {fault.at}" if fault.at else ""
+    within = "" if fault.deadline is None else f" within {fault.deadline} s"
+    where = f" in step {fault.step}" if verdict != Verdict.CRASH or fault.stderr is not None else ""
+    answer = "" if fault.answer is None else f", answer {fault.answer!r}"
+    partly = "" if fault.unfinished is None else f", but {fault.unfinished!r} without newline"
+    said = f"; stderr: {fault.stderr[-1]}" if fault.stderr else ""
+    flush = "; does it flush its output?" if verdict == Verdict.HANG and fault.step == 1 else ""
+    remedy = f"; {fault.remedy}" if fault.remedy else ""
     return f"{error}{at}{within}{where}{answer}{partly}{said}{flush}{remedy}"
 
 
-def _manner(episode: Episode) -> str:
+def _manner(budget: BudgetEvidence) -> str:
     """In what manner a run stalls, with a comma behind it; empty where that is not known."""
-    evidence = episode.evidence
-    if "kind" not in evidence:
+    if budget.kind is None or budget.box is None:
         return ""
-    columns, rows = _list(evidence["box"])
-    how = f"drifting every {evidence['period']} steps in" if evidence["kind"] == "drifting" else "confined to"
+    columns, rows = budget.box
+    how = f"drifting every {budget.period} steps in" if budget.kind == "drifting" else "confined to"
     return f"{how} {columns} x {rows} cells, "
-
-
-def _list(value: object) -> list[object]:
-    return value if isinstance(value, list) else []

@@ -14,7 +14,7 @@ import numpy as np
 
 from fuzz.asked.trial import Trial
 from fuzz.oracles import ORACLES as JUDGED_VERDICTS
-from sim.outcome import BY_THE_CONTROLLER
+from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.registry import Registry, user_code
 from worldgen.world import Value

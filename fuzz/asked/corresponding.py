@@ -17,6 +17,7 @@ from fuzz.asked.added_walls import walled_where_unnoticed, with_a_block_beside_t
 from fuzz.asked.trial import Trial
 from fuzz.asked.worlds import mirrored, scaled, shifted, turned
 from sim.run_options import MAX_STEPS
+from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
 from worldgen.world import Value, World
 
@@ -102,7 +103,7 @@ def _objection(
     except InvalidWorld:  # a start between two poses of the lattice was rounded into a wall
         return None
     here = trial.episode
-    arrived = (here.verdict == "reached", there.verdict == "reached")
+    arrived = (here.verdict == Verdict.REACHED, there.verdict == Verdict.REACHED)
     slow, fast = max(here.steps, there.steps * each), min(here.steps, there.steps * each)
     if not any(arrived) or (all(arrived) and slow <= factor * max(fast, 1)):
         return None

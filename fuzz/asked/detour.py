@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fuzz.asked.trial import Trial
+from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import Value
 
@@ -31,7 +32,7 @@ def detour(trial: Trial, bound: float) -> dict[str, Value] | None:
     """
     if bound < 1.0:
         raise InvalidParameter(f"detour={bound:g} is below 1, and no way is shorter than the shortest; give 1 or more")
-    if trial.episode.verdict != "reached" or trial.witness is None:
+    if trial.episode.verdict != Verdict.REACHED or trial.witness is None:
         return None
     shortest = max(trial.witness.length, trial.world.cell_size)
     if trial.episode.path_length <= bound * shortest or trial.trace is None:

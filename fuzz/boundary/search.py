@@ -11,6 +11,7 @@ from fuzz.failure import certified
 from sim.controllers import CONTROLLERS
 from sim.episode import prepare
 from sim.outcome import Outcome
+from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
 from worldgen.world import Value, Witness, World
 
@@ -38,7 +39,7 @@ class Look:
     @property
     def arrives(self) -> bool:
         """Whether the robot reaches the target and does nothing else that is wrong."""
-        return self.outcome.verdict == "reached"
+        return self.outcome.verdict == Verdict.REACHED
 
 
 class Looks:

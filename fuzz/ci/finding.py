@@ -10,6 +10,7 @@ from typing import Literal
 
 from fuzz.failure import scenario_of
 from fuzz.telling import replay_line, run_to_draw
+from sim.evidence import fault_evidence
 from sim.picture import trail_of
 from sim.scenario import Scenario
 from sim.stopping import OutOfTime
@@ -88,7 +89,7 @@ class Finding:
         except WorldgenError as error:
             words, trail, frames = f", but it cannot be run here: {error}", None, ""
         except OutOfTime:  # its controller is slow, and the time for pictures over
-            words, trail, frames = "", None, frames_in_words(record.evidence)
+            words, trail, frames = "", None, frames_in_words(fault_evidence(record.evidence))
         said = reason if state == "not confirmed" else f"{record.verdict}{words}"
         picture = draw_terminal(replace(world, failure=None), trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fuzz.commands._options import Duration
+from sim.verdict import Verdict
 from worldgen.cli.output import draw_seed, emit_json, force_option, json_option, note, seed_option
 
 if TYPE_CHECKING:
@@ -240,8 +241,12 @@ def _report(search: Find, wishes: tuple[Wish, ...], out: Path, as_json: bool) ->
 def _got(wish: Wish, result: Result) -> str:
     """An outcome in words: ``reached@330``, ``stalled in 20000 steps``, ``timeout, 10% of 20 seeds arrive``."""
     if result.seeds > 1:
-        words = f"{result.verdict}@{result.steps:g}" if result.verdict == "reached" else result.verdict
+        words = f"{result.verdict}@{result.steps:g}" if result.verdict == Verdict.REACHED else result.verdict
         return f"{words}, {result.share:.0%} of {result.seeds} seeds arrive"
-    if result.verdict in ("reached", "loop"):
+    if result.verdict in (Verdict.REACHED, Verdict.LOOP):
         return f"{result.verdict}@{result.steps:g}"
-    return f"{result.verdict} in {wish.steps} steps" if result.verdict in ("stalled", "timeout") else result.verdict
+    return (
+        f"{result.verdict} in {wish.steps} steps"
+        if result.verdict in (Verdict.STALLED, Verdict.TIMEOUT)
+        else result.verdict
+    )

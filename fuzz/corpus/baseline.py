@@ -11,8 +11,9 @@ from fuzz.corpus.entry import Entry, Facts
 from fuzz.crash_bucket import has_facts
 from fuzz.failure import certificate_fault, failure_by, failure_of, scenario_of
 from sim.controllers import in_plain_place
-from sim.outcome import BY_THE_CONTROLLER
+from sim.evidence import fault_evidence
 from sim.scenario import Scenario
+from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import WorldgenError
 from worldgen.grid_file import read_world
 from worldgen.plain_text import shown
@@ -101,7 +102,7 @@ def _is_known(stored: FailureRecord, now: FailureRecord) -> bool:
     """
     if now.verdict not in BY_THE_CONTROLLER:
         return True
-    return not has_facts(stored.evidence) and _crash(stored) == _crash(now)
+    return not has_facts(fault_evidence(stored.evidence)) and _crash(stored) == _crash(now)
 
 
 def _crash(record: FailureRecord) -> tuple[object, ...]:

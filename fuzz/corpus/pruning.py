@@ -8,7 +8,7 @@ from itertools import groupby
 
 from fuzz.corpus.entry import Entry
 from fuzz.failure import replay
-from sim.outcome import BY_THE_CONTROLLER
+from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import OutputError
 from worldgen.grid_file import read_world
 

@@ -11,6 +11,7 @@ from sim.controllers.library.potential_field import potential_field
 from sim.controllers.library.q_learning import q_learning
 from sim.controllers.library.three_layer import three_layer
 from sim.controllers.library.vfh import vfh
+from sim.verdict import Verdict
 
 __all__ = [
     "dynamic_window_brakes_for_the_target",
@@ -33,92 +34,92 @@ __all__ = [
 three_layer_patience_starts_anew = planted(
     "three-layer-patience-starts-anew",
     three_layer,
-    "loop",
+    Verdict.LOOP,
     "The timer of a waypoint is set to 0 in each step, so no waypoint is ever given up.",
 )
 three_layer_forgets_its_map = planted(
     "three-layer-forgets-its-map",
     three_layer,
-    "loop",
+    Verdict.LOOP,
     "The map is cleared with each new waypoint: what was learnt is lost with the reset.",
 )
 three_layer_columns_and_rows_swapped = planted(
     "three-layer-columns-and-rows-swapped",
     three_layer,
-    "loop",
+    Verdict.LOOP,
     "Columns and rows are mixed up where the robot's cell is looked up.",
 )
 three_layer_stale_target = planted(
     "three-layer-stale-target",
     three_layer,
-    "loop",
+    Verdict.LOOP,
     "The heading of the target is kept from the start for the last bit of the way.",
 )
 three_layer_turn_not_wrapped = planted(
     "three-layer-turn-not-wrapped",
     three_layer,
-    "stalled",
+    Verdict.STALLED,
     "The turn is the difference of two headings, not wrapped at pi.",
 )
 vfh_turn_sign = planted(
     "vfh-turn-sign",
     vfh,
-    "loop",
+    Verdict.LOOP,
     "Turns the wrong way where the chosen direction is more than an eighth of a turn off.",
 )
 vfh_histogram_never_clears = planted(
     "vfh-histogram-never-clears",
     vfh,
-    "loop",
+    Verdict.LOOP,
     "A sector that was blocked once stays so: the lower threshold is never asked.",
 )
 vfh_beam_beyond_the_last = planted(
     "vfh-beam-beyond-the-last",
     vfh,
-    "crash",
+    Verdict.CRASH,
     "Looks up the beam nearest to the target by a rounded index, which may be one beyond the last.",
 )
 potential_field_gap_in_whole_cells = planted(
     "potential-field-gap-in-whole-cells",
     potential_field,
-    "crash",
+    Verdict.CRASH,
     "Divides by the gap to the nearest wall in whole cells of the map, which may be 0.",
 )
 potential_field_never_slows = planted(
     "potential-field-never-slows",
     potential_field,
-    "tunnel",
+    Verdict.TUNNEL,
     "Drives at its top speed near walls, too, so that between two looks it is beyond them.",
     variations="+motion=endpoint+time_step=0.3",
 )
 dynamic_window_brakes_for_the_target = planted(
     "dynamic-window-brakes-for-the-target",
     dynamic_window,
-    "invalid-command",
+    Verdict.INVALID_COMMAND,
     "Slows down before the target by the root of what is left less 0.1 m, which may be negative.",
 )
 dynamic_window_speed_in_km_h = planted(
     "dynamic-window-speed-in-km-h",
     dynamic_window,
-    "tunnel",
+    Verdict.TUNNEL,
     "Sends its speed in km/h to wheels that take m/s.",
     variations="+motion=endpoint+time_step=0.15",
 )
 q_learning_eighth_of_nine = planted(
     "q-learning-eighth-of-nine",
     q_learning,
-    "crash",
+    Verdict.CRASH,
     "Counts nine eighths of a turn: straight behind on the right is beyond the table's end.",
 )
 q_learning_timer_off_by_one = planted(
     "q-learning-timer-off-by-one",
     q_learning,
-    "loop",
+    Verdict.LOOP,
     "Waits a step longer between two decisions than it did when it was trained: an error by one in a timer.",
 )
 q_learning_last_turn_lost = planted(
     "q-learning-last-turn-lost",
     q_learning,
-    "loop",
+    Verdict.LOOP,
     "Does not remember which way it turned last.",
 )

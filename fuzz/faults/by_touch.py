@@ -8,6 +8,7 @@ from __future__ import annotations
 from fuzz.faults.planting import planted
 from sim.controllers.library.bug1 import bug1
 from sim.controllers.library.bug2 import bug2
+from sim.verdict import Verdict
 
 __all__ = [
     "bug1_hit_point_moves_along",
@@ -26,66 +27,66 @@ __all__ = [
 bug1_keeps_the_last_place = planted(
     "bug1-keeps-the-last-place",
     bug1,
-    "loop",
+    Verdict.LOOP,
     "Does not keep the nearest place of the wall but the last one: the comparison with the best so far is lost.",
 )
 bug1_hit_point_moves_along = planted(
     "bug1-hit-point-moves-along",
     bug1,
-    "stalled",
+    Verdict.STALLED,
     "Notes the hit point anew at each step along the wall, so it never comes back to it.",
 )
 bug1_stale_round_is_over = planted(
     "bug1-stale-round-is-over",
     bug1,
-    "loop",
+    Verdict.LOOP,
     "The flag of a finished round is not cleared at the second obstacle, which counts as seen at once.",
 )
 bug1_lost_wall_wrong_side = planted(
     "bug1-lost-wall-wrong-side",
     bug1,
-    "loop",
+    Verdict.LOOP,
     "Changes hands whenever the wall is lost at a corner: the sign of the turn is wrong there.",
 )
 bug1_turn_not_wrapped = planted(
     "bug1-turn-not-wrapped",
     bug1,
-    "loop",
+    Verdict.LOOP,
     "The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn.",
 )
 bug2_leaves_by_equality = planted(
     "bug2-leaves-by-equality",
     bug2,
-    "loop",
+    Verdict.LOOP,
     "Leaves the wall only where it is on the line exactly: a comparison of floats for equality.",
 )
 bug2_stale_line = planted(
     "bug2-stale-line",
     bug2,
-    "loop",
+    Verdict.LOOP,
     "The hit point and the line of the first obstacle are kept for all later ones.",
 )
 bug2_hit_point_not_kept = planted(
     "bug2-hit-point-not-kept",
     bug2,
-    "loop",
+    Verdict.LOOP,
     "The hit point is forgotten at a corner, so the line then begins where the robot is.",
 )
 bug2_leaves_behind_the_hit_point = planted(
     "bug2-leaves-behind-the-hit-point",
     bug2,
-    "loop",
+    Verdict.LOOP,
     "Leaves wherever it crosses the line: that the place must be nearer than the hit point is forgotten.",
 )
 bug2_bearing_in_degrees = planted(
     "bug2-bearing-in-degrees",
     bug2,
-    "loop",
+    Verdict.LOOP,
     "The bearing of a contact on the right comes in degrees.",
 )
 bug2_turn_not_wrapped = planted(
     "bug2-turn-not-wrapped",
     bug2,
-    "loop",
+    Verdict.LOOP,
     "The turn is the difference of two headings, not wrapped at pi, so the robot turns by half a turn.",
 )

@@ -8,6 +8,7 @@ from typing import Any
 from fuzz import _core
 from sim.controllers.base import CompiledController
 from sim.controllers.core_act import CoreAct
+from sim.verdict import Verdict
 
 __all__ = ["Fault", "FaultAct", "planted"]
 
@@ -42,11 +43,11 @@ class Fault(CompiledController):
 
     sentence: str = ""
     base: CompiledController | None = None
-    expected: str = ""
+    expected: Verdict | None = None
     variations: str = ""
 
 
-def planted(name: str, base: CompiledController, expected: str, sentence: str, *, variations: str = "") -> Fault:
+def planted(name: str, base: CompiledController, expected: Verdict, sentence: str, *, variations: str = "") -> Fault:
     """Return a controller with a fault of the C core.
 
     Args:

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare, simulate
-from sim.outcome import BY_THE_CONTROLLER
+from sim.evidence import LoopEvidence
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
+from sim.verdict import FAILURES, NEVER, UNENDED, Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.world import World
 
@@ -26,10 +27,9 @@ _TIMED_STEPS = 1_000  # at least, where a latest arrival is wanted
 _LATE = 3  # times the steps that are wanted: so long a run may take
 
 _GROUPS = {
-    "never": ("loop", "stalled"),
-    "fails": ("loop", "stalled", "timeout", "tunnel", "overlap", "burned", *BY_THE_CONTROLLER),
+    "never": NEVER,
+    "fails": FAILURES,
 }
-_VERDICTS = ("reached", *_GROUPS["fails"])
 _EXAMPLE = 'write for example "thesis-1=reached@330, thesis-2=loop"'
 _OUTCOME = re.compile(r"(?P<word>[a-z-]+)(?:@(?P<range>.+))?")
 _NUMBER = r"\d+(?:\.\d+)?s?"
@@ -106,7 +106,7 @@ class Wish:
 
     @property
     def _timed(self) -> bool:
-        return self.verdicts == ("reached",) and (self.low is not None or self.high is not None)
+        return self.verdicts == (Verdict.REACHED,) and (self.low is not None or self.high is not None)
 
     def look(self, world: World, *, prove: bool = False) -> Result:
         """Runs the controller in a world; one that draws random numbers there, with :data:`SEEDS` seeds.
@@ -124,7 +124,7 @@ class Wish:
             return self._over_seeds([first, *(self._run(world, seed, prove) for seed in range(1, SEEDS))])
         if self.says_chance:  # but drew nothing, so that every seed does the same
             return self._over_seeds([first] * SEEDS)
-        return Result(first.verdict, first.steps, float(first.verdict == "reached"), first.distance)
+        return Result(first.verdict, first.steps, float(first.verdict == Verdict.REACHED), first.distance)
 
     def _run(self, world: World, seed: int, prove: bool) -> _Run:
         scenario = self.scenario.with_seed(seed)
@@ -134,21 +134,21 @@ class Wish:
         )
         chance = outcome.random_draws > 0 or scenario.random
         verdict, steps = outcome.verdict, outcome.steps
-        if verdict == "loop":
-            verdict, steps = self._proved(world, options) if prove else ("loop", outcome.period)
+        if verdict == Verdict.LOOP:
+            verdict, steps = self._proved(world, options) if prove else (Verdict.LOOP, outcome.period)
         return _Run(verdict, steps, self._distance(verdict, steps, chance or self.says_chance), chance)
 
-    def _proved(self, world: World, options: RunOptions) -> tuple[str, int]:
+    def _proved(self, world: World, options: RunOptions) -> tuple[Verdict, int]:
         episode = simulate(world, self.scenario.controller, options)
-        period = episode.evidence.get("period")
-        return episode.verdict, period if episode.verdict == "loop" and isinstance(period, int) else episode.steps
+        evidence = episode.evidence
+        return episode.verdict, evidence.period if isinstance(evidence, LoopEvidence) else episode.steps
 
     def _over_seeds(self, runs: list[_Run]) -> Result:
         """The outcome of many runs: nearly all as wanted and none through walls, or the median time as wanted."""
         verdicts = [run.verdict for run in runs]
-        verdict = max(_VERDICTS, key=verdicts.count)
-        share = verdicts.count("reached") / len(runs)
-        steps = statistics.median(run.steps if run.verdict == "reached" else math.inf for run in runs)
+        verdict = max(Verdict, key=verdicts.count)
+        share = verdicts.count(Verdict.REACHED) / len(runs)
+        steps = statistics.median(run.steps if run.verdict == Verdict.REACHED else math.inf for run in runs)
         if self._timed:
             distance = self._off(steps) if math.isfinite(steps) else _OTHERWISE - share
         else:
@@ -159,11 +159,11 @@ class Wish:
 
     def _distance(self, verdict: str, number: int, chance: bool) -> float:
         """Of one run; where there is chance, no state need come back, and never means only: not in the budget."""
-        if verdict in self.verdicts or (chance and verdict == "timeout" and self.verdicts == _GROUPS["never"]):
+        if verdict in self.verdicts or (chance and verdict == Verdict.TIMEOUT and self.verdicts == _GROUPS["never"]):
             return self._off(number)
-        if verdict not in ("reached", *_GROUPS["never"], "timeout"):
+        if verdict not in (Verdict.REACHED, *UNENDED):
             return _BROKEN
-        if verdict == "reached":  # the later the nearer to never
+        if verdict == Verdict.REACHED:  # the later the nearer to never
             return _OTHERWISE - min(number / self.steps, 1.0)
         return _OTHERWISE
 
@@ -200,13 +200,13 @@ def _parse_wish(part: str, motion: str, time_step: float) -> Wish:
     scenario = Scenario.parse(name, motion=motion, time_step=time_step)
     CONTROLLERS.get(scenario.controller)
     match = _OUTCOME.fullmatch(outcome.strip())
-    if match is None or match["word"] not in (*_VERDICTS, *_GROUPS):
-        known = ", ".join((*_GROUPS, *_VERDICTS))
+    if match is None or match["word"] not in (*Verdict, *_GROUPS):
+        known = ", ".join((*_GROUPS, *Verdict))
         raise InvalidParameter(f"outcome {outcome[:80]!r} of {name} is none of {known}; {_EXAMPLE}")
     verdicts = _GROUPS.get(match["word"], (match["word"],))
     if match["range"] is None:
         return Wish(scenario, outcome.strip(), verdicts)
-    if match["word"] not in ("reached", "loop"):
+    if match["word"] not in (Verdict.REACHED, Verdict.LOOP):
         raise InvalidParameter(f"outcome {outcome[:80]!r}: only reached and loop take steps behind @; {_EXAMPLE}")
     low, high = _parse_range(match["range"].strip(), scenario.time_step)
     return Wish(scenario, outcome.strip(), verdicts, low, high)

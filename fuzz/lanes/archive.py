@@ -22,6 +22,7 @@ from fuzz.lanes.task import Task
 from fuzz.layout_bytes import FEATURE_BYTES, HEAD_BYTES, MAX_FEATURES, SCENE_BYTES
 from fuzz.native import Looks
 from fuzz.result import Elite
+from sim.verdict import Verdict
 from worldgen.random_streams import RandomStream
 
 __all__ = ["ARCHIVE", "archive_table", "search"]
@@ -94,7 +95,7 @@ def _best(looks: Looks) -> dict[Cell, Elite]:
     best: dict[Cell, Elite] = {}
     for n in np.flatnonzero(looks.ran)[np.argsort(solid[looks.ran], kind="stable")].tolist():
         verdict = str(verdicts[n])
-        cell = tuple(cells[n].tolist() if verdict == "reached" else cells[n, : len(_MAP)].tolist())
+        cell = tuple(cells[n].tolist() if verdict == Verdict.REACHED else cells[n, : len(_MAP)].tolist())
         best.setdefault(cell, Elite(looks.layouts[n].tobytes(), -float(solid[n]), verdict))
     return best
 

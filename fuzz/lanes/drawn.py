@@ -29,6 +29,7 @@ from sim.motion.base import THESIS
 from sim.run_options import step_budget
 from sim.scenario import Scenario
 from sim.stopping import OutOfTime, check_time
+from sim.verdict import Verdict
 from worldgen.errors import InvalidWorld
 from worldgen.lattice import lattice_to_metres
 from worldgen.random_streams import RandomStream
@@ -128,10 +129,10 @@ def _visit_sealed(task: Task, world: World, scenario: Scenario) -> str:
     verdict, options = "sealed", scenario.options(world)
     run = prepare(world, task.controller, options)
     outcome = run.run(options.steps, find_loop=True, record=False, digest=False)
-    if outcome.ending == "tunnel":
+    if outcome.ending == Verdict.TUNNEL:
         run = prepare(world, task.controller, regardless_of_walls(options))
         whole = run.run(options.steps, find_loop=True, record=False, digest=False)
-        verdict = "breach" if whole.ending == "reached" else "sealed"
+        verdict = "breach" if whole.ending == Verdict.REACHED else "sealed"
     task.door.count(verdict, outcome.steps)
     return task.door.enter(world, scenario, verdict, outcome.cause) if verdict == "breach" else ""
 

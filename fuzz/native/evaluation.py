@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from fuzz import layout_bytes
 from fuzz.features import RADII, decode_scene, decode_world
-from fuzz.native.batch import CRASH, Batch, Patience, Seat, lib
+from fuzz.native.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat, lib
 from fuzz.native.in_lockstep import look_in_batch, look_in_lockstep
 from fuzz.native.one_by_one import OneByOne
 from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController, VectorController
@@ -19,8 +19,10 @@ from sim.lattice_core import Driver
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import LATTICE
+from sim.outcome import ENDINGS
 from sim.run_options import MAX_STEPS
 from sim.scenario import Scenario
+from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import TURN, UNIT
 from worldgen.world import DEFAULT_CELL_SIZE, World
@@ -32,6 +34,8 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
+_KNOWN = {**ENDINGS, lib.WG_LIMIT: "undecided", NOT_RUN: "", HANG: Verdict.HANG}
+_FIRST_LOOKS = np.array([str(_KNOWN[ending]) for ending in range(NOT_RUN, HANG + 1)])
 _MOST_KEYS = 1 << 16  # more than the facts of a run without a crash can make
 _PORTION = 1 << 20  # steps of a compiled controller, about 0.1 s: between two portions Ctrl-C is heard
 
@@ -81,15 +85,14 @@ class Looks:
     @property
     def verdict(self) -> npt.NDArray[np.str_]:
         """At first look: ``undecided`` where the budget was spent, empty where nothing ran."""
-        words = np.array(["", "undecided", "reached", "loop", "tunnel", "burned", "invalid-command", "crash", "hang"])
         ending, overlaps = self.ending, self.raw["overlap_step"] >= 0
         covered = overlaps & np.isin(ending, (lib.WG_LIMIT, lib.WG_REACHED, lib.WG_LOOP))
-        return np.where(covered, "overlap", words[ending + 1])
+        return np.where(covered, Verdict.OVERLAP.value, _FIRST_LOOKS[ending + 1])
 
     @property
     def failed(self) -> Flags:
         """Whether the controller was run and did not arrive as it should."""
-        found: Flags = self.ran & (self.verdict != "reached")
+        found: Flags = self.ran & (self.verdict != Verdict.REACHED.value)
         return found
 
     @property

@@ -7,6 +7,7 @@ import functools
 import sys
 import zlib
 from collections.abc import Callable
+from dataclasses import replace
 
 from fuzz.crash_bucket import crash_bucket
 from fuzz.native.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat, lib
@@ -15,11 +16,12 @@ from sim.controllers.program import Misbehaviour, WantsMemory
 from sim.lattice_core import Workspace
 from sim.python_loop import crash_of, driver_of, memory_at_start, plans
 from sim.stopping import OutOfTime, in_time, is_out_of_time
+from sim.verdict import Verdict
 from worldgen.world import World
 
 __all__ = ["OneByOne"]
 
-_ENDINGS = {"crash": CRASH, "hang": HANG, "invalid-command": int(lib.WG_INVALID_COMMAND)}
+_ENDINGS = {Verdict.CRASH: CRASH, Verdict.HANG: HANG, Verdict.INVALID_COMMAND: int(lib.WG_INVALID_COMMAND)}
 _NUMBERS = (1 << 24) - 1  # that a crash can have
 _MOST_HANGS = 2  # of a batch: each takes a whole deadline, and no door proves more of a unit
 
@@ -116,9 +118,9 @@ class OneByOne:
     def _number_of(self, error: BaseException, step: int) -> int:
         """Return a number for what crashed, so that a frequent one does not keep others from being proved."""
         fault = error if isinstance(error, Misbehaviour) else crash_of(error, self._controller)
-        bucket = crash_bucket({"error": fault.error, **fault.evidence, "step": step})
+        bucket = crash_bucket(replace(fault.evidence, step=step))
         return zlib.crc32(bucket.encode()) & _NUMBERS
 
 
 def _ending_of(error: BaseException) -> int:
-    return _ENDINGS[error.verdict if isinstance(error, Misbehaviour) else "crash"]
+    return _ENDINGS[error.verdict if isinstance(error, Misbehaviour) else Verdict.CRASH]

@@ -11,7 +11,8 @@ Contents:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from typing import Any
 
 from fuzz.oracles.breach import object_to_breach
 from fuzz.oracles.burned import object_to_burned
@@ -21,26 +22,28 @@ from fuzz.oracles.reached import object_to_reached
 from fuzz.oracles.stalled import object_to_stalled
 from fuzz.oracles.timeout import object_to_timeout
 from fuzz.oracles.tunnel import object_to_tunnel
+from sim.evidence import Evidence
 from sim.motion import Motion
 from sim.trace import Trace
-from worldgen.world import Value, World
+from sim.verdict import Verdict
+from worldgen.world import World
 
 __all__ = ["ORACLES", "object_to_breach", "objection"]
 
-Oracle = Callable[[World, Trace, Mapping[str, Value], Motion], str]
+Oracle = Callable[[World, Trace, Any, Motion], str]
 
-ORACLES: dict[str, Oracle] = {
-    "burned": object_to_burned,
-    "loop": object_to_loop,
-    "overlap": object_to_overlap,
-    "reached": object_to_reached,
-    "stalled": object_to_stalled,
-    "timeout": object_to_timeout,
-    "tunnel": object_to_tunnel,
+ORACLES: dict[Verdict, Oracle] = {
+    Verdict.BURNED: object_to_burned,
+    Verdict.LOOP: object_to_loop,
+    Verdict.OVERLAP: object_to_overlap,
+    Verdict.REACHED: object_to_reached,
+    Verdict.STALLED: object_to_stalled,
+    Verdict.TIMEOUT: object_to_timeout,
+    Verdict.TUNNEL: object_to_tunnel,
 }
 
 
-def objection(verdict: str, world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
+def objection(verdict: Verdict, world: World, trace: Trace, evidence: Evidence, motion: Motion) -> str:
     """Why a verdict does not hold for a trace; empty if it does, or if no oracle judges that verdict.
 
     Args:

@@ -8,14 +8,15 @@ or a *back-off* (a pixel back on both). Where only the corner of a cell is touch
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.oracles._plain import integer, is_solid_at
+from fuzz.oracles._plain import is_solid_at
+from sim.evidence import WallEvidence
 from sim.trace import Trace
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["LEAST_OVERLAP", "object_to_cause"]
 
@@ -27,7 +28,7 @@ _SAME = 1e-6  # px by which a displacement may differ from the one that its caus
 Floats = npt.NDArray[np.float64]
 
 
-def object_to_cause(world: World, trace: Trace, evidence: Mapping[str, Value]) -> str:
+def object_to_cause(world: World, trace: Trace, evidence: WallEvidence) -> str:
     """Objects unless the disc overlaps a wall from the end of step ``since`` to ``step``, by a move of ``cause``.
 
     The states before are clear of walls, and the displacement of step ``since`` is what the cause makes. A move
@@ -38,10 +39,12 @@ def object_to_cause(world: World, trace: Trace, evidence: Mapping[str, Value]) -
         trace: A recording up to ``step`` at least.
         evidence: ``step``, ``cause``, ``since``; without ``cause`` there is nothing to object to.
     """
-    cause, since, step = evidence.get("cause"), integer(evidence, "since"), integer(evidence, "step")
+    cause = evidence.cause
+    since = evidence.since
+    step = evidence.step
     if cause is None:
         return ""
-    if not 1 <= since <= step <= trace.steps:
+    if since is None or not 1 <= since <= step <= trace.steps:
         return f"the overlap is said to begin in step {since}, and to end in a wall in step {step}"
     states = np.arange(since - 1, step + 1)
     depths = _depths(world, trace.x[states], trace.y[states], trace.time_step * states.astype(np.float64))

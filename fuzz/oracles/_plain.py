@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 import shapely
 
+from sim.evidence import BudgetEvidence
 from sim.trace import Trace
 from worldgen.timeline import CellState
-from worldgen.world import Value, Witness, World
+from worldgen.world import Witness, World
 
 __all__ = [
     "cell_box",
-    "cell_of",
     "first_new_cell_of_second_half",
-    "integer",
     "is_solid_at",
     "lattice_cell",
     "object_to_budget",
@@ -25,20 +23,6 @@ __all__ = [
     "step_path",
     "target_gap",
 ]
-
-
-def integer(evidence: Mapping[str, Value], key: str) -> int:
-    """A whole number of the evidence; -1 if it is missing or no number."""
-    value = evidence.get(key)
-    return value if isinstance(value, int) and not isinstance(value, bool) else -1
-
-
-def cell_of(evidence: Mapping[str, Value]) -> tuple[int, int] | None:
-    """The evidence's cell (ix, iy)."""
-    value = evidence.get("cell")
-    if isinstance(value, list) and len(value) == 2 and isinstance(value[0], int) and isinstance(value[1], int):
-        return value[0], value[1]
-    return None
 
 
 def cell_box(world: World, ix: int, iy: int) -> shapely.Polygon:
@@ -80,13 +64,13 @@ def first_new_cell_of_second_half(world: World, trace: Trace) -> tuple[int, int]
     return (int(fresh[0]) % (world.width + 2), int(fresh[0]) // (world.width + 2)) if len(fresh) else None
 
 
-def object_to_budget(world: World, trace: Trace, evidence: Mapping[str, Value]) -> str:
+def object_to_budget(world: World, trace: Trace, evidence: BudgetEvidence) -> str:
     """Objects unless ``witness_multiple`` is the run's time in times of the witness, rounded to thousandths."""
     if not isinstance(world.certificate, Witness) or world.certificate.duration <= 0:
         return ""
     spent = trace.steps * Fraction(repr(trace.time_step)) / Fraction(repr(world.certificate.duration))
-    claimed = evidence.get("witness_multiple")
-    if isinstance(claimed, int | float) and abs(Fraction(claimed) - spent) <= Fraction(1, 1999):
+    claimed = evidence.witness_multiple
+    if claimed is not None and abs(Fraction(claimed) - spent) <= Fraction(1, 1999):
         return ""
     return f"the budget is {float(spent):.3f} times the witness's time, not {claimed}"
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from fuzz.oracles._plain import integer, lattice_cell
+from fuzz.oracles._plain import lattice_cell
+from sim.evidence import WallEvidence
 from sim.trace import Trace
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["object_to_breach"]
 
 
-def object_to_breach(world: World, trace: Trace, whole: Trace, evidence: Mapping[str, Value]) -> str:
+def object_to_breach(world: World, trace: Trace, whole: Trace, evidence: WallEvidence) -> str:
     """Objects unless the run, going on past the wall, enters the target's cell in step ``reached``, not before.
 
     That the target is walled off is for the checker of the cut to say.
@@ -22,8 +21,9 @@ def object_to_breach(world: World, trace: Trace, whole: Trace, evidence: Mapping
         whole: The same run where walls end nothing.
         evidence: ``step`` and ``reached``.
     """
-    step, reached = integer(evidence, "step"), integer(evidence, "reached")
-    if not step < reached <= whole.steps:
+    step = evidence.step
+    reached = evidence.reached
+    if reached is None or not step < reached <= whole.steps:
         return f"the target is said to be reached in step {reached}, the wall entered in step {step}"
     if trace.steps != step or not (trace.states == whole.states[: step + 1]).all():
         return "the run that goes on is another one before the wall"

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from fuzz.oracles._plain import cell_box, cell_of, integer, step_path
+from fuzz.oracles._plain import cell_box, step_path
+from sim.evidence import BurnedEvidence
 from sim.motion import Motion
 from sim.trace import Trace
 from worldgen.timeline import CellState
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["object_to_burned"]
 
 
-def object_to_burned(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
+def object_to_burned(world: World, trace: Trace, evidence: BurnedEvidence, motion: Motion) -> str:
     """Objects unless the named cell is in the named state by the end of the step, within the robot's radius."""
-    step, cell, state = integer(evidence, "step"), cell_of(evidence), evidence.get("state")
-    if not 1 <= step <= trace.steps or cell is None:
-        return "the evidence names no step and cell of this run"
+    step = evidence.step
+    cell = evidence.cell
+    state = evidence.state
+    if not 1 <= step <= trace.steps:
+        return f"the run has no step {step}"
     changes = [event for event in world.timeline if (event.ix, event.iy) == cell]
     known = [event for event in changes if event.time <= step * trace.time_step + 1e-9]
     if not known or known[-1].state.word != state or known[-1].state == CellState.FREE:

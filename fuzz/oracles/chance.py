@@ -6,10 +6,9 @@ from collections.abc import Iterable
 
 from sim.chance import ARRIVED, ENDED, UNSEEN, Outcomes, states_of
 from sim.trace import Trace
+from sim.verdict import UNENDED, Verdict
 
 __all__ = ["object_to_chance"]
-
-_GO_ON = ("loop", "stalled", "timeout")  # verdicts on runs that nothing but the budget or the proof ended
 
 
 def object_to_chance(outcomes: Outcomes, chance: str, runs: Iterable[tuple[Trace, str]]) -> str:
@@ -98,13 +97,13 @@ def _object_to_run(outcomes: Outcomes, trace: Trace, verdict: str) -> str:
         known.setdefault(state.tobytes(), set()).add(number)
     states = states_of(trace)
     may_be = {0} if states[0].tobytes() == outcomes.states[0].tobytes() else set()
-    ends = verdict not in _GO_ON
+    ends = verdict not in UNENDED
     for step in range(1, trace.steps + 1 - ends):
         after = {after for number in may_be for _, after in outcomes.following[number]}
         may_be = after & known.get(states[step].tobytes(), set())
         if not may_be:
             return f"a run is, after step {step}, in a state that does not follow"
-    end = ARRIVED if verdict == "reached" else ENDED
+    end = ARRIVED if verdict == Verdict.REACHED else ENDED
     if ends and not any(after == end for number in may_be for _, after in outcomes.following[number]):
         return f"a run ends as {verdict} in step {trace.steps}, where no state says so"
     return ""

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
 
 import numpy as np
 
-from fuzz.oracles._plain import integer, places_gap, target_gap
+from fuzz.oracles._plain import places_gap, target_gap
+from sim.evidence import LoopEvidence
 from sim.motion import Motion
 from sim.trace import Trace
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["object_to_loop"]
 
 
-def object_to_loop(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
+def object_to_loop(world: World, trace: Trace, evidence: LoopEvidence, motion: Motion) -> str:
     """Objects unless two whole periods repeat, state by state, after the last event, away from the target.
 
     Args:
@@ -24,9 +24,10 @@ def object_to_loop(world: World, trace: Trace, evidence: Mapping[str, Value], mo
         evidence: ``entry``, ``period``, ``state_digest``.
         motion: The motion model.
     """
-    entry, period = integer(evidence, "entry"), integer(evidence, "period")
+    entry = evidence.entry
+    period = evidence.period
     if entry < 0 or period < 1:
-        return "the evidence has no entry and period"
+        return f"a loop does not begin after step {entry} with a period of {period} steps"
     if not trace.complete:
         return "the controller keeps memory that it does not declare, so equal states prove nothing"
     if trace.steps < entry + 2 * period:
@@ -37,7 +38,7 @@ def object_to_loop(world: World, trace: Trace, evidence: Mapping[str, Value], mo
     two = trace.states[entry + period : entry + 2 * period + 1]
     if not np.array_equal(one, two):
         return "the second period differs from the first"
-    if evidence.get("state_digest") != _digest(trace.states[entry].tolist()):
+    if evidence.state_digest != _digest(trace.states[entry].tolist()):
         return "the state at the entry is not the one of the evidence"
     x, y = trace.x[entry : entry + period + 1], trace.y[entry : entry + period + 1]
     gap = places_gap(world, x, y)

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from fuzz.oracles._cause import object_to_cause
-from fuzz.oracles._plain import cell_box, cell_of, integer, is_solid_at, step_path
+from fuzz.oracles._plain import cell_box, is_solid_at, step_path
+from sim.evidence import WallEvidence
 from sim.motion import Motion
 from sim.trace import Trace
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["object_to_overlap"]
 
 
-def object_to_overlap(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
+def object_to_overlap(world: World, trace: Trace, evidence: WallEvidence, motion: Motion) -> str:
     """Objects unless the disc, along the path of the named step, cuts the named solid cell deeply enough.
 
     Where the evidence names the move that let the robot into the wall, that is judged too.
     """
-    step, cell = integer(evidence, "step"), cell_of(evidence)
-    if not 1 <= step <= trace.steps or cell is None:
-        return "the evidence names no step and cell of this run"
+    step = evidence.step
+    cell = evidence.cell
+    if not 1 <= step <= trace.steps:
+        return f"the run has no step {step}"
     if not is_solid_at(world, *cell, (step - 1) * trace.time_step, step * trace.time_step):
         return f"cell {cell} is not solid in step {step}"
     depth = world.robot_radius - float(step_path(trace, step).distance(cell_box(world, *cell)))

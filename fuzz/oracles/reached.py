@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import shapely
 
 from fuzz.oracles._plain import lattice_cell, step_path
+from sim.evidence import ReachedEvidence
 from sim.motion import Motion
 from sim.motion.base import THESIS
 from sim.trace import Trace
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["object_to_reached"]
 
 
-def object_to_reached(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
+def object_to_reached(world: World, trace: Trace, evidence: ReachedEvidence, motion: Motion) -> str:
     """Objects unless the last step meets the target's disc, or for the thesis's robot its cell.
 
     The pose lattice rounds start and target by half of 1/1024 of a cell, which is allowed for.

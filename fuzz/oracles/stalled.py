@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import numpy.typing as npt
 
-from fuzz.oracles._plain import first_new_cell_of_second_half, integer, object_to_budget
+from fuzz.oracles._plain import first_new_cell_of_second_half, object_to_budget
+from sim.evidence import BudgetEvidence
 from sim.motion import Motion
 from sim.trace import Trace
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["object_to_stalled"]
 
@@ -20,7 +19,7 @@ _ROUNDING = 1e-9  # share by which what was measured in pixels may differ in met
 _PERIODS = 4  # periods that a drifting run must show
 
 
-def object_to_stalled(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
+def object_to_stalled(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
     """Objects if a state of the second half lies in a cell that no state of the first half has seen.
 
     That the budget is the stated multiple of the witness's time is judged too; and, where the evidence says it, in what
@@ -30,18 +29,16 @@ def object_to_stalled(world: World, trace: Trace, evidence: Mapping[str, Value],
     fresh = first_new_cell_of_second_half(world, trace)
     if fresh:
         return f"cell {fresh} is entered for the first time in the second half"
-    kind = evidence.get("kind")
+    kind = evidence.kind
     if kind is None:
         return object_to_budget(world, trace, evidence)
     half = trace.steps // 2
     if kind == "drifting":
-        wrong = _object_to_drift(world, trace, integer(evidence, "entry"), integer(evidence, "period"))
-    elif kind == "confined":
+        wrong = _object_to_drift(world, trace, evidence.entry or 0, evidence.period or 0)
+    else:
         period = _period(world, trace, half)
         wrong = f"poses come back every {period} steps, so the run drifts" if period else ""
-    else:
-        return f"a run does not stall {kind!r}"
-    wrong = wrong or _object_to_box(world, trace, half, evidence.get("box"))
+    wrong = wrong or _object_to_box(world, trace, half, evidence.box)
     return wrong or object_to_budget(world, trace, evidence)
 
 
@@ -81,15 +78,15 @@ def _period(world: World, trace: Trace, half: int) -> int:
     return 0
 
 
-def _object_to_box(world: World, trace: Trace, half: int, box: Value | None) -> str:
+def _object_to_box(world: World, trace: Trace, half: int, box: tuple[int, int] | None) -> str:
     """A place on the line between two cells counts for either, since it was measured in pixels."""
-    if not isinstance(box, list) or len(box) != 2:
+    if box is None:
         return "the evidence has no box of columns and rows"
     for places, claimed in zip((trace.x, trace.y), box, strict=True):
         cells = places[half:] / world.cell_size
         low, high = float(cells.min()), float(cells.max())
         most = np.floor(high + _ROUNDING) - np.floor(low - _ROUNDING) + 1
         least = np.floor(high - _ROUNDING) - np.floor(low + _ROUNDING) + 1
-        if not isinstance(claimed, int) or not least <= claimed <= most:
+        if not least <= claimed <= most:
             return f"the second half is in {least:g} to {most:g} cells on an axis, not in {claimed}"
     return ""

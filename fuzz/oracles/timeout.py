@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from fuzz.oracles._plain import first_new_cell_of_second_half, object_to_budget
+from sim.evidence import BudgetEvidence
 from sim.motion import Motion
 from sim.trace import Trace
-from worldgen.world import Value, World
+from worldgen.world import World
 
 __all__ = ["object_to_timeout"]
 
 
-def object_to_timeout(world: World, trace: Trace, evidence: Mapping[str, Value], motion: Motion) -> str:
+def object_to_timeout(world: World, trace: Trace, evidence: BudgetEvidence, motion: Motion) -> str:
     """Objects if the second half has no new cell, which would be ``stalled``, or to the budget's multiple."""
     if not first_new_cell_of_second_half(world, trace):
         return "the second half has no new cell"

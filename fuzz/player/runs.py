@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,9 +12,10 @@ from fuzz.player.memory import drawn_memory
 from fuzz.player.streams import bits, numbers
 from sim.controllers.base import Controller
 from sim.episode import Episode
+from sim.evidence import BudgetEvidence, BurnedEvidence, LoopEvidence, WallEvidence
 from sim.trace import BEHAVIOURS, Trace
+from sim.verdict import Verdict
 from worldgen.lattice import TURN, UNIT
-from worldgen.world import Value
 
 __all__ = ["MOST_STEPS", "SHARE", "drawn_run"]
 
@@ -25,9 +25,9 @@ MOST_STEPS = 4_000  # of a run that the page holds; 10 to 25 kB. Of a longer one
 SHARE = 256  # parts of a step: when in it a corner is reached
 
 _BREACHES = {
-    "tunnel": ("Breach", "goes through this wall"),
-    "overlap": ("Overlap", "cuts into this wall"),
-    "burned": ("Caught", "is caught"),
+    Verdict.TUNNEL: ("Breach", "goes through this wall"),
+    Verdict.OVERLAP: ("Overlap", "cuts into this wall"),
+    Verdict.BURNED: ("Caught", "is caught"),
 }
 _LEAD_UP = 300  # steps before a breach, and after it, that are kept rather than others
 
@@ -71,7 +71,7 @@ def drawn_run(
         "dt": trace.time_step,
         **columns,
         "memory": memory,
-        "breached": _has_breached(judged or episode) or _has_breached(episode),
+        "breached": (judged or episode).went_into_a_wall or episode.went_into_a_wall,
         "thinned": coarsest,
         "loop": loop,
         "marks": marks,
@@ -123,34 +123,29 @@ def _span_of_interest(steps: int, loop: list[int] | None, marks: list[dict[str, 
 
 
 def _loop(episode: Episode) -> list[int] | None:
-    entry, period = episode.evidence.get("entry"), episode.evidence.get("period")
-    if episode.verdict != "loop" or not isinstance(entry, int) or not isinstance(period, int):
-        return None
-    return [entry, period]
+    evidence = episode.evidence
+    return [evidence.entry, evidence.period] if isinstance(evidence, LoopEvidence) else None
 
 
 def _marks(episode: Episode) -> list[dict[str, Any]]:
     """The steps that the evidence names: their name, what is said of them and, where it names one, the cell."""
-    evidence, verdict = episode.evidence, episode.verdict
-    found: list[dict[str, Any]] = []
-    if verdict == "loop":
-        found.append(_mark(evidence, "entry", "entry", "Entry", "the loop is entered"))
-    if verdict in _BREACHES:
-        found.append(_mark(evidence, "since", "cause", "Cause", f"a {evidence.get('cause')} lets it into the wall"))
-        found.append(_mark(evidence, "step", "breach", *_BREACHES[verdict]) | {"cell": evidence.get("cell")})
-        found.append(_mark(evidence, "reached", "last", "Arrives", "enters the target that walls shut off"))
-    if verdict in ("stalled", "timeout"):
-        found.append(
-            _mark(evidence, "last_new_cell", "last", "Nothing new after", "enters a new cell for the last time")
-        )
-    return [mark for mark in found if "step" in mark]
+    match episode.evidence:
+        case LoopEvidence(entry=entry):
+            return [_mark(entry, "entry", "Entry", "the loop is entered")]
+        case WallEvidence() as wall:
+            found = []
+            if wall.since is not None:
+                found.append(_mark(wall.since, "cause", "Cause", f"a {wall.cause} lets it into the wall"))
+            found.append(_mark(wall.step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(wall.cell)})
+            if wall.reached is not None:
+                found.append(_mark(wall.reached, "last", "Arrives", "enters the target that walls shut off"))
+            return found
+        case BurnedEvidence(step=step, cell=cell):
+            return [_mark(step, "breach", *_BREACHES[episode.verdict]) | {"cell": list(cell)}]
+        case BudgetEvidence(last_new_cell=step):
+            return [_mark(step, "last", "Nothing new after", "enters a new cell for the last time")]
+    return []
 
 
-def _has_breached(episode: Episode) -> bool:
-    """Whether the robot went into a wall, by its verdict or as a run that walls do not end says."""
-    return episode.verdict in ("tunnel", "overlap") or "wall_step" in episode.evidence
-
-
-def _mark(evidence: Mapping[str, Value], key: str, kind: str, name: str, text: str) -> dict[str, Any]:
-    step = evidence.get(key)
-    return {"step": step, "kind": kind, "name": name, "text": text} if isinstance(step, int) else {}
+def _mark(step: int, kind: str, name: str, text: str) -> dict[str, Any]:
+    return {"step": step, "kind": kind, "name": name, "text": text}

@@ -9,6 +9,7 @@ from fuzz.boundary import boundaries_in_words
 from fuzz.report.gather import Failure, Seen
 from fuzz.report.summary import Summary
 from fuzz.telling import seeds_in_words
+from sim.evidence import LoopEvidence
 from worldgen.plain_text import counted, value_in_words
 from worldgen.world import Cut, FailureRecord, Value, Witness, World
 
@@ -82,11 +83,11 @@ def _of_the_run(seen: Seen, record: FailureRecord) -> list[Row]:
         witness = seen.world.certificate
         if isinstance(witness, Witness) and witness.length > 0:
             rows.append(("way over witness", f"{episode.path_length / witness.length:.3g}"))
-        entry, period = episode.evidence.get("entry"), episode.evidence.get("period")
-        if isinstance(entry, int) and isinstance(period, int) and episode.steps:
+        loop = episode.evidence
+        if isinstance(loop, LoopEvidence) and episode.steps:
             step = episode.time / episode.steps
-            rows.append(("loop entered", f"step {entry:,} ({entry * step:.6g} s)"))
-            rows.append(("period", f"{period:,} steps ({period * step:.6g} s)"))
+            rows.append(("loop entered", f"step {loop.entry:,} ({loop.entry * step:.6g} s)"))
+            rows.append(("period", f"{loop.period:,} steps ({loop.period * step:.6g} s)"))
     return [*rows, ("trace digest", record.trace_digest)]
 
 

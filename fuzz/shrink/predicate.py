@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fuzz.asked import Asked, Trial, asked_by
 from fuzz.crash_bucket import crash_bucket, has_facts
@@ -11,20 +11,18 @@ from fuzz.failure import certified, judge, regardless_of_walls, scenario_of, wal
 from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
-from sim.outcome import BY_THE_CONTROLLER, Outcome
+from sim.evidence import BudgetEvidence, FaultEvidence, fault_evidence
+from sim.outcome import Outcome
 from sim.run_options import FEWEST_STEPS, RunOptions
 from sim.scenario import Scenario
+from sim.verdict import BY_THE_CONTROLLER, FAILURES, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.world import Cut, FailureRecord, Value, World
+from worldgen.world import Cut, FailureRecord, World
 
 __all__ = ["StillFails"]
 
-_SHOWN_BY_ITS_END = ("tunnel", "overlap", "burned", *BY_THE_CONTROLLER)
-_PROVED_BY_THE_RUN = ("loop", *_SHOWN_BY_ITS_END)
-
-
-def _evidence(outcome: Outcome) -> dict[str, Value]:
-    return {**outcome.fault, "step": outcome.steps}
+_PROVED_BY_THE_RUN = tuple(verdict for verdict in FAILURES if verdict not in (Verdict.STALLED, Verdict.TIMEOUT))
+_SHOWN_BY_ITS_END = tuple(verdict for verdict in FAILURES if verdict not in UNENDED)
 
 
 def _kept_class(record: FailureRecord) -> bool:
@@ -65,9 +63,10 @@ class StillFails:
             kind: See above; where left out, the record's class if the record says that it was kept.
         """
         record, options = scenario_of(failure)
-        manner = record.evidence.get("kind" if record.verdict == "stalled" else "cause", "")
-        if record.verdict == "crash" and has_facts(record.evidence):
-            manner = crash_bucket(record.evidence)
+        manner = record.evidence.get("kind" if record.verdict == Verdict.STALLED else "cause", "")
+        crash = fault_evidence(record.evidence)
+        if record.verdict == Verdict.CRASH and has_facts(crash):
+            manner = crash_bucket(crash)
         asked, said = asked_by(record.evidence), record.evidence.get("objection")
         if asked is not None:
             manner = asked.kind(said if isinstance(said, dict) else {})
@@ -158,35 +157,42 @@ class StillFails:
         self.simulations += 1
         if not self._ends_so(self._run(world, options)):
             return False
-        if self.verdict == "tunnel":
+        if self.verdict == Verdict.TUNNEL:
             return self._arrives(world, options)
         if self.verdict in _SHOWN_BY_ITS_END:
             return True
         episode = simulate(world, self.controller, options)
-        return episode.verdict == self.verdict and self._likewise(episode.evidence.get("kind"))
+        manner = episode.evidence.kind if isinstance(episode.evidence, BudgetEvidence) else None
+        return episode.verdict == self.verdict and self._likewise(manner)
 
     def _ends_so(self, outcome: Outcome) -> bool:
         """Whether a run ends as the verdict says, as far as its end shows it."""
-        if self.verdict == "tunnel":
-            return outcome.ending == "tunnel" and self._likewise(outcome.cause)
-        if self.verdict == "crash":
-            return outcome.ending == "crash" and (not self.manner or crash_bucket(_evidence(outcome)) == self.manner)
-        if self.verdict in ("burned", *BY_THE_CONTROLLER):
+        if self.verdict == Verdict.TUNNEL:
+            return outcome.ending == Verdict.TUNNEL and self._likewise(outcome.cause)
+        if self.verdict == Verdict.CRASH:
+            return outcome.ending == Verdict.CRASH and self._is_same_crash(outcome)
+        if self.verdict in (Verdict.BURNED, *BY_THE_CONTROLLER):
             return outcome.ending == self.verdict
-        if outcome.ending in ("tunnel", "burned", *BY_THE_CONTROLLER):
+        if outcome.ending in (Verdict.TUNNEL, Verdict.BURNED, *BY_THE_CONTROLLER):
             return False
-        if self.verdict == "overlap":
+        if self.verdict == Verdict.OVERLAP:
             return outcome.overlap_step >= 0 and self._likewise(outcome.cause)
-        if outcome.overlap_step >= 0 or outcome.ending == "reached":
+        if outcome.overlap_step >= 0 or outcome.ending == Verdict.REACHED:
             return False
-        return outcome.ending == "loop" or self.verdict != "loop"
+        return outcome.ending == Verdict.LOOP or self.verdict != Verdict.LOOP
 
     def _run(self, world: World, options: RunOptions) -> Outcome:
         return prepare(world, self.controller, options).run(options.steps, find_loop=True, record=False, digest=False)
+
+    def _is_same_crash(self, outcome: Outcome) -> bool:
+        if not self.manner:
+            return True
+        fault = replace(outcome.fault or FaultEvidence(), step=outcome.steps)
+        return crash_bucket(fault) == self.manner
 
     def _likewise(self, manner: object) -> bool:
         return self.manner in ("", manner)
 
     def _arrives(self, world: World, options: RunOptions) -> bool:
         """For a breach, whether the robot arrives regardless of walls; else nothing is asked."""
-        return not self.breach or self._run(world, regardless_of_walls(options)).ending == "reached"
+        return not self.breach or self._run(world, regardless_of_walls(options)).ending == Verdict.REACHED

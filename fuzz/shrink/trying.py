@@ -15,18 +15,19 @@ from sim.controllers import CompiledController
 from sim.edited_runs import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_way
 from sim.motion import MOTIONS
 from sim.motion.base import THESIS
+from sim.verdict import Verdict
 
 __all__ = ["Trying"]
 
 _WANTED = {
-    "loop": Wanted(lib.WG_LOOP, overlap=False),
-    "tunnel": Wanted(lib.WG_TUNNEL),
-    "overlap": Wanted(ANY_ENDING, overlap=True),
-    "burned": Wanted(lib.WG_BURNED),
-    "invalid-command": Wanted(lib.WG_INVALID_COMMAND),
-    "crash": Wanted(lib.WG_LIMIT, crash=True),
-    "stalled": Wanted(lib.WG_LIMIT, overlap=False),
-    "timeout": Wanted(lib.WG_LIMIT, overlap=False),
+    Verdict.LOOP: Wanted(lib.WG_LOOP, overlap=False),
+    Verdict.TUNNEL: Wanted(lib.WG_TUNNEL),
+    Verdict.OVERLAP: Wanted(ANY_ENDING, overlap=True),
+    Verdict.BURNED: Wanted(lib.WG_BURNED),
+    Verdict.INVALID_COMMAND: Wanted(lib.WG_INVALID_COMMAND),
+    Verdict.CRASH: Wanted(lib.WG_LIMIT, crash=True),
+    Verdict.STALLED: Wanted(lib.WG_LIMIT, overlap=False),
+    Verdict.TIMEOUT: Wanted(lib.WG_LIMIT, overlap=False),
 }
 
 _AT_ONCE = 256  # edits that are handed to the core in one call
@@ -73,7 +74,7 @@ class Trying:
                 kept = self._settled(case, edit, looked=False)
             else:
                 before = runs.trials
-                some, wanted = cells[at : at + _AT_ONCE], _WANTED[self._still_fails.verdict]
+                some, wanted = cells[at : at + _AT_ONCE], _WANTED[Verdict(self._still_fails.verdict)]
                 found, done = runs.first(some, wanted, way=not case.world.is_dynamic)
                 self._still_fails.simulations += runs.trials - before
                 at += done

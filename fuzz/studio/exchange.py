@@ -208,7 +208,9 @@ def _said_on_a_page(folder: str = "") -> Iterator[None]:
         yield
     except FormatError as error:
         source = Path(error.source).name if folder and error.source else error.source
-        raise FormatError(on_the_page(str(error.message)).replace(folder, ""), line=error.line, source=source) from error
+        raise FormatError(
+            on_the_page(str(error.message)).replace(folder, ""), line=error.line, source=source
+        ) from error
     except WorldgenError as error:
         if not folder:
             raise

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sim.commands.notes import note_unused
+from sim.verdict import Verdict
 from worldgen.cli.output import CONTROLLER_HELP, emit_json, force_option, json_option, note, write_bytes
 from worldgen.progress import working
 
@@ -94,7 +95,7 @@ def run(
         click.echo(shown_lines(frames_in_words(episode.evidence)), nl=False)
     if transcript is not None:
         note(f"wrote {transcript}")
-    if reachable is not True and episode.verdict != "reached":
+    if reachable is not True and episode.verdict != Verdict.REACHED:
         note(_BLOCKED if reachable is False else _UNDECIDED)
     if trace is not None and episode.trace is not None:
         write_bytes(trace, episode.trace.to_csv().encode(), force=force)
@@ -105,7 +106,7 @@ def run(
             picture = _picture(world, episode, title, trail.suffix)
         write_bytes(trail, picture, force=force)
         note(f"wrote {trail}")
-    if episode.verdict != "reached":
+    if episode.verdict != Verdict.REACHED:
         raise SystemExit(1)
 
 
@@ -119,12 +120,14 @@ def _is_reachable(world: World, episode: Episode) -> bool | None:
 
     if world.certificate is not None:
         return isinstance(world.certificate, Witness)
-    if episode.verdict == "reached":
+    if episode.verdict == Verdict.REACHED:
         return True
     return {"reachable": True, "blocked": False}.get(decide(world).result)
 
 
 def _summary(episode: Episode) -> dict[str, object]:
+    from sim.evidence import evidence_table
+
     return {
         "verdict": episode.verdict,
         "steps": episode.steps,
@@ -132,7 +135,7 @@ def _summary(episode: Episode) -> dict[str, object]:
         "path_length": episode.path_length,
         "collisions": episode.collisions,
         "trace_digest": episode.trace_digest,
-        "evidence": dict(episode.evidence),
+        "evidence": evidence_table(episode.evidence),
     }
 
 

@@ -7,15 +7,15 @@ the verdict is ``invalid-command``, and the world in which the branch is taken i
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from sim.controllers.program import Misbehaviour
+from sim.evidence import Evidence, FaultEvidence
+from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.plain_text import shown
-from worldgen.world import Value
 
 __all__ = ["ContractBroken", "check_contract", "flat_memory", "no_command", "no_memory"]
 
@@ -34,7 +34,7 @@ class ContractBroken(Misbehaviour, TypeError):
     """
 
     def __init__(self, error: str, answer: object, remedy: str) -> None:
-        super().__init__("invalid-command", error, {"answer": _in_short(answer), "remedy": remedy})
+        super().__init__(Verdict.INVALID_COMMAND, error, {"answer": _in_short(answer), "remedy": remedy})
 
 
 def no_memory(answer: object, method: str = "act") -> ContractBroken:
@@ -71,21 +71,19 @@ def flat_memory(memory: Any, size: int | None = None) -> tuple[float, ...]:
     return tuple(float(value) for value in memory)
 
 
-def check_contract(name: str, evidence: Mapping[str, Value], steps: int) -> None:
+def check_contract(name: str, evidence: Evidence | None, steps: int) -> None:
     """Refuse a controller that breaks the contract before its first step is over.
 
     Args:
         name: The controller's, for the message.
-        evidence: Of the run.
+        evidence: Of the run, or what is known of its fault.
         steps: Steps of the run.
 
     Raises:
         InvalidParameter: If it does.
     """
-    if "remedy" in evidence and steps <= 1:
-        raise InvalidParameter(
-            f"controller {name!r}: {evidence.get('error')}, it was {evidence.get('answer')}; {evidence['remedy']}"
-        )
+    if isinstance(evidence, FaultEvidence) and evidence.remedy is not None and steps <= 1:
+        raise InvalidParameter(f"controller {name!r}: {evidence.error}, it was {evidence.answer}; {evidence.remedy}")
 
 
 def _in_short(answer: object) -> str:

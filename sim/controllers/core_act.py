@@ -16,6 +16,7 @@ import numpy.typing as npt
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
 from sim.controllers.program import Misbehaviour
+from sim.verdict import Verdict
 
 __all__ = ["CoreAct", "default_of", "memory_at_reset", "misbehaviour_of", "place", "size_of"]
 
@@ -82,9 +83,9 @@ def misbehaviour_of(error: str) -> Misbehaviour:
         error: ``WgReport.error``.
     """
     if error == ffi.string(lib.WG_HANG).decode():
-        return Misbehaviour("hang", error, {"deadline": int(lib.WG_GUARD_DEADLINE) / 1000.0})
+        return Misbehaviour(Verdict.HANG, error, {"deadline": int(lib.WG_GUARD_DEADLINE) / 1000.0})
     _, colon, message = error.partition(": ")
-    return Misbehaviour("crash", error, {"message": message} if colon else {})
+    return Misbehaviour(Verdict.CRASH, error, {"message": message} if colon else {})
 
 
 def place(struct: str, *fields: str | int) -> int:

@@ -13,6 +13,7 @@ import re
 import shlex
 import weakref
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -21,6 +22,7 @@ import numpy.typing as npt
 from sim.controllers.base import Command, Memory, Observation
 from sim.controllers.program import Limits, Misbehaviour, Program, find_program, shown
 from sim.controllers.program_batch import Offer, batch_line, fill_commands, read_offer, reset_batch_line
+from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 
 __all__ = [
@@ -172,8 +174,8 @@ class ProcessController:
         try:
             return self._command_after(observation), memory
         except Misbehaviour as found:
-            if found.verdict == "crash" and observation.bump:
-                found.evidence["bump"] = True
+            if found.verdict == Verdict.CRASH and observation.bump:
+                found.evidence = replace(found.evidence, bump=True)
             raise
 
     def _command_after(self, observation: Observation) -> Command:
@@ -192,7 +194,7 @@ class ProcessController:
         try:
             return self._ask(lines, self.limits.start_deadline, is_first=True)
         except Misbehaviour as found:
-            if not served or found.verdict != "crash":
+            if not served or found.verdict != Verdict.CRASH:
                 raise
         self._start()  # one that serves a single episode and ends; afresh it shows whether it does crash
         self._served = True
@@ -343,7 +345,7 @@ def _number(found: dict[str, Any], key: str, answer: bytes) -> float:
 
 
 def _no_command(error: str, answer: bytes) -> Misbehaviour:
-    return Misbehaviour("invalid-command", error, {"answer": shown(answer)})
+    return Misbehaviour(Verdict.INVALID_COMMAND, error, {"answer": shown(answer)})
 
 
 def _words(name: str, command: str) -> list[str]:

@@ -17,7 +17,9 @@ from pathlib import Path
 
 from sim.controllers.crash_report import report_of
 from sim.effort import timed
+from sim.evidence import evidence_table, fault_evidence
 from sim.stopping import unbreakable
+from sim.verdict import Verdict
 from worldgen.errors import InvalidParameter
 from worldgen.registry import ONLY_CODE
 from worldgen.world import Value
@@ -56,14 +58,19 @@ class Misbehaviour(Exception):
     """What a program did wrong.
 
     Args:
-        verdict: ``crash``, ``hang`` or ``invalid-command``.
+        verdict: One of :data:`sim.verdict.BY_THE_CONTROLLER`.
         error: What it did, the same in every replay.
-        evidence: What else is known.
+        facts: What else is known, by names of :class:`FaultEvidence`.
+
+    Attributes:
+        evidence: All of it, without the step.
     """
 
-    def __init__(self, verdict: str, error: str, evidence: Mapping[str, Value] | None = None) -> None:
+    def __init__(self, verdict: Verdict, error: str, facts: Mapping[str, Value] | None = None) -> None:
         super().__init__(f"{verdict}: {error}")
-        self.verdict, self.error, self.evidence = verdict, error, dict(evidence or {})
+        self.verdict = verdict
+        self.error = error
+        self.evidence = fault_evidence({**(facts or {}), "error": error})
 
 
 class WantsMemory(InvalidParameter):
@@ -178,7 +185,7 @@ class Program:
         try:
             self._hear(0)
             if self._answer:
-                raise Misbehaviour("invalid-command", "more than one line", {"answer": shown(self._answer)})
+                raise Misbehaviour(Verdict.INVALID_COMMAND, "more than one line", {"answer": shown(self._answer)})
             answer = self._exchange(line, end, seconds)
             self._answers += 1
             return answer
@@ -200,7 +207,7 @@ class Program:
         self.stop()
         lines: list[Value] = [line[-_LINE_WIDTH:] for line in said.splitlines() if line.strip()]
         told: dict[str, Value] = {"stderr": lines[-_LAST_LINES:]} if lines else {}
-        said_instead = str(found.evidence.get("answer", ""))  # Java complains on stdout
+        said_instead = str(found.evidence.answer or "")  # Java complains on stdout
         if self._memory is not None and _wants_memory(said + said_instead, starting=self._answers == 0):
             size = f"{self._memory / (1 << 30):.3g} GiB"
             raise WantsMemory(
@@ -208,8 +215,8 @@ class Program:
                 f"have, and ended with: {str(_telling_line([said_instead, *lines]))!r}; lift the limit: "
                 f"--controller 'cmd+memory=none:{shlex.join(self._command)}'"
             )
-        report = report_of(said, self._sources) if found.verdict == "crash" else {}
-        return Misbehaviour(found.verdict, found.error, found.evidence | told | report)
+        report = report_of(said, self._sources) if found.verdict == Verdict.CRASH else {}
+        return Misbehaviour(found.verdict, found.error, evidence_table(found.evidence) | told | report)
 
     def _send(self, line: bytes, end: float, seconds: float) -> None:
         try:
@@ -241,7 +248,7 @@ class Program:
             self._wait(end, seconds)
         if newline > LONGEST_LINE or newline < 0:
             raise Misbehaviour(
-                "invalid-command", f"a line of more than {LONGEST_LINE} bytes", {"answer": shown(answer)}
+                Verdict.INVALID_COMMAND, f"a line of more than {LONGEST_LINE} bytes", {"answer": shown(answer)}
             )
         line = bytes(answer[:newline])
         del answer[: newline + 1]
@@ -257,7 +264,7 @@ class Program:
             self._ended = True
         elif left <= 0.0:
             partly = {"unfinished": shown(self._answer)} if self._answer else {}
-            raise Misbehaviour("hang", "no answer", {"deadline": seconds, **partly})
+            raise Misbehaviour(Verdict.HANG, "no answer", {"deadline": seconds, **partly})
 
     def _hear(self, seconds: float) -> bool:
         """Reads what is there within that time, a chunk of each pipe; whether stdout, or its end, is heard."""
@@ -298,15 +305,15 @@ class Program:
     def _ending(self) -> Misbehaviour:
         """How it ended, told by its exit code or signal."""
         if not self._exits_within(_TO_EXIT):
-            return Misbehaviour("crash", "closed its output")
+            return Misbehaviour(Verdict.CRASH, "closed its output")
         self._end_group()
         code = self._process.wait()
         if code >= 0:
-            return Misbehaviour("crash", f"exit code {code}")
+            return Misbehaviour(Verdict.CRASH, f"exit code {code}")
         try:
-            return Misbehaviour("crash", f"killed by {signal.Signals(-code).name}")
+            return Misbehaviour(Verdict.CRASH, f"killed by {signal.Signals(-code).name}")
         except ValueError:  # a real-time signal
-            return Misbehaviour("crash", f"killed by signal {-code}")
+            return Misbehaviour(Verdict.CRASH, f"killed by signal {-code}")
 
     def _exits_within(self, seconds: float) -> bool:
         end, pause = time.monotonic() + seconds, 0.0005

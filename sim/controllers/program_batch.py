@@ -17,6 +17,7 @@ import numpy.typing as npt
 from sim.controllers.base import Observation
 from sim.controllers.program import Misbehaviour, shown
 from sim.kernels import layout
+from sim.verdict import Verdict
 
 __all__ = ["MOST_ROBOTS", "Offer", "batch_line", "fill_commands", "read_offer", "reset_batch_line"]
 
@@ -59,7 +60,7 @@ def read_offer(given: Any, answer: bytes) -> Offer:
     senses = offer.get("senses", list(_COLUMNS))
     known = isinstance(senses, list) and all(isinstance(name, str) and name in _COLUMNS for name in senses)
     if type(robots) is not int or robots < 1 or not known or not offer.keys() <= {"robots", "senses"}:
-        raise Misbehaviour("invalid-command", "batch is no offer", {"answer": shown(answer)})
+        raise Misbehaviour(Verdict.INVALID_COMMAND, "batch is no offer", {"answer": shown(answer)})
     return Offer(min(robots, MOST_ROBOTS), tuple(senses))
 
 
@@ -122,7 +123,7 @@ def _fits(column: object, count: int) -> bool:
 
 
 def _no_commands(answer: bytes) -> Misbehaviour:
-    return Misbehaviour("invalid-command", "no commands for a batch", {"answer": shown(answer)})
+    return Misbehaviour(Verdict.INVALID_COMMAND, "no commands for a batch", {"answer": shown(answer)})
 
 
 def _finite(values: Sequence[Any]) -> list[Any]:

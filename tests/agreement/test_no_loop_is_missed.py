@@ -36,7 +36,7 @@ def found_in(episode):
     """The same by the verdict."""
     if episode.verdict != "loop":
         return None
-    return episode.evidence["entry"], episode.evidence["period"]
+    return episode.evidence.entry, episode.evidence.period
 
 
 def scenarios(families, seeds, names):

@@ -12,6 +12,7 @@ from fuzz.oracles import object_to_breach, objection
 from fuzz.signature import failure_class
 from sim import simulate
 from sim.episode import prepare
+from sim.evidence import BudgetEvidence
 from sim.scenario import Scenario
 from worldgen import Cut
 from worldgen.grid_file import read_world
@@ -32,7 +33,7 @@ def judged(name):
 
 def object_to(name, **changes):
     world, episode, options = judged(name)
-    evidence = {**episode.evidence, **changes}
+    evidence = replace(episode.evidence, **changes)
     return objection(episode.verdict, world, episode.trace, evidence, options.motion_model())
 
 
@@ -44,7 +45,7 @@ def test_the_true_cause_has_no_objection(name):
 @pytest.mark.parametrize("claimed", CAUSES)
 @pytest.mark.parametrize("name", OF_EACH_CAUSE)
 def test_another_cause_is_refused_with_the_true_one_named(name, claimed):
-    true = judged(name)[1].evidence["cause"]
+    true = judged(name)[1].evidence.cause
     wrong = object_to(name, cause=claimed)
     assert wrong == "" if claimed == true else f"is no {claimed} but a {true}" in wrong
 
@@ -54,34 +55,34 @@ def test_another_cause_is_refused_with_the_true_one_named(name, claimed):
     ("later", "message"), [(-1, "the disc is clear of walls"), (1, "overlaps a wall before"), (10**6, "said to begin")]
 )
 def test_an_overlap_that_begins_in_another_step_is_refused(name, later, message):
-    since = judged(name)[1].evidence["since"]
+    since = judged(name)[1].evidence.since
     assert message in object_to(name, since=since + later)
 
 
-@pytest.mark.parametrize("since", [0, None, "27"])
+@pytest.mark.parametrize("since", [0, None])
 def test_an_overlap_that_begins_in_no_step_is_refused(since):
     assert "said to begin" in object_to("thesis-2-slide", since=since)
 
 
-@pytest.mark.parametrize("cause", ["jump", "", 3])
+@pytest.mark.parametrize("cause", ["jump", ""])
 def test_a_cause_that_does_not_exist_is_refused(cause):
     assert f"is no {cause}" in object_to("thesis-2-slide", cause=cause)
 
 
 def test_a_cause_is_refused_where_the_first_wall_is_gone():
     world, episode, options = judged("thesis-2-slide")
-    ix, iy = episode.evidence["cell"]
+    ix, iy = episode.evidence.cell
     elsewhere = np.zeros_like(world.walls)
     elsewhere[iy, ix - 1] = True  # beside the cell, so that the disc meets it later
     moved = replace(world, walls=elsewhere)
-    evidence = {**episode.evidence, "cell": [ix - 1, iy]}
+    evidence = replace(episode.evidence, cell=(ix - 1, iy))
     assert objection("tunnel", moved, episode.trace, evidence, options.motion_model())
 
 
 def test_a_path_that_jumps_into_the_wall_is_no_move_of_the_model():
     world, episode, options = judged("thesis-2-slide")
     x = episode.trace.x.copy()
-    x[episode.evidence["since"] :] += 1e-4  # a hundredth of a pixel to the side
+    x[episode.evidence.since :] += 1e-4  # a hundredth of a pixel to the side
     bent = replace(episode.trace, x=x)
     assert "is no slide" in objection("tunnel", world, bent, episode.evidence, options.motion_model())
 
@@ -100,13 +101,13 @@ def test_a_true_breach_has_no_objection():
 @pytest.mark.parametrize(("later", "message"), [(-1, "does not end in the target's cell"), (1, "said to be reached")])
 def test_a_target_reached_in_another_step_is_refused(later, message):
     world, episode, whole = breach()
-    evidence = {**episode.evidence, "reached": episode.evidence["reached"] + later}
+    evidence = replace(episode.evidence, reached=episode.evidence.reached + later)
     assert message in object_to_breach(world, episode.trace, whole, evidence)
 
 
 def test_a_target_reached_no_later_than_the_wall_is_refused():
     world, episode, whole = breach()
-    evidence = {**episode.evidence, "reached": episode.evidence["step"]}
+    evidence = replace(episode.evidence, reached=episode.evidence.step)
     assert "said to be reached" in object_to_breach(world, episode.trace, whole, evidence)
 
 
@@ -141,7 +142,7 @@ def test_a_breach_is_not_confirmed_with_a_cut_that_does_not_hold():
 
 def test_a_breach_is_a_class_of_its_own():
     world, episode, _ = judged("thesis-1-breach")
-    without = replace(episode, evidence={k: v for k, v in episode.evidence.items() if k != "reached"})
+    without = replace(episode, evidence=replace(episode.evidence, reached=None))
     assert failure_class(world, episode) == "breach-slide-post"
     assert failure_class(world, without) == "tunnel-slide-post"
 
@@ -150,10 +151,9 @@ def test_a_breach_is_a_class_of_its_own():
     ("changes", "message"),
     [
         ({"kind": "confined"}, "come back every 104 steps, so the run drifts"),
-        ({"kind": "asleep"}, "does not stall 'asleep'"),
         ({"period": 103}, "do not come back every 103 steps"),
         ({"entry": 3900}, "is not shown 4 times"),
-        ({"box": [9, 9]}, "not in 9"),
+        ({"box": (9, 9)}, "not in 9"),
         ({"box": None}, "no box"),
     ],
 )
@@ -169,7 +169,7 @@ def test_a_confined_run_does_not_drift():
 def test_an_exact_loop_does_not_drift():
     world, _, options = judged("thesis-1-loop-104")
     trace = prepare(world, "thesis-1", options).run(4000, find_loop=False, record=True).trace
-    evidence = {"kind": "drifting", "period": 104, "entry": 2000, "box": [3, 3]}
+    evidence = BudgetEvidence(last_new_cell=0, kind="drifting", period=104, entry=2000, box=(3, 3))
     assert "which is a loop" in objection("stalled", world, trace, evidence, options.motion_model())
 
 

@@ -13,7 +13,9 @@ from fuzz.shrink import shrink
 from fuzz.signature import failure_class
 from sim.controllers.crash_report import report_of
 from sim.episode import Episode, simulate
+from sim.evidence import FaultEvidence, fault_evidence
 from sim.scenario import Scenario
+from sim.verdict import Verdict
 from worldgen.reach import decide
 from worldgen.world import Pose, Target, World
 
@@ -80,7 +82,7 @@ def test_a_recursion_without_end_has_one_bucket_wherever_the_stack_was_full(tmp_
 
 def aborted(said, step=5, **facts):
     stderr = said.splitlines()[-5:]
-    return {"error": "killed by SIGABRT", "step": step, "stderr": stderr, **report_of(said), **facts}
+    return fault_evidence({"error": "killed by SIGABRT", "step": step, "stderr": stderr, **report_of(said), **facts})
 
 
 def test_two_assertions_of_a_program_have_two_buckets():
@@ -109,7 +111,7 @@ def test_neither_signs_nor_what_is_no_number_make_another_bucket(value):
 
 
 def test_what_a_program_said_before_a_signal_that_it_did_not_raise_is_not_in_its_bucket():
-    assert crash_bucket({"error": "killed by SIGSEGV", "step": 5, "stderr": ["turning left"]}) == "SIGSEGV"
+    assert crash_bucket(FaultEvidence(error="killed by SIGSEGV", step=5, stderr=("turning left",))) == "SIGSEGV"
 
 
 def test_silent_aborts_are_told_apart_by_where_the_run_stood():
@@ -118,7 +120,7 @@ def test_silent_aborts_are_told_apart_by_where_the_run_stood():
 
 
 def test_evidence_from_before_buckets_keeps_its_name():
-    assert crash_bucket({"error": "KeyError: 'x'", "at": "mine.py:12", "step": 1}) == "KeyError"
+    assert crash_bucket(FaultEvidence(error="KeyError: 'x'", at="mine.py:12", step=1)) == "KeyError"
 
 
 @pytest.mark.parametrize(
@@ -134,7 +136,7 @@ def test_evidence_from_before_buckets_keeps_its_name():
     ],
 )
 def test_failures_of_a_controller_are_classed_by_what_it_did(verdict, evidence, kind):
-    assert failure_class(arena(), Episode(verdict, 1, 0.015, 0.0, 0, "", evidence)) == kind
+    assert failure_class(arena(), Episode(Verdict(verdict), 1, 0.015, 0.0, 0, "", fault_evidence(evidence))) == kind
 
 
 def test_shrinking_keeps_the_bucket_of_a_crash(tmp_path):

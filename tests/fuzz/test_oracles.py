@@ -9,6 +9,7 @@ import pytest
 from fuzz.oracles import objection
 from sim import MOTIONS, Command, simulate
 from sim.episode import prepare
+from sim.evidence import BurnedEvidence
 from sim.run_options import RunOptions
 from sim.words import evidence_in_words
 from worldgen import CellState, Event, Pose, Target, Timeline, Witness, World
@@ -50,7 +51,7 @@ def loop_and_longer(controller=Ahead):
     world = World(np.zeros((9, 9), bool), Pose(0.45, 0.25, 0.0), Target(0.85, 0.85, 0.05))
     options = RunOptions(steps=5000)
     episode = simulate(world, controller(), options)
-    entry, period = episode.evidence["entry"], episode.evidence["period"]
+    entry, period = episode.evidence.entry, episode.evidence.period
     longer = prepare(world, controller(), options).run(entry + 2 * period, find_loop=False, record=True).trace
     return world, episode, longer
 
@@ -65,14 +66,14 @@ def test_a_true_loop_has_no_objection(controller):
     ("change", "message"),
     [
         ({"entry": 0}, "second period differs"),
-        ({"period": 0}, "no entry and period"),
+        ({"period": 0}, "does not begin after step"),
         ({"state_digest": "0" * 16}, "not the one of the evidence"),
         ({"period": 10**6}, "before the second period"),
     ],
 )
 def test_false_evidence_of_a_loop_is_refused(change, message):
     world, episode, trace = loop_and_longer()
-    assert message in objection("loop", world, trace, {**episode.evidence, **change}, SWEPT)
+    assert message in objection("loop", world, trace, replace(episode.evidence, **change), SWEPT)
 
 
 def test_hidden_memory_is_no_loop():
@@ -88,11 +89,11 @@ def test_a_true_tunnel_has_no_objection():
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [({"step": 1}, "does not meet"), ({"cell": [3, 3]}, "is not solid"), ({"step": 99}, "names no step")],
+    [({"step": 1}, "does not meet"), ({"cell": (3, 3)}, "is not solid"), ({"step": 99}, "has no step 99")],
 )
 def test_false_evidence_of_a_tunnel_is_refused(change, message):
     episode = run(wall_world(), time_step=0.15)
-    evidence = {**episode.evidence, **change}
+    evidence = replace(episode.evidence, **change)
     assert message in objection("tunnel", wall_world(), episode.trace, evidence, ENDPOINT)
 
 
@@ -103,7 +104,9 @@ def test_an_overlap_is_measured_by_shapely():
     episode = run(world, time_step=0.15)
     assert episode.verdict == "overlap"
     assert objection("overlap", world, episode.trace, episode.evidence, ENDPOINT) == ""
-    assert "is not solid" in objection("overlap", world, episode.trace, {**episode.evidence, "cell": [1, 1]}, ENDPOINT)
+    assert "is not solid" in objection(
+        "overlap", world, episode.trace, replace(episode.evidence, cell=(1, 1)), ENDPOINT
+    )
 
 
 def test_arriving_is_measured_at_the_last_step():
@@ -153,21 +156,21 @@ def test_flames_that_meet_the_robot_are_confirmed(motion):
     [
         ({"step": 3}, "is not burning in step 3"),
         ({"state": "solid"}, "is not solid"),
-        ({"cell": [3, 3]}, "is not burning"),
-        ({"cell": None}, "names no step and cell"),
+        ({"cell": (3, 3)}, "is not burning"),
+        ({"step": 99}, "has no step 99"),
     ],
 )
 def test_false_evidence_of_a_burn_is_refused(change, message):
     world, episode = burning(CellState.BURNING)
-    assert message in objection("burned", world, episode.trace, {**episode.evidence, **change}, SWEPT)
+    assert message in objection("burned", world, episode.trace, replace(episode.evidence, **change), SWEPT)
 
 
 def test_flames_far_away_burn_nobody():
     world, episode = burning(CellState.BURNING)
-    step = episode.evidence["step"]
+    step = episode.evidence.step
     moved = replace(world, timeline=Timeline.of([Event(0.3, 20, 5, CellState.BURNING)]))
     assert "m away from cell" in objection(
-        "burned", moved, episode.trace, {"step": step, "cell": [20, 5], "state": "burning"}, SWEPT
+        "burned", moved, episode.trace, BurnedEvidence(step=step, cell=(20, 5), state="burning"), SWEPT
     )
 
 
@@ -193,8 +196,8 @@ def spent(controller):
 @pytest.mark.parametrize("claimed", [30.0, 29.998, 30.002, None])
 def test_a_stalled_runs_budget_is_the_stated_multiple_of_the_witness(claimed):
     world, episode = spent(Stands())
-    assert episode.verdict == "stalled" and episode.evidence["witness_multiple"] == 30.0
-    said = objection("stalled", world, episode.trace, {**episode.evidence, "witness_multiple": claimed}, SWEPT)
+    assert episode.verdict == "stalled" and episode.evidence.witness_multiple == 30.0
+    said = objection("stalled", world, episode.trace, replace(episode.evidence, witness_multiple=claimed), SWEPT)
     assert bool(said) == (claimed != 30.0) and (not said or "30.000 times the witness's time" in said)
 
 

@@ -50,7 +50,7 @@ def test_a_png_s_red_is_in_and_around_the_cell_that_the_verdict_names(run):
     world, episode = run()
     assert episode.verdict in ("tunnel", "overlap")
     (named,) = [cell for cell in pierced_cells(episode, world) if cell.place]
-    assert [named.ix, named.iy] == episode.evidence["cell"]
+    assert (named.ix, named.iy) == episode.evidence.cell
     frame, places = (
         Frame.of(world),
         red(decoded(Image.open(io.BytesIO(draw_png(world, trail=trail_of(episode, world)))))),

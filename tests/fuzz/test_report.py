@@ -21,6 +21,7 @@ from fuzz.player.worlds import drawn_world
 from fuzz.report import write_report
 from fuzz.report.summary import read_summary
 from sim.episode import Episode, simulate
+from sim.evidence import LoopEvidence, WallEvidence
 from sim.trace import Trace
 from tests.helpers.campaign_folder import CORPUS, LOOP, STALLED, SUMMARY, TUNNEL, campaign_folder, renamed
 from tests.helpers.command_line import worldgen
@@ -193,7 +194,8 @@ def long_loop(steps, entry, period):
     line, none = np.arange(steps + 1) / 1000.0, np.zeros(0)
     words = np.zeros(0, np.uint64)
     trace = Trace(0.015, line, line, line, line > 1.0, none, none, none.astype(np.int64), none, words, words, True)
-    return Episode("loop", steps, steps * 0.015, 1.0, 0, "0" * 16, {"entry": entry, "period": period}, trace)
+    loop = LoopEvidence(entry=entry, period=period, state_digest="0" * 16)
+    return Episode("loop", steps, steps * 0.015, 1.0, 0, "0" * 16, loop, trace)
 
 
 def test_a_long_run_is_thinned_but_for_the_period_of_its_loop():
@@ -206,7 +208,7 @@ def test_a_long_run_is_thinned_but_for_the_period_of_its_loop():
 
 
 def test_a_long_run_is_thinned_but_for_what_leads_to_a_breach_and_follows():
-    breach = replace(long_loop(40_000, 0, 1), verdict="tunnel", evidence={"step": 20_000, "cell": [1, 2]})
+    breach = replace(long_loop(40_000, 0, 1), verdict="tunnel", evidence=WallEvidence(step=20_000, cell=(1, 2)))
     kept = {at // SHARE for at in decoded(drawn_run(breach, 0.1)["at"])}
     assert set(range(19_800, 20_200)) <= kept
     assert len(kept) <= MOST_STEPS + 4

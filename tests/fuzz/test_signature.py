@@ -14,6 +14,7 @@ from fuzz.failure import certified
 from fuzz.features import LAYOUT_BYTES, decode_world
 from fuzz.signature import failure_class
 from sim.episode import Episode, simulate
+from sim.evidence import BudgetEvidence, BurnedEvidence, LoopEvidence, WallEvidence
 from sim.trace import Trace
 from worldgen import Pose, Target, Timeline, World
 from worldgen.timeline import CellState, Event
@@ -39,8 +40,12 @@ def trace_of(places, bumps=(), headings=None):
     return Trace(1.0, x, y, heading, bump, x, y, steps, np.ones(len(x)), NOTHING, NOTHING, True)
 
 
+def loop(entry, period):
+    return LoopEvidence(entry=entry, period=period, state_digest="0" * 16)
+
+
 def looping(trace):
-    return Episode("loop", trace.steps, 1.0, 1.0, 1, "", {"entry": 0, "period": trace.steps}, trace)
+    return Episode("loop", trace.steps, 1.0, 1.0, 1, "", loop(0, trace.steps), trace)
 
 
 def turned_trace(trace, world):
@@ -73,11 +78,11 @@ WAYS = {
 
 def corner_of(evidence, way, world):
     """The evidence where its cell goes with the world."""
-    if "cell" not in evidence:
+    if not isinstance(evidence, (WallEvidence, BurnedEvidence)):
         return evidence
-    ix, iy = evidence["cell"]
-    there = {"turn": [world.height - 1 - iy, ix], "mirror": [world.width - 1 - ix, iy], "shift": [ix + 3, iy + 5]}
-    return {**evidence, "cell": there[way]}
+    ix, iy = evidence.cell
+    there = {"turn": (world.height - 1 - iy, ix), "mirror": (world.width - 1 - ix, iy), "shift": (ix + 3, iy + 5)}
+    return replace(evidence, cell=there[way])
 
 
 def failures(controller, motion):
@@ -182,7 +187,10 @@ def test_a_loop_is_called_after_its_touches_and_its_shape(bumps, headings, name)
 
 def test_what_was_touched_in_the_first_half_of_a_stalled_run_is_not_in_its_class():
     trace = trace_of([*CIRCLE, *[CIRCLE[0]] * 4], bumps=[1])
-    assert failure_class(ISLAND, Episode("stalled", 8, 8.0, 1.0, 1, "", {}, trace)) == "stalled-free-bend-spot"
+    assert (
+        failure_class(ISLAND, Episode("stalled", 8, 8.0, 1.0, 1, "", BudgetEvidence(last_new_cell=0), trace))
+        == "stalled-free-bend-spot"
+    )
 
 
 @pytest.mark.parametrize(("state", "kind"), [(CellState.SOLID, "post"), (CellState.BURNING, "wall")])
@@ -195,14 +203,14 @@ def test_walls_count_as_they_are_when_the_world_has_come_to_rest(state, kind):
 def test_a_loop_no_nearer_to_the_target_than_the_start_is_away():
     back = replace(ISLAND, start=Pose(7.5, 1.5, 0.0))
     trace = trace_of([(5.5, 1.5), *CIRCLE])
-    episode = replace(looping(trace), evidence={"entry": 1, "period": 4})
+    episode = replace(looping(trace), evidence=loop(1, 4))
     assert failure_class(back, episode).endswith("away")
 
 
 @pytest.mark.parametrize(("time", "name"), [(0.0, "burned-burning-entered"), (1.5, "burned-burning-caught")])
 def test_who_drives_into_a_fire_is_told_from_who_is_caught(time, name):
     world = world_of("S..G", "....", timeline=[Event(time, 2, 1, CellState.BURNING)])
-    evidence = {"step": 2, "cell": [2, 1], "state": "burning"}
+    evidence = BurnedEvidence(step=2, cell=(2, 1), state="burning")
     episode = Episode("burned", 2, 2.0, 1.0, 0, "", evidence, trace_of([(0.5, 1.5), (1.0, 1.5), (1.7, 1.5)]))
     assert failure_class(world, episode) == name
 

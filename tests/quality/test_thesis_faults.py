@@ -97,7 +97,7 @@ def test_nothing_more_can_be_removed_from_a_fault(name):
 def test_the_repair_of_its_cause_alone_removes_a_fault(name):
     cause = world_of(name).failure.evidence["cause"]
     healed = run(name, f"+repair_{cause.replace('-', '_')}")
-    assert healed.evidence.get("cause") != cause
+    assert getattr(healed.evidence, "cause", None) != cause
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -147,13 +147,13 @@ def test_the_faults_help_the_random_rule_out_of_traps():
 
 
 def test_the_exact_loop_has_period_104():
-    assert run("thesis-1-loop-104").evidence["period"] == 104
+    assert run("thesis-1-loop-104").evidence.period == 104
 
 
 @pytest.mark.parametrize("kind", ["drifting", "confined"])
 def test_the_two_other_kinds_of_never_last_for_a_hundred_thousand_steps(kind):
     episode = run(f"thesis-1-{kind}", steps=100_000)
-    assert (episode.verdict, episode.evidence["kind"]) == ("stalled", kind)
+    assert (episode.verdict, episode.evidence.kind) == ("stalled", kind)
 
 
 def console():

@@ -364,7 +364,7 @@ def test_a_tunnel_of_endpoint_is_found_in_the_same_step():
 
 def assert_same_step(world, episode):
     assert episode.verdict == "tunnel"
-    step, trajectory = episode.evidence["step"], recorded(episode)
+    step, trajectory = episode.evidence.step, recorded(episode)
     begin, end = trajectory.times[step - 1], trajectory.times[step]
     tunnels = [f for f in audit(world, trajectory).findings if f.kind in ("tunnel", "outside")]
     assert any(finding.begin <= end and finding.end >= begin for finding in tunnels)

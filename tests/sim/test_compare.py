@@ -97,8 +97,8 @@ def test_the_time_of_one_with_chance_is_the_median_of_those_that_arrive(table):
 
 def test_an_exact_loop_says_its_period_and_counts_as_never(table):
     cell = table.cells[2][0]
-    assert cell.detail == f"period {cell.evidence['period']}" and cell.rank_time == math.inf
-    assert f"never (loop, period {cell.evidence['period']})" in as_text(table)
+    assert cell.detail == f"period {cell.evidence.period}" and cell.rank_time == math.inf
+    assert f"never (loop, period {cell.evidence.period})" in as_text(table)
 
 
 def test_totals_add_up_and_compare_times_only_where_everybody_arrives(table):

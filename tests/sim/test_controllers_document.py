@@ -7,6 +7,7 @@ from pathlib import Path
 
 from sim import Observation, RunOptions, simulate
 from sim.controllers.process import ProcessController, observation_line, read_command
+from sim.evidence import evidence_table
 from sim.examples.python import Example
 from sim.host import serve
 from worldgen import generate
@@ -41,4 +42,6 @@ def test_the_kinds_of_evidence_are_those_of_the_document():
     for verdict, script in {"crash": "read l; exit 3", "hang": "read l; sleep 9", "invalid-command": "yes"}.items():
         with ProcessController(["sh", "-c", f"echo oops >&2; {script}"], start_deadline=0.5) as controller:
             episode = simulate(generate("trap", 4, size=20), controller, RunOptions(steps=9))
-        assert episode.verdict == verdict and all(f"`{key}`" in rows[verdict] for key in episode.evidence)
+        assert episode.verdict == verdict and all(
+            f"`{key}`" in rows[verdict] for key in evidence_table(episode.evidence)
+        )

@@ -63,20 +63,20 @@ def test_the_path_of_a_straight_run_is_as_long_as_the_way():
 
 def test_an_endless_circle_is_a_proved_loop():
     episode = simulate(arena(), Circle(), record=True)
-    entry, period = episode.evidence["entry"], episode.evidence["period"]
+    entry, period = episode.evidence.entry, episode.evidence.period
     states = episode.trace.states
     assert episode.verdict == "loop" and np.array_equal(states[entry], states[entry + period])
 
 
 def test_the_loop_entry_is_the_first_repeated_state():
     episode = simulate(arena(), Circle(), record=True)
-    entry, period = episode.evidence["entry"], episode.evidence["period"]
+    entry, period = episode.evidence.entry, episode.evidence.period
     assert entry == 0 or not np.array_equal(episode.trace.states[entry - 1], episode.trace.states[entry + period - 1])
 
 
 def test_a_loop_that_is_too_long_to_be_recorded_is_not_proved_and_no_error(monkeypatch):
     proved = simulate(arena(), Circle(), steps=3000)
-    monkeypatch.setattr("sim.lattice_run.MAX_RECORDED", proved.evidence["period"])
+    monkeypatch.setattr("sim.lattice_run.MAX_RECORDED", proved.evidence.period)
     assert (proved.verdict, simulate(arena(), Circle(), steps=3000).verdict) == ("loop", "stalled")
 
 
@@ -168,19 +168,19 @@ def test_a_fast_robot_tunnels_under_endpoint_and_not_under_swept():
 def test_fire_that_reaches_the_robot_burns_it():
     timeline = Timeline.of([Event(0.3, 7, 3, CellState.BURNING)])
     episode = simulate(replace(arena(start=(0.35, 0.35, 0.0)), timeline=timeline), Straight())
-    assert (episode.verdict, episode.evidence["state"]) == ("burned", "burning")
+    assert (episode.verdict, episode.evidence.state) == ("burned", "burning")
 
 
 def test_debris_that_falls_on_the_robot_is_told_from_fire():
     timeline = Timeline.of([Event(0.03, 3, 3, CellState.SOLID)])
     episode = simulate(replace(arena(), timeline=timeline), Circle())
-    assert (episode.verdict, episode.evidence["state"]) == ("burned", "solid")
+    assert (episode.verdict, episode.evidence.state) == ("burned", "solid")
 
 
 def test_a_loop_is_not_claimed_before_the_last_event():
     timeline = Timeline.of([Event(30.0, 9, 9, CellState.SOLID)])
     episode = simulate(replace(arena(), timeline=timeline), Circle())
-    assert episode.verdict == "loop" and episode.evidence["entry"] * 0.015 >= 29.9
+    assert episode.verdict == "loop" and episode.evidence.entry * 0.015 >= 29.9
 
 
 class Straight:
@@ -248,7 +248,7 @@ def test_a_broken_controller_has_a_verdict_of_its_own(controller, verdict, recor
 
 def test_a_crash_names_the_line_and_an_invalid_command_its_fault():
     quit_at = next(k for k, line in enumerate(Path(__file__).read_text().splitlines(), 1) if "SystemExit(7)" in line)
-    assert simulate(arena(), Quitting()).evidence["at"] == f"test_episode.py:{quit_at}"
+    assert simulate(arena(), Quitting()).evidence.at == f"test_episode.py:{quit_at}"
     assert "speed or turn rate is no finite number in step 1" in evidence_in_words(simulate(arena(), Nonsense()))
 
 
@@ -370,7 +370,7 @@ def test_a_loop_too_long_to_record_is_proved_all_the_same():
 
     counter = CompiledController("counter", act, (0.0,), senses=("bump",))
     episode = simulate(arena(), counter, steps=20_000_000)
-    assert (episode.verdict, episode.evidence["entry"], episode.evidence["period"]) == ("loop", 8, 4_499_993)
+    assert (episode.verdict, episode.evidence.entry, episode.evidence.period) == ("loop", 8, 4_499_993)
     with pytest.raises(InvalidParameter, match="at most 4000000 can be recorded"):
         simulate(arena(), counter, steps=20_000_000, record=True)
 
@@ -421,7 +421,7 @@ def test_a_compiled_controller_may_raise_anything(error):
             raise error("enough")
 
     raises = CompiledController("raises", act, (0.0,))
-    assert simulate(arena(), raises).evidence["error"] == f"{error.__name__}: enough"
+    assert simulate(arena(), raises).evidence.error == f"{error.__name__}: enough"
     assert simulate_many(arena(), raises, seeds=2).verdicts.tolist() == ["crash", "crash"]
 
 
@@ -447,7 +447,7 @@ def test_what_a_class_raises_is_told_in_one_line_of_bounded_length():
         def act(self, observation, memory):
             raise GeneratorExit("no\n" * 10_000)
 
-    error = simulate(arena(), Shouts()).evidence["error"]
+    error = simulate(arena(), Shouts()).evidence.error
     assert error.startswith("GeneratorExit: no no") and "\n" not in error and len(error) == 500
 
 

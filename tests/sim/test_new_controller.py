@@ -135,7 +135,7 @@ def test_a_hosted_class_that_hangs_has_a_verdict_and_its_prints_are_no_commands(
     (tmp_path / "mine.py").write_text(HANGS)
     with ProcessController(hosted(tmp_path / "mine.py:Hangs"), deadline=0.5) as controller:
         episode = simulate(room(), controller, RunOptions(steps=50))
-    assert (episode.verdict, episode.steps, episode.evidence["stderr"][-1]) == ("hang", 5, "step 4.0")
+    assert (episode.verdict, episode.steps, episode.evidence.stderr[-1]) == ("hang", 5, "step 4.0")
 
 
 @pytest.mark.gate

@@ -90,7 +90,7 @@ def ends(process_id):
 def test_a_program_that_ends_is_a_crash_that_says_how(do, error, step):
     episode = run(program(do, at=step))
     assert (episode.verdict, episode.steps) == ("crash", step)
-    assert (episode.evidence["error"], episode.evidence["step"]) == (error, step)
+    assert (episode.evidence.error, episode.evidence.step) == (error, step)
 
 
 def test_a_crash_keeps_the_last_lines_of_stderr_as_plain_text():
@@ -99,8 +99,8 @@ def test_a_crash_keeps_the_last_lines_of_stderr_as_plain_text():
         "\n"
         r"sys.exit('\x1b[31mred\x00\xff ' + 300 * 'x')"
     )
-    said = run(program(do)).evidence["stderr"]
-    assert said[:4] == ["line 8996", "line 8997", "line 8998", "line 8999"] and said[4] == 200 * "x"
+    said = run(program(do)).evidence.stderr
+    assert said[:4] == ("line 8996", "line 8997", "line 8998", "line 8999") and said[4] == 200 * "x"
 
 
 @pytest.mark.gate
@@ -108,8 +108,8 @@ def test_a_crash_keeps_the_last_lines_of_stderr_as_plain_text():
 def test_a_program_that_does_not_answer_hangs(step):
     first = 0.5 if step == 1 else 30.0
     episode = run(program("time.sleep(60)", at=step), deadline=1.0, start_deadline=first)
-    assert (episode.verdict, episode.steps, episode.evidence["error"]) == ("hang", step, "no answer")
-    assert episode.evidence["deadline"] == (first if step == 1 else 1.0)
+    assert (episode.verdict, episode.steps, episode.evidence.error) == ("hang", step, "no answer")
+    assert episode.evidence.deadline == (first if step == 1 else 1.0)
 
 
 def test_drips_of_an_answer_do_not_put_off_the_deadline():
@@ -169,13 +169,13 @@ def test_an_answer_in_drips_that_is_there_in_time_counts():
 )
 def test_an_answer_that_is_no_command_is_one_verdict(said, error):
     episode = run([*PYTHON, SERVE.replace("AT", "3").replace("DO", "answer(sys.argv[1])"), said])
-    assert (episode.verdict, episode.steps, episode.evidence["error"]) == ("invalid-command", 3, error)
-    assert episode.evidence["answer"] == (said if len(said) <= 200 else f"{said[:200]}...")
+    assert (episode.verdict, episode.steps, episode.evidence.error) == ("invalid-command", 3, error)
+    assert episode.evidence.answer == (said if len(said) <= 200 else f"{said[:200]}...")
 
 
 def test_binary_garbage_is_no_command():
     episode = run(program(r"os.write(1, bytes(range(256)).replace(b'\n', b'') + b'\n')"))
-    assert episode.verdict == "invalid-command" and episode.evidence["answer"].isprintable()
+    assert episode.verdict == "invalid-command" and episode.evidence.answer.isprintable()
 
 
 def test_a_speed_beyond_the_robots_is_clamped_as_any_controllers():
@@ -187,13 +187,13 @@ def test_a_speed_beyond_the_robots_is_clamped_as_any_controllers():
 def test_a_line_without_end_is_no_command_and_takes_no_memory(endless):
     do = "while True: os.write(1, 65536 * b'x')" if endless else "os.write(1, 65537 * b'x'); time.sleep(60)"
     episode = run(program(do))
-    assert episode.evidence["error"] == "a line of more than 65536 bytes" and len(episode.evidence["answer"]) < 250
+    assert episode.evidence.error == "a line of more than 65536 bytes" and len(episode.evidence.answer) < 250
 
 
 def test_two_lines_for_one_observation_are_one_too_many():
     line = r'{"speed": 0, "turn_rate": 0}'
     episode = run(program(f"answer('{line}\\n{line}'); time.sleep(0.05)"))
-    assert (episode.verdict, episode.evidence["error"]) == ("invalid-command", "more than one line")
+    assert (episode.verdict, episode.evidence.error) == ("invalid-command", "more than one line")
 
 
 def test_a_program_that_never_reads_and_talks_all_the_time_ends_as_invalid():
@@ -207,7 +207,7 @@ def test_a_program_that_never_reads_hangs_however_long_the_run_is():
 @linux
 def test_a_program_that_takes_too_much_memory_fails_alone():
     episode = run(program("hog = bytearray(1 << 30)"), memory_limit=256 << 20)
-    assert (episode.verdict, episode.evidence["stderr"][-1]) == ("crash", "MemoryError")
+    assert (episode.verdict, episode.evidence.stderr[-1]) == ("crash", "MemoryError")
 
 
 def test_a_program_that_ignores_sigterm_is_killed(tmp_path):
@@ -223,7 +223,7 @@ def test_a_grandchild_that_holds_the_pipes_keeps_nobody_and_is_ended(tmp_path):
     note = f"open({str(tmp_path / 'pid')!r}, 'w').write(str(child.pid))"
     do = f"child = subprocess.Popen(['sleep', '3600'])\n{note}\nos._exit(4)"
     episode = run(program(do), deadline=120.0)  # if it waited for the grandchild, it would be a hang
-    assert (episode.evidence["error"], episode.evidence["step"]) == ("exit code 4", 3)
+    assert (episode.evidence.error, episode.evidence.step) == ("exit code 4", 3)
     assert ends((tmp_path / "pid").read_text())
 
 
@@ -373,7 +373,7 @@ for line in sys.stdin:
         print(json.dumps({"speed": "x" if len(sys.argv) > 9 else 0, "turn_rate": 0, "used_random": True}), flush=True)
         sys.argv.append("")
 """
-    drawn = run([*PYTHON, code, *"1234"]).evidence["stderr"]
+    drawn = run([*PYTHON, code, *"1234"]).evidence.stderr
     assert len(drawn) == len(set(drawn)) == 5
 
 

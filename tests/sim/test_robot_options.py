@@ -258,8 +258,8 @@ def test_debris_stops_the_robot_only_if_it_falls_before_the_robot_is_there():
     early, late = falling(arrival - 0.004, (10, 29)), falling(arrival + 0.004, (10, 29))
     assert front(early)[0].verdict != "burned" and front(early)[1] == pytest.approx(1.0, abs=1e-3)
     episode, _ = front(late)
-    assert (episode.verdict, episode.evidence["state"]) == ("burned", "solid")
-    assert episode.evidence["step"] == math.floor((arrival + 0.004) / STEP) + 1
+    assert (episode.verdict, episode.evidence.state) == ("burned", "solid")
+    assert episode.evidence.step == math.floor((arrival + 0.004) / STEP) + 1
 
 
 @given(st.floats(0.02, 0.6))
@@ -269,7 +269,7 @@ def test_the_robot_is_where_it_should_be_when_fire_breaks_out(time):
     reach = 0.55 + max(time - STEP, 0.0)  # where the centre is then
     there = reach + 0.07 > 1.2
     assert episode.verdict == "burned"
-    step = episode.evidence["step"]
+    step = episode.evidence.step
     expected = math.floor(time / STEP) + 1 if there else math.ceil((1.2 - 0.07 - 0.55) / STEP) + 1
     assert abs(step - expected) <= (0 if abs(reach + 0.07 - 1.2) > 0.02 and there else 1)
 

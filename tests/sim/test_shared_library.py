@@ -51,7 +51,7 @@ def maze():
 )
 def test_what_would_end_the_program_is_a_crash(name, error, library):
     episode = simulate(maze(), f"lib:{library}:{name}")
-    assert (episode.verdict, episode.evidence["error"]) == ("crash", error) and episode.steps > 1
+    assert (episode.verdict, episode.evidence.error) == ("crash", error) and episode.steps > 1
 
 
 @pytest.mark.usefixtures("contained")
@@ -64,13 +64,13 @@ def test_the_next_run_after_a_crash_is_like_the_first(library):
 @pytest.mark.usefixtures("contained")
 def test_an_endless_step_is_a_hang(library):
     episode = simulate(maze(), f"lib:{library}:hang")
-    assert (episode.verdict, episode.evidence["error"], episode.evidence["deadline"]) == ("hang", "no answer", 1.0)
+    assert (episode.verdict, episode.evidence.error, episode.evidence.deadline) == ("hang", "no answer", 1.0)
 
 
 @pytest.mark.usefixtures("uncontained")
 def test_a_controller_can_say_in_process_what_is_wrong(library):
     episode = simulate(maze(), f"lib:{library}:complain")
-    assert (episode.verdict, episode.evidence["error"]) == ("crash", "lost the map")
+    assert (episode.verdict, episode.evidence.error) == ("crash", "lost the map")
 
 
 def test_a_run_is_bit_for_bit_the_same_in_a_process_of_its_own(library, monkeypatch):

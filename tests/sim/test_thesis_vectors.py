@@ -122,7 +122,7 @@ def test_a_recorded_run_is_the_same_from_a_world(name):
 def test_a_recorded_loop_is_proved_with_its_entry_and_period():
     vector = VECTORS["pub-011"]
     episode = simulate(world_of(vector), "turn-left", motion="stepped", steps=20_000)
-    assert (episode.evidence["entry"], episode.evidence["period"]) == (vector["loopStart"], vector["period"])
+    assert (episode.evidence.entry, episode.evidence.period) == (vector["loopStart"], vector["period"])
     assert (episode.verdict, episode.trace_digest) == ("loop", vector["hash"])
 
 
@@ -145,7 +145,7 @@ def empty(**changes):
 def test_flames_burn_the_thesis_robot():
     timeline = Timeline.of([Event(0.1, 5, 5, CellState.BURNING)])
     episode = simulate(empty(timeline=timeline), "turn-left", motion="stepped")
-    assert (episode.verdict, episode.evidence["state"], episode.evidence["cell"]) == ("burned", "burning", [5, 5])
+    assert (episode.verdict, episode.evidence.state, episode.evidence.cell) == ("burned", "burning", (5, 5))
 
 
 def test_debris_blocks_the_thesis_robot_and_freed_cells_let_it_pass():

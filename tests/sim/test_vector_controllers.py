@@ -169,8 +169,8 @@ def test_memory_and_commands_must_keep_their_shapes():
         def act_many(self, observation, memory):
             return Commands(observation.beams[:, :0].sum(axis=1) + np.ones((1, 1))), memory
 
-    assert "came back in shape (1,), and was given in (1, 1)" in simulate(arena(), Flat()).evidence["error"]
-    assert "speed is of shape (1, 1) for 1 robots" in simulate(arena(), Wide()).evidence["error"]
+    assert "came back in shape (1,), and was given in (1, 1)" in simulate(arena(), Flat()).evidence.error
+    assert "speed is of shape (1, 1) for 1 robots" in simulate(arena(), Wide()).evidence.error
 
 
 def loops(world):
@@ -199,7 +199,7 @@ def test_observation_and_memory_are_not_to_be_written():
             return Commands(1.0), memory
 
     episode = simulate(arena(), Writes())
-    assert episode.verdict == "crash" and "read-only" in episode.evidence["error"]
+    assert episode.verdict == "crash" and "read-only" in episode.evidence.error
 
 
 def test_a_class_that_cannot_act_is_refused_with_both_ways_out(tmp_path):

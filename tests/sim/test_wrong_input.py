@@ -169,7 +169,7 @@ def test_a_recorded_episode_prints_itself_in_a_few_lines():
         f"loop: 129 steps, 1.935 s, 0.951 m driven, 0 collisions, trace {episode.trace_digest}",
         "  entry: 1",
         "  period: 128",
-        f"  state_digest: {episode.evidence['state_digest']!r}",
+        f"  state_digest: {episode.evidence.state_digest!r}",
     ]
     assert repr(replace(episode, trace=None)) == repr(episode)
 

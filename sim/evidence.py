@@ -1,0 +1,236 @@
+"""Evidence: what a verdict claims about its run, as one record for each kind of claim.
+
+A checker confirms it from the recorded trace. This is the one place that knows its form in files and in JSON: a table
+of the fields that are known.
+"""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Literal, TypeAlias
+
+from sim.verdict import Verdict
+from worldgen.world import Value
+
+__all__ = [
+    "BudgetEvidence",
+    "BurnedEvidence",
+    "Evidence",
+    "FaultEvidence",
+    "LoopEvidence",
+    "ReachedEvidence",
+    "WallEvidence",
+    "evidence_table",
+    "fault_evidence",
+    "read_evidence",
+]
+
+Cell: TypeAlias = tuple[int, int]
+Manner: TypeAlias = Literal["drifting", "confined"]
+Frame: TypeAlias = Mapping[str, Value]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReachedEvidence:
+    """The robot arrived.
+
+    Args:
+        step: In which it did.
+        wall_step: First step that ended with the centre in a wall, where that ends no run.
+    """
+
+    step: int
+    wall_step: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopEvidence:
+    """The complete state came back.
+
+    Args:
+        entry: Step after which the loop begins.
+        period: Its steps.
+        state_digest: 16 hex digits of the state at the entry.
+    """
+
+    entry: int
+    period: int
+    state_digest: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class BudgetEvidence:
+    """The budget was spent without arrival or proof: ``stalled`` or ``timeout``.
+
+    Args:
+        last_new_cell: Last step in which the centre entered a cell for the first time.
+        witness_multiple: The run's time in times of the witness's; ``None`` without a witness.
+        kind: How a run under ``stepped`` stalls. ``drifting``: its poses come back but for rounding.
+        entry: Of a drifting run, the step from which on they do.
+        period: Of a drifting run, after how many steps.
+        box: Columns and rows of cells that the centre was in, in the second half of the run.
+    """
+
+    last_new_cell: int
+    witness_multiple: float | None = None
+    kind: Manner | None = None
+    entry: int | None = None
+    period: int | None = None
+    box: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class WallEvidence:
+    """The robot went into a wall: ``tunnel`` or ``overlap``.
+
+    Args:
+        step: In which it did.
+        cell: The wall's cell (ix, iy).
+        cause: The move that let it in, where the motion model knows: ``slide``, ``back-off`` or ``corner``.
+        since: The step of that move.
+        reached: Of a breach, the step in which the robot arrives if walls end nothing.
+    """
+
+    step: int
+    cell: Cell
+    cause: str | None = None
+    since: int | None = None
+    reached: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class BurnedEvidence:
+    """Fire or falling debris met the robot.
+
+    Args:
+        step: In which it did.
+        cell: Of the fire or debris (ix, iy).
+        state: ``burning`` or ``solid``.
+    """
+
+    step: int
+    cell: Cell
+    state: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class FaultEvidence:
+    """What the controller itself did wrong: ``crash``, ``hang`` or ``invalid-command``.
+
+    Args:
+        error: The same in every replay; ``None`` of a command that is no finite number.
+        step: In which it did.
+        deadline: s that it had to answer.
+        answer: The answer that cannot be read.
+        unfinished: What came of an answer.
+        stderr: A program's last lines.
+        at: The innermost line of the controller's own file.
+        remedy: How to keep the contract.
+        reason: How a program died, by its report on stderr.
+        message: What a compiled controller's exception said.
+        frames: Of the user's code, the innermost last.
+        bump: Whether the robot touched a wall; only noted of crashes of programs.
+    """
+
+    error: str | None = None
+    step: int | None = None
+    deadline: float | None = None
+    answer: str | None = None
+    unfinished: str | None = None
+    stderr: tuple[str, ...] | None = None
+    at: str | None = None
+    remedy: str | None = None
+    reason: str | None = None
+    message: str | None = None
+    frames: tuple[Frame, ...] | None = None
+    bump: bool | None = None
+
+
+Evidence: TypeAlias = ReachedEvidence | LoopEvidence | BudgetEvidence | WallEvidence | BurnedEvidence | FaultEvidence
+
+_KINDS: Mapping[Verdict, type[Evidence]] = {
+    Verdict.REACHED: ReachedEvidence,
+    Verdict.LOOP: LoopEvidence,
+    Verdict.STALLED: BudgetEvidence,
+    Verdict.TIMEOUT: BudgetEvidence,
+    Verdict.TUNNEL: WallEvidence,
+    Verdict.OVERLAP: WallEvidence,
+    Verdict.BURNED: BurnedEvidence,
+    Verdict.CRASH: FaultEvidence,
+    Verdict.HANG: FaultEvidence,
+    Verdict.INVALID_COMMAND: FaultEvidence,
+}
+_TYPES: Mapping[type[object], Mapping[str, Any]] = {kind: typing.get_type_hints(kind) for kind in _KINDS.values()}
+
+
+def evidence_table(evidence: Evidence) -> dict[str, Value]:
+    """Return evidence as files and JSON hold it: a table of what is known."""
+    known = {field.name: getattr(evidence, field.name) for field in fields(evidence)}
+    return {name: _plain(value) for name, value in known.items() if value is not None}
+
+
+def fault_evidence(facts: Mapping[str, Value]) -> FaultEvidence:
+    """Return what a controller did wrong, from its table."""
+    return FaultEvidence(**_values(FaultEvidence, facts))
+
+
+def read_evidence(verdict: Verdict, table: Mapping[str, Value]) -> Evidence | None:
+    """Return the evidence for a verdict from its table.
+
+    A file may come from anywhere, and a replay compares its table word by word anyway. So names that the record does
+    not have are passed over, and what is optional and of another type counts as unknown.
+
+    Args:
+        verdict: What the evidence is for.
+        table: As :func:`evidence_table` makes it.
+
+    Returns:
+        ``None`` if a part is missing that the evidence cannot do without.
+    """
+    kind = _KINDS[verdict]
+    values = _values(kind, table)
+    needed = (name for name, wanted in _TYPES[kind].items() if not _is_optional(wanted))
+    return None if any(values[name] is None for name in needed) else kind(**values)
+
+
+def _values(kind: type[object], table: Mapping[str, Value]) -> dict[str, Any]:
+    return {name: _of_type(table.get(name), wanted) for name, wanted in _TYPES[kind].items()}
+
+
+def _is_optional(wanted: Any) -> bool:
+    return type(None) in typing.get_args(wanted)
+
+
+def _of_type(value: Value | None, wanted: Any) -> Any:
+    """Return a value of a file as a field has it; ``None`` if it is of another type."""
+    origin = typing.get_origin(wanted)
+    if origin is types.UnionType or origin is typing.Union:
+        found = (_of_type(value, one) for one in typing.get_args(wanted) if one is not type(None))
+        return next((one for one in found if one is not None), None)
+    if origin is Literal:
+        return value if value in typing.get_args(wanted) else None
+    if origin is tuple:
+        return _as_tuple(value, typing.get_args(wanted))
+    if origin is not None:  # a table of any values
+        return value if isinstance(value, Mapping) else None
+    if wanted is float:
+        return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+    return value if type(value) is wanted else None
+
+
+def _as_tuple(value: Value | None, parts: tuple[Any, ...]) -> tuple[Any, ...] | None:
+    if not isinstance(value, list):
+        return None
+    wanted = [parts[0]] * len(value) if parts[-1] is Ellipsis else [*parts]
+    if len(value) != len(wanted):
+        return None
+    found = tuple(_of_type(one, kind) for one, kind in zip(value, wanted, strict=True))
+    return None if any(one is None for one in found) else found
+
+
+def _plain(value: Any) -> Value:
+    plain: Value = [_plain(one) for one in value] if isinstance(value, tuple) else value
+    return plain
