@@ -259,7 +259,7 @@ def scenario_of(world: World) -> tuple[FailureRecord, RunOptions]:
     """
     record = world.failure
     if record is None:
-        raise InvalidParameter("this world holds no failure; worldgen run simulates it")
+        raise InvalidParameter("no-failure", "this world holds no failure", "worldgen run simulates it")
     return record, RunOptions.of(record.motion, record.seed, record.parameters)
 
 

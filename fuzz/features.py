@@ -98,7 +98,14 @@ def decode_scene(data: bytes) -> World:
     if len(data) == LAYOUT_BYTES:
         return decode_world(data)
     if len(data) != SCENE_BYTES:
-        raise InvalidParameter(f"{len(data)} bytes are no scene; give {SCENE_BYTES}, or {LAYOUT_BYTES} of a layout")
+        raise InvalidParameter(
+            "wrong-size",
+            "{count} bytes are no scene",
+            "give {scene_bytes}, or {layout_bytes} of a layout",
+            count=len(data),
+            scene_bytes=SCENE_BYTES,
+            layout_bytes=LAYOUT_BYTES,
+        )
     world = decode_world(data, robot_radius=RADII[data[SCENE_RADIUS] % len(RADII)])
     heading = data[4] % HEADINGS * FINER + data[SCENE_HEADING] % FINER
     return replace(

@@ -88,10 +88,16 @@ def _what_runs(world: World, controller: str | None) -> tuple[World, Scenario, R
         options = replace(stored, steps=max(stored.steps, step_budget(world, stored.time_step)))
         return replace(world, failure=None), Scenario.of(controller or record.controller, options), options
     if controller is None:
-        raise InvalidParameter("this world holds no failure, so it names no controller; give --worldgen-controller")
+        raise InvalidParameter(
+            "no-failure", "this world holds no failure, so it names no controller", "give --worldgen-controller"
+        )
     proved = world if world.certificate is not None else certified(world)
     if proved is None:
-        raise InvalidWorld("it is not proved that this world's target can be reached; worldgen verify says more")
+        raise InvalidWorld(
+            "not-proved-reachable",
+            "it is not proved that this world's target can be reached",
+            "worldgen verify says more",
+        )
     scenario = Scenario.parse(controller)
     return proved, scenario, scenario.options(proved)
 

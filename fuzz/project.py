@@ -78,22 +78,30 @@ class Project:
             InvalidParameter: If the controller's name cannot be part of a CI file.
         """
         if not self.controller:
-            raise InvalidParameter("the controller has no name; give --controller ./file.py:name, for one")
+            raise InvalidParameter(
+                "empty-name", "the controller has no name", "give --controller ./file.py:name, for one"
+            )
         if "${{" in self.controller or not self.controller.isprintable():
             raise InvalidParameter(
-                f"controller={self.controller!r} cannot be written into a CI file, where ${{{{ begins an expression; "
-                "take a name without it"
+                "not-for-a-ci-file",
+                "controller={controller!r} cannot be written into a CI file, where ${{{{ begins an expression",
+                "take a name without it",
+                controller=self.controller,
             )
         if not self.folder.is_dir():
-            raise OutputError(f"{self.folder} is not a folder; name the root of your project")
+            raise OutputError(
+                "wrong-kind-of-file", "{path} is not a folder", "name the root of your project", path=self.folder
+            )
         written = [*self._ci_files(), (self.folder / CORPUS / "README.md", "")]
         taken = [path for path, _ in written if path.exists()]
         if taken and not force:
-            raise OutputError(f"{taken[0]} exists already; give --force to replace it")
+            raise OutputError("file-exists", "{path} exists already", "give --force to replace it", path=taken[0])
         if "worldgen" in self._settings().get("tool", {}):
             raise OutputError(
-                f"{self.settings} has a [tool.worldgen] table already, so this project is set up; edit that table, "
-                "or remove it to begin again"
+                "already-set-up",
+                "{path} has a [tool.worldgen] table already, so this project is set up",
+                "edit that table, or remove it to begin again",
+                path=self.settings,
             )
 
     def write(self, *, force: bool) -> list[Path]:
@@ -137,7 +145,13 @@ class Project:
         except FileNotFoundError:
             return {}
         except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-            raise FormatError(f"is not valid TOML: {error}; repair it first", source=str(self.settings)) from error
+            raise FormatError(
+                "invalid-toml",
+                "is not valid TOML: {reason}",
+                "repair it first",
+                reason=str(error),
+                source=str(self.settings),
+            ) from error
 
     def _tables(self) -> str:
         """The tables to add to ``pyproject.toml``."""

@@ -60,7 +60,14 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
     if expect == CONFIRMED:
         return _confirmed(path, world, controller)
     if expect != FIXED:
-        raise InvalidParameter(f"expect={expect!r} is neither {FIXED} nor {CONFIRMED}; give one of them")
+        raise InvalidParameter(
+            "unknown-name",
+            "expect={expect!r} is neither {fixed} nor {confirmed}",
+            "give one of them",
+            expect=expect,
+            fixed=FIXED,
+            confirmed=CONFIRMED,
+        )
     return fixed(world, controller)
 
 

@@ -50,6 +50,7 @@ __all__ = ["CampaignSession", "configure"]
 
 _SUMMARY_EVERY = 1.0  # s, at least, between two summaries while the search goes on
 _TO_DRAW = 2.0  # s for the runs of all pictures together
+_VARY = "--vary"
 _NO_FAILURE = (Verdict.REACHED, "sealed")  # verdicts at first look
 
 
@@ -85,7 +86,13 @@ def configure(
     varied = tuple(Variation.parse(text, scenario) for text in vary)
     names = [one.name for one in varied]
     if twice := {name for name in names if names.count(name) > 1}:
-        raise InvalidParameter(f"--vary {min(twice)} is given twice; put all its values into one, after commas")
+        raise InvalidParameter(
+            "twice",
+            "{option} {name} is given twice",
+            "put all its values into one, after commas",
+            option=_VARY,
+            name=min(twice),
+        )
     wanted = fixed_map is None if shrink is None else shrink
     config = CampaignConfig(
         scenario,
@@ -112,8 +119,11 @@ def _try_out(config: CampaignConfig, seconds: float | None, asked: list[Asked]) 
     # So would every run, each for the whole start-up deadline.
     if outcome.fault is not None and outcome.verdict == Verdict.HANG and outcome.steps == 1:
         raise InvalidParameter(
-            f"{scenario.controller} does not answer its first observation within {outcome.fault.deadline} s; does "
-            "it flush its output after each line? docs/controllers.md has the protocol"
+            "no-first-answer",
+            "{controller} does not answer its first observation within {seconds} s",
+            "does it flush its output after each line? docs/controllers.md has the protocol",
+            controller=scenario.controller,
+            seconds=outcome.fault.deadline,
         )
     proved = certified(EMPTY_ARENA) or EMPTY_ARENA
     for oracle in asked:
@@ -175,12 +185,29 @@ class CampaignSession:
                 stopped = self._search()
         except WorkersLost as error:
             if not self._lasts:
-                raise OutputError(f"{error}; nothing was kept: begin again") from error
-            raise OutputError(f"{error}; what was found until then is in {self._out}, and {self._way_on}") from error
+                raise OutputError(
+                    "broken-off", "{reason}", "nothing was kept: begin again", reason=str(error)
+                ) from error
+            raise OutputError(
+                "broken-off",
+                "{reason}",
+                "what was found until then is in {out}, and {way_on}",
+                reason=str(error),
+                out=self._out,
+                way_on=self._way_on,
+            ) from error
         except OutputError as error:
             if not self._lasts:
-                raise OutputError(f"{error}; nothing was kept: make room, and begin again") from error
-            raise OutputError(f"{error}; what is there is whole: make room, and {self._way_on}") from error
+                raise OutputError(
+                    "broken-off", "{reason}", "nothing was kept: make room, and begin again", reason=str(error)
+                ) from error
+            raise OutputError(
+                "broken-off",
+                "{reason}",
+                "what is there is whole: make room, and {way_on}",
+                reason=str(error),
+                way_on=self._way_on,
+            ) from error
         end = time.monotonic() + _TO_DRAW  # a run of a slow controller may take longer than the budget
         with stopping_when(lambda: time.monotonic() > end):
             self._report()
@@ -217,12 +244,16 @@ class CampaignSession:
             return
         if state.cut or not lanes:
             raise InvalidParameter(
-                f"no world was finished within {self._limit}: the controller, or this machine, is too slow for that; "
-                "give a larger --budget, or smaller worlds"
+                "too-slow",
+                "no world was finished within {limit}: the controller, or this machine, is too slow for that",
+                "give a larger --budget, or smaller worlds",
+                limit=self._limit,
             )
         raise InvalidParameter(
-            f"no world was run in {counted(state.units, 'unit')}: the robot fits none of them; give it a smaller "
-            "radius, or other families"
+            "no-world-fits",
+            "no world was run in {units}: the robot fits none of them",
+            "give it a smaller radius, or other families",
+            units=counted(state.units, "unit"),
         )
 
     def _search(self) -> bool:

@@ -50,7 +50,14 @@ def family_worlds(draw: st.DrawFn, /, family: str, **fixed: Value) -> World:
     made_by = FAMILIES.get(family)
     unknown = set(fixed) - set(made_by.defaults())
     if unknown:
-        raise InvalidParameter(f"{family} has no parameter {min(unknown)!r}; it has {', '.join(made_by.defaults())}")
+        raise InvalidParameter(
+            "unknown-name",
+            "{family} has no parameter {name!r}",
+            "it has {known!l}",
+            family=family,
+            name=min(unknown),
+            known=list(made_by.defaults()),
+        )
     drawn: dict[str, Value] = {}
     for parameter in made_by.parameters:
         if parameter.name not in fixed and (choices := _choices(family, parameter)) is not None:
@@ -77,7 +84,9 @@ def worlds(family: str | None = None, **fixed: Value) -> st.SearchStrategy[World
     if family is not None:
         return family_worlds(family, **fixed)
     if fixed:
-        raise InvalidParameter(f"{', '.join(fixed)}: name the family that has these parameters")
+        raise InvalidParameter(
+            "no-family-named", "{names!l}: name the family that has these parameters", names=list(fixed)
+        )
     return st.one_of(feature_worlds(), *(family_worlds(name) for name in FAMILIES.names()))
 
 

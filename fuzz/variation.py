@@ -14,6 +14,7 @@ from worldgen.world import Provenance, Value, World
 __all__ = ["Variation", "applied", "map_provenance"]
 
 _OF_THE_ROBOT = {"robot_radius": "m", "robot_speed": "m/s"}  # fields of a world
+_OPTION = "--vary"
 _EXAMPLE = "write NAME=VALUE,VALUE,..., such as sensor_noise=0,0.05"
 
 
@@ -43,7 +44,9 @@ class Variation:
         name, equals, said = text.partition("=")
         name, words = name.strip().replace("-", "_"), [word.strip() for word in said.split(",")]
         if not name or not equals or not all(words):
-            raise InvalidParameter(f"--vary {text!r} names no values; {_EXAMPLE}")
+            raise InvalidParameter(
+                "no-values", "{option} {text!r} names no values", _EXAMPLE, option=_OPTION, text=text
+            )
         _check_name(name, scenario.motion)
         found = cls(name, tuple(_value(name, word, scenario) for word in words))
         for value in found.values:
@@ -54,7 +57,14 @@ class Variation:
         if self.name in _OF_THE_ROBOT:
             if not isinstance(value, float) or not 0.0 < value < 1e6:
                 unit = _OF_THE_ROBOT[self.name]
-                raise InvalidParameter(f"--vary {self.name}={value}: give {unit} above 0 and below a million")
+                raise InvalidParameter(
+                    "out-of-range",
+                    "{option} {name}={value}: give {unit} above 0 and below a million",
+                    option=_OPTION,
+                    name=self.name,
+                    value=value,
+                    unit=unit,
+                )
         elif self.name == "time_step":
             RunOptions(motion=scenario.motion, time_step=value)  # type: ignore[arg-type]
         else:
@@ -98,7 +108,14 @@ def _value(name: str, word: str, scenario: Scenario) -> Value:
     try:
         return float(word)
     except ValueError:
-        raise InvalidParameter(f"--vary {name}={word}: that is no number; {_EXAMPLE}") from None
+        raise InvalidParameter(
+            "not-a-number",
+            "{option} {name}={value}: that is no number",
+            _EXAMPLE,
+            option=_OPTION,
+            name=name,
+            value=word,
+        ) from None
 
 
 def _check_name(name: str, motion: str) -> None:
@@ -107,7 +124,14 @@ def _check_name(name: str, motion: str) -> None:
         close = get_close_matches(name, known, n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
         raise InvalidParameter(
-            f"--vary {name}: under {motion} nothing of that name can be varied; {hint}known: {', '.join(known)}"
+            "unknown-name",
+            "{option} {name}: under {motion} nothing of that name can be varied",
+            "{hint}known: {known!l}",
+            option=_OPTION,
+            name=name,
+            motion=motion,
+            hint=hint,
+            known=list(known),
         )
 
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from sim.audit_scan import Hits, Scan, merged, scan
 from sim.audit_way import Way
-from worldgen.errors import InvalidParameter
+from worldgen.errors import InvalidParameter, Message
 from worldgen.world import World
 
 __all__ = ["DEFAULT_TOLERANCE", "KINDS", "LEAST_TOLERANCE", "Audit", "Finding", "Trajectory", "audit"]
@@ -54,26 +54,44 @@ class Trajectory:
             object.__setattr__(self, name, array)
         fault = self.fault(self.times, self.x, self.y)
         if fault is not None:
-            raise InvalidParameter(f"trajectory: sample {fault[0]}: {fault[1]}" if fault[0] >= 0 else fault[1])
+            sample, message = fault
+            if sample >= 0:
+                message = message.behind("trajectory: sample {sample}: ", sample=sample)
+            raise InvalidParameter.of(message)
 
     @staticmethod
-    def fault(times: Floats, x: Floats, y: Floats) -> tuple[int, str] | None:
+    def fault(times: Floats, x: Floats, y: Floats) -> tuple[int, Message] | None:
         """The first sample that breaks a rule, -1 for the whole, and what is wrong; ``None`` if all is well."""
         if not (times.ndim == x.ndim == y.ndim == 1 and len(times) == len(x) == len(y)):
-            return -1, "trajectory: times, x and y must be flat arrays of one length"
+            return -1, Message("wrong-shape", "trajectory: times, x and y must be flat arrays of one length")
         if len(times) < 2:
-            return -1, f"a trajectory has at least two samples, not {len(times)}; give more"
+            return -1, Message(
+                "too-few-samples", "a trajectory has at least two samples, not {count}", "give more", count=len(times)
+            )
         for name, values, most in (("t", times, _LATEST), ("x", x, _FURTHEST), ("y", y, _FURTHEST)):
             with np.errstate(invalid="ignore"):
                 wrong = np.flatnonzero(~(np.isfinite(values) & (np.abs(values) <= most)))
             if len(wrong):
                 unit = "seconds" if name == "t" else "metres"
                 value = float(values[wrong[0]])
-                return int(wrong[0]), f"{name} = {value:g} is no number of {unit}, or too large; leave such lines out"
+                return int(wrong[0]), Message(
+                    "out-of-range",
+                    "{name} = {value:g} is no number of {unit}, or too large",
+                    "leave such lines out",
+                    name=name,
+                    value=value,
+                    unit=unit,
+                )
         falls = np.flatnonzero(times[1:] < times[:-1])
         if len(falls):
             at = int(falls[0]) + 1
-            return at, f"t = {float(times[at])!r} s comes after {float(times[at - 1])!r} s; sort the samples by time"
+            return at, Message(
+                "times-fall",
+                "t = {time!r} s comes after {before!r} s",
+                "sort the samples by time",
+                time=float(times[at]),
+                before=float(times[at - 1]),
+            )
         return None
 
 
@@ -187,14 +205,27 @@ def audit(
 
 def _check(name: str, value: float, least: float) -> None:
     if not least <= value < math.inf:
-        raise InvalidParameter(f"{name}={value} m is out of range; give metres, at least {least:g}")
+        raise InvalidParameter(
+            "out-of-range",
+            "{name}={value} m is out of range",
+            "give metres, at least {least:g}",
+            name=name,
+            value=value,
+            least=least,
+        )
 
 
 def _check_places(trajectory: Trajectory, size: float) -> None:
     with np.errstate(over="ignore"):
         far = np.flatnonzero(np.maximum(np.abs(trajectory.x), np.abs(trajectory.y)) / size > _FURTHEST)
     if len(far):
-        raise InvalidParameter(f"sample {far[0]} is more than 1e9 cells of {size:g} m away; give metres")
+        raise InvalidParameter(
+            "out-of-range",
+            "sample {sample} is more than 1e9 cells of {cell_size:g} m away",
+            "give metres",
+            sample=far[0],
+            cell_size=size,
+        )
 
 
 def _findings(kind: str, hits: Hits, way: Way, unit: float) -> list[Finding]:

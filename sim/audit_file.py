@@ -36,13 +36,17 @@ def read_trajectory(path: Path) -> Trajectory:
                 data = stream.read(_MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise FormatError(f"cannot be read: {reason}", source=name) from error
+        raise FormatError("unreadable", "cannot be read: {reason}", reason=reason, source=name) from error
     if len(data) > _MOST_BYTES:
-        raise FormatError(f"is larger than {_MOST_BYTES >> 20} MiB; cut it into parts", source=name)
+        raise FormatError(
+            "too-large", "is larger than {most} MiB", "cut it into parts", most=_MOST_BYTES >> 20, source=name
+        )
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise FormatError(f"is no UTF-8 text: byte {error.start}; save it as UTF-8", source=name) from error
+        raise FormatError(
+            "not-utf8", "is no UTF-8 text: byte {start}", "save it as UTF-8", start=error.start, source=name
+        ) from error
     return parse_trajectory(text, name)
 
 
@@ -72,7 +76,7 @@ def parse_trajectory(text: str, source: str) -> Trajectory:
     fault = Trajectory.fault(*values)
     if fault is not None:
         line = _line_of(body, fault[0], header_line) if fault[0] >= 0 else None
-        raise FormatError(fault[1], line=line, source=source)
+        raise FormatError.of(fault[1], line=line, source=source)
     return Trajectory(*values)
 
 
@@ -90,7 +94,11 @@ def _columns(header: str, line: int, source: str) -> tuple[str, list[int]]:
     how = f"two columns {wrong!r}" if wrong in lower else f"no column {wrong!r}"
     shown = ", ".join(found)[:80]
     raise FormatError(
-        f"the header ({shown}) has {how}; name t, x and y once each, with commas, semicolons or tabs between",
+        "columns-missing",
+        "the header ({shown}) has {fault}",
+        "name t, x and y once each, with commas, semicolons or tabs between",
+        shown=shown,
+        fault=how,
         line=line,
         source=source,
     )
@@ -116,11 +124,16 @@ def _slow(
         try:
             fields = next(csv.reader([text], delimiter=delimiter, strict=True))
         except csv.Error as error:
-            raise FormatError(f"no table: {error}; write plain numbers", line=line, source=source) from None
+            raise FormatError(
+                "invalid-csv", "no table: {reason}", "write plain numbers", reason=str(error), line=line, source=source
+            ) from None
         if len(fields) <= max(places):
             raise FormatError(
-                f"the line ends after field {len(fields)}, and the header has t, x or y in field {max(places) + 1}; "
+                "line-too-short",
+                "the line ends after field {count}, and the header has t, x or y in field {needed}",
                 "complete it, or leave it out",
+                count=len(fields),
+                needed=max(places) + 1,
                 line=line,
                 source=source,
             )
@@ -135,7 +148,11 @@ def _number(name: str, text: str, line: int, source: str) -> float:
         return float(text)
     except ValueError:
         raise FormatError(
-            f"{name} {text.strip()[:40]!r} is no number; write one such as 1.25, with a point, or leave the line out",
+            "not-a-number",
+            "{name} {value!r} is no number",
+            "write one such as 1.25, with a point, or leave the line out",
+            name=name,
+            value=text.strip()[:40],
             line=line,
             source=source,
         ) from None

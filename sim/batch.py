@@ -154,9 +154,11 @@ def simulate_many(
     poses = None if starts is None else poses_of(starts)
     threads = os.cpu_count() or 1 if workers is None else whole("workers", workers, 1, _MOST_WORKERS)
     if not found or not drivers or not len(numbers) or poses == ():
-        raise InvalidParameter("nothing to run; give at least one world, one controller, one start and one seed")
+        raise InvalidParameter(
+            "nothing-given", "nothing to run", "give at least one world, one controller, one start and one seed"
+        )
     if "seed" in settings:
-        raise InvalidParameter("seed: many runs take seeds=5 or seeds=[3, 8]")
+        raise InvalidParameter("seed-for-many-runs", "seed: many runs take seeds=5 or seeds=[3, 8]")
     places = 1 if poses is None else len(poses)
     runs = _empty(len(found), [called(one) for one in named], places, numbers)
     jobs = list(_jobs(found, drivers, poses, len(numbers), settings))

@@ -137,7 +137,9 @@ def explore(world: World, controller: str | Controller, options: RunOptions, *, 
     found = controller_of(controller)
     against = why_not_explored(found, world, options)
     if against or not isinstance(found, CompiledController):
-        raise InvalidParameter(f"not everything that can happen can be looked at: {against}")
+        raise InvalidParameter(
+            "not-explorable", "not everything that can happen can be looked at: {reason}", reason=against
+        )
     search = _Search(LatticeRun(world, found, options), found, most)
     return search.outcomes() if search.run() else None
 

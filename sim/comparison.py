@@ -295,14 +295,20 @@ def compare(
         InvalidWorld: If the robot cannot stand in a world, which is named.
     """
     if not worlds or not scenarios:
-        raise InvalidParameter("nothing to compare; give at least one world and one controller")
+        raise InvalidParameter("nothing-given", "nothing to compare", "give at least one world and one controller")
     if not 1 <= seeds <= MAX_SEEDS:
-        raise InvalidParameter(f"seeds={seeds} is outside 1 to {MAX_SEEDS}")
+        raise InvalidParameter("out-of-range", "seeds={seeds} is outside 1 to {most}", seeds=seeds, most=MAX_SEEDS)
     columns = [_Column(label, scenario, CONTROLLERS.get(scenario.controller)) for label, scenario in scenarios.items()]
     for column in columns:
         RunOptions(motion=MOTIONS.get(column.scenario.motion).name, time_step=column.scenario.time_step)
         if column.scenario.seed + seeds > 2**64:
-            raise InvalidParameter(f"seed={column.scenario.seed} leaves no {seeds} seeds below 2**64; begin lower")
+            raise InvalidParameter(
+                "seeds-run-out",
+                "seed={seed} leaves no {seeds} seeds below 2**64",
+                "begin lower",
+                seed=column.scenario.seed,
+                seeds=seeds,
+            )
     done = [column.cells(worlds, seeds, steps, progress) for column in columns]
     return Comparison(tuple(scenarios), tuple(worlds), tuple(zip(*done, strict=True)))
 
@@ -364,9 +370,10 @@ class _Column:
         try:
             return self._unnamed_look(world.world, options)
         except InvalidWorld as error:
-            raise InvalidWorld(f"world {world.name}: {error}") from error
+            raise InvalidWorld.of(error.message.behind("world {world}: ", world=world.name)) from error
         except InvalidParameter as error:
-            raise InvalidParameter(f"world {world.name}, {self.label}: {error}") from error
+            place = error.message.behind("world {world}, {column}: ", world=world.name, column=self.label)
+            raise InvalidParameter.of(place) from error
 
     def _unnamed_look(self, world: World, options: RunOptions) -> _Look:
         """A run without recording; only what needs proof or explanation is simulated in full."""

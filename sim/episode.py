@@ -101,9 +101,14 @@ def simulate(
     if options is None:
         options = options_of(world, settings)
     elif not isinstance(options, RunOptions):
-        raise InvalidParameter(f"{options!r} is not RunOptions; give these, or single settings: steps=3000, seed=3")
+        raise InvalidParameter(
+            "wrong-type",
+            "{options!r} is not RunOptions",
+            "give these, or single settings: steps=3000, seed=3",
+            options=options,
+        )
     elif settings:
-        raise InvalidParameter(f"give options or {', '.join(settings)}, not both")
+        raise InvalidParameter("options-given-twice", "give options or {settings!l}, not both", settings=list(settings))
     found = controller_of(controller)
     run = prepare(world, found, options, lean=lean)
     at_once = record and options.steps <= _RECORDED_AT_ONCE and not isinstance(found, CompiledController)
@@ -125,8 +130,10 @@ def prepare(world: World, controller: str | Controller | type, options: RunOptio
         return LatticeRun(world, found, options, lean=lean)
     if not isinstance(found, CompiledController) or not found.thesis_rule:
         raise InvalidParameter(
-            f"motion {motion.name!r} runs the thesis's own robots: turn-left, turn-right, turn-random; "
-            "take --motion swept or endpoint for other controllers"
+            "motion-is-the-thesis-robots",
+            "motion {name!r} runs the thesis's own robots: turn-left, turn-right, turn-random",
+            "take --motion swept or endpoint for other controllers",
+            name=motion.name,
         )
     return ThesisRun(world, found.thesis_rule, options)
 

@@ -50,7 +50,11 @@ def guarded_address(name: str, memory_size: int) -> int:
 def _guarded_address(name: str, memory_size: int, owner: int) -> int:
     if len(_open) == lib.WG_GUARDS:
         raise InvalidParameter(
-            f"controller {name!r}: a campaign runs at most {lib.WG_GUARDS} shared controllers; compare fewer"
+            "too-many",
+            "controller {name!r}: a campaign runs at most {most} shared controllers",
+            "compare fewer",
+            name=name,
+            most=lib.WG_GUARDS,
         )
     size = int(lib.wg_guard_bytes(memory_size))
     with tempfile.TemporaryFile() as file:
@@ -89,10 +93,22 @@ def _wait_until_ready(name: str, guard: Any, server: subprocess.Popen[bytes]) ->
         code = server.poll()
         if code is not None:
             how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-            raise InvalidParameter(f"controller {name!r}: its process ended while it was loaded ({how}); run it alone")
+            raise InvalidParameter(
+                "ended-while-loading",
+                "controller {name!r}: its process ended while it was loaded ({how})",
+                "run it alone",
+                name=name,
+                how=how,
+            )
         if time.monotonic() > until:
             server.kill()
-            raise InvalidParameter(f"controller {name!r} is not loaded after {_TO_START:g} s; look at its constructors")
+            raise InvalidParameter(
+                "slow-to-load",
+                "controller {name!r} is not loaded after {seconds:g} s",
+                "look at its constructors",
+                name=name,
+                seconds=_TO_START,
+            )
         time.sleep(_LOOK)
 
 

@@ -68,13 +68,25 @@ def _answer(command: Command) -> bytes:
 
 def _load(arguments: list[str]) -> PythonController:
     if len(arguments) != 1:
-        raise InvalidParameter(f"python -m sim.host takes one controller, such as ./mine.py:Robot, not {arguments}")
+        raise InvalidParameter(
+            "wrong-arguments",
+            "python -m sim.host takes one controller, such as ./mine.py:Robot, not {arguments}",
+            arguments=arguments,
+        )
     found = CONTROLLERS.get(arguments[0])
     if isinstance(found, CompiledController | ProcessController):
-        raise InvalidParameter(f"{arguments[0]} is no Python class; give it to --controller as it is")
+        raise InvalidParameter(
+            "not-a-python-class",
+            "{controller} is no Python class",
+            "give it to --controller as it is",
+            controller=arguments[0],
+        )
     if wants_world(found):
         raise InvalidParameter(
-            f"{arguments[0]} plans with the world, which a program is not told; give it to --controller as it is"
+            "plans-with-the-world",
+            "{controller} plans with the world, which a program is not told",
+            "give it to --controller as it is",
+            controller=arguments[0],
         )
     return OneOfMany(found) if isinstance(found, VectorController) else found
 

@@ -39,8 +39,12 @@ def target_sq(world: World) -> int:
 def start_overlaps(world: World) -> InvalidWorld:
     """The error for a robot that cannot stand at its start."""
     return InvalidWorld(
-        f"start ({world.start.x:g}, {world.start.y:g}) m: the robot of radius {world.robot_radius:g} m "
-        "overlaps a wall there; move the start or make the robot smaller"
+        "start-in-wall",
+        "start ({x:g}, {y:g}) m: the robot of radius {robot_radius:g} m overlaps a wall there",
+        "move the start or make the robot smaller",
+        x=world.start.x,
+        y=world.start.y,
+        robot_radius=world.robot_radius,
     )
 
 

@@ -112,31 +112,57 @@ def read_figures(text: str, source: str, folder: str = "") -> tuple[Figure, ...]
         missing = [name for name in _NEEDED if header.count(name) != 1]
         if missing:
             raise FormatError(
-                f"the first line names no column {missing[0]!r}, or names it twice; it needs {', '.join(_NEEDED)}",
+                "columns-missing",
+                "the first line names no column {column!r}, or names it twice",
+                "it needs {columns!l}",
+                column=missing[0],
+                columns=list(_NEEDED),
                 line=1,
                 source=source,
             )
         return tuple(_figure(header, row, rows.line_num, source, folder) for row in rows if any(map(str.strip, row)))
     except csv.Error as error:
         raise FormatError(
-            f"no CSV: {error}; write fields with commas between", line=rows.line_num, source=source
+            "invalid-csv",
+            "no CSV: {reason}",
+            "write fields with commas between",
+            reason=str(error),
+            line=rows.line_num,
+            source=source,
         ) from None
 
 
 def _figure(header: Sequence[str], row: Sequence[str], line: int, source: str, folder: str) -> Figure:
     if len(row) != len(header):
-        raise FormatError(f"{len(row)} fields under a header of {len(header)}; give as many", line=line, source=source)
+        raise FormatError(
+            "wrong-count",
+            "{count} fields under a header of {wanted}",
+            "give as many",
+            count=len(row),
+            wanted=len(header),
+            line=line,
+            source=source,
+        )
     values = {name: text.strip() for name, text in zip(header, row, strict=True)}
     if not values["world"] or not values["controller"]:
-        raise FormatError("world or controller is empty; name both", line=line, source=source)
+        raise FormatError("empty-name", "world or controller is empty", "name both", line=line, source=source)
     text, verdict = values["time"], values.get("verdict", "").lower()
     time = None if text.lower() in ("", "never") else _seconds("time", text, line, source)
     if not verdict:
         verdict = "never" if time is None else Verdict.REACHED
     if verdict not in _VERDICTS:
-        raise FormatError(f"verdict {verdict[:40]!r} is none of {', '.join(_VERDICTS)}", line=line, source=source)
+        raise FormatError(
+            "unknown-name",
+            "verdict {verdict!r} is none of {known!l}",
+            verdict=verdict[:40],
+            known=[str(one) for one in _VERDICTS],
+            line=line,
+            source=source,
+        )
     if verdict == Verdict.REACHED and time is None:
-        raise FormatError("reached, but no time; give seconds, or the verdict never", line=line, source=source)
+        raise FormatError(
+            "time-missing", "reached, but no time", "give seconds, or the verdict never", line=line, source=source
+        )
     if verdict != Verdict.REACHED:
         time = None  # of those few that arrived all the same
     controller, motion, step = _scenario(values["controller"], values.get("motion", ""))
@@ -165,7 +191,12 @@ def _seconds(name: str, text: str, line: int, source: str) -> float:
         value = math.nan
     if not 0.0 < value <= _LONGEST:
         raise FormatError(
-            f"{name} {text[:40]!r} is no number of seconds, above 0 and up to {_LONGEST:g}; write one, or never",
+            "not-a-number",
+            "{name} {value!r} is no number of seconds, above 0 and up to {most:g}",
+            "write one, or never",
+            name=name,
+            value=text[:40],
+            most=_LONGEST,
             line=line,
             source=source,
         )

@@ -108,7 +108,12 @@ class RobotOptions(Switches):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.lattice and (self.lattice == 1 or 1024 % self.lattice):
-            raise InvalidParameter(f"lattice={self.lattice} does not divide 1024; give a power of 2 from 2 to 1024")
+            raise InvalidParameter(
+                "not-a-power-of-two",
+                "lattice={lattice} does not divide 1024",
+                "give a power of 2 from 2 to 1024",
+                lattice=self.lattice,
+            )
 
     @property
     def random(self) -> bool:

@@ -79,13 +79,32 @@ class RunOptions:
     def __post_init__(self) -> None:
         step: object = self.time_step
         if not _is_number(step):
-            raise InvalidParameter(f"time_step={_shown(step)} is no number; give seconds, such as 0.015")
+            raise InvalidParameter(
+                "not-a-number",
+                "time_step={time_step} is no number",
+                "give seconds, such as 0.015",
+                time_step=_shown(step),
+            )
         if not 0.001 <= step <= 10.0:  # also true for nan
-            raise InvalidParameter(f"time_step={_shown(step)} s is outside 0.001 to 10 s; give one between")
+            raise InvalidParameter(
+                "out-of-range",
+                "time_step={time_step!q} s is outside {low} to {high} s",
+                "give one between",
+                time_step=step,
+                low=0.001,
+                high=10,
+            )
         for name, kind in (("motion", str), ("thesis", ThesisOptions), ("robot", RobotOptions)):
             if not isinstance(getattr(self, name), kind):
                 wanted = "a motion model's name" if kind is str else kind.__name__
-                raise InvalidParameter(f"{name}={_shown(getattr(self, name))} is not {wanted}; give one")
+                raise InvalidParameter(
+                    "wrong-type",
+                    "{name}={value} is not {wanted}",
+                    "give one",
+                    name=name,
+                    value=_shown(getattr(self, name)),
+                    wanted=wanted,
+                )
         object.__setattr__(self, "time_step", float(step))
         object.__setattr__(self, "steps", whole("steps", self.steps, 1, MAX_STEPS))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, _MAX_SEED))
@@ -136,7 +155,12 @@ def switch_sets(motion: str, values: Mapping[str, Value]) -> dict[str, Any]:
     if strange:
         where = "swept or endpoint" if own is ThesisOptions else "stepped"
         raise InvalidParameter(
-            f"option {strange[0]!r} means nothing to motion {motion!r}; take --motion {where}, or leave it out"
+            "option-without-effect",
+            "option {option!r} means nothing to motion {motion!r}",
+            "take --motion {where}, or leave it out",
+            option=strange[0],
+            motion=motion,
+            where=where,
         )
     return {"thesis" if own is ThesisOptions else "robot": own.of(values)}
 
@@ -149,8 +173,11 @@ def check_recordable(steps: int) -> None:
     """
     if steps > MAX_RECORDED:
         raise InvalidParameter(
-            f"this run takes {steps} steps, and at most {MAX_RECORDED} can be recorded to show or prove them; "
-            "give a smaller --steps"
+            "run-too-long",
+            "this run takes {steps} steps, and at most {most} can be recorded to show or prove them",
+            "give a smaller --steps",
+            steps=steps,
+            most=MAX_RECORDED,
         )
 
 
@@ -166,11 +193,24 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
         InvalidParameter: If a step is longer than 1,000 cells, or shorter than ``shortest``.
     """
     cells = exact(world.robot_speed) * exact(time_step) / exact(world.cell_size)
-    what = f"robot_speed={world.robot_speed:g} m/s moves {float(cells):.3g} cells in a step of {time_step:g} s"
+    moves = "robot_speed={robot_speed:g} m/s moves {cells:.3g} cells in a step of {time_step:g} s"
+    facts = {"robot_speed": world.robot_speed, "cells": float(cells), "time_step": time_step}
     if cells > _LONGEST_STEP:
-        raise InvalidParameter(f"{what}, and at most {_LONGEST_STEP} can be simulated; give a shorter --time-step")
+        raise InvalidParameter(
+            "step-too-long",
+            f"{moves}, and at most {{most}} can be simulated",
+            "give a shorter --time-step",
+            **facts,
+            most=_LONGEST_STEP,
+        )
     if cells < shortest:
-        raise InvalidParameter(f"{what}, less than the smallest step of {shortest} cell; give a longer --time-step")
+        raise InvalidParameter(
+            "step-too-short",
+            f"{moves}, less than the smallest step of {{least}} cell",
+            "give a longer --time-step",
+            **facts,
+            least=str(shortest),
+        )
 
 
 def step_budget(world: World, time_step: float = DEFAULT_TIME_STEP) -> int:
@@ -202,8 +242,8 @@ def check_world(world: object) -> World:
     """
     if isinstance(world, World):
         return world
-    way = f"read it: worldgen.read_world({str(world)!r})" if isinstance(world, str | Path) else "give a World"
-    raise InvalidParameter(f"{_shown(world)} is no world; {way}")
+    way = "read it: worldgen.read_world({path!r})" if isinstance(world, str | Path) else "give a World"
+    raise InvalidParameter("wrong-type", "{world} is no world", way, world=_shown(world), path=str(world))
 
 
 def worlds_of(worlds: object) -> list[World]:
@@ -223,13 +263,18 @@ def poses_of(starts: object) -> tuple[Pose, ...]:
         InvalidParameter: If they are no list of poses of finite numbers.
     """
     if not isinstance(starts, Iterable):
-        raise InvalidParameter(f"starts={_shown(starts)} is no list; give a list of poses")
+        raise InvalidParameter(
+            "wrong-type", "starts={starts} is no list", "give a list of poses", starts=_shown(starts)
+        )
     poses = tuple(starts)
     for pose in poses:
         numbers = (pose.x, pose.y, pose.heading) if isinstance(pose, Pose) else ()
         if not numbers or not all(_is_number(number) and math.isfinite(number) for number in numbers):
             raise InvalidParameter(
-                f"start {_shown(pose)} is no pose of finite numbers; give one such as Pose(0.35, 0.35, 0.0)"
+                "not-a-pose",
+                "start {pose} is no pose of finite numbers",
+                "give one such as Pose(0.35, 0.35, 0.0)",
+                pose=_shown(pose),
             )
     return poses
 
@@ -252,9 +297,25 @@ def whole(name: str, value: object, low: int, high: int) -> int:
         InvalidParameter: If it is none.
     """
     if not isinstance(value, int | np.integer) or isinstance(value, bool):
-        raise InvalidParameter(f"{name}={_shown(value)} is no whole number; give one from {low} to {high}")
+        raise InvalidParameter(
+            "not-a-whole-number",
+            "{name}={value} is no whole number",
+            "give one from {low} to {high}",
+            name=name,
+            value=_shown(value),
+            low=low,
+            high=high,
+        )
     if not low <= value <= high:
-        raise InvalidParameter(f"{name}={_shown(value)} is outside {low} to {high}; give one between")
+        raise InvalidParameter(
+            "out-of-range",
+            "{name}={value!q} is outside {low} to {high}",
+            "give one between",
+            name=name,
+            value=value,
+            low=low,
+            high=high,
+        )
     return int(value)
 
 

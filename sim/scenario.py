@@ -68,7 +68,11 @@ class Scenario:
             said: str | None = value.strip() if equals else None
             if name in PROGRAM_OPTIONS and not is_process_name(controller):
                 raise InvalidParameter(
-                    f"+{name} is an option of programs and stands before the colon: write 'cmd{variation}:{controller}'"
+                    "option-misplaced",
+                    "+{name} is an option of programs and stands before the colon: write 'cmd{variation}:{controller}'",
+                    name=name,
+                    variation=variation,
+                    controller=controller,
                 )
             if name == "motion":
                 motion = _said(name, said, "stepped")
@@ -125,7 +129,9 @@ def _split(text: str) -> tuple[str, list[str]]:
     if not is_process_name(text):
         parts = _VARIED.fullmatch(text)
         if parts is None:
-            raise InvalidParameter("an empty text names no controller; give one, such as thesis-1 or ./mine.py:Robot")
+            raise InvalidParameter(
+                "empty-name", "an empty text names no controller", "give one, such as thesis-1 or ./mine.py:Robot"
+            )
         return parts["name"], re.findall(_VARIATION, parts["variations"])
     head, colon, command = text.partition(":")
     variations = re.findall(_VARIATION, head)
@@ -139,7 +145,9 @@ def _split(text: str) -> tuple[str, list[str]]:
 
 def _said(name: str, text: str | None, example: str) -> str:
     if not text:
-        raise InvalidParameter(f"option {name!r} needs a value; write +{name}={example}")
+        raise InvalidParameter(
+            "option-needs-value", "option {name!r} needs a value", "write +{name}={example}", name=name, example=example
+        )
     return text
 
 
@@ -151,7 +159,12 @@ def _parsed(motion: str, name: str, text: str | None) -> dict[str, Value]:
     if plain not in (*own.names(), *own.TOGETHER) and plain in (*other.names(), *other.TOGETHER):
         where = "swept or endpoint" if own is ThesisOptions else "stepped"
         raise InvalidParameter(
-            f"option {name!r} means nothing to motion {motion!r}; take --motion {where}, or leave it out"
+            "option-without-effect",
+            "option {name!r} means nothing to motion {motion!r}",
+            "take --motion {where}, or leave it out",
+            name=name,
+            motion=motion,
+            where=where,
         )
     return own.parse(name, text)
 
@@ -160,4 +173,6 @@ def _seconds(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InvalidParameter(f"time_step={text!r} is no number; write seconds, like 0.015") from None
+        raise InvalidParameter(
+            "not-a-number", "time_step={text!r} is no number", "write seconds, like 0.015", text=text
+        ) from None

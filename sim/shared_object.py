@@ -12,7 +12,7 @@ from typing import Any
 
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
-from worldgen.errors import InvalidParameter
+from worldgen.errors import InvalidParameter, Message
 
 __all__ = ["check_file", "include_folder", "info_of", "is_library_name", "library_file"]
 
@@ -48,30 +48,56 @@ def info_of(name: str) -> Any:
     """
     place, colon, function = name.removeprefix(_PREFIX).rpartition(":")
     if not colon or not place or not function:
-        raise InvalidParameter(f"controller {name!r} names no function; write lib:./robot.so:act")
+        raise InvalidParameter(
+            "no-function-named", "controller {name!r} names no function", "write lib:./robot.so:act", name=name
+        )
     loaded = _loaded(name, Path(place).expanduser())
     try:
         offer = getattr(loaded, function + _OFFER)
     except AttributeError:
-        raise InvalidParameter(_missing(name, place, function, loaded)) from None
+        raise InvalidParameter.of(_missing(name, place, function, loaded)) from None
     offer.restype = ctypes.c_void_p
     offer.argtypes = ()
     address = offer()
     if not address:
-        raise InvalidParameter(f"controller {name!r}: {function}{_OFFER}() returned NULL; offer it with WG_CONTROLLER")
+        raise InvalidParameter(
+            "offers-nothing",
+            "controller {name!r}: {function}{offer}() returned NULL",
+            "offer it with WG_CONTROLLER",
+            name=name,
+            function=function,
+            offer=_OFFER,
+        )
     info = ffi.cast("const WgControllerInfo *", address)
     if info.abi != lib.WG_CONTROLLER_ABI:
         raise InvalidParameter(
-            f"controller {name!r} was built for version {info.abi} of worldgen_controller.h, and this is version "
-            f"{lib.WG_CONTROLLER_ABI}; build it again: {_BUILD}"
+            "other-header-version",
+            "controller {name!r} was built for version {version} of worldgen_controller.h, "
+            "and this is version {wanted}",
+            "build it again: {build}",
+            name=name,
+            version=info.abi,
+            wanted=lib.WG_CONTROLLER_ABI,
+            build=_BUILD,
         )
     if info.size != ffi.sizeof("WgControllerInfo"):
         raise InvalidParameter(
-            f"controller {name!r} describes itself in {info.size} bytes, and a WgControllerInfo has "
-            f"{ffi.sizeof('WgControllerInfo')}; build it again with this worldgen's header: {_BUILD}"
+            "other-header-version",
+            "controller {name!r} describes itself in {size} bytes, and a WgControllerInfo has {wanted}",
+            "build it again with this worldgen's header: {build}",
+            name=name,
+            size=info.size,
+            wanted=ffi.sizeof("WgControllerInfo"),
+            build=_BUILD,
         )
     if info.act == ffi.NULL:
-        raise InvalidParameter(f"controller {name!r} has no act; offer it with WG_CONTROLLER({function}, ...)")
+        raise InvalidParameter(
+            "no-act",
+            "controller {name!r} has no act",
+            "offer it with WG_CONTROLLER({function}, ...)",
+            name=name,
+            function=function,
+        )
     return info
 
 
@@ -83,7 +109,14 @@ def check_file(name: str) -> None:
     """
     file = library_file(name)
     if not file.is_file():
-        raise InvalidParameter(f"controller {name!r}: there is no file {file}; build it: {_BUILD}")
+        raise InvalidParameter(
+            "no-such-file",
+            "controller {name!r}: there is no file {file}",
+            "build it: {build}",
+            name=name,
+            file=file,
+            build=_BUILD,
+        )
 
 
 def _loaded(name: str, file: Path) -> ctypes.CDLL:
@@ -93,18 +126,32 @@ def _loaded(name: str, file: Path) -> ctypes.CDLL:
         return ctypes.CDLL(str(file.resolve()))
     except OSError as error:
         raise InvalidParameter(
-            f"controller {name!r}: {file} cannot be loaded ({error}); build a shared library: {_BUILD}"
+            "cannot-load",
+            "controller {name!r}: {file} cannot be loaded ({reason})",
+            "build a shared library: {build}",
+            name=name,
+            file=file,
+            reason=str(error),
+            build=_BUILD,
         ) from None
 
 
-def _missing(name: str, place: str, function: str, loaded: ctypes.CDLL) -> str:
+def _missing(name: str, place: str, function: str, loaded: ctypes.CDLL) -> Message:
     """Return what to say where a library does not offer a controller."""
     if hasattr(loaded, function):
-        return (
-            f"controller {name!r}: {place} has a function {function}, but does not offer it as a controller; "
-            f"add WG_CONTROLLER({function}, .memory_size = ...) and build it again"
+        return Message(
+            "offers-no-controller",
+            "controller {name!r}: {file} has a function {function}, but does not offer it as a controller",
+            "add WG_CONTROLLER({function}, .memory_size = ...) and build it again",
+            name=name,
+            file=place,
+            function=function,
         )
-    return (
-        f"controller {name!r}: {place} offers no controller {function}; "
-        f"name another, or add WG_CONTROLLER({function}, .memory_size = ...) and build it again"
+    return Message(
+        "offers-no-controller",
+        "controller {name!r}: {file} offers no controller {function}",
+        "name another, or add WG_CONTROLLER({function}, .memory_size = ...) and build it again",
+        name=name,
+        file=place,
+        function=function,
     )

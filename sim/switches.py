@@ -37,12 +37,36 @@ class Switches:
         for name, (low, high, unit) in self.RANGES.items():
             value, kind = getattr(self, name), type(getattr(type(self), name))
             if not _is_number(value, kind):
-                raise InvalidParameter(f"{name}={value!r} is no {_WORDS[kind]}; give one from {low:g} to {high:g}")
+                raise InvalidParameter(
+                    "not-a-number",
+                    "{name}={value!r} is no {kind}",
+                    "give one from {low:g} to {high:g}",
+                    name=name,
+                    value=value,
+                    kind=_WORDS[kind],
+                    low=low,
+                    high=high,
+                )
             if not (math.isfinite(value) and low <= value <= high):
-                raise InvalidParameter(f"{name}={value:g} is outside {low:g} to {high:g}{unit}; give one between")
+                raise InvalidParameter(
+                    "out-of-range",
+                    "{name}={value:g} is outside {low:g} to {high:g}{unit}",
+                    "give one between",
+                    name=name,
+                    value=value,
+                    low=low,
+                    high=high,
+                    unit=unit,
+                )
         for name, choices in self.CHOICES.items():
             if getattr(self, name) not in choices:
-                raise InvalidParameter(f"{name}={getattr(self, name)!r} is not one of {', '.join(choices)}")
+                raise InvalidParameter(
+                    "unknown-name",
+                    "{name}={value!r} is not one of {known!l}",
+                    name=name,
+                    value=getattr(self, name),
+                    known=list(choices),
+                )
 
     def changed(self) -> dict[str, Value]:
         """The options that are not at their default, in order of declaration."""
@@ -64,13 +88,26 @@ class Switches:
         known = {f.name: f.default for f in fields(cls)}
         for name, value in values.items():
             if name not in known:
-                raise InvalidParameter(f"option {name!r} is unknown; known: {', '.join(known)}")
+                raise InvalidParameter(
+                    "unknown-name", "option {name!r} is unknown", "known: {known!l}", name=name, known=list(known)
+                )
             default = known[name]
             if isinstance(default, tuple):
                 if not isinstance(value, list | tuple) or not all(_is_plain_number(number) for number in value):
-                    raise InvalidParameter(f"option {name}={value!r} must be a list or tuple of numbers")
+                    raise InvalidParameter(
+                        "wrong-type",
+                        "option {name}={value!r} must be a list or tuple of numbers",
+                        name=name,
+                        value=value,
+                    )
             elif type(value) is not type(default) and not (isinstance(default, float) and type(value) is int):
-                raise InvalidParameter(f"option {name}={value!r} must be a {type(default).__name__}")
+                raise InvalidParameter(
+                    "wrong-type",
+                    "option {name}={value!r} must be a {kind}",
+                    name=name,
+                    value=value,
+                    kind=type(default).__name__,
+                )
         return cls(**{name: _as_type(known[name], value) for name, value in values.items()})
 
     @classmethod
@@ -92,22 +129,47 @@ class Switches:
             names = ["motion", "time_step", *cls.TOGETHER, *known]
             close = difflib.get_close_matches(name, names, n=1)
             hint = f"did you mean {close[0]!r}? " if close else ""
-            raise InvalidParameter(f"option {name!r} is unknown; {hint}known: {', '.join(names)}")
+            raise InvalidParameter(
+                "unknown-name",
+                "option {name!r} is unknown",
+                "{hint}known: {known!l}",
+                name=name,
+                hint=hint,
+                known=list(names),
+            )
         kind = type(known[name])
         if kind is bool:
             words = {None: True, "true": True, "false": False}
             if text not in words:
                 raise InvalidParameter(
-                    f"option {name}={text!r} is neither true nor false; write +{name} to switch it on"
+                    "not-a-truth-value",
+                    "option {name}={text!r} is neither true nor false",
+                    "write +{name} to switch it on",
+                    name=name,
+                    text=text,
                 )
             return {name: words[text]}
         example = cls.EXAMPLES.get(name, known[name])
         if text is None:
-            raise InvalidParameter(f"option {name!r} needs a value; write +{name}={example}")
+            raise InvalidParameter(
+                "option-needs-value",
+                "option {name!r} needs a value",
+                "write +{name}={example}",
+                name=name,
+                example=example,
+            )
         try:
             return {name: [float(word) for word in text.split(":")] if kind is tuple else kind(text)}
         except ValueError:
-            raise InvalidParameter(f"option {name}={text!r} is no {_WORDS[kind]}; write one like {example}") from None
+            raise InvalidParameter(
+                "not-a-number",
+                "option {name}={text!r} is no {kind}",
+                "write one like {example}",
+                name=name,
+                text=text,
+                kind=_WORDS[kind],
+                example=example,
+            ) from None
 
 
 def _is_number(value: object, kind: type) -> bool:

@@ -98,7 +98,9 @@ class ThesisOptions(Switches):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not all(0.0 <= draw < 1.0 for draw in self.draws):
-            raise InvalidParameter("draws hold a number outside [0, 1); give numbers as a random generator makes them")
+            raise InvalidParameter(
+                "out-of-range", "draws hold a number outside [0, 1)", "give numbers as a random generator makes them"
+            )
 
     @property
     def repaired(self) -> bool:

@@ -75,8 +75,11 @@ class ThesisRun:
         radius = radius_in_cells(self.world)
         if radius > 1:
             raise InvalidParameter(
-                f"robot_radius={self.world.robot_radius:g} m is {float(radius):g} cells; stepped looks one cell "
-                "around the robot, so its radius is at most 1 cell: take swept"
+                "robot-larger-than-cell",
+                "robot_radius={robot_radius:g} m is {cells:g} cells; stepped looks one "
+                "cell around the robot, so its radius is at most 1 cell: take swept",
+                robot_radius=self.world.robot_radius,
+                cells=float(radius),
             )
         return float(radius * 10)
 
@@ -122,7 +125,11 @@ class ThesisRun:
         target_y = self._height - 1 - self._pad - math.floor(in_cells(world.target.y, world.cell_size))
         if not (0 < target_x < solid.shape[0] - 1 and 0 < target_y < self._height - 1) or solid[target_x, target_y]:
             raise InvalidWorld(
-                f"target ({world.target.x:g}, {world.target.y:g}) m lies in a wall cell, which has no signal; move it"
+                "target-in-wall",
+                "target ({x:g}, {y:g}) m lies in a wall cell, which has no signal",
+                "move it",
+                x=world.target.x,
+                y=world.target.y,
             )
         return target_x, target_y
 

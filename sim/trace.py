@@ -110,7 +110,11 @@ class Trace:
             InvalidParameter: If the recording left them out.
         """
         if self.recall is not None:
-            raise InvalidParameter("this recording is lean and has no words to work a digest out of; record it whole")
+            raise InvalidParameter(
+                "recording-is-lean",
+                "this recording is lean and has no words to work a digest out of",
+                "record it whole",
+            )
         return fnv1a(self.words)
 
     def to_csv(self) -> str:

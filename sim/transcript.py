@@ -32,8 +32,11 @@ def transcribed(controller: str, out: Path | None, *, force: bool = False) -> It
     found = CONTROLLERS.get(controller)
     if not isinstance(found, ProcessController):
         raise InvalidParameter(
-            f"--transcript is what a program is sent, and {controller!r} is not one; for a Python class take "
-            f"--controller 'cmd:python -m sim.host {controller}'"
+            "not-a-program",
+            "{option} is what a program is sent, and {controller!r} is not one",
+            "for a Python class take --controller 'cmd:python -m sim.host {controller}'",
+            option="--transcript",
+            controller=controller,
         )
     check_output(out, force)
     with out.open("wb") as stream, found.transcript(stream):

@@ -74,8 +74,11 @@ def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
                 outcome = _two_steps(scenario, controller)
         except OutOfTime:
             raise InvalidParameter(
-                f"{scenario.controller} did not finish two steps within {seconds:g} s; give a larger --budget, or run "
-                "it as a program, whose steps have a deadline (docs/controllers.md)"
+                "too-slow",
+                "{controller} did not finish two steps within {seconds:g} s",
+                "give a larger --budget, or run it as a program, whose steps have a deadline (docs/controllers.md)",
+                controller=scenario.controller,
+                seconds=seconds,
             ) from None
     check_contract(scenario.controller, outcome.fault, outcome.steps)
     return outcome

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import string
+from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any, Self
 
@@ -63,11 +64,15 @@ class Message:
         problem: Template of what came and the rule: ``"door_width={door_width:g} m is less than {least:g} m"``.
             A field is a fact, as in ``str.format``; ``{name!q}`` quotes text from outside, ``{names!l:none}`` lists.
         remedy: Template of the way out: ``"widen the door"``; empty if the problem already says it.
+        at_terminal: Whether the way out needs a terminal, because it names an option or a command.
         facts: The values, by name.
     """
 
-    def __init__(self, code: str, problem: str, remedy: str = "", /, **facts: Any) -> None:
+    def __init__(
+        self, code: str, problem: str, remedy: str = "", /, *, at_terminal: bool = False, **facts: Any
+    ) -> None:
         self.code = code
+        self.at_terminal = at_terminal
         self.facts = {name: _plain(value) for name, value in facts.items()}
         self._problem = problem
         self._remedy = remedy
@@ -89,7 +94,18 @@ class Message:
             prefix: Template, with what separates it: ``"{file}: "``.
             facts: The values in it; none may have the name of another fact of the message.
         """
-        return Message(self.code, prefix + self._problem, self._remedy, **self.facts, **facts)
+        return Message(
+            self.code, prefix + self._problem, self._remedy, at_terminal=self.at_terminal, **self.facts, **facts
+        )
+
+    def replaced(self, facts: Mapping[str, Any]) -> Message:
+        """Return the same message of other facts, such as paths that are shorter for a reader who knows the folder."""
+        return Message(self.code, self._problem, self._remedy, at_terminal=self.at_terminal, **{**self.facts, **facts})
+
+    @property
+    def templates(self) -> tuple[str, str]:
+        """The templates of problem and remedy, to store the message and word it later."""
+        return self._problem, self._remedy
 
     def word(self, template: str) -> str:
         """Fill a template with the facts, such as a front end's own remedy for this code."""

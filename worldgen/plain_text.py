@@ -43,7 +43,10 @@ def quote(text: object, limit: int = 40) -> str:
     """
     if isinstance(text, bytes | bytearray):
         text = bytes(text[: 4 * limit]).decode("utf-8", "backslashreplace")
-    quoted = repr(text)
+    try:
+        quoted = repr(text)
+    except ValueError:  # Python shows no number of more than 4,300 digits
+        return "<too many digits to show>"
     return quoted if len(quoted) <= limit else f"{quoted[: limit - 3]}..."
 
 

@@ -115,8 +115,10 @@ def _reach(trial: Trial) -> int:
         return max(touch, options.robot.sensor_cells) + _SPARE
     if options.thesis.signal != "open":
         raise InvalidParameter(
-            f"oracle wall: under stepped, signal={options.thesis.signal} is sensed through the whole world, so no wall "
-            "is far enough; ask it without, or with --motion swept"
+            "signal-everywhere",
+            "oracle wall: under stepped, signal={signal} is sensed through the whole world, so no wall is far enough",
+            "ask it without, or with --motion swept",
+            signal=options.thesis.signal,
         )
     return max(touch, options.thesis.sensor_cells + _FILTER_REACH + options.thesis.map_scale) + _SPARE
 

@@ -35,9 +35,13 @@ def _accept(name: str, thing: Any) -> Oracle:
         InvalidParameter: If it cannot be called so.
     """
     if not callable(thing):
-        raise InvalidParameter(f"oracle {name!r} is no function but {type(thing).__name__}; {_HOW}")
+        raise InvalidParameter(
+            "not-a-function", "oracle {name!r} is no function but {kind}", _HOW, name=name, kind=type(thing).__name__
+        )
     if not 1 <= len(_places(thing)) <= 2:
-        raise InvalidParameter(f"oracle {name!r} takes {inspect.signature(thing)}; {_HOW}")
+        raise InvalidParameter(
+            "wrong-signature", "oracle {name!r} takes {signature}", _HOW, name=name, signature=inspect.signature(thing)
+        )
     found: Oracle = thing
     return found
 
@@ -76,18 +80,30 @@ class Asked:
         """
         parts = _WRITTEN.fullmatch(text.strip())
         if parts is None:
-            raise InvalidParameter(f"an empty text names no oracle; give one of {', '.join(ORACLES)}")
+            raise InvalidParameter(
+                "empty-name", "an empty text names no oracle", "give one of {oracles!l}", oracles=list(ORACLES)
+            )
         name, number = parts["name"], parts["number"]
         oracle = ORACLES.get(name)
         if _plain(name) in _TAKEN:
-            raise InvalidParameter(f"oracle {name!r} is called like a verdict; give it another name")
+            raise InvalidParameter(
+                "name-is-a-verdict", "oracle {name!r} is called like a verdict", "give it another name", name=name
+            )
         second = _places(oracle)[1:]
         if number is None:
             if second and second[0].default is inspect.Parameter.empty:
-                raise InvalidParameter(f"oracle {name!r} needs a number, {second[0].name}; write {name}=5")
+                raise InvalidParameter(
+                    "needs-a-number",
+                    "oracle {name!r} needs a number, {number}",
+                    "write {name}=5",
+                    name=name,
+                    number=second[0].name,
+                )
             return cls(text.strip(), oracle)
         if not second:
-            raise InvalidParameter(f"oracle {name!r} takes no number; write --oracle {name}")
+            raise InvalidParameter(
+                "takes-no-number", "oracle {name!r} takes no number", "write --oracle {name}", name=name
+            )
         return cls(text.strip(), oracle, (_number(text, number),))
 
     @property
@@ -117,8 +133,13 @@ class Asked:
             return None
         if not isinstance(answer, Mapping) or not answer or not _fits(answer):
             raise InvalidParameter(
-                f"oracle {self.text!r} answers {reprlib.repr(answer)}; return None, or a table of evidence: names with "
-                f"booleans, finite numbers, texts, lists and tables, at most {_DEEPEST} in one another"
+                "wrong-oracle-answer",
+                "oracle {text!r} answers {answer}",
+                "return None, or a table of evidence: names with booleans, finite numbers, "
+                "texts, lists and tables, at most {most} in one another",
+                text=self.text,
+                answer=reprlib.repr(answer),
+                most=_DEEPEST,
             )
         return {name: _plain_value(one) for name, one in answer.items()}
 
@@ -154,7 +175,13 @@ def _number(text: str, number: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise InvalidParameter(f"oracle {text!r}: {number!r} is no number; write one, such as 5 or 1.5")
+        raise InvalidParameter(
+            "not-a-number",
+            "oracle {text!r}: {number!r} is no number",
+            "write one, such as 5 or 1.5",
+            text=text,
+            number=number,
+        )
     return value
 
 

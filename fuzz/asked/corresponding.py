@@ -51,7 +51,10 @@ def finer(trial: Trial, factor: float = math.inf) -> dict[str, Value] | None:
     step, steps = trial.options.time_step / 2, min(2 * trial.options.steps, MAX_STEPS)
     if step < _SHORTEST_STEP:
         raise InvalidParameter(
-            f"oracle finer: half of time_step={trial.options.time_step:g} s is below 0.001 s; give a longer one"
+            "below-minimum",
+            "oracle finer: half of time_step={time_step:g} s is below 0.001 s",
+            "give a longer one",
+            time_step=trial.options.time_step,
         )
     return _objection(trial, factor, trial.world, each=0.5, time_step=step, steps=steps)
 
@@ -97,7 +100,9 @@ def _objection(
         **changes: Options of the counterpart.
     """
     if factor < 1.0:
-        raise InvalidParameter(f"a factor of {factor:g} is below 1, and equal runs have 1; give 1 or more")
+        raise InvalidParameter(
+            "below-minimum", "a factor of {factor:g} is below 1, and equal runs have 1", "give 1 or more", factor=factor
+        )
     try:
         there = trial.again(world, **changes)
     except InvalidWorld:  # a start between two poses of the lattice was rounded into a wall

@@ -31,7 +31,12 @@ def detour(trial: Trial, bound: float) -> dict[str, Value] | None:
         ``path`` and ``witness``, m, and ``ratio``; measured on the recorded path.
     """
     if bound < 1.0:
-        raise InvalidParameter(f"detour={bound:g} is below 1, and no way is shorter than the shortest; give 1 or more")
+        raise InvalidParameter(
+            "below-minimum",
+            "detour={bound:g} is below 1, and no way is shorter than the shortest",
+            "give 1 or more",
+            bound=bound,
+        )
     if trial.episode.verdict != Verdict.REACHED or trial.witness is None:
         return None
     shortest = max(trial.witness.length, trial.world.cell_size)

@@ -26,7 +26,9 @@ def repeat(trial: Trial, times: float = 3) -> dict[str, Value] | None:
         empty for a run that is over; ``verdicts``; and that none of it is ``repeatable``.
     """
     if not 1 <= times <= _MOST or times % 1:
-        raise InvalidParameter(f"repeat={times:g} is no whole number from 1 to {_MOST}; give one")
+        raise InvalidParameter(
+            "out-of-range", "repeat={times:g} is no whole number from 1 to {most}", "give one", times=times, most=_MOST
+        )
     first = trial.trace
     for _ in range(int(times)):
         other = trial.again(record=True)

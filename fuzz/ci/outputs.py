@@ -54,7 +54,14 @@ class Outputs:
                 check_output(path, self.force or option == "--summary")
             other = named.setdefault(path.resolve(), option)
             if other != option:
-                raise OutputError(f"{path} is named for {other} and for {option}; give each a file of its own")
+                raise OutputError(
+                    "same-output-twice",
+                    "{path} is named for {other} and for {option}",
+                    "give each a file of its own",
+                    path=path,
+                    other=other,
+                    option=option,
+                )
 
     def write(self, report: Report) -> None:
         """Writes what was asked for.
@@ -71,7 +78,12 @@ class Outputs:
                 with self.summary.open("a", encoding="utf-8", newline="\n") as stream:
                     stream.write(markdown(report))
             except OSError as error:
-                raise OutputError(f"{self.summary}: cannot be written: {error.strerror or error}") from error
+                raise OutputError(
+                    "unwritable",
+                    "{path}: cannot be written: {reason}",
+                    path=self.summary,
+                    reason=error.strerror or str(error),
+                ) from error
 
 
 NO_OUTPUTS = Outputs()

@@ -53,7 +53,9 @@ def boundary(
     subject, axis = _subject(path, controller, motion, time_step, seed), AXES[name]
     start = axis.index(subject)
     if start is None:
-        raise InvalidParameter(f"{path} is no world of family trap with its provenance, so it has no depth to vary")
+        raise InvalidParameter(
+            "not-a-trap", "{path} is no world of family trap with its provenance, so it has no depth to vary", path=path
+        )
     seen: list[Look] = []
     with working(f"running it at values of {axis.name}") as work:
         work.say(lambda: f"{len(seen)} runs, the last at {seen[-1].value:g} {axis.unit}" if seen else "")

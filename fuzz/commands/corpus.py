@@ -186,7 +186,12 @@ def prune(folder: Path, dry_run: bool, as_json: bool, **patterns: tuple[str, ...
     from worldgen.errors import OutputError
 
     if not folder.is_dir():
-        raise OutputError(f"{folder} is no folder; unpack an archive first, or delete a single file yourself")
+        raise OutputError(
+            "wrong-kind-of-file",
+            "{folder} is no folder",
+            "unpack an archive first, or delete a single file yourself",
+            folder=folder,
+        )
     judged = []
     for judgement in judge_all(_read((folder,), patterns).entries):
         judged.append(judgement)

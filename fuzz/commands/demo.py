@@ -34,7 +34,12 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
     from worldgen.errors import OutputError
 
     if out.exists() and not force:
-        raise OutputError(f"{out} is there already; give --force to overwrite what is in it, or --out another name")
+        raise OutputError(
+            "file-exists",
+            "{out} is there already",
+            "give --force to overwrite what is in it, or --out another name",
+            out=out,
+        )
     out.mkdir(parents=True, exist_ok=True)
     _world_and_run(out, controller)
     failures = out / "failures"

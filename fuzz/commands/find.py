@@ -139,7 +139,10 @@ def _watch(search: Find, out: Path, force: bool) -> bool:
     if broken is not None:
         kept = f"the nearest world until then is in {out}" if search.best else "no world had been met until then"
         raise OutputError(
-            f"a worker process died, perhaps killed by a controller or for want of memory; {kept}; try --workers 1"
+            "worker-died",
+            "a worker process died, perhaps killed by a controller or for want of memory; {kept}",
+            "try --workers 1",
+            kept=kept,
         ) from broken
     return stopped
 
@@ -156,13 +159,26 @@ def _parameters(families: tuple[str, ...], settings: tuple[str, ...]) -> dict[st
         parameter = known.get(name.strip().replace("-", "_"))
         if not equals or parameter is None:
             raise InvalidParameter(
-                f"--set {setting}: write NAME=VALUE with a parameter of --family; {', '.join(known) or 'none is named'}"
+                "unknown-name",
+                "{option} {setting}: write NAME=VALUE with a parameter of {of}",
+                "{known!l:none is named}",
+                option="--set",
+                of="--family",
+                setting=setting,
+                known=list(known),
             )
         kind = type(parameter.default)
         try:
             found[parameter.name] = {"true": True, "false": False}[text] if kind is bool else kind(text)
         except (ValueError, KeyError):
-            raise InvalidParameter(f"--set {setting}: {text!r} is no {kind.__name__}") from None
+            raise InvalidParameter(
+                "not-a-number",
+                "{option} {setting}: {value!r} is no {kind}",
+                option="--set",
+                setting=setting,
+                value=text,
+                kind=kind.__name__,
+            ) from None
     return found
 
 
@@ -173,7 +189,9 @@ def _pose(text: str) -> Pose:
     try:
         x, y, heading = (float(word) for word in text.split(","))
     except ValueError:
-        raise InvalidParameter(f"start={text!r} is not X,Y,HEADING; write numbers like 0.35,2.65,-1.36") from None
+        raise InvalidParameter(
+            "not-a-pose", "start={text!r} is not X,Y,HEADING", "write numbers like 0.35,2.65,-1.36", text=text
+        ) from None
     return Pose(x, y, heading)
 
 

@@ -43,12 +43,24 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
 
     missing = [name for name in ("starlette", "uvicorn", "websockets") if importlib.util.find_spec(name) is None]
     if missing:
-        raise InvalidParameter(f"the studio needs {', '.join(missing)}; {pip_install('studio')}")
+        raise InvalidParameter(
+            "package-missing",
+            "the studio needs {missing!l}",
+            "{install}",
+            missing=list(missing),
+            install=pip_install("studio"),
+        )
     if not path.exists():
-        raise FormatError("there is no such file or folder; check the name", source=str(path))
+        raise FormatError("no-such-file", "there is no such file or folder", "check the name", source=str(path))
     if path.suffix == ".py" and path.is_file():
         place = path if path.is_absolute() else f"./{path}"
-        raise InvalidParameter(f"{path} is no world; its robot NAME runs by worldgen studio --controller {place}:NAME")
+        raise InvalidParameter(
+            "not-a-world",
+            "{path} is no world",
+            "its robot NAME runs by worldgen studio --controller {place}:NAME",
+            path=path,
+            place=place,
+        )
 
     from fuzz.studio.starting import check_controller, check_world
 

@@ -61,7 +61,9 @@ class Facts:
         try:
             record, options = scenario_of(world)
         except InvalidParameter as error:
-            raise FormatError(f"the failure's record does not fit: {error}", source=source) from error
+            raise FormatError(
+                "invalid-record", "the failure's record does not fit: {reason}", reason=str(error), source=source
+            ) from error
         digest = hashlib.sha256(dumps(world)).hexdigest()
         return cls(
             controller=_label(record.controller, options),

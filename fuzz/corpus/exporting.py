@@ -44,7 +44,13 @@ def export(entries: Iterable[Entry], out: Path, *, force: bool = False) -> int:
     """
     ending = out.suffix.lower()
     if not is_archive(out) and ending not in (".csv", ".parquet"):
-        raise InvalidParameter(f"{out.name!r}: no known kind; name a file {', '.join(ENDINGS)}, .csv or .parquet")
+        raise InvalidParameter(
+            "unknown-format",
+            "{name!r}: no known kind",
+            "name a file {endings!l}, .csv or .parquet",
+            name=out.name,
+            endings=list(ENDINGS),
+        )
     check_output(out, force)
     if ending == ".parquet":
         _pyarrow()  # before the pictures are drawn
@@ -111,5 +117,10 @@ def _pyarrow() -> tuple[Any, Any]:
         import pyarrow  # noqa: PLC0415 - an extra
         import pyarrow.parquet  # noqa: PLC0415
     except ImportError as error:
-        raise OutputError(f"a .parquet table needs pyarrow; {pip_install('parquet')}, or write .csv") from error
+        raise OutputError(
+            "package-missing",
+            "a .parquet table needs pyarrow",
+            "{install}, or write .csv",
+            install=pip_install("parquet"),
+        ) from error
     return pyarrow, pyarrow.parquet

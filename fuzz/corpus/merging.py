@@ -55,13 +55,17 @@ def merge(entries: Iterable[Entry], out: Path, *, force: bool = False) -> dict[P
 
 def _refuse_others(out: Path, texts: dict[Path, bytes]) -> None:
     if out.exists() and not out.is_dir():
-        raise OutputError(f"{out} is a file; name a folder")
+        raise OutputError("wrong-kind-of-file", "{out} is a file", "name a folder", out=out)
     others = [path for path in files_in(out) if texts.get(path) != path.read_bytes()]
     if others:
         more = f" and {len(others) - 1} more" if len(others) > 1 else ""
         raise OutputError(
-            f"{out} holds other worlds: {others[0].relative_to(out)}{more}; give --force to replace those of the same "
-            "name and keep the others, or name another folder"
+            "folder-holds-worlds",
+            "{out} holds other worlds: {first}{more}",
+            "give --force to replace those of the same name and keep the others, or name another folder",
+            out=out,
+            first=others[0].relative_to(out),
+            more=more,
         )
 
 
@@ -73,4 +77,10 @@ def _write(path: Path, text: bytes, seen: int | None) -> None:
         if seen is not None:
             os.utime(path, (seen, seen))
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}; choose another place") from error
+        raise OutputError(
+            "unwritable",
+            "{path}: cannot be written: {reason}",
+            "choose another place",
+            path=path,
+            reason=error.strerror or str(error),
+        ) from error

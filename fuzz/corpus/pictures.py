@@ -36,9 +36,15 @@ def contact_sheet(entries: Sequence[Entry]) -> bytes:
         FormatError: If a file cannot be read any more.
     """
     if not entries:
-        raise InvalidParameter("there is no failure to draw; check the path and the filters")
+        raise InvalidParameter("nothing-given", "there is no failure to draw", "check the path and the filters")
     if len(entries) > _MOST:
-        raise InvalidParameter(f"{len(entries)} failures are more than the {_MOST} of a sheet; choose with --class")
+        raise InvalidParameter(
+            "too-many",
+            "{count} failures are more than the {most} of a sheet",
+            "choose with --class",
+            count=len(entries),
+            most=_MOST,
+        )
     return draw_sheet([_panel(entry) for entry in entries], ())
 
 

@@ -69,4 +69,6 @@ def remove(entry: Entry) -> None:
     try:
         entry.path.unlink(missing_ok=True)
     except OSError as error:
-        raise OutputError(f"{entry.path}: cannot be deleted: {error.strerror or error}") from error
+        raise OutputError(
+            "cannot-delete", "{path}: cannot be deleted: {reason}", path=entry.path, reason=error.strerror or str(error)
+        ) from error

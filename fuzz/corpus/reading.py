@@ -98,11 +98,15 @@ def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
             seen = int(file.stat().st_mtime)
             data = stream.read(MAX_FILE_BYTES + 1)
     except FileNotFoundError as error:
-        raise FormatError("there is no such file; check the name", source=str(file)) from error
+        raise FormatError("no-such-file", "there is no such file", "check the name", source=str(file)) from error
     except (OSError, ValueError) as error:  # the latter for a name with a NUL
-        raise FormatError(f"cannot be read: {getattr(error, 'strerror', None) or error}", source=str(file)) from error
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", reason=getattr(error, "strerror", None) or error, source=str(file)
+        ) from error
     if len(data) > MAX_FILE_BYTES:
-        raise FormatError(f"longer than {MAX_FILE_BYTES} bytes, the limit of a .grid file", source=str(file))
+        raise FormatError(
+            "too-large", "longer than {most} bytes, the limit of a .grid file", most=MAX_FILE_BYTES, source=str(file)
+        )
     digest = hashlib.sha256(data).hexdigest()
     known, facts = index.get(digest) if index is not None else (False, None)
     if not known:

@@ -27,5 +27,11 @@ def crew_at(address: str, config: CampaignConfig) -> Crew:
     except ModuleNotFoundError as error:
         if error.name not in ("dask", "distributed"):
             raise
-        raise InvalidParameter(f"--scheduler needs Dask; {pip_install('dask')}, or leave it out") from error
+        raise InvalidParameter(
+            "package-missing",
+            "{option} needs Dask",
+            "{install}, or leave it out",
+            option="--scheduler",
+            install=pip_install("dask"),
+        ) from error
     return Cluster(address, config)

@@ -28,7 +28,8 @@ _ADDRESS = re.compile(r"([a-z]+://)?[^\s/]+:[0-9]{1,5}")  # Dask itself leaves h
 _PER_WORKER = 2  # units under way for each: one that it does, one that waits there
 _LOOK = 1.0  # s between two looks at which workers there are
 _TO_CONNECT = 10.0  # s
-_GONE = "the Dask scheduler at {} does not answer any more"
+_OPTION = "--scheduler"
+_GONE = "the Dask scheduler at {address} does not answer any more"
 
 
 class _Client(Client):  # type: ignore[misc] # it has no types
@@ -56,8 +57,11 @@ class Cluster:
     def __init__(self, address: str, config: CampaignConfig) -> None:
         if not _ADDRESS.fullmatch(address):
             raise InvalidParameter(
-                f"--scheduler {address!r} is no address; give the one that the scheduler prints, "
-                "such as tcp://host:8786"
+                "not-an-address",
+                "{option} {address!r} is no address",
+                "give the one that the scheduler prints, such as tcp://host:8786",
+                option=_OPTION,
+                address=address,
             )
         self._address, self._errand = address, Errand.of(config)
         self._room, self._looked = 0, 0.0
@@ -91,7 +95,7 @@ class Cluster:
         """
         self._listen()
         if self._client.status != "running":
-            raise WorkersLost(_GONE.format(self._address))
+            raise WorkersLost("scheduler-lost", _GONE, address=self._address)
 
     def __enter__(self) -> Self:
         """Connects.
@@ -104,7 +108,11 @@ class Cluster:
             self._client = _Client(self._address, timeout=_TO_CONNECT, set_as_default=False)
         except (MemoryError, OSError, ValueError) as error:  # a server of another kind may seem to send exabytes
             raise InvalidParameter(
-                f"no Dask scheduler answers at {self._address!r} ({error}); start one, and give the address it prints"
+                "no-scheduler",
+                "no Dask scheduler answers at {address!r} ({reason})",
+                "start one, and give the address it prints",
+                address=self._address,
+                reason=str(error),
             ) from error
         self._pool = self._client.get_executor(pure=False)
         self._listen = self._open.enter_context(ctrl_c_held_back())
@@ -128,12 +136,18 @@ def _retell(error: BaseException, address: str) -> None:
     """Raises what went wrong as a sentence, where it is not our fault."""
     if isinstance(error, KilledWorker):
         raise WorkersLost(
-            f"one piece of work ended as many workers as the scheduler allows, {error.allowed_failures + 1}: perhaps "
-            "the controller kills them, or they have too little memory (docs/campaigns.md)"
+            "killed-worker",
+            "one piece of work ended as many workers as the scheduler allows, {workers}: "
+            "perhaps the controller kills them, or they have too little memory "
+            "(docs/campaigns.md)",
+            workers=error.allowed_failures + 1,
         ) from error
     if isinstance(error, CancelledError | OSError):
-        raise WorkersLost(_GONE.format(address)) from error
+        raise WorkersLost("scheduler-lost", _GONE, address=address) from error
     if isinstance(error, ImportError | AttributeError) or "deserialization" in str(error):
         raise InvalidParameter(
-            f"the cluster cannot read the work ({error}); install the same worldgen for the scheduler and every worker"
+            "other-code",
+            "the cluster cannot read the work ({reason})",
+            "install the same worldgen for the scheduler and every worker",
+            reason=str(error),
         ) from error

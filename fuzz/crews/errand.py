@@ -94,8 +94,11 @@ def _be_alike(errand: Errand) -> None:
     said = errand.setup.differences(setup_of(errand.config))
     if said:
         raise InvalidParameter(
-            f"the worker on {socket.gethostname()} has other code: {', '.join(said)}; install the same there as here, "
-            "and start the workers anew"
+            "other-code",
+            "the worker on {host} has other code: {differences!l}",
+            "install the same there as here, and start the workers anew",
+            host=socket.gethostname(),
+            differences=list(said),
         )
     _here["errand"] = key
 

@@ -135,7 +135,9 @@ class Processes:
                 end_workers(self._pool)
         if isinstance(error, BrokenProcessPool):
             raise WorkersLost(
-                f"a worker process died, perhaps killed by the controller or for want of memory ({error})"
+                "worker-died",
+                "a worker process died, perhaps killed by the controller or for want of memory ({reason})",
+                reason=str(error),
             ) from error
 
 

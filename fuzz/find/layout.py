@@ -53,7 +53,11 @@ class Layout:
         """
         if mirror and world.width != world.height:
             raise InvalidParameter(
-                f"a world of {world.width} x {world.height} cells has no diagonal mirror; leave out --symmetric"
+                "not-square",
+                "a world of {width} x {height} cells has no diagonal mirror",
+                "leave out --symmetric",
+                width=world.width,
+                height=world.height,
             )
         border = np.zeros_like(world.walls)
         border[[0, -1], :] = border[:, [0, -1]] = True

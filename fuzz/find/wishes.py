@@ -196,18 +196,32 @@ def parse_wishes(text: str, *, motion: str = "swept", time_step: float = Scenari
 def _parse_wish(part: str, motion: str, time_step: float) -> Wish:
     name, equals, outcome = part.rpartition("=")
     if not equals or not name:
-        raise InvalidParameter(f"outcome {part[:80]!r} is not CONTROLLER=OUTCOME; {_EXAMPLE}")
+        raise InvalidParameter(
+            "not-an-outcome", "outcome {outcome!r} is not CONTROLLER=OUTCOME", _EXAMPLE, outcome=part[:80]
+        )
     scenario = Scenario.parse(name, motion=motion, time_step=time_step)
     CONTROLLERS.get(scenario.controller)
     match = _OUTCOME.fullmatch(outcome.strip())
     if match is None or match["word"] not in (*Verdict, *_GROUPS):
-        known = ", ".join((*_GROUPS, *Verdict))
-        raise InvalidParameter(f"outcome {outcome[:80]!r} of {name} is none of {known}; {_EXAMPLE}")
+        known = [str(word) for word in (*_GROUPS, *Verdict)]
+        raise InvalidParameter(
+            "unknown-name",
+            "outcome {outcome!r} of {controller} is none of {known!l}",
+            _EXAMPLE,
+            outcome=outcome[:80],
+            controller=name,
+            known=known,
+        )
     verdicts = _GROUPS.get(match["word"], (match["word"],))
     if match["range"] is None:
         return Wish(scenario, outcome.strip(), verdicts)
     if match["word"] not in (Verdict.REACHED, Verdict.LOOP):
-        raise InvalidParameter(f"outcome {outcome[:80]!r}: only reached and loop take steps behind @; {_EXAMPLE}")
+        raise InvalidParameter(
+            "takes-no-steps",
+            "outcome {outcome!r}: only reached and loop take steps behind @",
+            _EXAMPLE,
+            outcome=outcome[:80],
+        )
     low, high = _parse_range(match["range"].strip(), scenario.time_step)
     return Wish(scenario, outcome.strip(), verdicts, low, high)
 
@@ -215,12 +229,19 @@ def _parse_wish(part: str, motion: str, time_step: float) -> Wish:
 def _parse_range(text: str, time_step: float) -> tuple[float | None, float | None]:
     match = _RANGE.fullmatch(text)
     if match is None:
-        raise InvalidParameter(f"steps {text[:40]!r} are not like 330, 300..400, <400, >400 or 4.95s")
+        raise InvalidParameter(
+            "not-steps", "steps {steps!r} are not like 330, 300..400, <400, >400 or 4.95s", steps=text[:40]
+        )
     bounds = {name: _steps(word, time_step) for name, word in match.groupdict().items() if word is not None}
     low = bounds.get("exact", bounds.get("low", bounds["above"] + 1 if "above" in bounds else None))
     high = bounds.get("exact", bounds.get("high", bounds["below"] - 1 if "below" in bounds else None))
     if (low is not None and low < 1) or (high is not None and high < 1) or (low and high and low > high):
-        raise InvalidParameter(f"steps {text[:40]!r} leave none that could be; give at least 1, the smaller one first")
+        raise InvalidParameter(
+            "no-steps-left",
+            "steps {steps!r} leave none that could be",
+            "give at least 1, the smaller one first",
+            steps=text[:40],
+        )
     return low, high
 
 
@@ -228,8 +249,15 @@ def _steps(word: str, time_step: float) -> float:
     try:
         number = float(word.removesuffix("s"))
     except ValueError:
-        raise InvalidParameter(f"steps {word!r} are no number; write 330, or 4.95s") from None
+        raise InvalidParameter(
+            "not-a-number", "steps {steps!r} are no number", "write 330, or 4.95s", steps=word
+        ) from None
     steps = number / time_step if word.endswith("s") else number
     if not steps <= 1e7 or abs(steps - round(steps)) > 1e-6:
-        raise InvalidParameter(f"{word} is not a whole number of steps up to 10 million, at {time_step:g} s a step")
+        raise InvalidParameter(
+            "not-a-whole-number",
+            "{steps} is not a whole number of steps up to 10 million, at {time_step:g} s a step",
+            steps=word,
+            time_step=time_step,
+        )
     return float(round(steps))

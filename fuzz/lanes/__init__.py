@@ -62,21 +62,36 @@ def check_lane(name: str, scenario: Scenario) -> None:
         close = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
         raise InvalidParameter(
-            f"no lane and no family is called {name!r}; {hint}lanes: {', '.join(OWN_LANES)}; families: "
-            f"{', '.join(FAMILIES.names())}; your own family: package.module:name, ./file.py:name or ./recipe.toml"
+            "unknown-name",
+            "no lane and no family is called {name!r}",
+            "{hint}lanes: {lanes!l}; families: {families!l}; your own family: "
+            "package.module:name, ./file.py:name or ./recipe.toml",
+            name=name,
+            hint=hint,
+            lanes=list(OWN_LANES),
+            families=list(FAMILIES.names()),
         )
     if name == drawn.SEALED and not drawn.can_breach(scenario):
         raise InvalidParameter(
-            f"family {name!r} has walled-off targets, which only a robot reaches that goes on past a wall: take "
-            "--motion stepped without +keep_going, or another family"
+            "lane-needs-keep-going",
+            "family {name!r} has walled-off targets, which only a robot reaches that goes on past a wall",
+            "take --motion stepped without +keep_going, or another family",
+            name=name,
         )
     if name in (native.NATIVE, archive.ARCHIVE) and not can_look(scenario):
         raise InvalidParameter(
-            f"lane {name!r} runs under swept or endpoint: take another lane for {scenario.label()} under "
-            f"{scenario.motion}"
+            "lane-needs-other-motion",
+            "lane {lane!r} runs under swept or endpoint",
+            "take another lane for {label} under {motion}",
+            lane=name,
+            label=scenario.label(),
+            motion=scenario.motion,
         )
     if name == boundary.BOUNDARY and not is_bounded(scenario):
         raise InvalidParameter(
-            f"lane {name!r} looks for where failures begin, and with chance they begin anywhere: take another lane "
-            f"for {scenario.label()}"
+            "lane-needs-no-chance",
+            "lane {lane!r} looks for where failures begin, and with chance they begin anywhere",
+            "take another lane for {label}",
+            lane=name,
+            label=scenario.label(),
         )

@@ -28,7 +28,12 @@ def remembered(config: CampaignConfig, lane: str) -> ExampleDatabase:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"{folder}: no folder for a database can be made: {error.strerror or error}") from error
+        raise OutputError(
+            "unwritable",
+            "{folder}: no folder for a database can be made: {reason}",
+            folder=folder,
+            reason=error.strerror or str(error),
+        ) from error
     scenario = config.scenario
     where = world_digest(config.fixed_map) if config.fixed_map is not None and lane == "map" else ""
     varied = (scenario.label(), scenario.motion, config.time_steps, config.vary, lane, where)

@@ -195,7 +195,7 @@ def poses_on(world: World) -> st.SearchStrategy[World]:
     """Start, heading, target and robot radius on a fixed map, at the centres of its free cells."""
     free = np.argwhere(~world.walls)
     if not len(free):
-        raise InvalidWorld("the map has no free cell to start from")
+        raise InvalidWorld("no-free-cell", "the map has no free cell to start from")
     plain = replace(world, certificate=None, provenance=map_provenance(world), failure=None)
     radii = sorted({round(world.robot_radius * share, 6) for share in (0.5, 0.75, 1.0)}, reverse=True)
 

@@ -86,13 +86,18 @@ class CampaignFolder(Ledger):
         self._setup = ""
         self._shrunk: dict[str, Path] = {}
         if out.exists() and not out.is_dir():
-            raise OutputError(f"{out} is a file; name a folder")
+            raise OutputError("wrong-kind-of-file", "{out} is a file", "name a folder", out=out)
         with _told(self._path):
             self._path.mkdir(parents=True, exist_ok=True)
             self._lock = os.open(self._path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
         if not lock(self._lock):
             os.close(self._lock)
-            raise OutputError(f"another worldgen fuzz is writing {out}; let that one end first, or name another folder")
+            raise OutputError(
+                "campaign-is-running",
+                "another worldgen fuzz is writing {out}",
+                "let that one end first, or name another folder",
+                out=out,
+            )
         sign(self._lock)
 
     @staticmethod
@@ -113,8 +118,13 @@ class CampaignFolder(Ledger):
         except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as error:
             if isinstance(error, FormatError):
                 raise
-            message = f"is no campaign's configuration: {error!r}; --force begins a new campaign"
-            raise FormatError(message, source=str(file)) from error
+            raise FormatError(
+                "invalid-campaign",
+                "is no campaign's configuration: {reason}",
+                "--force begins a new campaign",
+                reason=repr(error),
+                source=str(file),
+            ) from error
 
     def units_done(self) -> int:
         """How many units it holds, from the first on: one more than the last number."""
@@ -291,4 +301,10 @@ def _told(path: Path) -> Any:
     try:
         yield
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}; choose another place") from error
+        raise OutputError(
+            "unwritable",
+            "{path}: cannot be written: {reason}",
+            "choose another place",
+            path=path,
+            reason=error.strerror or str(error),
+        ) from error

@@ -72,8 +72,10 @@ def begin(config: CampaignConfig, out: Path, goal: Goal, *, force: bool = False)
     stored = None if force else CampaignFolder.stored_in(out)
     if stored is None and not force and out.is_dir() and any(out.glob("*.grid")):
         raise OutputError(
-            f"{out} holds .grid files already; give --force to add to them and replace those of the same name, "
-            "or name another folder"
+            "folder-holds-worlds",
+            "{out} holds .grid files already",
+            "give --force to add to them and replace those of the same name, or name another folder",
+            out=out,
         )
     setup, folder = setup_of(config), CampaignFolder(out)
     try:
@@ -102,14 +104,22 @@ def resume(out: Path, goal: Goal | None = None) -> Sitting:
     """
     stored = CampaignFolder.stored_in(out)
     if stored is None:
-        raise OutputError(f"{out} holds no campaign to resume; worldgen fuzz --controller NAME --out {out} begins one")
+        raise OutputError(
+            "no-campaign",
+            "{out} holds no campaign to resume",
+            "worldgen fuzz --controller NAME --out {out} begins one",
+            out=out,
+        )
     setup, before = stored
     try:
         config = config_of(setup.configuration)
         wanted = goal or _goal(before)
     except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
         raise FormatError(
-            f"its configuration cannot be read: {error}; name another folder, or begin anew with --force",
+            "invalid-campaign",
+            "its configuration cannot be read: {reason}",
+            "name another folder, or begin anew with --force",
+            reason=str(error),
             source=str(out),
         ) from error
     now = setup_of(config)
@@ -126,8 +136,11 @@ def _sitting(config: CampaignConfig, folder: CampaignFolder, setup: Setup, goal:
     done = folder.units_done()
     if goal.units is not None and done > goal.units:
         raise OutputError(
-            f"the campaign in {folder.out} has done {done} units already; give --units {done} or more, or --force to "
-            "begin anew"
+            "campaign-is-further",
+            "the campaign in {out} has done {units} units already",
+            "give --units {units} or more, or --force to begin anew",
+            out=folder.out,
+            units=done,
         )
     folder.begin(setup, {"units": goal.units, "seconds": goal.seconds})
     return Sitting(config, folder, goal, done)
@@ -143,6 +156,11 @@ def _refuse_another(out: Path, before: Setup, now: Setup, way_out: str) -> None:
     if said:
         more = f", and {len(said) - _SAID_AT_MOST} more" if len(said) > _SAID_AT_MOST else ""
         raise OutputError(
-            f"{out} holds another campaign: {', '.join(said[:_SAID_AT_MOST])}{more}; {way_out}, --force begins anew, "
-            "or name another folder"
+            "another-campaign",
+            "{out} holds another campaign: {differences!l}{more}",
+            "{way_out}, --force begins anew, or name another folder",
+            out=out,
+            differences=list(said[:_SAID_AT_MOST]),
+            more=more,
+            way_out=way_out,
         )

@@ -266,18 +266,38 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
     widths = (layout_bytes.LAYOUT_BYTES, layout_bytes.SCENE_BYTES)
     if layouts.ndim != 2 or layouts.shape[1] not in widths or layouts.dtype != np.uint8:
         raise InvalidParameter(
-            f"layouts of shape {layouts.shape} and type {layouts.dtype}; give uint8, {widths[0]} or {widths[1]} a row"
+            "wrong-shape",
+            "layouts of shape {shape} and type {dtype}",
+            "give uint8, {narrow} or {wide} a row",
+            shape=layouts.shape,
+            dtype=layouts.dtype,
+            narrow=widths[0],
+            wide=widths[1],
         )
     if not can_look(scenario):
         raise InvalidParameter(
-            f"{scenario.label()} under {scenario.motion} does not run natively; take --motion swept or endpoint"
+            "not-native",
+            "{controller} under {motion} does not run natively",
+            "take --motion swept or endpoint",
+            controller=scenario.label(),
+            motion=scenario.motion,
         )
     if budget is not None and np.size(budget) and not (np.min(budget) >= 1 and np.max(budget) <= MAX_STEPS):
-        raise InvalidParameter(f"budget={budget!r} is outside 1 to {MAX_STEPS} steps; give one between")
+        raise InvalidParameter(
+            "out-of-range",
+            "budget={budget!r} is outside 1 to {most} steps",
+            "give one between",
+            budget=budget,
+            most=MAX_STEPS,
+        )
     if robot.get("robot_radius", 0.0) > DEFAULT_CELL_SIZE:
         raise InvalidParameter(
-            f"robot_radius={robot['robot_radius']:g} m is more than a cell of {DEFAULT_CELL_SIZE:g} m, and native "
-            "search finds no ways for such robots; give a smaller one, or take another lane"
+            "robot-larger-than-cell",
+            "robot_radius={robot_radius:g} m is more than a cell of {cell_size:g} m, and "
+            "native search finds no ways for such robots",
+            "give a smaller one, or take another lane",
+            robot_radius=robot["robot_radius"],
+            cell_size=DEFAULT_CELL_SIZE,
         )
 
 
@@ -288,7 +308,14 @@ def _world_of(layouts: Bytes, n: int, robot: Mapping[str, float]) -> World:
 def _spread(values: Any, count: int, name: str) -> Any:
     """One value for each run."""
     if values.shape not in ((), (count,)):
-        raise InvalidParameter(f"{name} of shape {values.shape} for {count} layouts; give one for each, or one for all")
+        raise InvalidParameter(
+            "wrong-shape",
+            "{name} of shape {shape} for {count} layouts",
+            "give one for each, or one for all",
+            name=name,
+            shape=values.shape,
+            count=count,
+        )
     return np.array(np.broadcast_to(values, (count,)))
 
 

@@ -76,7 +76,11 @@ class _Watched:
         for field in fields:
             if not 0 <= field.place < trace.memory_size:
                 raise InvalidParameter(
-                    f"field {field.name!r} is number {field.place} of a memory of {trace.memory_size}"
+                    "out-of-range",
+                    "field {name!r} is number {place} of a memory of {memory_size}",
+                    name=field.name,
+                    place=field.place,
+                    memory_size=trace.memory_size,
                 )
         places = tuple(getattr(controller, "memory_map_on", ())) or range(trace.memory_size)
         self.fields, self.values = fields, np.zeros((rows, len(fields)))

@@ -85,12 +85,18 @@ def gather(paths: Sequence[Path]) -> Subject:
     entries = _distinct(corpus.entries)
     if not entries and not campaigns:
         raise InvalidParameter(
-            f"{paths[0]} holds no failure; name a folder, archive or file that worldgen fuzz or worldgen shrink wrote"
+            "no-failure",
+            "{path} holds no failure",
+            "name a folder, archive or file that worldgen fuzz or worldgen shrink wrote",
+            path=paths[0],
         )
     if len(entries) > MOST_FAILURES:
         raise InvalidParameter(
-            f"{len(entries)} failures are more than the {MOST_FAILURES} of a report; keep the smallest of each class: "
-            "worldgen corpus merge"
+            "too-many",
+            "{count} failures are more than the {most} of a report",
+            "keep the smallest of each class: worldgen corpus merge",
+            count=len(entries),
+            most=MOST_FAILURES,
         )
     return Subject(entries, campaigns, corpus.others)
 
@@ -151,4 +157,4 @@ def _bytes_of(path: Path) -> bytes:
         data = member.read(expansion_limit(member.packed)) if member.name == place[1] else None
         if data is not None:
             return data
-    raise FormatError("is not there any more; do not change the archive meanwhile", source=str(path))
+    raise FormatError("file-changed", "is not there any more", "do not change the archive meanwhile", source=str(path))

@@ -86,7 +86,9 @@ def _failure(entry: Entry, campaigns: list[Summary]) -> dict[str, Any]:
     failure = look_at(entry, campaigns)
     seen, facts, record = failure.seen, entry.facts, failure.seen.world.failure
     if record is None:
-        raise FormatError("held a failure a moment ago; do not change it meanwhile", source=str(entry.path))
+        raise FormatError(
+            "file-changed", "held a failure a moment ago", "do not change it meanwhile", source=str(entry.path)
+        )
     met = campaigns[failure.campaign].met.get(facts.kind) if failure.campaign >= 0 else None
     return {
         "id": facts.digest[:_ID_DIGITS],

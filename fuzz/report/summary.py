@@ -110,7 +110,10 @@ def read_summary(folder: Path) -> Summary | None:
         return _summary(folder, _Reader(json.loads(text)))
     except (ValueError, OverflowError, RecursionError) as error:
         raise FormatError(
-            f"no summary of a campaign: {error}; let the campaign write it again, or delete it to do without",
+            "invalid-summary",
+            "no summary of a campaign: {reason}",
+            "let the campaign write it again, or delete it to do without",
+            reason=str(error),
             source=str(path),
         ) from error
 

@@ -95,7 +95,9 @@ def shrink(
         InvalidParameter: If the world holds no failure, it does not fail (any more), or ``keep`` is no such word.
     """
     if keep not in KEEP:
-        raise InvalidParameter(f"keep={keep!r} is not one of {', '.join(KEEP)}; give one")
+        raise InvalidParameter(
+            "unknown-name", "keep={keep!r} is not one of {known!l}", "give one", keep=keep, known=list(KEEP)
+        )
     reducer = _Reducer(failure, keep, None if seconds is None else time.monotonic() + seconds, progress)
     try:
         reducer.run()
@@ -128,7 +130,7 @@ def shrink_class(
     """
     waiting = sorted(failures, key=lambda world: (world.solid_cells, world.walls.size, world_digest(world)))
     if not waiting:
-        raise InvalidParameter("no failure was given, so there is none to shrink; give at least one")
+        raise InvalidParameter("nothing-given", "no failure was given, so there is none to shrink", "give at least one")
     deadline = None if seconds is None else time.monotonic() + seconds
     results: list[Shrunk] = []
     for done, failure in enumerate(waiting):
@@ -187,8 +189,10 @@ class _Reducer:
             self._best, self._left, self._complete = self._begin, _NOT_CHECKED, False
         if not self._holds() or self._made is None:
             raise InvalidParameter(
-                f"the shrunk world of {self._still_fails.verdict!r} was not confirmed by its oracle; replay the file "
-                "that it came from: worldgen replay"
+                "not-confirmed",
+                "the shrunk world of {verdict!r} was not confirmed by its oracle",
+                "replay the file that it came from: worldgen replay",
+                verdict=self._still_fails.verdict,
             )
         case, world = self._made
         world = self._with_details(world, case.scenario)
@@ -273,9 +277,14 @@ def _judge(failure: World, keep: str) -> StillFails:
             return still_fails
     by = "" if still_fails.asked is None else f" with an objection of oracle {still_fails.asked.text}"
     raise InvalidParameter(
-        f"{record.controller} under {record.motion} does not end as {record.verdict!r}{by} in this world, or its "
-        f"target is not {'walled off' if still_fails.breach else 'reachable'}; replay the file first: "
-        "worldgen replay"
+        "does-not-fail-so",
+        "{controller} under {motion} does not end as {verdict!r}{by} in this world, or its target is not {reach}",
+        "replay the file first: worldgen replay",
+        controller=record.controller,
+        motion=record.motion,
+        verdict=record.verdict,
+        by=by,
+        reach="walled off" if still_fails.breach else "reachable",
     )
 
 

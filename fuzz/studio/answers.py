@@ -109,7 +109,12 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         force, replaces = field(message, "overwrite", bool), message.get("replaces")
         if not force and isinstance(replaces, str) and place.is_file():
             if _digest(place) != replaces:
-                raise OutputError(f"{place.name} has changed since it was opened; overwrite it, or give another name")
+                raise OutputError(
+                    "file-changed",
+                    "{name} has changed since it was opened",
+                    "overwrite it, or give another name",
+                    name=place.name,
+                )
             force = True
         check_output(place, force)
         world = restored(field(message, "world", dict))
@@ -191,7 +196,14 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         world, labels = _to_run(message)
         kind, title, looked = field(message, "kind", str), field(message, "title", str), field(message, "looked", int)
         if kind not in _PICTURES or not 0 <= looked < len(labels):
-            raise InvalidParameter(f"robot {looked} as {kind[:20]!r}; choose one that drove, as {', '.join(_PICTURES)}")
+            raise InvalidParameter(
+                "unknown-name",
+                "robot {robot} as {kind!r}",
+                "choose one that drove, as {known!l}",
+                robot=looked,
+                kind=kind[:20],
+                known=list(_PICTURES),
+            )
         drives = []
         for number, label in enumerate(labels):
             try:
@@ -219,7 +231,11 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
         check_registered("motion", motion, MOTIONS.names())
         scenario = Scenario.parse(str(label), motion=motion, time_step=time_step, seed=seed)
         if not may_run(scenario.controller, self.named):
-            raise InvalidParameter(f"controller {scenario.controller[:60]!r} was not named when the studio was started")
+            raise InvalidParameter(
+                "not-named",
+                "controller {controller!r} was not named when the studio was started",
+                controller=scenario.controller[:60],
+            )
         check_registered("motion", scenario.motion, MOTIONS.names())
         asked: dict[str, Value] = field(message, "options", dict) if scenario.motion == motion else {}
         changed = asked | scenario.thesis.changed() | scenario.robot.changed()  # its own count more than all robots'
@@ -258,7 +274,9 @@ def _to_run(message: Message) -> tuple[World, list[Any]]:
         world = replace(world, timeline=Timeline(), certificate=None)
     labels = field(message, "controllers", list)
     if not 1 <= len(labels) <= _MOST_ROBOTS:
-        raise InvalidParameter(f"{len(labels)} controllers; choose 1 to {_MOST_ROBOTS}")
+        raise InvalidParameter(
+            "out-of-range", "{count} controllers", "choose 1 to {most}", count=len(labels), most=_MOST_ROBOTS
+        )
     if world.certificate is None:
         world = replace(world, certificate=decide(world).certificate)
     return world, labels

@@ -79,7 +79,7 @@ def _goal(folder: Path) -> dict[str, Any]:
     """Whose campaign it is and how far it is to go, as it was begun."""
     stored = CampaignFolder.stored_in(folder)
     if stored is None:
-        raise FormatError("holds no campaign; begin one there", source=folder.name)
+        raise FormatError("no-campaign", "holds no campaign", "begin one there", source=folder.name)
     setup, goal = stored
     scenario = setup.configuration.get("scenario")
     said = scenario if isinstance(scenario, dict) else {}

@@ -125,10 +125,18 @@ class CampaignAnswers(Opened):
         """A folder in the opened one whose memory is no link to somewhere else."""
         out = self.folder.place(name)
         if out == self.folder.root or not is_own(out):
-            raise InvalidParameter(f"{name!r} is no folder of a campaign in the opened one; give the name of another")
+            raise InvalidParameter(
+                "not-a-campaign-folder",
+                "{name!r} is no folder of a campaign in the opened one",
+                "give the name of another",
+                name=name,
+            )
         if out.is_relative_to(self.folder.root / KNOWN):
             raise InvalidParameter(
-                f"{KNOWN}/ is for failures that are marked as known; give the name of another folder"
+                "folder-is-for-known",
+                "{known}/ is for failures that are marked as known",
+                "give the name of another folder",
+                known=KNOWN,
             )
         return out
 
@@ -136,18 +144,30 @@ class CampaignAnswers(Opened):
         """Refuses a campaign that would run what nobody has named; its folder may come from anywhere."""
         stored = CampaignFolder.stored_in(out)
         if stored is None:
-            raise InvalidParameter(f"{name} holds no campaign to go on with; begin one")
+            raise InvalidParameter("no-campaign", "{name} holds no campaign to go on with", "begin one", name=name)
         said = stored[0].configuration
         scenario = said.get("scenario")
         if not isinstance(scenario, dict) or not may_run(str(scenario.get("controller")), self.named):
-            raise InvalidParameter(f"{name} runs a controller that was not named: worldgen studio --controller does")
+            raise InvalidParameter(
+                "not-named",
+                "{name} runs a controller that was not named",
+                "worldgen studio --controller does",
+                name=name,
+            )
         if scenario.get("motion") not in MOTIONS.names():
-            raise InvalidParameter(f"{name} uses a motion model of a file; resume it at a terminal")
+            raise InvalidParameter(
+                "not-registered", "{name} uses a motion model of a file", "resume it at a terminal", name=name
+            )
         check_lanes(said.get("families"))
         check_oracles(said.get("oracles"))
         database = Path(os.path.realpath(str(said.get("database") or self.folder.root)))
         if not database.is_relative_to(self.folder.root):
-            raise InvalidParameter(f"{name} uses a database outside of the opened folder; resume it at a terminal")
+            raise InvalidParameter(
+                "outside-of-folder",
+                "{name} uses a database outside of the opened folder",
+                "resume it at a terminal",
+                name=name,
+            )
 
     def _start(self, out: Path, words: list[str], started: Callable[[], None]) -> None:
         """Starts a campaign's process and waits until it has begun.
@@ -161,7 +181,9 @@ class CampaignAnswers(Opened):
             OutputError: If it does not begin; with what it says.
         """
         if running_process(out) is not None:
-            raise OutputError(f"the campaign in {out.name} runs already; stop it first")
+            raise OutputError(
+                "campaign-is-running", "the campaign in {name} runs already", "stop it first", name=out.name
+            )
         memory = out / MEMORY
         made = [folder for folder in (memory, out, *out.parents) if not folder.exists()]
         with contextlib.ExitStack() as stack:
@@ -172,7 +194,11 @@ class CampaignAnswers(Opened):
                     process = _process([sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said)
             except OSError as error:
                 raise OutputError(
-                    f"{out.name} cannot be written: {error.strerror or error}; name another folder"
+                    "unwritable",
+                    "{name} cannot be written: {reason}",
+                    "name another folder",
+                    name=out.name,
+                    reason=error.strerror or str(error),
                 ) from error
             self._begun.append(process)
             started()

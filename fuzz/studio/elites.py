@@ -34,12 +34,19 @@ def elite_of(folder: Path, i: int, j: int) -> World:
     shown = next(((quality, verdict) for x, y, quality, verdict in cells if (x, y) == (i, j)), None)
     if shown is None:
         raise InvalidParameter(
-            f"the archive in {folder.name} has nothing in cell [{i}, {j}]; choose one that is filled"
+            "empty-cell",
+            "the archive in {name} has nothing in cell [{i}, {j}]",
+            "choose one that is filled",
+            name=folder.name,
+            i=i,
+            j=j,
         )
     for cell, layout, quality, verdict in _elites(folder / MEMORY / "units"):
         if cell[:2] == [i, j] and (quality, verdict) == shown:
             return decode_scene(bytes.fromhex(layout))
-    raise InvalidParameter(f"{folder.name} has not kept the world of this cell; go on with the campaign")
+    raise InvalidParameter(
+        "world-not-kept", "{name} has not kept the world of this cell", "go on with the campaign", name=folder.name
+    )
 
 
 def _elites(units: Path) -> Iterator[tuple[list[int], str, float, str]]:
@@ -55,7 +62,7 @@ def _elites(units: Path) -> Iterator[tuple[list[int], str, float, str]]:
                 yield list(cell), str(layout), float(quality), str(verdict)
         except (KeyError, RecursionError, TypeError, ValueError) as error:
             raise FormatError(
-                "is no entry of a ledger; go on with the campaign, which mends it", source=str(file)
+                "invalid-entry", "is no entry of a ledger", "go on with the campaign, which mends it", source=str(file)
             ) from error
 
 

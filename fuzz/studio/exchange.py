@@ -59,7 +59,7 @@ class ExchangeAnswers(Opened):
         """A world in another program's format: for the browser to keep, or into the folder."""
         known = _format_name(message)
         if known is None:
-            raise InvalidParameter("no format is named; choose one")
+            raise InvalidParameter("empty-name", "no format is named", "choose one")
         world, place = restored(field(message, "world", dict)), self.folder.place(field(message, "name", str))
         options: dict[str, Value | None] = field({"options": {}, **message}, "options", dict)
         export = export_world(
@@ -89,22 +89,28 @@ def _put_down(files: object, folder: Folder) -> list[Path]:
         InvalidParameter: If they are too large or too many, have one name, or are no files.
     """
     if not isinstance(files, list) or not 1 <= len(files) <= _MOST_FILES:
-        raise InvalidParameter(f"drop 1 to {_MOST_FILES} files: a map, and those that it names")
+        raise InvalidParameter(
+            "out-of-range", "drop 1 to {most} files: a map, and those that it names", most=_MOST_FILES
+        )
     places: list[Path] = []
     total = 0
     for file in files:
         if not isinstance(file, dict):
-            raise InvalidParameter("the message's files are no tables; send name and data of each")
+            raise InvalidParameter("wrong-message", "the message's files are no tables", "send name and data of each")
         name = PurePosixPath(field(file, "name", str).replace("\\", "/")).name or "map"
         data = _bytes_of(field(file, "data", str))
         total += len(data)
         if total > _MOST_DROPPED:
             raise InvalidParameter(
-                f"{total} bytes are more than the {_MOST_DROPPED} of dropped files; put them into the folder"
+                "too-large",
+                "{bytes} bytes are more than the {most} of dropped files",
+                "put them into the folder",
+                bytes=total,
+                most=_MOST_DROPPED,
             )
         place = folder.place(name.lstrip(".") or "map")
         if place in places:
-            raise InvalidParameter(f"two of the files are called {place.name}; drop one of them")
+            raise InvalidParameter("twice", "two of the files are called {name}", "drop one of them", name=place.name)
         place.write_bytes(data)
         places.append(place)
     return places
@@ -120,13 +126,19 @@ def _main_of(places: Sequence[Path]) -> Path:
     found = [place for place in maps if place.suffix.lower() not in _PICTURES] or maps
     if len(found) > 1:
         names = ", ".join(place.name for place in found)
-        raise InvalidParameter(f"{names} are {len(found)} maps; drop one, with the files that it names")
+        raise InvalidParameter(
+            "several-maps",
+            "{names} are {count} maps",
+            "drop one, with the files that it names",
+            names=names,
+            count=len(found),
+        )
     return found[0]
 
 
 def _point(values: Sequence[Any]) -> tuple[float, float]:
     if len(values) != 2:
-        raise InvalidParameter(f"the origin has {len(values)} numbers; give x and y")
+        raise InvalidParameter("wrong-count", "the origin has {count} numbers", "give x and y", count=len(values))
     x, y = (field({"origin": value}, "origin", float) for value in values)
     return x, y
 
@@ -170,13 +182,15 @@ def _bytes_of(text: str) -> bytes:
     try:
         return base64.b64decode(text, validate=True)
     except ValueError as error:
-        raise InvalidParameter("the message's data are no base64; send the file's bytes") from error
+        raise InvalidParameter("not-base64", "the message's data are no base64", "send the file's bytes") from error
 
 
 def _imported(place: Path, wanted: _Wanted, scenario: Path | None, row: int | None) -> dict[str, Any]:
     """A map as a world, with what can be asked of it: its format, and how many problems its scenario has."""
     if wanted.row and scenario is None:
-        raise InvalidParameter("a row is one of a scenario; bring the .scen file together with its map")
+        raise InvalidParameter(
+            "no-scenario", "a row is one of a scenario", "bring the .scen file together with its map"
+        )
     used = scenario if row else None
     robot = RobotOptions(radius=wanted.radius, scenario=used, row=row or 1, seed=wanted.seed)
     imported = import_world(place, robot, name=wanted.format, options=wanted.options)

@@ -56,26 +56,45 @@ class Folder:
         parts = name.split("/")
         if not name or len(name) > _LONGEST or not name.isprintable() or "\\" in name or ":" in name:
             raise InvalidParameter(
-                f"{shown(name[:60])!r} is no name of a file in the opened folder; give one like w.grid"
+                "not-a-file-name",
+                "{name!r} is no name of a file in the opened folder",
+                "give one like w.grid",
+                name=shown(name[:60]),
             )
         if any(part in ("", ".", "..") or part.startswith(".") for part in parts):
             raise InvalidParameter(
-                f"{shown(name[:60])!r} leads out of the opened folder or is hidden; give a name in it"
+                "outside-of-folder",
+                "{name!r} leads out of the opened folder or is hidden",
+                "give a name in it",
+                name=shown(name[:60]),
             )
         path = self.root.joinpath(*parts)
         real = Path(os.path.realpath(path))
         if not real.is_relative_to(self.root):
-            raise InvalidParameter(f"{shown(name[:60])!r} leads out of the opened folder; copy the file into it")
+            raise InvalidParameter(
+                "outside-of-folder",
+                "{name!r} leads out of the opened folder",
+                "copy the file into it",
+                name=shown(name[:60]),
+            )
         try:
             mode = real.stat().st_mode
         except OSError as error:
             if error.errno == errno.ENAMETOOLONG:
                 raise InvalidParameter(
-                    f"{shown(name[:60])!r} is too long for a file in the opened folder; shorten it"
+                    "name-too-long",
+                    "{name!r} is too long for a file in the opened folder",
+                    "shorten it",
+                    name=shown(name[:60]),
                 ) from error
             return real
         if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # a pipe would be waited for without end
-            raise InvalidParameter(f"{shown(name[:60])!r} in the opened folder is no regular file; name another")
+            raise InvalidParameter(
+                "wrong-kind-of-file",
+                "{name!r} in the opened folder is no regular file",
+                "name another",
+                name=shown(name[:60]),
+            )
         return real
 
     def in_words(self, sentence: str) -> str:
@@ -97,7 +116,10 @@ class Folder:
             for other in place.parent.glob(f"{glob.escape(place.stem)}*"):
                 if not Path(os.path.realpath(other)).is_relative_to(self.root):
                     raise InvalidParameter(
-                        f"{shown(other.name)!r} beside it leads out of the opened folder; copy the file into it"
+                        "outside-of-folder",
+                        "{name!r} beside it leads out of the opened folder",
+                        "copy the file into it",
+                        name=shown(other.name),
                     )
         return place
 

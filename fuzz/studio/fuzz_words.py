@@ -71,7 +71,13 @@ def goal(message: Message, *, needed: bool) -> list[str]:
         return []
     seconds = part_of(message, "seconds", float)
     if not 0.0 < seconds <= _MOST_SECONDS:
-        raise InvalidParameter(f"{seconds:g} s; give a time above 0 and up to {_MOST_SECONDS:g} s")
+        raise InvalidParameter(
+            "out-of-range",
+            "{seconds:g} s",
+            "give a time above 0 and up to {most:g} s",
+            seconds=seconds,
+            most=_MOST_SECONDS,
+        )
     return [f"--budget={f'{seconds:f}'.rstrip('0').rstrip('.')}s"]
 
 
@@ -93,10 +99,17 @@ def baseline(message: Message, folder: Folder) -> list[str]:
 def _check_baseline(place: Path, name: str) -> None:
     """Refuses failures that lie elsewhere, and those whose oracles are code of files: they would be asked again."""
     if not place.is_dir():
-        raise InvalidParameter(f"{name} is no folder of failures; give the name of one in the opened folder")
+        raise InvalidParameter(
+            "wrong-kind-of-file",
+            "{name} is no folder of failures",
+            "give the name of one in the opened folder",
+            name=name,
+        )
     for file in files_in(place):
         if file.is_symlink():
-            raise InvalidParameter(f"{name}/ holds a link, {file.name}; copy the file into it")
+            raise InvalidParameter(
+                "is-a-link", "{name}/ holds a link, {file}", "copy the file into it", name=name, file=file.name
+            )
     for entry in read_corpus([place]).entries:
         record = read_world(entry.path).failure
         if record is not None and "oracle" in record.evidence:
@@ -119,7 +132,9 @@ def command_line(words: Sequence[str], message: Message, out: Path, folder: Fold
     if drawn is not None:
         place = folder.place(str(message.get("world_name") or "-"))
         if not place.is_file() or read_text(place) != part_of({"world": drawn}, "world", dict).get("source"):
-            raise InvalidParameter("the drawn map is in no file yet, and the line has to name one; save it first")
+            raise InvalidParameter(
+                "not-saved", "the drawn map is in no file yet, and the line has to name one", "save it first"
+            )
         words = [*words, f"--world={place}"]
     said: list[str] = []
     for word in (*words, f"--out={out}"):
@@ -152,7 +167,13 @@ def check_oracles(texts: object) -> list[str]:
     said = _texts({"oracles": texts}, "oracles")
     for text in said:
         if text.partition("=")[0].strip() not in ORACLES.names():
-            raise InvalidParameter(f"oracle {text[:40]!r} is not registered; ask for one of {', '.join(ORACLES)}")
+            raise InvalidParameter(
+                "not-registered",
+                "oracle {oracle!r} is not registered",
+                "ask for one of {known!l}",
+                oracle=text[:40],
+                known=list(ORACLES),
+            )
     return said
 
 
@@ -176,12 +197,21 @@ def _seed(message: Message) -> str:
     """A seed, as digits: a browser's numbers cannot hold all of them."""
     seed: str = part_of(message, "seed", str)
     if not (seed.isascii() and seed.isdigit() and int(seed[:40]) < 1 << 64):
-        raise InvalidParameter(f"seed={seed[:40]!r} is no whole number from 0 to 2**64 - 1; give one")
+        raise InvalidParameter(
+            "not-a-seed", "seed={seed!r} is no whole number from 0 to 2**64 - 1", "give one", seed=seed[:40]
+        )
     return seed
 
 
 def _whole(message: Message, name: str, most: int) -> int:
     value: int = part_of(message, name, int)
     if not 1 <= value <= most:
-        raise InvalidParameter(f"{name} is {value}; give a whole number from 1 to {most}")
+        raise InvalidParameter(
+            "out-of-range",
+            "{name} is {value}",
+            "give a whole number from 1 to {most}",
+            name=name,
+            value=value,
+            most=most,
+        )
     return value

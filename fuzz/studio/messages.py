@@ -73,13 +73,23 @@ def message_of(world: World) -> WorldMessage:
     least, largest = _CELL_SIZES
     if not least <= world.cell_size <= largest:
         raise InvalidWorld(
-            f"cell_size={world.cell_size:g} m: the studio draws cells of {least} to {largest} m; "
-            "worldgen show draws others"
+            "out-of-range",
+            "cell_size={cell_size:g} m: the studio draws cells of {least} to {largest} m; worldgen show draws others",
+            cell_size=world.cell_size,
+            least=least,
+            largest=largest,
         )
     if world.walls.size > MOST_CELLS or len(world.timeline) > _MOST_EVENTS:
         raise InvalidWorld(
-            f"{world.width} x {world.height} cells with {len(world.timeline)} changes are more than the studio's "
-            f"{MOST_CELLS} cells and {_MOST_EVENTS} changes; worldgen show draws larger worlds"
+            "too-large",
+            "{width} x {height} cells with {count} changes are more than the studio's "
+            "{most_cells} cells and {most_events} changes",
+            "worldgen show draws larger worlds",
+            width=world.width,
+            height=world.height,
+            count=len(world.timeline),
+            most_cells=MOST_CELLS,
+            most_events=_MOST_EVENTS,
         )
     line = world.timeline
     text = dumps(world)
@@ -132,7 +142,14 @@ def world_of(message: Mapping[str, Any]) -> World:
     """
     width, height = (field(message, side, int) for side in ("width", "height"))
     if min(width, height) < 1 or width * height > MOST_CELLS:
-        raise InvalidWorld(f"{width} x {height} cells; the studio draws worlds of 1 to {MOST_CELLS} cells")
+        raise InvalidWorld(
+            "too-large",
+            "{width} x {height} cells",
+            "the studio draws worlds of 1 to {most} cells",
+            width=width,
+            height=height,
+            most=MOST_CELLS,
+        )
     events = message.get("events")
     return World(
         walls=_cells(field(message, "cells", str), width, height),
@@ -177,7 +194,13 @@ def field(message: Mapping[str, Any], name: str, kind: type) -> Any:
     if kind is float and type(value) is int:
         value = float(value) if abs(value) < 1 << 53 else math.inf
     if type(value) is not kind:
-        raise InvalidParameter(f"the message's {name} is {type(value).__name__}; it must be {kind.__name__}")
+        raise InvalidParameter(
+            "wrong-type",
+            "the message's {name} is {kind}; it must be {wanted}",
+            name=name,
+            kind=type(value).__name__,
+            wanted=kind.__name__,
+        )
     return value
 
 
@@ -189,14 +212,22 @@ def seed_of(message: Mapping[str, Any]) -> int:
     """
     seed: str = field(message, "seed", str)
     if not (seed.isascii() and seed.isdigit() and len(seed) <= 20 and int(seed) < 1 << 64):
-        raise InvalidParameter(f"seed={seed[:40]!r} is no whole number from 0 to 2**64 - 1; give one")
+        raise InvalidParameter(
+            "not-a-seed", "seed={seed!r} is no whole number from 0 to 2**64 - 1", "give one", seed=seed[:40]
+        )
     return int(seed)
 
 
 def _numbers(message: Mapping[str, Any], name: str, count: int) -> list[float]:
     values = field(message, name, list)
     if len(values) != count:
-        raise InvalidParameter(f"the message's {name} has {len(values)} numbers; it must have {count}")
+        raise InvalidParameter(
+            "wrong-count",
+            "the message's {name} has {count} numbers; it must have {wanted}",
+            name=name,
+            count=len(values),
+            wanted=count,
+        )
     return [field({name: value}, name, float) for value in values]
 
 
@@ -204,20 +235,26 @@ def _cells(text: str, width: int, height: int) -> npt.NDArray[np.bool_]:
     try:
         data = np.frombuffer(base64.b64decode(text, validate=True), np.uint8)
     except (binascii.Error, ValueError) as error:
-        raise InvalidParameter("the message's cells are no base64; send the cells' bits") from error
+        raise InvalidParameter("not-base64", "the message's cells are no base64", "send the cells' bits") from error
     if len(data) != -(-width * height // 8):
-        raise InvalidParameter(f"the message's cells have {len(data)} bytes; send one bit for each cell")
+        raise InvalidParameter(
+            "wrong-count", "the message's cells have {count} bytes", "send one bit for each cell", count=len(data)
+        )
     return np.unpackbits(data, count=width * height, bitorder="little").astype(np.bool_).reshape(height, width)
 
 
 def _timeline(events: object) -> Timeline:
     if not isinstance(events, dict):
-        raise InvalidParameter("the message's events are no table; send times, ix, iy and state")
+        raise InvalidParameter("wrong-type", "the message's events are no table", "send times, ix, iy and state")
     columns: list[Sequence[Any]] = [field(events, name, list) for name in ("times", "ix", "iy", "state")]
     if len({len(column) for column in columns}) != 1 or len(columns[0]) > _MOST_EVENTS:
-        raise InvalidParameter(f"the message's events are not columns of one length up to {_MOST_EVENTS}")
+        raise InvalidParameter(
+            "wrong-count", "the message's events are not columns of one length up to {most}", most=_MOST_EVENTS
+        )
     times = [field({"times": value}, "times", float) for value in columns[0]]
     ix, iy, state = ([field({"events": value}, "events", int) for value in column] for column in columns[1:])
     if any(not 0 <= value <= 2 for value in state) or any(abs(value) > 1 << 20 for value in (*ix, *iy)):
-        raise InvalidParameter("the message's events hold a state other than 0, 1 and 2, or a cell far outside")
+        raise InvalidParameter(
+            "out-of-range", "the message's events hold a state other than 0, 1 and 2, or a cell far outside"
+        )
     return Timeline(np.array(times), np.array(ix, np.int64), np.array(iy, np.int64), np.array(state, np.uint8))

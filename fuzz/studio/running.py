@@ -43,13 +43,18 @@ def check_record(record: FailureRecord, named: Sequence[str]) -> None:
     """
     if not may_run(record.controller, named):
         raise InvalidParameter(
-            f"{record.verdict}; {shown(record.controller[:60])} is not run here: "
-            "it was not named when the studio started"
+            "not-named",
+            "{verdict}; {controller} is not run here: it was not named when the studio started",
+            verdict=record.verdict,
+            controller=shown(record.controller[:60]),
         )
     if record.motion not in MOTIONS.names():
         raise InvalidParameter(
-            f"{record.verdict}; it is not run here: its motion model {shown(record.motion[:60])} is a file's; "
-            "replay it at a terminal"
+            "not-registered",
+            "{verdict}; it is not run here: its motion model {motion} is a file's",
+            "replay it at a terminal",
+            verdict=record.verdict,
+            motion=shown(record.motion[:60]),
         )
 
 
@@ -65,7 +70,10 @@ def check_named(label: object, named: Sequence[str]) -> None:
     known = (*CONTROLLERS.names(), *named, *_names(tuple(named)))
     if not any(text.startswith(f"{name}+") for name in known):
         raise InvalidParameter(
-            f"controller {text[:60]!r} was not named when the studio was started; worldgen studio --controller does"
+            "not-named",
+            "controller {controller!r} was not named when the studio was started",
+            "worldgen studio --controller does",
+            controller=text[:60],
         )
 
 
@@ -76,7 +84,9 @@ def check_registered(what: str, name: str, offered: Iterable[str]) -> None:
         InvalidParameter: If it is none.
     """
     if name not in offered:
-        raise InvalidParameter(f"{what} {name[:40]!r} is not registered; choose one of the list")
+        raise InvalidParameter(
+            "not-registered", "{kind} {name!r} is not registered", "choose one of the list", kind=what, name=name[:40]
+        )
 
 
 @functools.cache

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import uvicorn
 
 from fuzz.studio.app import MOST_MESSAGE, Studio, make_app
-from worldgen.errors import InvalidParameter
+from worldgen.errors import InvalidParameter, Message
 
 __all__ = ["USUAL_PORT", "bind", "called", "serve"]
 
@@ -32,25 +32,40 @@ def bind(host: str, port: int | None) -> socket.socket:
         except OSError as error:
             fault = _fault(host, number, error)
         except (TypeError, UnicodeError):  # Python's, of a name that no host can have
-            fault = f"no host can be called {host!r}; give another --host"
+            fault = Message("not-a-host", "no host can be called {host!r}", "give another --host", host=host)
         else:
             return listener
         listener.close()
-    raise InvalidParameter(fault)
+    raise InvalidParameter.of(fault)
 
 
-def _fault(host: str, port: int, error: OSError) -> str:
+def _fault(host: str, port: int, error: OSError) -> Message:
     """Why nobody can listen there, and the way out."""
     if error.errno == errno.EADDRINUSE:
-        return (
-            f"port {port} of {host} is taken, by another studio maybe; end that, or give another --port; "
-            "with --port 0 it is any that is free"
+        return Message(
+            "port-taken",
+            "port {port} of {host} is taken, by another studio maybe",
+            "end that, or give another --port; with --port 0 it is any that is free",
+            host=host,
+            port=port,
         )
     if error.errno in (errno.EACCES, errno.EPERM):
-        return f"port {port} of {host} is not for everybody; give a --port from 1024 on, or 0 for any that is free"
+        return Message(
+            "port-not-allowed",
+            "port {port} of {host} is not for everybody",
+            "give a --port from 1024 on, or 0 for any that is free",
+            host=host,
+            port=port,
+        )
     if error.errno == errno.EADDRNOTAVAIL:
-        return f"{host} is no address of this machine; give another --host, or none for this machine alone"
-    return f"{host}: {error.strerror or error}; give another --host or --port"
+        return Message(
+            "not-our-address",
+            "{host} is no address of this machine",
+            "give another --host, or none for this machine alone",
+            host=host,
+        )
+    reason = error.strerror or str(error)
+    return Message("cannot-listen", "{host}: {reason}", "give another --host or --port", host=host, reason=reason)
 
 
 def called(host: str, listener: socket.socket) -> str:

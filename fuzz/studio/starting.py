@@ -51,10 +51,20 @@ def check_controller(label: str) -> None:
         _check_file(name, Path(place).expanduser(), attribute)
     elif not place:
         raise InvalidParameter(
-            f"controller {name!r} names no module; name it too, module{name[:40]} or ./file.py{name[:40]}"
+            "no-module-named",
+            "controller {name!r} names no module",
+            "name it too, module{attribute} or ./file.py{attribute}",
+            name=name,
+            attribute=name[:40],
         )
     elif not _is_there(place.partition(".")[0]):
-        raise InvalidParameter(f"controller {name!r}: there is no module {place}; a file is named ./{place}.py")
+        raise InvalidParameter(
+            "module-missing",
+            "controller {name!r}: there is no module {module}",
+            "a file is named ./{module}.py",
+            name=name,
+            module=place,
+        )
 
 
 def _is_there(module: str) -> bool:
@@ -69,14 +79,34 @@ def _check_file(name: str, path: Path, attribute: str) -> None:
         tree = ast.parse(path.read_bytes())
     except OSError as error:
         why = error.strerror or str(error)
-        raise InvalidParameter(f"controller {name!r}: {path} cannot be read: {why}; check the name") from error
+        raise InvalidParameter(
+            "unreadable",
+            "controller {name!r}: {path} cannot be read: {reason}",
+            "check the name",
+            name=name,
+            path=path,
+            reason=why,
+        ) from error
     except (SyntaxError, ValueError, RecursionError) as error:
-        raise InvalidParameter(f"controller {name!r}: {path} is no Python: {error}; mend it") from error
+        raise InvalidParameter(
+            "invalid-python",
+            "controller {name!r}: {path} is no Python: {reason}",
+            "mend it",
+            name=name,
+            path=path,
+            reason=str(error),
+        ) from error
     found = _names_in(tree)
     if attribute not in found and not found & _MAKES_NAMES:
         classes = [node.name for node in tree.body if isinstance(node, ast.ClassDef)]
         raise InvalidParameter(
-            f"controller {name!r}: {path} has no {attribute!r}; its classes: {', '.join(classes) or 'none'}"
+            "no-such-attribute",
+            "controller {name!r}: {path} has no {attribute!r}",
+            "its classes: {classes!l:none}",
+            name=name,
+            path=path,
+            attribute=attribute,
+            classes=list(classes),
         )
 
 
@@ -102,7 +132,13 @@ def check_world(path: Path) -> None:
         WorldgenError: If it cannot be read.
     """
     if is_archive(path):
-        raise InvalidParameter(f"{path} is an archive of worlds; open its folder: worldgen studio {path.parent}")
+        raise InvalidParameter(
+            "is-an-archive",
+            "{path} is an archive of worlds",
+            "open its folder: worldgen studio {parent}",
+            path=path,
+            parent=path.parent,
+        )
     try:
         read_world(path) if is_world_file(path.name) else read_map(path)
     except WorldgenError as error:

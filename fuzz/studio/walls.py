@@ -111,13 +111,19 @@ class WallAnswers(Opened):
         world = read_world(path)
         facts = Facts.of(world, path.name)
         if facts is None:
-            raise InvalidParameter(f"{path.name} holds no failure; mark one that does")
+            raise InvalidParameter("no-failure", "{name} holds no failure", "mark one that does", name=path.name)
         if part_of(message, "known", bool):
             copy = self.folder.place(f"{KNOWN}/{name_of(facts)}.grid")
             try:
                 copy.parent.mkdir(parents=True, exist_ok=True)
             except OSError as error:
-                raise OutputError(f"{KNOWN}/ cannot be made: {error.strerror or error}; make room for it") from error
+                raise OutputError(
+                    "unwritable",
+                    "{known}/ cannot be made: {reason}",
+                    "make room for it",
+                    known=KNOWN,
+                    reason=error.strerror or str(error),
+                ) from error
             write_bytes(copy, dumps(world), force=True)
         else:
             for entry in self._entries(KNOWN, [], part):

@@ -85,7 +85,12 @@ class Watching:
     def _place(self, name: str) -> Path:
         place = self._folder.place(name)
         if not _reads().is_own(place):
-            raise InvalidParameter(f"{name!r} is no folder of a campaign in the opened one; give the name of another")
+            raise InvalidParameter(
+                "not-a-campaign-folder",
+                "{name!r} is no folder of a campaign in the opened one",
+                "give the name of another",
+                name=name,
+            )
         return place
 
 

@@ -156,7 +156,9 @@ def _scenarios(controllers: Sequence[str], motion: str, time_step: float | None,
             try_out(scenario)
         label = scenario.label(motion, duration)
         if label in found:
-            raise InvalidParameter(f"controller {label!r} is named twice; name each once, or vary it with +option")
+            raise InvalidParameter(
+                "twice", "controller {label!r} is named twice", "name each once, or vary it with +option", label=label
+            )
         found[label] = scenario
     return found
 
@@ -172,7 +174,7 @@ def _worlds(paths: Sequence[Path]) -> list[NamedWorld]:
     worlds = []
     for file, world, folder in found:
         if resolved[file.resolve()] > 1:
-            raise InvalidParameter(f"{file} is given twice; give each world once")
+            raise InvalidParameter("twice", "{file} is given twice", "give each world once", file=file)
         stem = _stem(file)
         name = stem if stems[stem] == 1 else str(file.with_name(stem))
         worlds.append(NamedWorld(name, world, stem, folder))

@@ -79,8 +79,10 @@ def _word(name: str) -> str:
     word = name.replace("-", "_")
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", word) or keyword.iskeyword(word) or keyword.issoftkeyword(word):
         raise InvalidParameter(
-            f"{name!r} is no name for a controller; take up to 64 letters, digits, - and _, a letter first, "
-            "and no word of Python's own, such as my-robot"
+            "not-a-controller-name",
+            "{name!r} is no name for a controller",
+            "take up to 64 letters, digits, - and _, a letter first, and no word of Python's own, such as my-robot",
+            name=name,
         )
     return word
 
@@ -98,7 +100,11 @@ def _place(out: Path | None, word: str, kind: str) -> Path:
         return out / f"{word}{suffix}"
     if kind != "process" and out.suffix != suffix:
         raise OutputError(
-            f"{out} is no folder that is there, and no {suffix} file; make the folder, or name a {suffix} file"
+            "no-place-for-file",
+            "{out} is no folder that is there, and no {suffix} file",
+            "make the folder, or name a {suffix} file",
+            out=out,
+            suffix=suffix,
         )
     return out
 

@@ -177,7 +177,11 @@ class CompiledController:
         speed: object = self.start_speed
         if not isinstance(speed, int | float | np.number) or not speed >= 0.0:  # also true for nan
             raise InvalidParameter(
-                f"controller {self.name!r} has start_speed={speed!r}; give m/s, 0 or more, or inf for the top speed"
+                "out-of-range",
+                "controller {name!r} has start_speed={speed!r}",
+                "give m/s, 0 or more, or inf for the top speed",
+                name=self.name,
+                speed=speed,
             )
 
 
@@ -189,16 +193,29 @@ def check_declared(name: str, senses: object, needs: object) -> None:
     """
     if not isinstance(senses, tuple | list | set | frozenset):
         raise InvalidParameter(
-            f"controller {name!r} has senses={senses!r}, which is no tuple of names; write one such as ('bump', 'x')"
+            "wrong-declaration",
+            "controller {name!r} has senses={senses!r}, which is no tuple of names",
+            "write one such as ('bump', 'x')",
+            name=name,
+            senses=senses,
         )
     unknown = [sense for sense in senses if sense not in Observation._fields]
     if unknown:
         raise InvalidParameter(
-            f"controller {name!r} has a sense {unknown[0]!r}; there are {', '.join(Observation._fields)}"
+            "unknown-name",
+            "controller {name!r} has a sense {sense!r}",
+            "there are {known!l}",
+            name=name,
+            sense=unknown[0],
+            known=list(Observation._fields),
         )
     if not isinstance(needs, RobotOptions):
         raise InvalidParameter(
-            f"controller {name!r} has needs={needs!r}, which are no options; write RobotOptions(beams=36)"
+            "wrong-declaration",
+            "controller {name!r} has needs={needs!r}, which are no options",
+            "write RobotOptions(beams=36)",
+            name=name,
+            needs=needs,
         )
 
 

@@ -97,8 +97,12 @@ def _accept(name: str, thing: Any) -> Controller:
         senses, needs = getattr(thing, "senses", DEFAULT_SENSES), getattr(thing, "needs", RobotOptions())
     if missing:
         raise InvalidParameter(
-            f"controller {name!r} has no {' and no '.join(missing)}; it needs reset() -> memory and "
-            "act(observation, memory) -> (command, memory), or act_many for many robots, or be a CompiledController"
+            "not-a-controller",
+            "controller {name!r} has no {missing}",
+            "it needs reset() -> memory and act(observation, memory) -> (command, memory), "
+            "or act_many for many robots, or be a CompiledController",
+            name=name,
+            missing=" and no ".join(missing),
         )
     check_declared(name, senses, needs)
     controller: Controller = thing

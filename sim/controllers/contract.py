@@ -83,7 +83,15 @@ def check_contract(name: str, evidence: Evidence | None, steps: int) -> None:
         InvalidParameter: If it does.
     """
     if isinstance(evidence, FaultEvidence) and evidence.remedy is not None and steps <= 1:
-        raise InvalidParameter(f"controller {name!r}: {evidence.error}, it was {evidence.answer}; {evidence.remedy}")
+        raise InvalidParameter(
+            "contract-broken",
+            "controller {name!r}: {fault}, it was {answer}",
+            "{remedy}",
+            name=name,
+            fault=evidence.error,
+            answer=evidence.answer,
+            remedy=evidence.remedy,
+        )
 
 
 def _in_short(answer: object) -> str:

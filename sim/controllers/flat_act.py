@@ -33,13 +33,18 @@ def compiled_act(act: Act) -> Any:
             )
     except numba.core.errors.NumbaError as error:
         raise InvalidParameter(
-            f"controller function {_name(act)} does not compile: {_reason(error)}; "
-            "write it with numbers and arrays only, or bring it as a Python class"
+            "does-not-compile",
+            "controller function {function} does not compile: {reason}",
+            "write it with numbers and arrays only, or bring it as a Python class",
+            function=_name(act),
+            reason=_reason(error),
         ) from error
     if any("_random_state" in code for code in compiled.inspect_llvm().values()):
         raise InvalidParameter(
-            f"controller function {_name(act)} draws random numbers of Python or NumPy, which "
-            "no seed of a run decides; use observation[OBS_RANDOM], and say command[CMD_DRAW] = 1.0"
+            "draws-outside-seed",
+            "controller function {function} draws random numbers of Python or NumPy, which no seed of a run decides",
+            "use observation[OBS_RANDOM], and say command[CMD_DRAW] = 1.0",
+            function=_name(act),
         )
     return compiled
 
@@ -79,8 +84,11 @@ def _numba(act: Act) -> Any:
         if error.name != "numba":
             raise
         raise InvalidParameter(
-            f"controller function {_name(act)} is compiled by numba, which is not installed; {pip_install('numba')}, "
-            "or write it in C: worldgen new-controller mine --kind c"
+            "package-missing",
+            "controller function {function} is compiled by numba, which is not installed",
+            "{install}, or write it in C: worldgen new-controller mine --kind c",
+            function=_name(act),
+            install=pip_install("numba"),
         ) from None
     return numba
 

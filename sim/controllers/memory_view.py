@@ -64,6 +64,9 @@ def check_fields(name: str, fields: Any) -> None:
     """
     if not isinstance(fields, tuple | list) or not all(isinstance(one, MemoryField) for one in fields):
         raise InvalidParameter(
-            f"controller {name!r} has memory_fields={fields!r}, which is no tuple of them; "
-            "write (MemoryField('mode', 0, ('seek', 'turn')),)"
+            "wrong-declaration",
+            "controller {name!r} has memory_fields={fields!r}, which is no tuple of them",
+            "write (MemoryField('mode', 0, ('seek', 'turn')),)",
+            name=name,
+            fields=fields,
         )

@@ -82,12 +82,27 @@ class ProcessController:
         memory_limit: int | None = Limits.memory,
     ) -> None:
         if isinstance(command, str) or not command:
-            raise InvalidParameter(f'command={command!r} must be a list of words, such as ["./mine", "--flag"]')
+            raise InvalidParameter(
+                "wrong-type",
+                'command={command!r} must be a list of words, such as ["./mine", "--flag"]',
+                command=command,
+            )
         for name, seconds in (("deadline", deadline), ("start_deadline", start_deadline)):
             if not 0.001 <= seconds <= _LONGEST_DEADLINE:
-                raise InvalidParameter(f"{name}={seconds} s is outside 0.001 to {_LONGEST_DEADLINE:g} s")
+                raise InvalidParameter(
+                    "out-of-range",
+                    "{name}={value} s is outside 0.001 to {most:g} s",
+                    name=name,
+                    value=seconds,
+                    most=_LONGEST_DEADLINE,
+                )
         if memory_limit is not None and not _LEAST_MEMORY <= memory_limit <= _MOST_MEMORY:
-            raise InvalidParameter(f"memory_limit={memory_limit} is outside {_LEAST_MEMORY} to 2**62 bytes, or None")
+            raise InvalidParameter(
+                "out-of-range",
+                "memory_limit={memory_limit} is outside {least} to 2**62 bytes, or None",
+                memory_limit=memory_limit,
+                least=_LEAST_MEMORY,
+            )
         self.command, self.limits = tuple(command), Limits(deadline, start_deadline, memory_limit)
         find_program(self.command)
         self._program: Program | None = None
@@ -108,7 +123,9 @@ class ProcessController:
         """
         parts = _NAME.fullmatch(name)
         if parts is None:
-            raise InvalidParameter(f"controller {name!r} is no command; write {_EXAMPLE}")
+            raise InvalidParameter(
+                "not-a-command", "controller {name!r} is no command", "write {example}", name=name, example=_EXAMPLE
+            )
         settings: dict[str, Any] = {}
         for option in parts["options"].split("+")[1:]:
             key, _, value = option.partition("=")
@@ -118,7 +135,15 @@ class ProcessController:
                 settings["memory_limit"] = _bytes(value)
             else:
                 known = f"{', '.join(PROGRAM_OPTIONS)} and the run's"
-                raise InvalidParameter(f"controller {name!r}: no option {key!r}, but {known}; write {_EXAMPLE}")
+                raise InvalidParameter(
+                    "unknown-name",
+                    "controller {name!r}: no option {key!r}, but {known}",
+                    "write {example}",
+                    name=name,
+                    key=key,
+                    known=known,
+                    example=_EXAMPLE,
+                )
         return cls(_words(name, parts["command"]), **settings)
 
     def __repr__(self) -> str:
@@ -352,9 +377,13 @@ def _words(name: str, command: str) -> list[str]:
     try:
         words = shlex.split(command)
     except ValueError as error:
-        raise InvalidParameter(f"controller {name!r}: {error}; quote it as for a shell") from error
+        raise InvalidParameter(
+            "invalid-quoting", "controller {name!r}: {reason}", "quote it as for a shell", name=name, reason=str(error)
+        ) from error
     if not words:
-        raise InvalidParameter(f"controller {name!r} names no program; write {_EXAMPLE}")
+        raise InvalidParameter(
+            "no-program-named", "controller {name!r} names no program", "write {example}", name=name, example=_EXAMPLE
+        )
     return words
 
 
@@ -362,13 +391,17 @@ def _seconds(key: str, text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InvalidParameter(f"{key}={text!r} is no number; write seconds, like 0.2") from None
+        raise InvalidParameter(
+            "not-a-number", "{key}={text!r} is no number", "write seconds, like 0.2", key=key, text=text
+        ) from None
 
 
 def _bytes(text: str) -> int | None:
     parts = _SIZE.fullmatch(text)
     if parts is None and text != "none":
-        raise InvalidParameter(f"memory={text!r} is no size; write it like 512M or 4G, or none for no limit")
+        raise InvalidParameter(
+            "not-a-size", "memory={text!r} is no size", "write it like 512M or 4G, or none for no limit", text=text
+        )
     return int(parts["number"]) * _UNITS[parts["unit"]] if parts else None
 
 

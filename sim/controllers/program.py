@@ -97,16 +97,30 @@ def find_program(command: tuple[str, ...]) -> str:
         InvalidParameter: If there is none, it may not be executed, or the system is not POSIX.
     """
     if os.name != "posix":
-        raise InvalidParameter("a program can be a controller on POSIX systems only; bring it as a Python class")
+        raise InvalidParameter(
+            "needs-posix", "a program can be a controller on POSIX systems only", "bring it as a Python class"
+        )
     found = shutil.which(command[0])
     if found is not None:
         return found
     if "/" not in command[0] and os.access(command[0], os.X_OK):
-        raise InvalidParameter(f"controller program {command[0]!r} is not on PATH, but here: write ./{command[0]}")
+        raise InvalidParameter(
+            "program-not-on-path",
+            "controller program {program!r} is not on PATH, but here: write ./{program}",
+            program=command[0],
+        )
     if os.path.isfile(command[0]):  # noqa: PTH113 - a text from outside, which Path may refuse
-        raise InvalidParameter(f"controller program {command[0]!r} is not executable; chmod +x {command[0]}")
+        raise InvalidParameter(
+            "not-executable",
+            "controller program {program!r} is not executable",
+            "chmod +x {program}",
+            program=command[0],
+        )
     raise InvalidParameter(
-        f"there is no controller program {command[0]!r}; give its path, such as ./mine, or a name that is on PATH"
+        "program-missing",
+        "there is no controller program {program!r}",
+        "give its path, such as ./mine, or a name that is on PATH",
+        program=command[0],
     )
 
 
@@ -155,7 +169,11 @@ class Program:
             return
         except (OSError, ValueError) as error:
             raise InvalidParameter(
-                f"the memory limit of {memory} bytes cannot be set: {error}; name another, or none"
+                "cannot-limit-memory",
+                "the memory limit of {memory} bytes cannot be set: {reason}",
+                "name another, or none",
+                memory=memory,
+                reason=str(error),
             ) from error
 
     @property
@@ -211,9 +229,14 @@ class Program:
         if self._memory is not None and _wants_memory(said + said_instead, starting=self._answers == 0):
             size = f"{self._memory / (1 << 30):.3g} GiB"
             raise WantsMemory(
-                f"controller program {self._command[0]!r} reserves more than the {size} of address space that it may "
-                f"have, and ended with: {str(_telling_line([said_instead, *lines]))!r}; lift the limit: "
-                f"--controller 'cmd+memory=none:{shlex.join(self._command)}'"
+                "address-space-too-small",
+                "controller program {program!r} reserves more than the {size} of address space that it may "
+                "have, and ended with: {said!r}",
+                "lift the limit: --controller 'cmd+memory=none:{command}'",
+                program=self._command[0],
+                size=size,
+                said=str(_telling_line([said_instead, *lines])),
+                command=shlex.join(self._command),
             )
         report = report_of(said, self._sources) if found.verdict == Verdict.CRASH else {}
         return Misbehaviour(found.verdict, found.error, evidence_table(found.evidence) | told | report)
@@ -380,8 +403,11 @@ def _started(command: tuple[str, ...], file: str) -> subprocess.Popen[bytes]:
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise InvalidParameter(
-            f"controller program {command[0]!r} cannot be started: {reason}; is it a program for this machine, "
-            "or a script that begins with #! and its interpreter?"
+            "cannot-start",
+            "controller program {program!r} cannot be started: {reason}",
+            "is it a program for this machine, or a script that begins with #! and its interpreter?",
+            program=command[0],
+            reason=reason,
         ) from error
 
 
@@ -396,7 +422,10 @@ def _keeper_of(group: int) -> subprocess.Popen[bytes]:
         )
     except OSError as error:
         raise InvalidParameter(
-            f"{_SHELL} cannot be started, which ends a controller's program if this process is killed: {error.strerror}"
+            "cannot-start",
+            "{program} cannot be started, which ends a controller's program if this process is killed: {reason}",
+            program=_SHELL,
+            reason=error.strerror,
         ) from error
 
 

@@ -51,7 +51,13 @@ def library_controller(name: str) -> CompiledController:
     senses = _senses(name, int(info.senses))
     beams = _within(name, "beams", int(info.beams), int(lib.WG_MOST_BEAMS))
     if info.beam_range < 0.0 or info.beam_range != info.beam_range:
-        raise InvalidParameter(f"controller {name!r} has beam_range={info.beam_range:g} m; give 0 or more")
+        raise InvalidParameter(
+            "below-minimum",
+            "controller {name!r} has beam_range={beam_range:g} m",
+            "give 0 or more",
+            name=name,
+            beam_range=info.beam_range,
+        )
     needs: dict[str, Any] = {"beams": beams} if beams else {}
     if info.beam_range:
         needs["beam_range"] = float(info.beam_range)
@@ -77,7 +83,13 @@ def _memory(info: Any, size: int) -> tuple[float, ...]:
 def _within(name: str, field: str, value: int, most: int) -> int:
     if not 0 <= value <= most:
         raise InvalidParameter(
-            f"controller {name!r} has {field}={value}, outside 0 to {most}; change it and build again"
+            "out-of-range",
+            "controller {name!r} has {field}={value}, outside 0 to {most}",
+            "change it and build again",
+            name=name,
+            field=field,
+            value=value,
+            most=most,
         )
     return value
 
@@ -88,7 +100,11 @@ def _senses(name: str, bits: int) -> tuple[str, ...]:
     known += sum(bits_of(sense) for sense in ("target_distance", "random", "time", "odometry_x", "beams"))
     if bits & ~(known | int(lib.WG_SENSE_NOTHING_ELSE)):
         raise InvalidParameter(
-            f"controller {name!r} has senses={bits:#x}, which are not all WG_SENSE_ bits; add up those of the header"
+            "unknown-senses",
+            "controller {name!r} has senses={bits:#x}, which are not all WG_SENSE_ bits",
+            "add up those of the header",
+            name=name,
+            bits=bits,
         )
     if bits == 0:
         return DEFAULT_SENSES

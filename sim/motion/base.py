@@ -39,7 +39,7 @@ class Motion:
 
 def _accept(name: str, thing: Any) -> Motion:
     if not isinstance(thing, Motion):
-        raise InvalidParameter(f"motion model {name!r} is {thing!r}, not a Motion")
+        raise InvalidParameter("wrong-type", "motion model {name!r} is {thing!r}, not a Motion", name=name, thing=thing)
     return thing
 
 

@@ -86,11 +86,28 @@ def mapping(name: str, side: int, pitch: float = PITCH, no_room: float = CERTAIN
         InvalidParameter: If the map is too small or too large, the pitch is not above 0, or the share outside 0 to 10.
     """
     if not LEAST_SIDE <= side <= MOST_SIDE:
-        raise InvalidParameter(f"side={side} is outside {LEAST_SIDE} to {MOST_SIDE} nodes; give one between")
+        raise InvalidParameter(
+            "out-of-range",
+            "side={side} is outside {least_side} to {most_side} nodes",
+            "give one between",
+            side=side,
+            least_side=LEAST_SIDE,
+            most_side=MOST_SIDE,
+        )
     if not (math.isfinite(pitch) and pitch > 0.0):
-        raise InvalidParameter(f"pitch={pitch:g} m is not above 0; give the distance between two nodes of the map")
+        raise InvalidParameter(
+            "out-of-range",
+            "pitch={pitch:g} m is not above 0",
+            "give the distance between two nodes of the map",
+            pitch=pitch,
+        )
     if not 0.0 <= no_room <= 10.0:
-        raise InvalidParameter(f"no_room={no_room:g} is outside 0 to 10 times the robot's radius; give a share near 1")
+        raise InvalidParameter(
+            "out-of-range",
+            "no_room={no_room:g} is outside 0 to 10 times the robot's radius",
+            "give a share near 1",
+            no_room=no_room,
+        )
     size = lattice.memory_size(side)
     return CompiledController(
         name,
