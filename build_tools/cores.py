@@ -110,19 +110,20 @@ CORES = (
             _TYPES,
             _CONTROLLER,
             *_SIM,
+            "sim/core/wg_python_act.h",
             "sim/core/wg_parts.h",
             "sim/core/wg_runs.h",
             "sim/core/wg_navigate.h",
             "sim/core/wg_thesis.h",
         ),
-        ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers"),
+        ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers", _STABLE_ABI),
     ),
     # The search runs the simulator and the prover's flood inside its own loops, so both are compiled into it.
     Core(
         "fuzz._core",
         ("fuzz/core", "sim/core"),
         (_TYPES, _CONTROLLER, *_SIM, "sim/core/wg_parts.h", "fuzz/core/wg_looks.h", "fuzz/core/wg_faults.h"),
-        ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers", "fuzz/core"),
+        ("worldgen/include", "sim/include", "sim/core", "sim/core/controllers", "fuzz/core", _STABLE_ABI),
     ),
 )
 

@@ -5,23 +5,23 @@ A compiled controller is part of a kernel, where nothing can be measured.
 
 from __future__ import annotations
 
-import itertools
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ParamSpec, Self, TypeVar
 
 from sim.stopping import steps_broken_off
 
-__all__ = ["Effort", "sampled", "timed"]
+__all__ = ["MEASURED_EVERY", "Effort", "timed"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
-_EVERY = 17
-"""One call in so many is measured and counts for all of them: measuring each would take 3 % of a quick class's time.
+MEASURED_EVERY = 17
+"""One call in so many is measured and counts for all: measuring each would take a third of a quick class's time.
 
-It is a prime, because a controller may do its heavy work in every tenth or sixteenth step."""
+It is a prime, because a controller may do its heavy work in every tenth or sixteenth step. The first call is always
+measured, and counts once: many controllers do in it what they do only once."""
 
 _spent = [0.0]  # s of this process, in all
 
@@ -76,12 +76,3 @@ def timed(call: Callable[P, T], weight: int = 1) -> Callable[P, T]:
             _spent[0] += weight * (time.perf_counter() - began)
 
     return measured
-
-
-def sampled(call: Callable[P, T]) -> Iterable[Callable[P, T]]:
-    """Return a function endlessly, one to be called in each step: the same each time, and now and then measured.
-
-    The first call is always measured, and counts once: many controllers do in it what they do only once.
-    """
-    around = [call] * (_EVERY // 2)
-    return itertools.chain((timed(call),), itertools.cycle((*around, timed(call, _EVERY), *around)))

@@ -192,17 +192,13 @@ class Workspace:
         observation: (17 + beams,) what the controller senses.
         memory: Its memory.
         command: (3,) speed, turn rate, and whether the random number was used.
-        seen: One byte, whether a wall was touched, at the place of a float64; then ``observation``.
-        answer: 1, ``command`` and ``memory``, for those who write all at once.
     """
 
     def __init__(self, episode: Episode) -> None:
         c = episode.c
         size = int(c.controller.memory_size)
-        self.beams = int(c.workspace.observation.beam_count)
-        self.seen = _buffer(episode, c.workspace.seen, 1 + SENSES + self.beams)
-        self.answer = _buffer(episode, c.workspace.answer, 4 + size)
-        self.observation: Floats = np.frombuffer(self.seen, np.float64)[1:]
+        numbers = SENSES + int(c.workspace.observation.beam_count)
+        self.observation: Floats = np.frombuffer(_buffer(episode, c.workspace.flat, numbers))
         self.memory = np.frombuffer(_buffer(episode, c.robot.body.memory, size)) if size else np.zeros(0)
         self.command = np.frombuffer(_buffer(episode, ffi.addressof(c.workspace, "command"), 3))
 

@@ -5,12 +5,9 @@ from __future__ import annotations
 import contextlib
 import functools
 import io
-import itertools
-import math
 import pickle
 import random
 import re
-import struct
 import sys
 import types
 from collections.abc import Callable, Iterable, Mapping
@@ -20,15 +17,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim._core import lib
-from sim.controllers.base import Command, Memory, Observation, PythonController, VectorController, wants_world
-from sim.controllers.contract import flat_memory, no_command, no_memory
+from sim._core import ffi, lib
+from sim.controllers.base import Memory, PythonController, VectorController, wants_world
+from sim.controllers.contract import flat_memory
 from sim.controllers.process import ProcessController
 from sim.controllers.program import Misbehaviour, WantsMemory
 from sim.controllers.vector import Asker
 from sim.crash_frames import crash_facts
-from sim.effort import sampled, timed
-from sim.lattice_core import MOST_CORNERS, SENSES, Arena, Driver, Episode, Workspace
+from sim.effort import timed
+from sim.lattice_core import MOST_CORNERS, Arena, Driver, Episode, Workspace
+from sim.python_act import Stops, act_in_core
 from sim.stopping import OutOfTime, breakable, in_time
 from sim.verdict import Verdict
 from worldgen.neighbours import neighbours_of
@@ -41,7 +39,6 @@ Ints = npt.NDArray[np.int64]
 Floats = npt.NDArray[np.float64]
 
 _LONGEST_ERROR = 500  # characters of what a controller raised that are kept
-_COMMAND = struct.Struct("3d")  # speed, turn rate, and whether the random number was used
 
 
 class PythonLoop:
@@ -113,10 +110,9 @@ class PythonLoop:
             self._path = np.zeros((MOST_CORNERS * (steps + len(self._arena.events)), 4), np.int64)
             self._rows[0, 1:] = episode.state_words()
             episode.record(self._rows[1:], self._path)
-        stops = in_time(iter(functools.partial(lib.wg_episode_step, episode.c), lib.WG_OVER))
         with working("running the controller", often=True) as work:
             work.say(lambda: f"step {episode.report.steps:,} of at most {steps:,}")
-            driver_of(self._controller)(stops, Workspace(episode), memory)
+            driver_of(self._controller)(Stops(ffi, lib, "wg_episode", episode.c, episode), memory)
 
 
 def crash_of(error: BaseException, controller: object) -> Misbehaviour:
@@ -148,73 +144,26 @@ def memory_at_start(controller: PythonController | VectorController, world: Worl
     return flat_memory(timed(resetting.reset)(replace(world, certificate=None, provenance=None, failure=None)))
 
 
-def driver_of(controller: PythonController | VectorController) -> Callable[[Iterable[int], Workspace, Memory], Memory]:
-    """Return what lets a controller act wherever the core stops.
+def driver_of(controller: PythonController | VectorController) -> Callable[[Stops, Memory], Memory]:
+    """Return what lets a controller act wherever a run stops.
 
-    It takes an iterable, in each of whose steps the controller is to act, the workspace of the episode, and the
-    controller's memory; it returns the memory after the last step.
+    It takes the run and the controller's memory; it returns the memory after the last step.
     """
     if isinstance(controller, VectorController):
         return functools.partial(_act_as_one_of_many, controller)
-    return functools.partial(_act, controller)
-
-
-def _calls(controller: PythonController) -> Iterable[Any]:
-    """Return the controller's function endlessly, now and then measured."""
     is_program = isinstance(controller, ProcessController)  # which is measured where it is waited for
-    return itertools.repeat(controller.act) if is_program else sampled(controller.act)
+    return functools.partial(act_in_core, controller.act, is_measured=not is_program)
 
 
-@breakable
-def _act(controller: PythonController, stops: Iterable[int], room: Workspace, memory: Memory) -> Memory:
-    """Ask a Python class wherever the core stops; return its last memory."""
-    size = len(memory)
-    see = struct.Struct(f"?15x{SENSES - 1 + room.beams}d").unpack_from
-    write = struct.Struct(f"{4 + size}d").pack_into
-    remember = struct.Struct(f"32x{size}d").unpack_from
-    seen, answer_to = room.seen, room.answer
-    new, no_beams = tuple.__new__, ((),)
-    for _, act in zip(stops, _calls(controller), strict=False):
-        values = see(seen)
-        fields = values + no_beams if room.beams == 0 else (*values[:SENSES], values[SENSES:])
-        answer = act(new(Observation, fields), memory)
-        try:
-            asked, after = answer
-        except (TypeError, ValueError):
-            raise no_memory(answer) from None
-        if type(after) is not tuple or len(after) != size:
-            after = flat_memory(after, size)
-        try:
-            speed, turn_rate, used_random = asked if type(asked) is Command else Command(*asked)
-        except TypeError:
-            flat_memory(after, size)  # of two faults this one is told
-            raise no_command(asked) from None
-        try:
-            write(answer_to, 0, 1.0, speed, turn_rate, 1.0 if used_random else 0.0, *after)
-        except (struct.error, OverflowError):
-            kept = flat_memory(after, size)
-            write(answer_to, 0, 1.0, *_numbers(speed, turn_rate, used_random), *kept)
-        memory = remember(answer_to)  # plain floats, also of what had been whole or NumPy's
-    return memory
-
-
-def _numbers(speed: Any, turn_rate: Any, used_random: Any) -> tuple[float, float, float]:
-    """Return a command as floats; what is not a number becomes nan, which the core refuses."""
-    try:
-        numbers = _COMMAND.unpack(_COMMAND.pack(speed, turn_rate, bool(used_random)))
-    except (struct.error, OverflowError):
-        return math.nan, 0.0, 0.0
-    return numbers[0], numbers[1], numbers[2]
-
-
-def _act_as_one_of_many(controller: VectorController, stops: Iterable[int], room: Workspace, memory: Memory) -> Memory:
+def _act_as_one_of_many(controller: VectorController, stops: Stops, memory: Memory) -> Memory:
     """The same for a controller of many robots, of which there is one; the core keeps its memory."""
+    room = Workspace(stops.episode)
     seen = room.observation[np.newaxis]
     kept = room.memory[np.newaxis]
     command = room.command[np.newaxis]
     after = kept.copy()
     asker = Asker(controller, seen, kept, command)
-    for _ in stops:
+    for _ in in_time(stops):
         asker.ask(1, after)
         kept[...] = after
     return memory

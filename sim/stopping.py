@@ -23,6 +23,7 @@ __all__ = [
     "check_time",
     "in_time",
     "is_out_of_time",
+    "portions",
     "steps_broken_off",
     "stopping_when",
     "unbreakable",
@@ -32,6 +33,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 _MOST_STEPS = 16  # steps between two looks at the clock, of a fast controller
+_UNWATCHED = 1 << 10  # steps of a portion where nobody looks at the clock
 _SLOW = 0.1  # s: after a batch of steps that took longer, each step is looked at
 _TICK = 0.2  # s between two looks at the clock in the middle of a step
 _PATIENT = 2  # such looks that find the time over before a step is broken off: most steps end by themselves
@@ -139,27 +141,41 @@ def check_time() -> None:
         raise OutOfTime
 
 
+def portions() -> Iterator[int]:
+    """Return endlessly how many steps to do next, with a look at the clock before each portion.
+
+    Raises:
+        OutOfTime: While iterating, once the time is over.
+    """
+    watch = _watch.get()
+    return itertools.repeat(_UNWATCHED) if watch is None else _watched_portions(watch)
+
+
+def _watched_portions(watch: _Watch) -> Iterator[int]:
+    size = 1
+    began = watch.clock()
+    while True:
+        if watch.is_over():
+            raise OutOfTime
+        yield size
+
+        # Here the portion is done. Begin small and grow, because a first step may already take seconds.
+        now = watch.clock()
+        size = 1 if now - began > _SLOW else min(2 * size, _MOST_STEPS)
+        began = now
+
+
 def in_time(steps: Iterable[int]) -> Iterable[int]:
     """Return the same steps, with a look at the clock every few of them: before each one if they are slow.
 
     Raises:
         OutOfTime: While iterating, once the time is over.
     """
-    watch = _watch.get()
-    return steps if watch is None else itertools.chain.from_iterable(_batches(iter(steps), watch))
+    return steps if _watch.get() is None else itertools.chain.from_iterable(_batches(iter(steps)))
 
 
-def _batches(steps: Iterator[int], watch: _Watch) -> Iterator[Iterable[int]]:
+def _batches(steps: Iterator[int]) -> Iterator[Iterable[int]]:
     """Yield short runs of steps; chained in C, they cost a step nothing that could be measured."""
-    size = 1
-    began = watch.clock()
-    for step in steps:
-        if watch.is_over():
-            raise OutOfTime
+    for step, size in zip(steps, portions(), strict=False):
         yield (step,)
         yield itertools.islice(steps, size - 1)
-
-        # Here the batch is done. Begin small and grow, because a first step may already take seconds.
-        now = watch.clock()
-        size = 1 if now - began > _SLOW else min(2 * size, _MOST_STEPS)
-        began = now

@@ -1,4 +1,4 @@
-// The part of Python's stable ABI that cffi's bindings use, from Python 3.11 on.
+// The part of Python's stable ABI that cffi's bindings and the cores use, from Python 3.11 on.
 //
 // CPython promises that these functions keep their names, arguments and meaning in every later Python 3, so the cores
 // need no headers of the Python that they are built with. Many machines lack them, and those of another system can't be
@@ -47,6 +47,8 @@ WG_IMPORTED void PyEval_RestoreThread(PyThreadState *state);
 
 WG_IMPORTED int PyArg_UnpackTuple(PyObject *arguments, const char *name, Py_ssize_t least, Py_ssize_t most, ...);
 WG_IMPORTED PyObject *PyBool_FromLong(long value);
+WG_IMPORTED int PyErr_CheckSignals(void);
+WG_IMPORTED void PyErr_Clear(void);
 WG_IMPORTED PyObject *PyErr_Occurred(void);
 WG_IMPORTED void PyErr_SetString(PyObject *type, const char *message);
 WG_IMPORTED void Py_FatalError(const char *message);
@@ -58,8 +60,15 @@ WG_IMPORTED PyObject *PyLong_FromLongLong(long long value);
 WG_IMPORTED PyObject *PyLong_FromUnsignedLong(unsigned long value);
 WG_IMPORTED PyObject *PyLong_FromUnsignedLongLong(unsigned long long value);
 WG_IMPORTED PyObject *PyLong_FromVoidPtr(void *address);
+WG_IMPORTED PyObject *PyObject_CallFunctionObjArgs(PyObject *function, ...);
 WG_IMPORTED PyObject *PyObject_CallMethod(PyObject *object, const char *name, const char *format, ...);
 WG_IMPORTED void PyObject_Free(void *memory);
+WG_IMPORTED int PyObject_IsTrue(PyObject *object);
 WG_IMPORTED void *PyObject_Malloc(size_t size);
+WG_IMPORTED PyObject *PyObject_Type(PyObject *object);
+WG_IMPORTED PyObject *PyTuple_GetItem(PyObject *tuple, Py_ssize_t at);
+WG_IMPORTED PyObject *PyTuple_New(Py_ssize_t size);
+WG_IMPORTED int PyTuple_SetItem(PyObject *tuple, Py_ssize_t at, PyObject *item);
+WG_IMPORTED Py_ssize_t PyTuple_Size(PyObject *tuple);
 
 #endif

@@ -169,6 +169,11 @@ int64_t wg_seat_step(WgSeat *seat)
     return WG_OVER;
 }
 
+int64_t wg_seat_stop(void *subject)
+{
+    return wg_seat_step(subject);
+}
+
 // Notes that a controller which is a C function has failed, while it ran or while it was watched.
 static void note_crash(WgSeat *seat)
 {

@@ -120,6 +120,9 @@ WgStatus wg_seat_begin(WgSeat *seat);
 // run is noted, WG_OVER. seat->watch says whether the robot is only watched.
 int64_t wg_seat_step(WgSeat *seat);
 
+// The same as a WgStop, of a WgSeat.
+int64_t wg_seat_stop(void *subject);
+
 // For a controller that is a C function: runs from `at` on, so many steps or little more. Returns WG_OVER
 // when all runs are noted, else WG_GOES_ON.
 int64_t wg_looks_run(WgSeat *seat, int64_t most_steps);

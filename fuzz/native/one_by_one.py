@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import sys
 import zlib
 from collections.abc import Callable
 from dataclasses import replace
 
 from fuzz.crash_bucket import crash_bucket
-from fuzz.native.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat, lib
+from fuzz.native.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat, ffi, lib
 from sim.controllers import ProcessController, PythonController, VectorController
 from sim.controllers.program import Misbehaviour, WantsMemory
-from sim.lattice_core import Workspace
+from sim.python_act import Stops
 from sim.python_loop import crash_of, driver_of, memory_at_start, plans
-from sim.stopping import OutOfTime, in_time, is_out_of_time
+from sim.stopping import OutOfTime, is_out_of_time
 from sim.verdict import Verdict
 from worldgen.world import World
 
@@ -75,8 +74,7 @@ class OneByOne:
             seat = self._seated(n, len(memory))
             seat.memory[:] = memory
             seat.begin()
-            stops = in_time(iter(functools.partial(lib.wg_seat_step, seat.c), lib.WG_OVER))
-            self._drive(stops, Workspace(seat.episode), memory)
+            self._drive(Stops(ffi, lib, "wg_seat", seat.c, seat.episode), memory)
         except OutOfTime:
             if seat is None or seat.c.watch < 0:  # else how it ended is known already
                 raise

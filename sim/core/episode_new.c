@@ -47,7 +47,7 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
     int64_t words = WG_STATE_WORDS + memory;
     int64_t corners = WG_MOST_CORNERS * (most_events_of_a_step(arena) + 1);
     int64_t corner_words = corners * (int64_t)(sizeof(WgCorner) / sizeof(uint64_t));
-    int64_t flat = 1 + WG_SENSES + beams;
+    int64_t flat = WG_SENSES + beams;
     int64_t answer = WG_ANSWER + memory;
     int64_t prints = wg_blocks(words) + 1;
     int64_t log = log_steps > 0 ? log_steps + 1 : 0;
@@ -70,8 +70,7 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
     episode->robot.body = take(&rest, words);
     episode->robot.chain = take(&rest, corner_words);
     episode->workspace.beams = take(&rest, beams);
-    episode->workspace.seen = take(&rest, flat);
-    episode->workspace.flat = episode->workspace.seen + 1;
+    episode->workspace.flat = take(&rest, flat);
     episode->workspace.answer = take(&rest, answer);
     episode->search.prints = take(&rest, prints);
     episode->search.known = take(&rest, words);

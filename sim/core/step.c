@@ -238,7 +238,6 @@ void wg_take_answer(WgEpisode *episode)
 
 void wg_flatten(WgWorkspace *workspace)
 {
-    *(uint8_t *)workspace->seen = workspace->observation.bump != 0.0;
     memcpy(workspace->flat, &workspace->observation, WG_SENSES * sizeof(double));
     int64_t beams = workspace->observation.beam_count;
     if (beams > 0) {

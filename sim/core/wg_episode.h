@@ -69,7 +69,6 @@ typedef struct WgWorkspace {
     WgCommand command;
     double *beams;   // what observation.beams points to
     double *flat;    // (17 + beams,) copy of the observation, for controllers that take flat arrays
-    double *seen;    // a byte, whether the robot touches a wall; 8 bytes from there what `flat` points to at first
     double *answer;  // (4 + memory,)
 } WgWorkspace;
 

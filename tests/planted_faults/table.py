@@ -121,8 +121,7 @@ FAULTS = (
     ),
     Fault(
         "command-of-a-class", "a controller as a Python class runs as its compiled twin",
-        "sim/python_loop.py", "write(answer_to, 0, 1.0, speed, turn_rate, 1.0 if used_random else 0.0, *after)",
-        "write(answer_to, 0, 1.0, speed, turn_rate, 1.0, *after)",
+        "sim/core/python_act.c", "taken[3] = used_random;", "taken[3] = 1.0;",
         ("tests/sim/test_episode.py", "tests/sim/test_vector_controllers.py"),
     ),
     Fault(

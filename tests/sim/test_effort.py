@@ -6,7 +6,8 @@ import pytest
 
 from sim import Command, RunOptions, simulate
 from sim import effort as module
-from sim.effort import Effort, sampled, timed
+from sim.effort import Effort, timed
+from sim.episode import prepare
 from worldgen import generate
 
 
@@ -38,15 +39,6 @@ def test_a_timed_call_that_raises_counts_too(clock):
     assert own_time_of(work) == 1.0
 
 
-@pytest.mark.parametrize(("calls", "seconds"), [(1, 1.0), (1 + 17, 1.0 + 17.0), (1 + 17 * 5, 1.0 + 17.0 * 5)])
-def test_sampled_calls_count_for_all(calls, seconds, clock):
-    def work():
-        for call in itertools.islice(sampled(lambda: None), calls):
-            call()
-
-    assert own_time_of(work) == seconds
-
-
 def test_a_share_is_never_more_than_all():
     assert Effort(1.0, 1.7).share == 1.0
     assert Effort().share == 0.0
@@ -63,9 +55,12 @@ class Ahead:
         return Command(observation.top_speed), memory
 
 
-def test_runs_of_a_python_class_count(clock):
-    work = lambda: simulate(generate("corridor", 1), Ahead(), RunOptions(steps=40))  # noqa: E731
-    assert own_time_of(work) > 0.0
+@pytest.mark.parametrize(("calls", "seconds"), [(1, 1.0), (1 + 17, 1.0 + 17.0), (1 + 17 * 5, 1.0 + 17.0 * 5)])
+def test_measured_steps_of_a_python_class_count_for_all(calls, seconds, clock):
+    run = prepare(generate("corridor", 1), Ahead(), RunOptions(steps=calls))
+    of_reset = 1.0
+    work = lambda: run.run(calls, find_loop=False, record=False, digest=False)  # noqa: E731
+    assert own_time_of(work) == of_reset + seconds
 
 
 def test_runs_of_a_compiled_controller_do_not(clock):
