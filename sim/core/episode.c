@@ -44,38 +44,6 @@ static bool run_any(WgEpisode *episode, int64_t last)
     return true;
 }
 
-// The same for a plain run with little memory that seeks a loop and is not recorded.
-static bool run_plain(WgEpisode *episode, int64_t last)
-{
-    const WgArena *arena = episode->arena;
-    const WgSettings *settings = episode->settings;
-    WgRobot *robot = &episode->robot;
-    WgWorkspace *workspace = &episode->workspace;
-    WgSearch *search = &episode->search;
-    for (int64_t step = episode->step + 1; step <= last; step++) {
-        if (wg_move_and_sense_if(arena, settings, robot, workspace, step, true)
-            && !wg_act_if(settings, &episode->controller, workspace, step, robot, true)) {
-            episode->step = step;
-            return false;
-        }
-        wg_count_contact(robot);
-        int64_t period = 0;
-        if (robot->report.ending == WG_LIMIT) {
-            uint64_t fingerprint = wg_fingerprint_of_body(robot->body, search->words);
-            period = wg_search_log(search, fingerprint, step, 0, settings->steps);
-            if (period == 0) {
-                continue;
-            }
-            robot->report.ending = WG_LOOP;
-            robot->report.period = period;
-        }
-        episode->step = step;
-        return false;
-    }
-    episode->step = last;
-    return true;
-}
-
 int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps)
 {
     const WgSettings *settings = episode->settings;
@@ -83,9 +51,7 @@ int64_t wg_episode_run(WgEpisode *episode, int64_t most_steps)
     if (episode->over != 0) {
         return WG_OVER;
     }
-    bool plain = wg_is_plain(episode->arena, settings) && settings->find_loop == WG_SEEK_LOOP
-                 && episode->search.words <= WG_FEW_WORDS && episode->recording.rows == NULL;
-    bool goes_on = plain ? run_plain(episode, last) : run_any(episode, last);
+    bool goes_on = wg_is_plain(episode) ? wg_run_plain(episode, last) : run_any(episode, last);
     episode->over = !goes_on || episode->step >= settings->steps;
     return episode->over != 0 ? WG_OVER : WG_GOES_ON;
 }

