@@ -235,4 +235,19 @@ def test_samples_lie_in_the_middle_of_equal_parts():
 
 def test_places_in_each_others_discs_are_one_decision():
     spots = junctions_module._Spots(np.array([0, 1, 9]), np.array([4, 4, 4]), 100)
-    assert len(list(spots.groups([0, 1, 2]))) == 2
+    assert len(list(spots.groups())) == 2
+
+
+@given(hnp.arrays(np.bool_, st.tuples(st.integers(1, 90), st.integers(1, 60)), elements=st.just(False)), st.data())
+def test_distances_above_the_most_that_matters_are_above_it(marks, data):
+    marks = marks.copy()
+    for _ in range(data.draw(st.integers(1, 30))):
+        marks[data.draw(st.integers(0, marks.shape[0] - 1)), data.draw(st.integers(0, marks.shape[1] - 1))] = True
+    most = data.draw(st.integers(0, 3000))
+    y, x = np.indices(marks.shape)
+    expected = np.min([(x - mx) ** 2 + (y - my) ** 2 for my, mx in np.argwhere(marks)], axis=0)
+    found = squared_distances(marks, most)
+    matters = expected <= most
+    assert np.array_equal(found[matters], expected[matters])
+    assert (found[~matters] > most).all()
+    assert np.array_equal(squared_distances(marks), expected)

@@ -184,15 +184,28 @@ WgStatus wg_plant(uint8_t *barred, int64_t size, const int64_t *places, const in
 // Squared distance from each node to the nearest marked one, exactly.
 //
 // marked: (rows, columns) 1 where a node is marked.
-// found:  (rows, columns) to be filled; (rows + columns)^2 if none is marked.
-WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t columns, int32_t *found);
+// most:   instead of a square above this, any number above it is given; that takes less time.
+// found:  (rows, columns) to be filled; above 2^30 if none is marked, or (rows + columns)^2 if that is less.
+WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t columns, int64_t most, int32_t *found);
 
-// Marks the nodes that are clear and have no larger free disc next to them.
+// Marks the nodes that are clear, have no larger free disc next to them, and are at most two radii of theirs away from
+// something.
 //
 // clear:    (rows, columns) 1 where the disc is clear; 0 on the rim.
 // squared:  (rows, columns) squared distances to the nearest wall.
+// away:     (rows, columns) squared distances to that.
 // found:    (rows, columns) to be filled.
-WgStatus wg_largest_discs(const uint8_t *clear, const int32_t *squared, int64_t rows, int64_t columns, uint8_t *found);
+WgStatus wg_largest_discs(const uint8_t *clear, const int32_t *squared, const int32_t *away, int64_t rows,
+                          int64_t columns, uint8_t *found);
+
+// Whether places lie in no larger disc of another place.
+//
+// places:  (count,) nodes, flat, in ascending order.
+// sizes:   (count,) squared radii of their discs.
+// asked:   (asked_count,) numbers of places.
+// found:   (asked_count,) to be filled.
+WgStatus wg_highest(const int64_t *places, const int64_t *sizes, int64_t count, int64_t stride, const int64_t *asked,
+                    int64_t asked_count, uint8_t *found);
 
 // Sorts the clear nodes by their distance from a point; those of the same distance stay in their order.
 //

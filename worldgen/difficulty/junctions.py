@@ -33,24 +33,50 @@ def decision_points(nodes: Nodes, touched: Ints) -> list[tuple[int, int, int]]:
     """
     near = np.zeros(nodes.graph.clear.shape, np.bool_)
     near[touched[:, 1], touched[:, 0]] = True
-    away = squared_distances(near)
-    places = np.flatnonzero(_largest_discs(nodes) & (away <= 4 * nodes.clearance_sq))  # and all whose discs hold these
+    # Those whose discs the way may enter, and all whose discs hold these.
+    away = squared_distances(near, 4 * int(nodes.clearance_sq.max(initial=0)))
+    places = np.flatnonzero(_largest_discs(nodes, away))
     sizes = nodes.clearance_sq.ravel()[places]
-    spots = _Spots(places, sizes, nodes.graph.stride)
     chosen = np.flatnonzero(away.ravel()[places] <= sizes)
-    # The test in Python is the dearer one, so it sees what the one in C leaves.
+    chosen = chosen[_highest(nodes, places, sizes, chosen)]
     chosen = chosen[_openings(nodes, places[chosen], sizes[chosen]) >= 3]
-    chosen = chosen[spots.highest(chosen)]
-    return sorted(max(group, key=lambda spot: spot[2]) for group in spots.groups(chosen.tolist()))
+    spots = _Spots(places[chosen], sizes[chosen], nodes.graph.stride)
+    return sorted(max(group, key=lambda spot: spot[2]) for group in spots.groups())
 
 
-def _largest_discs(nodes: Nodes) -> Bools:
-    """Return whether the robot is clear at a node, and none of its eight neighbours has a larger free disc."""
+def _largest_discs(nodes: Nodes, away: Ints) -> Bools:
+    """Return whether the robot is clear at a node, none of its eight neighbours has a larger free disc, and it is near.
+
+    Args:
+        nodes: The world at rest.
+        away: Squared distances; at most two radii of the disc count as near.
+    """
     ffi, lib = _core.ffi, _core.lib
     found = np.empty(nodes.graph.clear.shape, np.bool_)
     clear = pointer(ffi, np.ascontiguousarray(nodes.graph.clear), np.bool_)
     squared = pointer(ffi, nodes.clearance_sq, np.int32)
-    check(lib.wg_largest_discs(clear, squared, *found.shape, writable(ffi, found, np.bool_)))
+    near = pointer(ffi, away, np.int32)
+    check(lib.wg_largest_discs(clear, squared, near, *found.shape, writable(ffi, found, np.bool_)))
+    return found
+
+
+def _highest(nodes: Nodes, places: Ints, sizes: Ints, chosen: Ints) -> Bools:
+    """Return whether places lie in no larger disc than their own.
+
+    Args:
+        nodes: The world at rest.
+        places: (n,) flat indices, sorted.
+        sizes: (n,) squared radii.
+        chosen: (k,) numbers of the places in question.
+    """
+    ffi, lib = _core.ffi, _core.lib
+    found = np.empty(len(chosen), np.bool_)
+    at = [pointer(ffi, numbers.astype(np.int64), np.int64) for numbers in (places, sizes, chosen)]
+    check(
+        lib.wg_highest(
+            at[0], at[1], len(places), nodes.graph.stride, at[2], len(chosen), writable(ffi, found, np.bool_)
+        )
+    )
     return found
 
 
@@ -91,15 +117,9 @@ class _Spots:
             for other in self._boxes.get((column + dx, row + dy), ()):
                 yield other, (self.spots[other][0] - x) ** 2 + (self.spots[other][1] - y) ** 2
 
-    def highest(self, chosen: Ints) -> Bools:
-        """Whether places lie in no larger disc than their own."""
-        size = [spot[2] for spot in self.spots]
-        found = [not any(size[k] < size[other] >= apart for other, apart in self._near(k)) for k in chosen.tolist()]
-        return np.array(found, np.bool_)
-
-    def groups(self, chosen: list[int]) -> Iterator[list[tuple[int, int, int]]]:
-        """Some of the places, those that lie in each other's discs together."""
-        left = set(chosen)
+    def groups(self) -> Iterator[list[tuple[int, int, int]]]:
+        """The places, those that lie in each other's discs together."""
+        left = set(range(len(self.spots)))
         while left:
             group = [left.pop()]
             for k in group:

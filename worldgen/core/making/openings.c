@@ -160,23 +160,6 @@ static int64_t count_parts(Search *search, const Ring *ring, int64_t place, int3
     return parts;
 }
 
-WgStatus wg_largest_discs(const uint8_t *clear, const int32_t *squared, int64_t rows, int64_t columns, uint8_t *found)
-{
-    if (!wg_rim_is_closed(clear, rows * columns, columns)) {
-        return WG_BAD_SIZE;
-    }
-    int64_t steps[8];
-    wg_eight_steps(columns, steps);
-    for (int64_t at = 0; at < rows * columns; at++) {
-        bool highest = clear[at] != 0;
-        for (int direction = 0; highest && direction < 8; direction++) {
-            highest = squared[at + steps[direction]] <= squared[at];
-        }
-        found[at] = highest;
-    }
-    return WG_OK;
-}
-
 WgStatus wg_openings(const uint8_t *clear, const uint8_t *middle, int64_t size, int64_t stride, const int64_t *places,
                      const int64_t *sizes, int64_t count, int64_t *found)
 {

@@ -4,17 +4,17 @@
 // filled in that order, Barnes, Lehman, Mulla, "Priority-Flood", 2014.
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "grid.h"
 #include "wg_making.h"
 
 enum { AT_TARGET = 1, AT_BOTH = 3 };
 
-// Sets of nodes, each numbered by its rank in the order of distances.
+// Sets of nodes, each numbered by its rank in the order of distances. The root of a set is its lowest node.
 typedef struct Sets {
-    int32_t *rank;    // of each node; -1 before it is known
+    int32_t *rank;    // of each node; -1 until it is its turn
     int32_t *parent;  // the root of a set is its own
-    int32_t *bottom;  // of each root: the lowest node of its set
     uint8_t *role;    // of each root: what is in its set
 } Sets;
 
@@ -31,7 +31,6 @@ static void sets_free(Sets *sets)
 {
     free(sets->rank);
     free(sets->parent);
-    free(sets->bottom);
     free(sets->role);
 }
 
@@ -39,18 +38,13 @@ static bool sets_begin(Sets *sets, const int64_t *places, int64_t count, const u
 {
     sets->rank = malloc((size_t)size * sizeof *sets->rank);
     sets->parent = malloc((size_t)(count + 1) * sizeof *sets->parent);
-    sets->bottom = malloc((size_t)(count + 1) * sizeof *sets->bottom);
     sets->role = malloc((size_t)(count + 1) * sizeof *sets->role);
-    if (sets->rank == NULL || sets->parent == NULL || sets->bottom == NULL || sets->role == NULL) {
+    if (sets->rank == NULL || sets->parent == NULL || sets->role == NULL) {
         return false;
     }
-    for (int64_t at = 0; at < size; at++) {
-        sets->rank[at] = -1;
-    }
+    memset(sets->rank, -1, (size_t)size * sizeof *sets->rank);
     for (int64_t r = 0; r < count; r++) {
-        sets->rank[places[r]] = (int32_t)r;
         sets->parent[r] = (int32_t)r;
-        sets->bottom[r] = (int32_t)r;
         sets->role[r] = role[places[r]];
     }
     return true;
@@ -68,7 +62,7 @@ WgStatus wg_pockets(const int64_t *places, const int64_t *squared, int64_t count
             return WG_BAD_VALUE;
         }
     }
-    Sets sets = {NULL, NULL, NULL, NULL};
+    Sets sets = {NULL, NULL, NULL};
     if (!sets_begin(&sets, places, count, role, size)) {
         sets_free(&sets);
         return WG_OUT_OF_MEMORY;
@@ -86,10 +80,10 @@ WgStatus wg_pockets(const int64_t *places, const int64_t *squared, int64_t count
             break;
         }
         int32_t root = r;
+        sets.rank[places[r]] = r;
         for (int direction = 0; direction < 8; direction++) {
             int32_t other = sets.rank[places[r] + steps[direction]];
-            bool earlier = other >= 0 && other < r;
-            if (!earlier || (direction > 3 && middle[places[r] + middles[direction]] == 0)) {
+            if (other < 0 || (direction > 3 && middle[places[r] + middles[direction]] == 0)) {
                 continue;
             }
             other = find_root(sets.parent, other);
@@ -99,21 +93,18 @@ WgStatus wg_pockets(const int64_t *places, const int64_t *squared, int64_t count
             // What does not hold the target is a pocket, with its bottom.
             if (((sets.role[other] ^ sets.role[root]) & AT_TARGET) != 0) {
                 bool root_has_target = (sets.role[root] & AT_TARGET) != 0;
-                int32_t low = root_has_target ? sets.bottom[other] : sets.bottom[root];
+                int32_t low = root_has_target ? other : root;
                 if (squared[low] < level) {
                     joined[2 * found] = level;
                     joined[2 * found + 1] = squared[low];
                     found++;
                 }
             }
-            // The lower number is the root.
+            // The lower one is the root.
             int32_t kept = other < root ? other : root;
             int32_t gone = other < root ? root : other;
             sets.parent[gone] = kept;
             sets.role[kept] |= sets.role[gone];
-            if (sets.bottom[gone] < sets.bottom[kept]) {
-                sets.bottom[kept] = sets.bottom[gone];
-            }
             root = kept;
         }
         if (pass < 0 && sets.role[root] == AT_BOTH) {
