@@ -141,7 +141,10 @@ class EditedRuns:
         todo = np.array(edits, np.int64)
         rows = ffi.cast("WgEdit *", pointer(ffi, todo, np.int64))
         grid = grid_of(fresh.cells)
-        check(lib.wg_first_edit(episode.c, settings, run.settings, grid, rows, len(todo), wanted_struct, tried))
+        count = len(todo)
+        while count > tried.next or tried.running:
+            check(lib.wg_first_edit(episode.c, settings, run.settings, grid, rows, count, wanted_struct, tried))
+            count = tried.next  # a run that is not over is run on, in portions between which Ctrl-C is heard
         self.trials += int(tried.runs)
         return bool(tried.found), int(tried.next)
 

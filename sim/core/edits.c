@@ -169,23 +169,41 @@ static bool prepare(const WgArena *arena, WgSettings *settings, const WgSettings
     return true;
 }
 
+// Makes the next edit, and begins its run if one is to be had.
+static WgStatus begin_run(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
+                          const WgEdit *edits, const WgWanted *wanted, const Scratch *scratch, WgTried *tried)
+{
+    const WgEdit *edit = &edits[tried->next++];
+    if (!prepare(episode->arena, settings, before, old, edit, wanted->by_way != 0, scratch)) {
+        return WG_OK;
+    }
+    tried->runs++;
+    tried->running = 1;
+    return wg_episode_begin(episode);
+}
+
 static WgStatus try_edits(WgEpisode *episode, WgSettings *settings, const WgSettings *before, WgGrid old,
                           const WgEdit *edits, int64_t count, const WgWanted *wanted, const Scratch *scratch,
                           WgTried *tried)
 {
-    int64_t steps = 0;
-    while (tried->next < count && steps < wanted->steps) {
-        const WgEdit *edit = &edits[tried->next++];
-        if (!prepare(episode->arena, settings, before, old, edit, wanted->by_way != 0, scratch)) {
+    int64_t left = wanted->steps;
+    while (left > 0 && (tried->running != 0 || tried->next < count)) {
+        if (tried->running == 0) {
+            WgStatus status = begin_run(episode, settings, before, old, edits, wanted, scratch, tried);
+            if (status != WG_OK) {
+                return status;
+            }
             continue;
         }
-        tried->runs++;
-        WgStatus status = wg_episode_begin(episode);
-        if (status != WG_OK) {
-            return status;
+
+        // A run that is longer than what is left continues in the next call.
+        int64_t earlier = episode->step;
+        bool goes_on = wg_episode_run(episode, left) == WG_GOES_ON;
+        left -= episode->step - earlier;
+        if (goes_on) {
+            break;
         }
-        wg_episode_run(episode, INT64_MAX / 2);
-        steps += episode->robot.report.steps;
+        tried->running = 0;
         if (is_wanted(&episode->robot.report, wanted)) {
             tried->found = 1;
             break;

@@ -58,17 +58,19 @@ typedef struct WgWanted {
     int64_t ending;   // WG_LIMIT, ... or WG_ANY_ENDING
     int64_t overlap;  // 1: with an overlap; 0: without; -1: it does not matter
     int64_t by_way;   // 1: the target is surely to be reached after an edit that moves cells
-    int64_t steps;    // after which to come back even if nothing was found, so that a clock or Ctrl-C is heard
+    int64_t steps;    // after which to come back, even in the middle of a run, so that a clock or Ctrl-C is heard
 } WgWanted;
 
 // What was done.
 typedef struct WgTried {
-    int64_t next;   // index of the edit at which to go on
+    int64_t next;     // index of the edit at which to go on
     int64_t runs;
-    int64_t found;  // 1: the edit before `next` is one
+    int64_t found;    // 1: the edit before `next` is one
+    int64_t running;  // 1: the run of the edit before `next` is not over; the next call continues it
 } WgTried;
 
-// Tries edits from tried->next on, until one is found or wanted->steps steps are done.
+// Tries edits from tried->next on, until one is found or wanted->steps steps are done. A run that was not over after the
+// last call continues first, so nothing that the arguments point to may change in between.
 //
 // settings:  those of the episode, whose arena has the shape after the edits and its events.
 // before:    those of the world before the edit, with the start as the world says it.

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fuzz.shrink.edits import edited
+from sim import edited_runs
 from sim.controllers import CONTROLLERS
 from sim.edited_runs import CellEdit, EditedRuns, EditKind, Wanted, has_sure_way
 from sim.episode import prepare
@@ -66,7 +67,9 @@ def test_each_edit_ends_as_when_it_is_run_alone(motion, step, ending, overlap, d
         assert (found is not None) == (plain(world, edit, controller, motion, step) == (ending, overlap)), edit
 
 
-def test_the_first_of_many_edits_is_found_and_the_rest_goes_on_from_there():
+@pytest.mark.parametrize("steps_at_once", [7, 1_000_000])
+def test_the_first_of_many_edits_is_found_and_the_rest_goes_on_from_there(steps_at_once, monkeypatch):
+    monkeypatch.setattr(edited_runs, "_STEPS_AT_ONCE", steps_at_once)
     world, controller = room(), CONTROLLERS.get("turn-right")
     edits = list(edits_of(world))
     runs, hits, begin = EditedRuns(world, controller, RunOptions("swept", STEPS)), [], 0
