@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Protocol
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, Message
 
 __all__ = ["ENDINGS", "ArchiveWriter", "Member", "archive_in", "is_archive", "members", "writer_for"]
 
@@ -130,15 +130,25 @@ def _told(source: str) -> Iterator[None]:
     try:
         yield
     except FileNotFoundError as error:
-        raise FormatError("there is no such file; check the name", source=source) from error
+        raise FormatError("no-such-file", "there is no such file", "check the name", source=source) from error
     except (zipfile.BadZipFile, tarfile.TarError, EOFError, zlib.error, struct.error, ValueError) as error:
         if isinstance(error, FormatError):
             raise
-        raise FormatError(f"no sound archive: {error or 'it is cut off'}; copy it again", source=source) from error
+        raise FormatError(
+            "damaged-file",
+            "no sound archive: {reason}",
+            "copy it again",
+            reason=error or "it is cut off",
+            source=source,
+        ) from error
     except (NotImplementedError, RuntimeError) as error:  # another compression, or encrypted
-        raise FormatError(f"cannot be unpacked: {error}; pack it anew without that", source=source) from error
+        raise FormatError(
+            "unsupported", "cannot be unpacked: {reason}", "pack it anew without that", reason=str(error), source=source
+        ) from error
     except OSError as error:
-        raise FormatError(f"cannot be read: {error.strerror or error}", source=source) from error
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", reason=error.strerror or str(error), source=source
+        ) from error
 
 
 def members(path: Path) -> Iterator[Member]:
@@ -172,8 +182,10 @@ def _zip_members(stream: IO[bytes], source: str, most: int) -> Iterator[Member]:
 
             def read(limit: int, entry: zipfile.ZipInfo = entry) -> bytes | None:
                 if entry.compress_type not in _METHODS:  # others take memory as the file pleases
-                    message = "is compressed by another method than deflate; pack it anew with that"
-                    raise FormatError(message, source=f"{source}/{entry.filename}")
+                    message = Message(
+                        "unsupported", "is compressed by another method than deflate", "pack it anew with that"
+                    )
+                    raise FormatError.of(message, source=f"{source}/{entry.filename}")
                 with _told(f"{source}/{entry.filename}"), archive.open(entry) as file:
                     data = file.read(limit + 1)
                 return data if len(data) <= limit else None

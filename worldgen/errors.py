@@ -21,6 +21,9 @@ __all__ = [
 ]
 
 
+_MOST_BYTES = 1000  # of a fact; a message quotes far fewer
+
+
 class _Listed(str):
     """Items between commas; the format specification is what an empty list reads as."""
 
@@ -29,10 +32,11 @@ class _Listed(str):
 
 
 class _Words(string.Formatter):
-    """``str.format`` with two more conversions.
+    """``str.format`` with conversions for messages.
 
     ``{name!q}`` quotes text that came from outside; ``{names!l:none}`` puts commas between the items of a list, and
-    reads ``none`` if there are no items.
+    reads ``none`` if there are no items; ``{size!n}`` is a number with six digits, or all of a whole one's;
+    ``{unit!u}`` puts a space before a unit, if there is one.
     """
 
     def convert_field(self, value: Any, conversion: Any) -> Any:
@@ -40,13 +44,19 @@ class _Words(string.Formatter):
             return quote(value)
         if conversion == "l":
             return _Listed(", ".join(map(str, value)))
+        if conversion == "n":
+            return str(value) if isinstance(value, int) else f"{value:g}"
+        if conversion == "u":
+            return value and f" {value}"
         return super().convert_field(value, conversion)
 
 
 def _plain(value: Any) -> Any:
-    """Return a fact as JSON has it: a path as text, a NumPy number as a number."""
+    """Return a fact as JSON has it: a path as text, bytes as the text they begin with, a NumPy number as a number."""
     if isinstance(value, PurePath):
         return str(value)
+    if isinstance(value, bytes | bytearray):
+        return bytes(value[:_MOST_BYTES]).decode("utf-8", "backslashreplace")
     if type(value) in (list, tuple):
         return type(value)(map(_plain, value))
     # Asked by name, because importing NumPy would slow down `worldgen --help`.
@@ -62,7 +72,8 @@ class Message:
     Args:
         code: Names the rule, in lower case with dashes: ``door-too-narrow``.
         problem: Template of what came and the rule: ``"door_width={door_width:g} m is less than {least:g} m"``.
-            A field is a fact, as in ``str.format``; ``{name!q}`` quotes text from outside, ``{names!l:none}`` lists.
+            A field is a fact, as in ``str.format``; ``{name!q}`` quotes text from outside, ``{names!l:none}`` lists,
+            ``{size!n}{unit!u}`` is a number and its unit.
         remedy: Template of the way out: ``"widen the door"``; empty if the problem already says it.
         at_terminal: Whether the way out needs a terminal, because it names an option or a command.
         facts: The values, by name.
@@ -92,20 +103,45 @@ class Message:
 
         Args:
             prefix: Template, with what separates it: ``"{file}: "``.
-            facts: The values in it; none may have the name of another fact of the message.
+            facts: The values in it; if one has the name of a fact of the message, the message's stays.
         """
-        return Message(
-            self.code, prefix + self._problem, self._remedy, at_terminal=self.at_terminal, **self.facts, **facts
-        )
+        words, more = self._beside(prefix, facts)
+        return self._copy(words + self._problem, self._remedy, more)
+
+    def before(self, suffix: str, /, **facts: Any) -> Message:
+        """Return the same message with words after its last, such as the line that it is about.
+
+        Args:
+            suffix: Template, with what separates it: ``", in {file}"``.
+            facts: The values in it.
+        """
+        words, more = self._beside(suffix, facts)
+        if self._remedy:
+            return self._copy(self._problem, self._remedy + words, more)
+        return self._copy(self._problem + words, "", more)
+
+    def with_remedy(self, remedy: str, /, **facts: Any) -> Message:
+        """Return the same message with another way out, such as that of an outer caller."""
+        return self._copy(self._problem, remedy, facts)
 
     def replaced(self, facts: Mapping[str, Any]) -> Message:
         """Return the same message of other facts, such as paths that are shorter for a reader who knows the folder."""
-        return Message(self.code, self._problem, self._remedy, at_terminal=self.at_terminal, **{**self.facts, **facts})
+        return self._copy(self._problem, self._remedy, facts)
 
     @property
     def templates(self) -> tuple[str, str]:
         """The templates of problem and remedy, to store the message and word it later."""
         return self._problem, self._remedy
+
+    def _beside(self, template: str, facts: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+        """Return a template to put next to this message's, and facts to put next to its own."""
+        if facts.keys().isdisjoint(self.facts):
+            return template, facts
+        return Message("", template, **facts).problem.replace("{", "{{").replace("}", "}}"), {}
+
+    def _copy(self, problem: str, remedy: str, facts: Mapping[str, Any]) -> Message:
+        """Return the message with other templates, and with these facts over its own."""
+        return Message(self.code, problem, remedy, at_terminal=self.at_terminal, **{**self.facts, **facts})
 
     def word(self, template: str) -> str:
         """Fill a template with the facts, such as a front end's own remedy for this code."""

@@ -125,7 +125,14 @@ class Family:
             if name in self.constants:
                 self._check_constant(name, params[name])
             elif name not in known:
-                raise InvalidParameter(f"{self.name} has no parameter {name!r}; it has {', '.join(known)}")
+                raise InvalidParameter(
+                    "unknown-name",
+                    "{family} has no parameter {parameter!r}",
+                    "it has {known!l}",
+                    family=self.name,
+                    parameter=name,
+                    known=list(known),
+                )
         complete = {
             name: parameter.accept(params.get(name, parameter.default), self.name) for name, parameter in known.items()
         }
@@ -134,8 +141,13 @@ class Family:
     def _check_constant(self, name: str, value: Value) -> None:
         if value != self.constants[name]:
             raise InvalidParameter(
-                f"{self.name}: {name} is {str(value)[:60]!r}, here it is {str(self.constants[name])[:60]!r}; this "
-                "version makes other worlds: take the one that the world was made with"
+                "other-version",
+                "{family}: {name} is {value!r}, here it is {here!r}",
+                "this version makes other worlds: take the one that the world was made with",
+                family=self.name,
+                name=name,
+                value=str(value)[:60],
+                here=str(self.constants[name])[:60],
             )
 
 
@@ -144,8 +156,11 @@ def _check_signature(name: str, build: Build) -> None:
     for parameter in list(inspect.signature(build).parameters.values())[1:]:
         if parameter.name == MARGIN and type(parameter.default) is not float:
             raise InvalidParameter(
-                f"family {name!r}: {MARGIN} is the margin in seconds that the witness gets; give it a default that is "
-                "a float, or call the parameter something else"
+                "reserved-name",
+                "family {name!r}: {parameter} is the margin in seconds that the witness gets",
+                "give it a default that is a float, or call the parameter something else",
+                name=name,
+                parameter=MARGIN,
             )
 
 
@@ -176,7 +191,13 @@ def family(name: str, *, version: int, changes: bool = False) -> Callable[[Build
 
 def _accept(name: str, thing: Any) -> Family:
     if not isinstance(thing, Family):
-        raise InvalidParameter(f"family {name!r} is {thing!r}, not a Family; decorate its function with @family")
+        raise InvalidParameter(
+            "wrong-type",
+            "family {name!r} is {value!r}, not a Family",
+            "decorate its function with @family",
+            name=name,
+            value=thing,
+        )
     return thing
 
 
@@ -207,7 +228,12 @@ class FamilyRegistry(Registry[Family]):
         if not ((name.startswith(RECIPE) or name.endswith(".toml")) and isinstance(text, str)):
             return self.get(name)
         if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
-            raise InvalidParameter(f"{name}: files is no table of texts; take it as it stands in a world's provenance")
+            raise InvalidParameter(
+                "wrong-type",
+                "{name}: files is no table of texts",
+                "take it as it stands in a world's provenance",
+                name=name,
+            )
         folder = Path(name).parent if name.endswith(".toml") else None
         key = (text, folder, *sorted((file, str(content)) for file, content in files.items()))
         if key != self._last[0]:  # a set asks for the same one again and again
@@ -215,7 +241,13 @@ class FamilyRegistry(Registry[Family]):
         made_by = self._last[1]
         if made_by is None or (made_by.name != name and name.startswith(RECIPE)):
             other = made_by.name if made_by else "none"
-            raise InvalidParameter(f"{name}: its recipe is that of {other}; name that, or give the other recipe")
+            raise InvalidParameter(
+                "other-recipe",
+                "{name}: its recipe is that of {other}",
+                "name that, or give the other recipe",
+                name=name,
+                other=other,
+            )
         return made_by
 
     def _from_recipe(self, recipe: str, **options: Any) -> Family:

@@ -20,11 +20,19 @@ def check_output(path: Path, force: bool) -> None:
         OutputError: If the file is there and ``force`` is not set, or its folder is missing.
     """
     if path.is_dir():
-        raise OutputError(f"{path} is a folder; name a file in it")
+        raise OutputError("is-a-folder", "{path} is a folder", "name a file in it", path=path)
     if path.is_file() and not force:
-        raise OutputError(f"{path} is there already; give --force to overwrite it, or another name")
+        raise OutputError(
+            "file-exists", "{path} is there already", "give --force to overwrite it, or another name", path=path
+        )
     if not path.parent.is_dir():
-        raise OutputError(f"{path}: the folder {path.parent} does not exist; make it first")
+        raise OutputError(
+            "no-such-folder",
+            "{path}: the folder {folder} does not exist",
+            "make it first",
+            path=path,
+            folder=path.parent,
+        )
 
 
 def read_text(path: Path) -> str:
@@ -37,15 +45,23 @@ def read_text(path: Path) -> str:
         with path.open("rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
         if len(data) > _MOST_BYTES:
-            raise FormatError(f"is larger than {_MOST_BYTES >> 20} MiB; give a smaller file", source=str(path))
+            raise FormatError(
+                "too-large",
+                "is larger than {most} MiB",
+                "give a smaller file",
+                most=_MOST_BYTES >> 20,
+                source=str(path),
+            )
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise FormatError(f"is no UTF-8 text: byte {error.start}; save it as UTF-8", source=str(path)) from error
+        raise FormatError(
+            "not-utf8", "is no UTF-8 text: byte {byte}", "save it as UTF-8", byte=error.start, source=str(path)
+        ) from error
     except FormatError:
         raise
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise FormatError(f"cannot be read: {reason}", source=str(path)) from error
+        raise FormatError("unreadable", "cannot be read: {reason}", reason=reason, source=str(path)) from error
 
 
 def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
@@ -57,19 +73,39 @@ def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
     """
     try:
         if path.is_dir():
-            raise OutputError(f"{path} is a folder; name a file in it")
+            raise OutputError("is-a-folder", "{path} is a folder", "name a file in it", path=path)
         if path.exists() and not force:
-            raise OutputError(f"{path} is there already; give --force to overwrite it, or another name")
+            raise OutputError(
+                "file-exists", "{path} is there already", "give --force to overwrite it, or another name", path=path
+            )
         if not path.parent.is_dir():
-            raise OutputError(f"{path}: the folder {path.parent} does not exist; make it first")
+            raise OutputError(
+                "no-such-folder",
+                "{path}: the folder {folder} does not exist",
+                "make it first",
+                path=path,
+                folder=path.parent,
+            )
         if path.exists() and not path.is_file():  # a device or pipe cannot be replaced
             path.write_bytes(data)
         else:
             _replace(Path(os.path.realpath(path)), data)  # through a link, as any editor writes
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}; choose another place") from error
+        raise OutputError(
+            "unwritable",
+            "{path}: cannot be written: {reason}",
+            "choose another place",
+            path=path,
+            reason=error.strerror or str(error),
+        ) from error
     except ValueError as error:  # a name with a NUL
-        raise OutputError(f"{str(path)!r}: cannot be written: {error}; choose another name") from error
+        raise OutputError(
+            "unwritable",
+            "{path!r}: cannot be written: {reason}",
+            "choose another name",
+            path=str(path),
+            reason=str(error),
+        ) from error
 
 
 def _replace(path: Path, data: bytes) -> None:

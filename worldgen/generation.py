@@ -46,8 +46,13 @@ def generate(name: str | Family, seed: int = 0, **params: Value) -> World:
             return replace(world, certificate=decision.certificate, provenance=provenance)
     settings = ", ".join(f"{parameter.name}={complete[parameter.name]}" for parameter in made_by.parameters)
     raise GenerationFailed(
-        f"{made_by.name}: none of {MAX_ATTEMPTS} layouts lets the robot through (seed {seed}; {settings}); "
-        "give it more room: a larger size, a smaller robot_radius, or fewer obstacles"
+        "no-layout-found",
+        "{family}: none of {layouts} layouts lets the robot through (seed {seed}; {settings})",
+        "give it more room: a larger size, a smaller robot_radius, or fewer obstacles",
+        family=made_by.name,
+        layouts=MAX_ATTEMPTS,
+        seed=seed,
+        settings=settings,
     )
 
 
@@ -71,6 +76,8 @@ def stream(name: str | Family, seed: int = 0, count: int | None = None, **params
     made_by = name if isinstance(name, Family) else FAMILIES.find(name, params)
     complete = made_by.complete(params)
     if count is not None and count < 0:
-        raise InvalidParameter(f"count={count} is below 0; give how many worlds, or leave it out for no end")
+        raise InvalidParameter(
+            "below-minimum", "count={count} is below 0", "give how many worlds, or leave it out for no end", count=count
+        )
     numbers = rising() if count is None else range(count)
     return (generate(made_by, (seed + k) & MASK64, **complete) for k in numbers)

@@ -153,8 +153,11 @@ class _ByBareName(importlib.abc.MetaPathFinder):
         if len(found) > 1:
             folders = " and ".join(str(_FOLDERS[package]) for package in found)
             raise InvalidParameter(
-                f"module {fullname!r} is asked for by name, and it is in {folders}; write `import {fullname}` in the "
-                "file that needs it, or rename one"
+                "ambiguous-module",
+                "module {module!r} is asked for by name, and it is in {folders}",
+                "write `import {module}` in the file that needs it, or rename one",
+                module=fullname,
+                folders=folders,
             )
         return importlib.machinery.ModuleSpec(fullname, _Alias(f"{found[0]}.{fullname}")) if found else None
 

@@ -74,15 +74,29 @@ class Bounds:
         too_low = self.low is not None and not (value > self.low if self.above else value >= self.low)
         if not too_low and (self.high is None or value <= self.high):
             return
-        way_out = "" if self.chosen is None else f", or {_shown(self.chosen)}"
+        facts: dict[str, Any] = {"name": name, "value": value, "low": self.low, "high": self.high, "unit": self.unit}
+        or_chosen = "" if self.chosen is None else ", or {chosen!n}"
         if self.low is not None and self.high is not None and not self.above:
-            between = f"{_shown(self.low)} to {_shown(self.high, self.unit)}"
-            raise InvalidParameter(f"{name}={_shown(value, self.unit)} is outside {between}; give one between{way_out}")
+            raise InvalidParameter(
+                "out-of-range",
+                "{name}={value!n}{unit!u} is outside {low!n} to {high!n}{unit!u}",
+                "give one between" + or_chosen,
+                chosen=self.chosen,
+                **facts,
+            )
         if self.low is not None and self.high is None and not self.above:
-            least = f"{_shown(self.low, self.unit)}; give at least {_shown(self.low)}"
-            raise InvalidParameter(f"{name}={_shown(value, self.unit)} is below {least}{way_out}")
-        rule = f"a finite number above {_shown(self.low)}" if self.high is None and self.low is not None else self.words
-        raise InvalidParameter(f"{name}={_shown(value, self.unit)} is not {rule}; give one")
+            raise InvalidParameter(
+                "below-minimum",
+                "{name}={value!n}{unit!u} is below {low!n}{unit!u}",
+                "give at least {low!n}" + or_chosen,
+                chosen=self.chosen,
+                **facts,
+            )
+        if self.low is not None and self.high is None:
+            problem = "{name}={value!n}{unit!u} is not a finite number above {low!n}"
+        else:
+            problem = "{name}={value!n}{unit!u} is not {rule}"
+        raise InvalidParameter("out-of-range", problem, "give one", rule=self.words, **facts)
 
 
 @dataclass(frozen=True)
@@ -114,13 +128,33 @@ class Parameter:
             with contextlib.suppress(OverflowError):  # what no float holds is refused as it is
                 value = float(value)
         if isinstance(value, int) and not -_INT64 <= value < _INT64:
-            raise InvalidParameter(f"{owner}: {self.name} is a number of more than 64 bits; give a smaller one")
+            raise InvalidParameter(
+                "too-large",
+                "{owner}: {name} is a number of more than 64 bits",
+                "give a smaller one",
+                owner=owner,
+                name=self.name,
+            )
         if type(value) is not kind:
             raise InvalidParameter(
-                f"{owner}: {self.name}={value!r} is a {type(value).__name__}; give a {kind.__name__}"
+                "wrong-type",
+                "{owner}: {name}={value!r} is a {kind}",
+                "give a {expected}",
+                owner=owner,
+                name=self.name,
+                value=value,
+                kind=type(value).__name__,
+                expected=kind.__name__,
             )
         if isinstance(value, float) and not math.isfinite(value):
-            raise InvalidParameter(f"{owner}: {self.name}={value} is not finite; give a finite number")
+            raise InvalidParameter(
+                "not-finite",
+                "{owner}: {name}={value} is not finite",
+                "give a finite number",
+                owner=owner,
+                name=self.name,
+                value=value,
+            )
         if self.choices:
             check_choice(self.name, str(value), self.choices)
         if self.bounds is not None and isinstance(value, int | float):
@@ -140,18 +174,40 @@ class Parameter:
         kind = type(self.default)
         if kind is bool:
             if text is not None and text.lower() not in _SWITCH:
-                raise InvalidParameter(f"{owner}: {self.name}={text[:40]!r} is neither on nor off; write one of these")
+                raise InvalidParameter(
+                    "unknown-name",
+                    "{owner}: {name}={text!r} is neither on nor off",
+                    "write one of these",
+                    owner=owner,
+                    name=self.name,
+                    text=text[:40],
+                )
             return text is None or _SWITCH[text.lower()]
         if not text:
             example = self.choices[-1] if self.choices else self.default
-            raise InvalidParameter(f"{owner}: {self.name} needs a value; write {self.name}={example}")
+            raise InvalidParameter(
+                "missing-value",
+                "{owner}: {name} needs a value",
+                "write {name}={example}",
+                owner=owner,
+                name=self.name,
+                example=example,
+            )
         try:
             return self.accept(kind(text), owner)
         except ValueError as error:
             if isinstance(error, InvalidParameter):
                 raise
             number = "whole number" if kind is int else "number"
-            raise InvalidParameter(f"{owner}: {self.name}={text[:40]!r} is no {number}; write one") from error
+            raise InvalidParameter(
+                "not-a-number",
+                "{owner}: {name}={text!r} is no {expected}",
+                "write one",
+                owner=owner,
+                name=self.name,
+                text=text[:40],
+                expected=number,
+            ) from error
 
 
 def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, ...]:
@@ -167,7 +223,13 @@ def parameters_of(function: Callable[..., Any], owner: str) -> tuple[Parameter, 
     try:
         hints = typing.get_type_hints(function, include_extras=True)
     except NameError as error:
-        raise InvalidParameter(f"{owner}: {error}; import what its annotations name outside TYPE_CHECKING") from error
+        raise InvalidParameter(
+            "wrong-declaration",
+            "{owner}: {reason}",
+            "import what its annotations name outside TYPE_CHECKING",
+            owner=owner,
+            reason=str(error),
+        ) from error
     notes = argument_notes(function.__doc__ or "")
     return tuple(
         Parameter(name, parameter.default, _choices(hints.get(name)), notes.get(name, ""), _bounds(hints.get(name)))
@@ -193,10 +255,19 @@ def check_declared(
     for parameter in list(inspect.signature(function).parameters.values())[positional:]:
         if parameter.kind is not inspect.Parameter.KEYWORD_ONLY or parameter.name in taken:
             but = f", and be called none of {', '.join(taken)}" if taken else ""
-            raise InvalidParameter(f"{owner}: parameter {parameter.name!r} must stand after *{but}")
+            raise InvalidParameter(
+                "wrong-declaration",
+                "{owner}: parameter {name!r} must stand after *{arguments}",
+                owner=owner,
+                name=parameter.name,
+                arguments=but,
+            )
         if type(parameter.default) not in _PLAIN:
             raise InvalidParameter(
-                f"{owner}: parameter {parameter.name!r} needs a default that is a bool, int, float or str"
+                "wrong-declaration",
+                "{owner}: parameter {name!r} needs a default that is a bool, int, float or str",
+                owner=owner,
+                name=parameter.name,
             )
 
 
@@ -225,7 +296,13 @@ def check_at_least(name: str, value: float, minimum: float, unit: str = "") -> N
     """
     if not value >= minimum:
         raise InvalidParameter(
-            f"{name}={_shown(value, unit)} is below {_shown(minimum, unit)}; give at least {_shown(minimum)}"
+            "below-minimum",
+            "{name}={value!n}{unit!u} is below {low!n}{unit!u}",
+            "give at least {low!n}",
+            name=name,
+            value=value,
+            low=minimum,
+            unit=unit,
         )
 
 
@@ -237,7 +314,14 @@ def check_between(name: str, value: float, low: float, high: float, unit: str = 
     """
     if not low <= value <= high:
         raise InvalidParameter(
-            f"{name}={_shown(value, unit)} is outside {_shown(low)} to {_shown(high, unit)}; give one between"
+            "out-of-range",
+            "{name}={value!n}{unit!u} is outside {low!n} to {high!n}{unit!u}",
+            "give one between",
+            name=name,
+            value=value,
+            low=low,
+            high=high,
+            unit=unit,
         )
 
 
@@ -248,7 +332,14 @@ def check_positive(name: str, value: float, unit: str = "") -> None:
         InvalidParameter: Naming value and rule.
     """
     if not (math.isfinite(value) and value > 0.0):
-        raise InvalidParameter(f"{name}={_shown(value, unit)} is not a finite number above 0; give one")
+        raise InvalidParameter(
+            "not-positive",
+            "{name}={value!n}{unit!u} is not a finite number above 0",
+            "give one",
+            name=name,
+            value=value,
+            unit=unit,
+        )
 
 
 def _shown(value: float, unit: str = "") -> str:
@@ -263,4 +354,11 @@ def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
         InvalidParameter: Naming value and choices.
     """
     if value not in choices:
-        raise InvalidParameter(f"{name}={value!r} is not one of {', '.join(choices)}; give one of these")
+        raise InvalidParameter(
+            "unknown-name",
+            "{name}={value!r} is not one of {choices!l}",
+            "give one of these",
+            name=name,
+            value=value,
+            choices=list(choices),
+        )

@@ -16,7 +16,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from worldgen.errors import InvalidParameter
+from worldgen.errors import InvalidParameter, Message
 from worldgen.neighbours import forget_folder, import_in, package_of
 
 __all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_code", "user_code"]
@@ -52,7 +52,12 @@ def check_code(name: str) -> None:
     """
     said = os.environ.get(ONLY_CODE)
     if said is not None and _identity(name) not in json.loads(said):
-        raise InvalidParameter(f"{name[:60]!r} is code that was not named at the start and is not run; name it there")
+        raise InvalidParameter(
+            "code-not-allowed",
+            "{name!r} is code that was not named at the start and is not run",
+            "name it there",
+            name=name[:60],
+        )
 
 
 def lend(place: str, copy: Path) -> None:
@@ -80,10 +85,16 @@ def user_code(doing: str) -> Iterator[None]:
         raise
     except SystemExit as error:
         raise InvalidParameter(
-            f"{doing} ends Python (SystemExit: {error}); take that exit out, or put it under if __name__ == '__main__'"
+            "code-failed",
+            "{doing} ends Python (SystemExit: {reason})",
+            "take that exit out, or put it under if __name__ == '__main__'",
+            doing=doing,
+            reason=str(error),
         ) from error
     except BaseException as error:
-        raise InvalidParameter(f"{doing} failed: {type(error).__name__}: {error}") from error
+        raise InvalidParameter(
+            "code-failed", "{doing} failed: {kind}: {reason}", doing=doing, kind=type(error).__name__, reason=str(error)
+        ) from error
 
 
 class _TakesTooLongError(BaseException):
@@ -104,8 +115,12 @@ def _loading(doing: str) -> Iterator[None]:
         if not isinstance(error.__cause__, _TakesTooLongError):
             raise
         raise InvalidParameter(
-            f"{doing} takes longer than {seconds:g} s; put what waits for input or runs on under "
-            f"if __name__ == '__main__', or give it more time with {LOAD_SECONDS}"
+            "load-timeout",
+            "{doing} takes longer than {seconds:g} s",
+            "put what waits for input or runs on under if __name__ == '__main__', or give it more time with {variable}",
+            doing=doing,
+            seconds=seconds,
+            variable=LOAD_SECONDS,
         ) from error
 
 
@@ -117,7 +132,12 @@ def _load_seconds() -> float:
         seconds = 0.0
     if not 0.0 < seconds <= _LONGEST_LOAD:
         raise InvalidParameter(
-            f"{LOAD_SECONDS}={said[:40]!r} is no time; give seconds, such as 120, up to {_LONGEST_LOAD:.0f}"
+            "not-a-number",
+            "{variable}={text!r} is no time",
+            "give seconds, such as 120, up to {most:.0f}",
+            variable=LOAD_SECONDS,
+            text=said[:40],
+            most=_LONGEST_LOAD,
         )
     return seconds
 
@@ -166,8 +186,13 @@ class Registry(Generic[T]):
             other = found.get(point.name)
             if other is not None and other.value != point.value:
                 raise InvalidParameter(
-                    f"{self.noun} {point.name!r} is registered twice ({other.value} and {point.value}); "
-                    "uninstall one of the packages"
+                    "twice",
+                    "{noun} {name!r} is registered twice ({value} and {other})",
+                    "uninstall one of the packages",
+                    noun=self.noun,
+                    name=point.name,
+                    value=other.value,
+                    other=point.value,
                 )
             found[point.name] = point
         return found
@@ -195,7 +220,7 @@ class Registry(Generic[T]):
                 check_code(name)
                 thing = self._load_path(name)
             else:
-                raise InvalidParameter(self._unknown(name))
+                raise InvalidParameter.of(self._unknown(name))
             self._loaded[key] = self._accept(name, thing)
         return self._loaded[key]
 
@@ -219,13 +244,18 @@ class Registry(Generic[T]):
             found = importlib.util.find_spec(place) if place else None
         return Path(found.origin) if found is not None and found.has_location and found.origin else None
 
-    def _unknown(self, name: str) -> str:
+    def _unknown(self, name: str) -> Message:
         names = self.names()
-        close = difflib.get_close_matches(name, names, n=1)
-        hint = f"did you mean {close[0]!r}? " if close else ""
-        return (
-            f"no {self.noun} is called {name!r}; {hint}known: {', '.join(names)}; "
-            "your own: package.module:name or ./file.py:name"
+        near = "".join(difflib.get_close_matches(name, names, n=1))
+        return Message(
+            "unknown-name",
+            "no {noun} is called {name!r}",
+            ("did you mean {near!r}? known: {known!l}; " if near else "known: {known!l}; ")
+            + "your own: package.module:name or ./file.py:name",
+            noun=self.noun,
+            name=name,
+            near=near,
+            known=names,
         )
 
     def _load_path(self, name: str) -> Any:
@@ -236,10 +266,17 @@ class Registry(Generic[T]):
                 return getattr(module, attribute)
         public = [key for key in vars(module) if not key.startswith("_")]
         own = [key for key in public if getattr(vars(module)[key], "__module__", None) == module.__name__]
-        close = difflib.get_close_matches(attribute, public, n=1)
-        hint = f"did you mean {close[0]!r}? " if close else ""
+        near = "".join(difflib.get_close_matches(attribute, public, n=1))
         raise InvalidParameter(
-            f"{self.noun} {name!r}: {place} has no {attribute!r}; {hint}it has {', '.join(own or public) or 'nothing'}"
+            "unknown-name",
+            "{noun} {name!r}: {place} has no {attribute!r}",
+            "did you mean {near!r}? it has {known!l:nothing}" if near else "it has {known!l:nothing}",
+            noun=self.noun,
+            name=name,
+            place=place,
+            attribute=attribute,
+            near=near,
+            known=own or public,
         )
 
 

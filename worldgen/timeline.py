@@ -58,17 +58,23 @@ class Timeline(HoldsFrozen):
         for name, dtype in (("times", np.float64), ("ix", np.int64), ("iy", np.int64), ("states", np.uint8)):
             object.__setattr__(self, name, frozen(getattr(self, name), dtype))
         if not (self.times.ndim == 1 and self.times.shape == self.ix.shape == self.iy.shape == self.states.shape):
-            raise InvalidWorld("timeline: times, ix, iy and states must be one-dimensional and of one length")
+            raise InvalidWorld(
+                "wrong-shape", "timeline: times, ix, iy and states must be one-dimensional and of one length"
+            )
         if not np.isfinite(self.times).all() or (self.times < 0).any():
-            raise InvalidWorld("timeline: every time must be a finite number of seconds, 0 or later")
+            raise InvalidWorld("not-finite", "timeline: every time must be a finite number of seconds, 0 or later")
         if (np.diff(self.times) < 0).any():
             at = int(np.argmax(np.diff(self.times) < 0)) + 1
             raise InvalidWorld(
-                f"timeline: event {at} at {self.times[at]} s comes after one at {self.times[at - 1]} s; "
-                "sort the events by time"
+                "not-sorted",
+                "timeline: event {at} at {time} s comes after one at {previous} s",
+                "sort the events by time",
+                at=at,
+                time=self.times[at],
+                previous=self.times[at - 1],
             )
         if self.states.size and int(self.states.max()) > CellState.BURNING:
-            raise InvalidWorld("timeline: a state is one of free, solid, burning")
+            raise InvalidWorld("unknown-name", "timeline: a state is one of free, solid, burning")
 
     @classmethod
     def of(cls, events: Iterable[Event | tuple[float, int, int, CellState]]) -> Timeline:

@@ -118,7 +118,9 @@ def _frozen_array(
 ) -> npt.NDArray[np.generic]:
     array = frozen(values, dtype)
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
-        raise InvalidWorld(f"{what}: shape {array.shape} does not fit {shape}")
+        raise InvalidWorld(
+            "wrong-shape", "{what}: shape {shape} does not fit {expected}", what=what, shape=array.shape, expected=shape
+        )
     return array
 
 
@@ -228,12 +230,20 @@ class World(HoldsFrozen):
     def __post_init__(self) -> None:
         object.__setattr__(self, "walls", _frozen_array(self.walls, np.bool_, "walls", (None, None)))
         if 0 in self.walls.shape or max(self.walls.shape) > MAX_SIDE:
-            raise InvalidWorld(f"walls: {self.width} x {self.height} cells; a side has 1 to {MAX_SIDE} cells")
+            raise InvalidWorld(
+                "wrong-size",
+                "walls: {width} x {height} cells; a side has 1 to {max_side} cells",
+                width=self.width,
+                height=self.height,
+                max_side=MAX_SIDE,
+            )
         for name in ("cell_size", "robot_radius", "robot_speed"):
             _check_positive(name, getattr(self, name))
         _check_positive("target radius", self.target.radius)
         if not math.isfinite(self.start.heading):
-            raise InvalidWorld(f"start heading {self.start.heading}: must be a finite number of radians")
+            raise InvalidWorld(
+                "not-finite", "start heading {heading}: must be a finite number of radians", heading=self.start.heading
+            )
         for name, point in (("start", self.start), ("target", self.target)):
             self._check_inside(name, point.x, point.y)
         line = self.timeline
@@ -243,13 +253,27 @@ class World(HoldsFrozen):
             and (line.ix < self.width).all()
             and (line.iy < self.height).all()
         ):
-            raise InvalidWorld(f"timeline: every cell must lie in the grid of {self.width} x {self.height} cells")
+            raise InvalidWorld(
+                "outside-grid",
+                "timeline: every cell must lie in the grid of {width} x {height} cells",
+                width=self.width,
+                height=self.height,
+            )
 
     def _check_inside(self, name: str, x: float, y: float) -> None:
         width, height = self.width * self.cell_size, self.height * self.cell_size
         finite = math.isfinite(x) and math.isfinite(y)  # the width of enormous cells may not be
         if not (finite and 0.0 <= x <= width and 0.0 <= y <= height):
-            raise InvalidWorld(f"{name} ({x}, {y}) m lies outside the grid of {width:g} x {height:g} m; move it inside")
+            raise InvalidWorld(
+                "outside-grid",
+                "{name} ({x}, {y}) m lies outside the grid of {width:g} x {height:g} m",
+                "move it inside",
+                name=name,
+                x=x,
+                y=y,
+                width=width,
+                height=height,
+            )
 
     @property
     def height(self) -> int:
@@ -287,4 +311,4 @@ class World(HoldsFrozen):
 
 def _check_positive(name: str, value: float) -> None:
     if not (math.isfinite(value) and value > 0.0):
-        raise InvalidWorld(f"{name}={value}: must be a finite number above 0")
+        raise InvalidWorld("not-positive", "{name}={value}: must be a finite number above 0", name=name, value=value)

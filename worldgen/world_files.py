@@ -60,7 +60,9 @@ def read_worlds(paths: Iterable[Path]) -> Iterator[tuple[Path, World]]:
             yield path, read_world(path)
             continue
         if not found:
-            raise FormatError("holds no .grid file; name a file, or a folder or archive with some", source=str(path))
+            raise FormatError(
+                "no-map-found", "holds no .grid file", "name a file, or a folder or archive with some", source=str(path)
+            )
 
 
 def _archived(path: Path) -> Iterator[tuple[Path, World]]:

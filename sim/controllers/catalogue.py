@@ -17,7 +17,7 @@ from sim.controllers.process import ProcessController, is_process_name
 from sim.controllers.shared_library import library_controller
 from sim.robot_options import RobotOptions
 from sim.shared_object import is_library_name, library_file
-from worldgen.errors import InvalidParameter
+from worldgen.errors import InvalidParameter, Message
 from worldgen.registry import Registry, check_code, user_code
 
 __all__ = ["CONTROLLERS", "called", "controller_of", "in_plain_place", "names_in"]
@@ -48,31 +48,44 @@ class _Controllers(Registry[Controller]):
     def _load_path(self, name: str) -> Any:
         hint = _program_hint(name)
         if hint:
-            raise InvalidParameter(hint)
+            raise InvalidParameter.of(hint)
         return super()._load_path(name)
 
-    def _unknown(self, name: str) -> str:
-        return _program_hint(name) or f"{super()._unknown(name)}, or 'cmd:./program --flag'"
+    def _unknown(self, name: str) -> Message:
+        return _program_hint(name) or super()._unknown(name).before(", or 'cmd:./program --flag'")
 
 
-def _program_hint(name: str) -> str:
+def _program_hint(name: str) -> Message | None:
     """Return what to say of a name that is a command line without ``cmd:``, or a file without its class."""
     first, *arguments = name.split(" ")
     if first.endswith(".py") and not arguments and os.path.isfile(first):  # noqa: PTH113 - Path may refuse a text
         classes = _classes_in(Path(first))
-        has = f"it has {', '.join(classes)}" if classes else "it has no class with act"
-        return (
-            f"controller {name!r} is a Python file, and {has}; name a class, such as "
-            f"{first}:{classes[0] if classes else 'Robot'}, or run the file as a program, 'cmd:python {first}'"
+        return Message(
+            "needs-a-class",
+            "controller {name!r} is a Python file, and "
+            + ("it has {classes!l}" if classes else "it has no class with act"),
+            "name a class, such as {file}:{example}, or run the file as a program, 'cmd:python {file}'",
+            name=name,
+            classes=classes,
+            file=first,
+            example=classes[0] if classes else "Robot",
         )
     is_here = os.path.isfile(first)  # noqa: PTH113 - as above
     place = name.rpartition(":")[0]
     if is_here or (arguments and shutil.which(first) is not None):
         command = name if "/" in first or not is_here else f"./{name}"
-        return f"controller {name!r} is a program; write 'cmd:{command}'"
+        return Message(
+            "needs-cmd", "controller {name!r} is a program", "write 'cmd:{command}'", name=name, command=command
+        )
     if "/" in place and not place.endswith(".py"):
-        return f"controller {name!r}: {place} is not a Python file; write ./file.py:name, or 'cmd:./program --flag'"
-    return ""
+        return Message(
+            "not-python",
+            "controller {name!r}: {file} is not a Python file",
+            "write ./file.py:name, or 'cmd:./program --flag'",
+            name=name,
+            file=place,
+        )
+    return None
 
 
 def _classes_in(file: Path) -> list[str]:

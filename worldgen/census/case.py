@@ -95,7 +95,7 @@ def draw_ends(case: CensusMap, pairs: int, rng: RandomStream, clear_for: Fractio
     places = np.flatnonzero(free)
     if len(places) < 2:
         disc = "" if clear_for is None else f" in which a disc of {float(clear_for):g} cells has room"
-        raise InvalidParameter(f"the map has no two free cells{disc} to be start and target")
+        raise InvalidParameter("no-room", "the map has no two free cells{disc} to be start and target", disc=disc)
     drawn = []
     for _ in range(pairs):
         first = rng.below(len(places))

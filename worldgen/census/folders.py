@@ -55,7 +55,12 @@ class FolderMaps:
             kept = {name: value for name, value in self.options.items() if name in takes}
             found = read_map(path, options=kept)
             if found.unread:
-                raise FormatError(f"has obstacles that are not read: {'; '.join(found.unread)}", source=str(path))
+                raise FormatError(
+                    "unread-obstacles",
+                    "has obstacles that are not read: {obstacles}",
+                    obstacles="; ".join(found.unread),
+                    source=str(path),
+                )
             ends = _own_ends(found)
         except WorldgenError as error:
             yield Refused(name, _without_name(error, path))
@@ -114,7 +119,7 @@ def folder_maps(
             passed_over += 1
     if not files:
         raise InvalidParameter(
-            f"{', '.join(map(str, paths))}: holds no map; `worldgen formats` lists what a map can be"
+            "no-map-found", "{paths!l}: holds no map", "`worldgen formats` lists what a map can be", paths=list(paths)
         )
     by_map = {name: tuple(found) for name, found in scenarios.items()}
     named_files = tuple((name, path) for path, name in files.items())
@@ -135,7 +140,7 @@ def _own_ends(found: ForeignMap) -> tuple[Ends, ...]:
     """Start and target of formats that have both."""
     if found.world is not None:
         if found.world.is_dynamic:
-            raise InvalidParameter("the world changes with time; a census judges still maps")
+            raise InvalidParameter("world-changes", "the world changes with time; a census judges still maps")
         return (Ends(found.world.start, found.world.target),)
     if found.start is None or found.target is None:
         return ()

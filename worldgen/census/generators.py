@@ -35,7 +35,13 @@ _TRUE, _FALSE = ("1", "true", "yes"), ("0", "false", "no")
 
 def _accept(name: str, thing: Any) -> Callable[..., Any]:
     if not callable(thing):
-        raise InvalidParameter(f"generator {name!r} is a {type(thing).__name__}; name a function that yields maps")
+        raise InvalidParameter(
+            "wrong-type",
+            "generator {name!r} is a {kind}",
+            "name a function that yields maps",
+            name=name,
+            kind=type(thing).__name__,
+        )
     return thing  # type: ignore[no-any-return]
 
 
@@ -90,12 +96,20 @@ class GeneratedMaps:
             if isinstance(item, CensusMap):
                 name = str(item.name)
                 if not isinstance(item.cell_size, int | float):
-                    raise InvalidParameter(f"cell_size={item.cell_size!r} is no number; give the side of a cell in m")
+                    raise InvalidParameter(
+                        "not-a-number",
+                        "cell_size={cell_size!r} is no number",
+                        "give the side of a cell in m",
+                        cell_size=item.cell_size,
+                    )
                 check_between("cell_size", item.cell_size, *CELL_SIZES, "m")
                 return replace(item, name=name, walls=_walls(item.walls))
             if not isinstance(item, tuple) or len(item) not in (2, 4) or not isinstance(item[0], str):
                 raise InvalidParameter(
-                    f"a {type(item).__name__} came; yield (name, walls) or (name, walls, start, target)"
+                    "wrong-type",
+                    "a {kind} came",
+                    "yield (name, walls) or (name, walls, start, target)",
+                    kind=type(item).__name__,
                 )
             name = item[0]
             walls = _walls(item[1])
@@ -134,9 +148,16 @@ def generated_maps(
     try:
         known = inspect.signature(function).parameters
     except (TypeError, ValueError) as error:
-        raise InvalidParameter(f"generator {name!r} does not say what it takes; wrap it in a function") from error
+        raise InvalidParameter(
+            "no-signature", "generator {name!r} does not say what it takes", "wrap it in a function", name=name
+        ) from error
     if "seed" not in known:
-        raise InvalidParameter(f"generator {name!r} takes no seed; write it as def maps(seed): ... yield name, walls")
+        raise InvalidParameter(
+            "no-seed-parameter",
+            "generator {name!r} takes no seed",
+            "write it as def maps(seed): ... yield name, walls",
+            name=name,
+        )
     defaults = {key: given.default for key, given in known.items() if key != "seed"}
     return GeneratedMaps(name, function, count, seed, _converted(name, options or {}, defaults), cell_size)
 
@@ -145,7 +166,14 @@ def _converted(name: str, options: Mapping[str, str], defaults: Mapping[str, Any
     found: dict[str, Value] = {}
     for key, text in options.items():
         if key not in defaults:
-            raise InvalidParameter(f"generator {name!r} has no option {key!r}; it has {', '.join(defaults) or 'none'}")
+            raise InvalidParameter(
+                "unknown-name",
+                "generator {name!r} has no option {option!r}",
+                "it has {known!l:none}",
+                name=name,
+                option=key,
+                known=list(defaults),
+            )
         default = defaults[key]
         try:
             if isinstance(default, bool):
@@ -156,7 +184,15 @@ def _converted(name: str, options: Mapping[str, str], defaults: Mapping[str, Any
                 found[key] = type(default)(text) if isinstance(default, int | float) else text
         except ValueError as error:
             kind = type(default).__name__
-            raise InvalidParameter(f"option {key}={text[:40]!r} is no {kind}; give one like {default}") from error
+            raise InvalidParameter(
+                "wrong-type",
+                "option {option}={text!r} is no {kind}",
+                "give one like {default}",
+                option=key,
+                text=text[:40],
+                kind=kind,
+                default=default,
+            ) from error
     return found
 
 
@@ -167,10 +203,14 @@ def _walls(given: Any) -> npt.NDArray[np.bool_]:
         array = np.empty(0)
     if array.ndim != 2 or array.dtype.kind not in "biu":
         raise InvalidParameter(
-            f"walls of shape {array.shape} and type {array.dtype} came; they have two axes of bool, True where solid"
+            "wrong-shape",
+            "walls of shape {shape} and type {dtype} came",
+            "they have two axes of bool, True where solid",
+            shape=array.shape,
+            dtype=str(array.dtype),
         )
     if array.dtype.kind != "b" and ((array != 0) & (array != 1)).any():
-        raise InvalidParameter("walls hold numbers other than 0 and 1; yield walls == WALL")
+        raise InvalidParameter("wrong-values", "walls hold numbers other than 0 and 1", "yield walls == WALL")
     check_sides(array.shape[1], array.shape[0])
     return array.astype(np.bool_)
 
@@ -180,8 +220,22 @@ def _cell(what: str, cell: Any, walls: npt.NDArray[np.bool_]) -> tuple[int, int]
     try:
         row, column = (int(value) for value in cell)
     except (TypeError, ValueError) as error:
-        raise InvalidParameter(f"{what} {str(cell)[:40]} is no cell; it is (row, column), row 0 the top") from error
+        raise InvalidParameter(
+            "wrong-form",
+            "{what} {cell} is no cell",
+            "it is (row, column), row 0 the top",
+            what=what,
+            cell=str(cell)[:40],
+        ) from error
     height, width = walls.shape
     if not (0 <= row < height and 0 <= column < width):
-        raise InvalidParameter(f"{what} ({row}, {column}) lies outside the {height} rows and {width} columns")
+        raise InvalidParameter(
+            "outside-grid",
+            "{what} ({row}, {column}) lies outside the {height} rows and {width} columns",
+            what=what,
+            row=row,
+            column=column,
+            height=height,
+            width=width,
+        )
     return column, height - 1 - row

@@ -116,7 +116,9 @@ def _maps(
     generators = [source for source in sources if ":" in source and not Path(source).exists()]
     paths = [Path(source) for source in sources if source not in generators]
     if options and not generators:
-        raise InvalidParameter("option is for a generator, and none is named; name one as ./file.py:function")
+        raise InvalidParameter(
+            "only-for-generators", "option is for a generator, and none is named", "name one as ./file.py:function"
+        )
     found: list[FolderMaps | GeneratedMaps] = []
     if paths:
         asked = {name: value for name, value in (("cell_size", cell_size), ("unknown", unknown)) if value is not None}
@@ -134,15 +136,22 @@ def _maps(
 def _option(text: str) -> tuple[str, str]:
     name, equals, value = text.partition("=")
     if not (name and equals):
-        raise InvalidParameter(f"option={text[:40]!r} is not NAME=VALUE; write it like side=20")
+        raise InvalidParameter(
+            "wrong-form", "option={text!r} is not NAME=VALUE", "write it like side=20", text=text[:40]
+        )
     return name.replace("-", "_"), value
 
 
 def _check_folder(folder: Path, *, force: bool) -> None:
     if folder.exists() and not folder.is_dir():
-        raise OutputError(f"{folder} is a file; name a folder for the worlds to keep")
+        raise OutputError("is-a-file", "{folder} is a file", "name a folder for the worlds to keep", folder=folder)
     if folder.is_dir() and any(folder.iterdir()) and not force:
-        raise OutputError(f"{folder} is not empty; give --force to write into it, or another folder")
+        raise OutputError(
+            "folder-not-empty",
+            "{folder} is not empty",
+            "give --force to write into it, or another folder",
+            folder=folder,
+        )
 
 
 def _keeper(folder: Path, *, force: bool) -> Callable[[str, World], None]:
@@ -153,7 +162,13 @@ def _keeper(folder: Path, *, force: bool) -> Callable[[str, World], None]:
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise OutputError(f"{folder}: cannot be made: {error.strerror or error}; choose another place") from error
+            raise OutputError(
+                "unwritable",
+                "{folder}: cannot be made: {reason}",
+                "choose another place",
+                folder=folder,
+                reason=error.strerror or str(error),
+            ) from error
         write_world(world, folder / f"{name}.grid", force=force)
 
     return keep
@@ -164,7 +179,7 @@ def _check_any(found: Census) -> None:
     if found.questions or found.interrupted:
         return
     first = found.fault or (f"{found.refused[0].name}: {found.refused[0].reason}" if found.refused else "it gave none")
-    raise InvalidParameter(f"no map could be judged; the first reason: {first}")
+    raise InvalidParameter("no-map-found", "no map could be judged; the first reason: {reason}", reason=first)
 
 
 def _leave(found: Census) -> None:

@@ -33,7 +33,9 @@ def check_family(name: str, left_out: tuple[str, ...], digests: bool, as_json: b
     known = [check.name for check in (*testing.FAMILY_CHECKS, *testing.CHECKS)]
     for word in left_out:
         if word not in known:
-            raise InvalidParameter(f"--except {word}: no check is called so; known: {', '.join(known)}")
+            raise InvalidParameter(
+                "unknown-name", "except {name}: no check is called so", "known: {known!l}", name=word, known=known
+            )
     family = FAMILIES.get(name)
     pinned = {}
     results = []

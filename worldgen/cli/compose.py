@@ -18,7 +18,12 @@ class _Recipes(click.Group):
         if cmd_name.startswith("-"):
             return None
         if not cmd_name.endswith(".toml"):
-            raise InvalidParameter(f"{cmd_name}: a recipe's name ends in .toml; rename it, or name another file")
+            raise InvalidParameter(
+                "wrong-suffix",
+                "{file}: a recipe's name ends in .toml",
+                "rename it, or name another file",
+                file=cmd_name,
+            )
         return family_command(cmd_name)
 
     def list_commands(self, ctx: click.Context) -> list[str]:

@@ -60,12 +60,20 @@ def configured(
     for name, value in table.items():
         if not isinstance(value, dict):
             raise InvalidParameter(
-                f"{project.file}: {name!r} is in [tool.worldgen] itself; write it into a command's table, such as "
-                "[tool.worldgen.run]"
+                "not-in-a-table",
+                "{file}: {name!r} is in [tool.worldgen] itself",
+                "write it into a command's table, such as [tool.worldgen.run]",
+                file=project.file,
+                name=name,
             )
         if name not in known and not name.endswith(".toml") and ":" not in name:
             raise InvalidParameter(
-                f"{project.file}: [tool.worldgen.{name}] is no command; known: {', '.join(sorted(known))}"
+                "unknown-name",
+                "{file}: [tool.worldgen.{name}] is no command",
+                "known: {known!l}",
+                file=project.file,
+                name=name,
+                known=sorted(known),
             )
     for name in path:
         table = table.get(name, {})
@@ -90,14 +98,32 @@ def _value_of(
     }
     option = options.get(key.replace("_", "-"))
     if option is None or option.name is None:
-        raise InvalidParameter(f"{where} {key}: no option is called so; known: {', '.join(sorted(options))}")
+        raise InvalidParameter(
+            "unknown-name",
+            "{where} {option}: no option is called so",
+            "known: {known!l}",
+            where=where,
+            option=key,
+            known=sorted(options),
+        )
     values = value if isinstance(value, list) else [value]
     if isinstance(value, list) and not option.multiple:
-        raise InvalidParameter(f"{where} {key}: this option takes one value; write {key} = ...")
+        raise InvalidParameter(
+            "several-values",
+            "{where} {option}: this option takes one value",
+            "write {option} = ...",
+            where=where,
+            option=key,
+        )
     if any(not isinstance(one, str | int | float) for one in values):
-        raise InvalidParameter(f"{where} {key}: write a text, a number, or true or false")
+        raise InvalidParameter(
+            "wrong-type", "{where} {option}: write a text, a number, or true or false", where=where, option=key
+        )
     if option.is_flag != all(isinstance(one, bool) for one in values):
-        raise InvalidParameter(f"{where} {key}: write {'true or false' if option.is_flag else 'a text or a number'}")
+        expected = "true or false" if option.is_flag else "a text or a number"
+        raise InvalidParameter(
+            "wrong-type", "{where} {option}: write {expected}", where=where, option=key, expected=expected
+        )
     if isinstance(option.type, click.Path):
         values = [_from_here(str(one), folder) for one in values]
     elif option.name in _CODE:
@@ -144,7 +170,9 @@ def _project(folder: Path) -> _Project | None:
             table = tomllib.loads(text).get("tool", {}).get("worldgen")
         except tomllib.TOMLDecodeError as error:
             if "[tool.worldgen" in text:
-                raise InvalidParameter(f"{file} is not TOML: {error}; mend it") from None
+                raise InvalidParameter(
+                    "not-toml", "{file} is not TOML: {reason}", "mend it", file=file, reason=str(error)
+                ) from None
             continue
         if isinstance(table, dict):
             return _Project(file, table)

@@ -90,7 +90,9 @@ def _origin(text: str) -> tuple[float, float]:
 
     point = parse_point("origin", text, "YAW")
     if len(point) != 2:
-        raise InvalidParameter(f"origin={text[:60]!r} has three numbers; give X,Y alone: worlds are not turned")
+        raise InvalidParameter(
+            "wrong-form", "origin={text!r} has three numbers", "give X,Y alone: worlds are not turned", text=text[:60]
+        )
     return point[0], point[1]
 
 

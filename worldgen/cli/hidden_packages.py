@@ -40,9 +40,14 @@ def check_hidden() -> None:
     name, place = hidden
     kind = "folder" if place.is_dir() else "file"
     raise InvalidParameter(
-        f"your {kind} {place} hides the package {name!r} of worldgen, because {place.parent} comes first on "
-        "Python's path; call `worldgen` rather than `python -m worldgen`, take that folder out of PYTHONPATH, or "
-        f"rename {place.name}"
+        "hidden-package",
+        "your {kind} {place} hides the package {name!r} of worldgen, because {parent} comes first on Python's path",
+        "call `worldgen` rather than `python -m worldgen`, take that folder out of PYTHONPATH, or rename {folder}",
+        kind=kind,
+        place=place,
+        name=name,
+        parent=place.parent,
+        folder=place.name,
     )
 
 

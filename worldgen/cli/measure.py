@@ -58,8 +58,11 @@ def _check_its_own(path: Path, world: World) -> None:
 
     if world.certificate is not None and not (report := check_certificate(world)).valid:
         raise InvalidWorld(
-            f"{path}: its certificate proves nothing, because {report.reason}; "
-            "take it out, and the world is decided before it is measured"
+            "certificate-invalid",
+            "{path}: its certificate proves nothing, because {reason}",
+            "take it out, and the world is decided before it is measured",
+            path=path,
+            reason=report.reason,
         )
 
 

@@ -92,10 +92,20 @@ def _make(
     count = len(manifest.entries)
     if not manifest.finished:
         raise OutputError(
-            f"{path} is unfinished, with {count} of {manifest.header.count} worlds; the command that began it goes on"
+            "set-unfinished",
+            "{path} is unfinished, with {count} of {planned} worlds",
+            "the command that began it goes on",
+            path=path,
+            count=count,
+            planned=manifest.header.count,
         )
     if not elsewhere and not place.is_dir():
-        raise OutputError(f"{path} is one file; say with --out where to make the set, or give --check to compare")
+        raise OutputError(
+            "is-a-file",
+            "{path} is one file",
+            "say with --out where to make the set, or give --check to compare",
+            path=path,
+        )
     try:
         with told(place, count, force=force and elsewhere) as progress:
             work = regenerate_set if elsewhere else restore_set
@@ -104,7 +114,9 @@ def _make(
     except SetDiffers as error:
         note(f"worldgen: {error}", always=True)
         if as_json:
-            _emit(path, place, manifest, made=0, ok=False, differences=[{"kind": "changed", "file": error.file}])
+            _emit(
+                path, place, manifest, made=0, ok=False, differences=[{"kind": "changed", "file": error.facts["file"]}]
+            )
         raise click.exceptions.Exit(1) from error
     note(f"{place}: {count - done.resumed} worlds made, {done.resumed} were there")
     if as_json:

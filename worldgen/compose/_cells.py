@@ -95,7 +95,11 @@ def taken(events: Events, source: Whole, cells: int) -> Events:
     count = np.searchsorted(source[new], events.cells, "right") - first
     if int(count.sum()) > MAX_EVENTS:
         raise InvalidParameter(
-            f"{int(count.sum())} changes of cells; a piece has at most {MAX_EVENTS}; repeat less of what changes"
+            "above-maximum",
+            "{changes} changes of cells; a piece has at most {most}",
+            "repeat less of what changes",
+            changes=int(count.sum()),
+            most=MAX_EVENTS,
         )
     which = np.repeat(np.arange(len(events.cells)), count)
     offset = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)

@@ -56,11 +56,18 @@ def mark_at(x: float, y: float, degrees: float | None = None, radius: float | No
             numbers.append(None)
             continue
         if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e9:
-            raise InvalidParameter(f"{value!r} is no place in cells or degrees; give a number below 1e9")
+            raise InvalidParameter(
+                "not-a-number", "{value!r} is no place in cells or degrees", "give a number below 1e9", value=value
+            )
         numbers.append(exact(value))
     place_x, place_y, angle, disc = numbers
     if disc is not None and disc <= 0:
-        raise InvalidParameter(f"radius={radius!r} of a target must be above 0 cells; give 0.5 for half a cell")
+        raise InvalidParameter(
+            "not-positive",
+            "radius={radius!r} of a target must be above 0 cells",
+            "give 0.5 for half a cell",
+            radius=radius,
+        )
     heading = None if angle is None else math.floor(angle / 360 * TURN + HALF) % TURN
     return Mark(place_x or Fraction(0), place_y or Fraction(0), heading, disc)
 

@@ -47,15 +47,25 @@ def corner_of(
         return _anchored(piece, host.marks[at], anchor or "centre")
     if anchor is not None:
         raise InvalidParameter(
-            f"anchor={anchor!r} goes with a place in cells or a mark, not with at={at!r}; leave it out"
+            "conflict",
+            "anchor={anchor!r} goes with a place in cells or a mark, not with at={at!r}",
+            "leave it out",
+            anchor=anchor,
+            at=at,
         )
     if at in NAMED:
         return named_corner(at, *sizes, margin)
     if at not in DRAWN:
         words = ", ".join((*NAMED, *DRAWN, *host.marks))
-        raise InvalidParameter(f"at={at!r} is no place in the host; give [x, y] in cells, or one of {words}")
+        raise InvalidParameter(
+            "wrong-form",
+            "at={at!r} is no place in the host",
+            "give [x, y] in cells, or one of {known}",
+            at=at,
+            known=words,
+        )
     if seed is None:
-        raise InvalidParameter(f"at={at!r} is drawn; give it a seed")
+        raise InvalidParameter("needs-seed", "at={at!r} is drawn", "give it a seed", at=at)
     rng = seed if isinstance(seed, RandomStream) else RandomStream(seed).child("place", at)
     world = host.layout() if at == "way" else None
     way = way_of(world) if world is not None else None
@@ -73,7 +83,13 @@ def _anchored(piece: Piece, place: Mark, anchor: str) -> tuple[int, int]:
         x, y = (Fraction(half * n, 2) for half, n in zip(NAMED[anchor], (piece.width, piece.height), strict=True))
     else:
         words = ", ".join((*NAMED, *piece.marks))
-        raise InvalidParameter(f"anchor={anchor!r} is no point of the piece; give one of {words}")
+        raise InvalidParameter(
+            "unknown-name",
+            "anchor={anchor!r} is no point of the piece",
+            "give one of {known}",
+            anchor=anchor,
+            known=words,
+        )
     return math.floor(place.x - x + HALF), math.floor(place.y - y + HALF)
 
 
@@ -97,8 +113,15 @@ def put_down(
     over = [max(0, -x), max(0, x + piece.width - host.width), max(0, -y), max(0, y + piece.height - host.height)]
     if any(over) and outside == "refuse":
         raise InvalidParameter(
-            f"a piece of {piece.width} x {piece.height} cells at ({x}, {y}) sticks out of {host.width} x "
-            f"{host.height} cells; put it elsewhere, or give outside='clip' or 'grow'"
+            "outside-grid",
+            "a piece of {width} x {height} cells at ({x}, {y}) sticks out of {host_width} x {host_height} cells",
+            "put it elsewhere, or give outside='clip' or 'grow'",
+            width=piece.width,
+            height=piece.height,
+            x=x,
+            y=y,
+            host_width=host.width,
+            host_height=host.height,
         )
     if any(over) and outside == "grow":
         host = host.pad(*over)
@@ -139,14 +162,20 @@ def _is_piece(name: str, whose: str, piece: Piece) -> bool:
     """Whether the piece's mark counts, not the host's."""
     check_choice(name, whose, ("host", "piece"))
     if whose == "piece" and name not in piece.marks:
-        raise InvalidParameter(f"{name}='piece', and the piece has no {name}; give it one, or leave {name} out")
+        raise InvalidParameter(
+            "missing-mark", "{name}='piece', and the piece has no {name}", "give it one, or leave {name} out", name=name
+        )
     return whose == "piece"
 
 
 def _same_size(host: float | None, piece: float | None) -> float | None:
     if host is not None and piece is not None and host != piece:
         raise InvalidParameter(
-            f"the host has cells of {host:g} m, the piece of {piece:g} m; make one with the other's cell_size, "
-            f"or give the piece for_robot(cell_size={host:g}), which changes its size in m"
+            "cell-sizes-differ",
+            "the host has cells of {host:g} m, the piece of {piece:g} m",
+            "make one with the other's cell_size, or give the piece "
+            "for_robot(cell_size={host:g}), which changes its size in m",
+            host=host,
+            piece=piece,
         )
     return piece if host is None else host

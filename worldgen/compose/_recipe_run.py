@@ -38,7 +38,12 @@ class Work:
             TooLarge: If that is more than a recipe may make.
         """
         if self.cells + cells > MOST_WORK:
-            raise TooLarge(f"the recipe makes more than {MOST_WORK} cells on its way; use smaller or fewer parts")
+            raise TooLarge(
+                "too-large",
+                "the recipe makes more than {most} cells on its way",
+                "use smaller or fewer parts",
+                most=MOST_WORK,
+            )
 
     def spend(self, cells: int) -> None:
         """Counts so many more.
@@ -84,8 +89,11 @@ class Run:
         cell_size, radius, speed = (float(self._params[name]) for name in ROBOT)
         if made.cell_size is not None and made.cell_size != cell_size:
             raise InvalidParameter(
-                f"the world's cells are {made.cell_size:g} m a side, the parameter cell_size is {cell_size:g} m; "
-                f"write cell_size = {made.cell_size:g} under [parameters]"
+                "cell-sizes-differ",
+                "the world's cells are {cell_size:g} m a side, the parameter cell_size is {parameter:g} m",
+                "write cell_size = {cell_size:g} under [parameters]",
+                cell_size=made.cell_size,
+                parameter=cell_size,
             )
         return made.for_robot(radius=radius, speed=speed, cell_size=cell_size)
 
@@ -177,11 +185,11 @@ def _at(place: str) -> Iterator[None]:
     except _Placed:
         raise
     except TooLarge as error:
-        raise _PlacedTooLarge(f"{place}: {error}") from error
+        raise _PlacedTooLarge.of(error.message.behind("{place}: ", place=place)) from error
     except (InvalidParameter, InvalidWorld) as error:
-        raise _Placed(f"{place}: {error}") from error
+        raise _Placed.of(error.message.behind("{place}: ", place=place)) from error
     except GenerationFailed as error:
-        raise GenerationFailed(f"{place}: {error}") from error
+        raise GenerationFailed.of(error.message.behind("{place}: ", place=place)) from error
 
 
 class _Placed(InvalidParameter):
@@ -194,19 +202,30 @@ class _PlacedTooLarge(_Placed, TooLarge):
 
 def _numbers(value: Any, count: int, name: str) -> list[int]:
     if not isinstance(value, list) or len(value) != count:
-        raise InvalidParameter(f"{name}={value!r} is no list of {count} whole numbers; give one")
+        raise InvalidParameter(
+            "wrong-form",
+            "{name}={value!r} is no list of {count} whole numbers",
+            "give one",
+            name=name,
+            value=value,
+            count=count,
+        )
     return [whole(name, item, -MAX_SIDE, MAX_SIDE) for item in value]
 
 
 def _point(value: Any, name: str) -> tuple[float, float]:
     if not isinstance(value, list) or len(value) != 2:
-        raise InvalidParameter(f"{name}={value!r} is no place; give [x, y] in cells")
+        raise InvalidParameter(
+            "wrong-form", "{name}={value!r} is no place", "give [x, y] in cells", name=name, value=value
+        )
     return value[0], value[1]
 
 
 def _word(value: Any, name: str) -> str:
     if not isinstance(value, str):
-        raise InvalidParameter(f"{name}={value!r} is no word; give one in quotes")
+        raise InvalidParameter(
+            "wrong-type", "{name}={value!r} is no word", "give one in quotes", name=name, value=value
+        )
     return value
 
 
@@ -222,20 +241,24 @@ def _keep(piece: Piece, value: Any, options: Options) -> Piece:
 
 def _dig(piece: Piece, value: Any, options: Options) -> Piece:
     if "to" not in options:
-        raise InvalidParameter('a passage leads from somewhere to somewhere; write { dig = "a", to = [8, 3] }')
+        raise InvalidParameter(
+            "missing-key", "a passage leads from somewhere to somewhere", 'write {{ dig = "a", to = [8, 3] }}'
+        )
     ends = [end if isinstance(end, str) else _point(end, "dig") for end in (value, options["to"])]
     return piece.dig(ends[0], ends[1], width=options.get("width", 2))
 
 
 def _mark(piece: Piece, value: Any, options: Options) -> Piece:
     if "at" not in options:
-        raise InvalidParameter("a mark is somewhere; give at = [x, y]")
+        raise InvalidParameter("missing-key", "a mark is somewhere", "give at = [x, y]")
     return piece.with_mark(_word(value, "mark"), *_point(options["at"], "at"), degrees=options.get("degrees"))
 
 
 def _trim(piece: Piece, value: Any, options: Options) -> Piece:
     if value is not True:
-        raise InvalidParameter(f"trim={value!r} says nothing; write trim = true, or leave it out")
+        raise InvalidParameter(
+            "no-effect", "trim={value!r} says nothing", "write trim = true, or leave it out", value=value
+        )
     return piece.trim()
 
 
@@ -253,7 +276,13 @@ def _forget(piece: Piece, value: Any, options: Options) -> Piece:
     names = value if isinstance(value, list) else [value]
     for name in names:
         if _word(name, "forget") not in piece.marks:
-            raise InvalidParameter(f"no mark is called {name!r}; the part has {', '.join(piece.marks) or 'none'}")
+            raise InvalidParameter(
+                "unknown-name",
+                "no mark is called {name!r}",
+                "the part has {known!l:none}",
+                name=name,
+                known=list(piece.marks),
+            )
     return piece.without_marks(*names)
 
 

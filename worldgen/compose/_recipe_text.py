@@ -11,9 +11,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from worldgen.compose._values import Choice, Scalar, Spec, spec_of
-from worldgen.errors import FormatError, InvalidParameter
+from worldgen.errors import FormatError, InvalidParameter, Message
 from worldgen.family import MARGIN
-from worldgen.grid_file.header import Header, shown
+from worldgen.grid_file.header import Header
 from worldgen.world import DEFAULT_CELL_SIZE, DEFAULT_ROBOT_RADIUS, DEFAULT_ROBOT_SPEED
 
 __all__ = ["MAX_BYTES", "ROBOT", "Declared", "Part", "RecipeText", "Step", "read_recipe", "words_of"]
@@ -122,7 +122,7 @@ def words_of(value: Spec) -> tuple[str, ...]:
     """
     items = value.options if isinstance(value, Choice) else value if isinstance(value, tuple) else (value,)
     if not items or not all(isinstance(item, str) for item in items):
-        raise InvalidParameter("names are words in quotes, or { any = [...] } of such; give one")
+        raise InvalidParameter("wrong-type", "names are words in quotes, or {{ any = [...] }} of such", "give one")
     return tuple(str(item) for item in items)
 
 
@@ -165,21 +165,27 @@ class _Reader:
         try:
             yield
         except InvalidParameter as error:
-            message = f"{place}: {error}" if place else str(error)
-            raise FormatError(message, line=self.line(part, *path), source=self.source) from error
+            message = error.message.behind("{place}: ", place=place) if place else error.message
+            raise FormatError.of(message, line=self.line(part, *path), source=self.source) from error
 
 
-def _check(holds: bool, message: str) -> None:
+def _check(holds: bool, message: Message) -> None:
     if not holds:
-        raise InvalidParameter(message)
+        raise InvalidParameter.of(message)
 
 
 def _known_keys(table: Mapping[str, Any], known: Sequence[str]) -> None:
     for key in table:
         if key not in known:
-            close = difflib.get_close_matches(key, known, n=1)
-            hint = f"did you mean {close[0]!r}? " if close else ""
-            raise InvalidParameter(f"no key is called {shown(key)}; {hint}known: {', '.join(known)}")
+            near = "".join(difflib.get_close_matches(key, known, n=1))
+            raise InvalidParameter(
+                "unknown-name",
+                "no key is called {name!q}",
+                "did you mean {near!r}? known: {known!l}" if near else "known: {known!l}",
+                name=key,
+                near=near,
+                known=list(known),
+            )
 
 
 def read_recipe(text: str, source: str | None = None) -> RecipeText:
@@ -193,59 +199,112 @@ def read_recipe(text: str, source: str | None = None) -> RecipeText:
         FormatError: With the line and the place of the first fault.
     """
     if len(text.encode("utf-8", "surrogatepass")) > MAX_BYTES:
-        raise FormatError(f"a recipe has at most {MAX_BYTES} bytes; put maps into files", source=source)
+        raise FormatError(
+            "too-large", "a recipe has at most {most} bytes", "put maps into files", most=MAX_BYTES, source=source
+        )
     reader = _Reader(text, source)
     data = reader.header.data
     with reader.at("", None):
         _known_keys(data, _TOP)
         parts_table = data.get("part", [])
         tables = isinstance(parts_table, list) and all(isinstance(table, Mapping) for table in parts_table)
-        _check(tables, "a recipe's parts are tables; begin each with [[part]]")
-        _check(len(parts_table) > 0, "there is no part; begin one with [[part]]")
-        _check(len(parts_table) <= MAX_PARTS, f"{len(parts_table)} parts; the limit is {MAX_PARTS}; split the recipe")
+        _check(tables, Message("wrong-type", "a recipe's parts are tables", "begin each with [[part]]"))
+        _check(len(parts_table) > 0, Message("empty", "there is no part", "begin one with [[part]]"))
+        _check(
+            len(parts_table) <= MAX_PARTS,
+            Message(
+                "too-large",
+                "{parts} parts; the limit is {most}",
+                "split the recipe",
+                parts=len(parts_table),
+                most=MAX_PARTS,
+            ),
+        )
     name, about = data.get("recipe"), data.get("about", "A world made by a recipe.")
     with reader.at("recipe", None, "recipe"):
         _check(
             isinstance(name, str) and _NAME.match(name) is not None,
-            f'{shown(name)} is no name; write recipe = "my-recipe", in small letters, digits and -',
+            Message(
+                "not-a-name",
+                "{name!q} is no name",
+                'write recipe = "my-recipe", in small letters, digits and -',
+                name=name,
+            ),
         )
     with reader.at("version", None, "version"):
         version = _whole(data.get("version", 1), 1)
     with reader.at("about", None, "about"):
-        _check(isinstance(about, str), f"{shown(about)} is no text; give a sentence in quotes")
+        _check(
+            isinstance(about, str),
+            Message("wrong-type", "{about!q} is no text", "give a sentence in quotes", about=about),
+        )
     parameters = _read_parameters(reader, data.get("parameters", {}))
     parts = _read_parts(reader, data["part"], tuple(parameters))
     world = data.get("world", next(reversed(parts)))
     with reader.at("world", None, "world"):
         _check(
             isinstance(world, str) and world in parts,
-            f"{shown(world)} is no part; it has {', '.join(parts)}; name one of these, or leave it out for the last",
+            Message(
+                "unknown-name",
+                "{name!q} is no part; it has {known!l}",
+                "name one of these, or leave it out for the last",
+                name=world,
+                known=list(parts),
+            ),
         )
     return RecipeText(str(name), version, " ".join(str(about).split()), world, parameters, parts)
 
 
 def _whole(value: object, least: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**31:
-        raise InvalidParameter(f"{shown(value)} is no whole number from {least} on; give one")
+        raise InvalidParameter(
+            "not-a-number", "{value!q} is no whole number from {least} on", "give one", value=value, least=least
+        )
     return value
 
 
 def _read_parameters(reader: _Reader, table: Any) -> dict[str, Declared]:
     found = {name: Declared(default, help=note) for name, (default, note) in ROBOT.items()}
     with reader.at("parameters", None, "parameters"):
-        _check(isinstance(table, Mapping), f"{shown(table)} is no table; write [parameters]")
-        _check(len(table) <= MAX_PARAMETERS, f"{len(table)} parameters; the limit is {MAX_PARAMETERS}; leave some out")
+        _check(
+            isinstance(table, Mapping),
+            Message("wrong-type", "{value!q} is no table", "write [parameters]", value=table),
+        )
+        _check(
+            len(table) <= MAX_PARAMETERS,
+            Message(
+                "too-large",
+                "{parameters} parameters; the limit is {most}",
+                "leave some out",
+                parameters=len(table),
+                most=MAX_PARAMETERS,
+            ),
+        )
     own: dict[str, Declared] = {}
     for name, raw in table.items():
         with reader.at(f"parameters.{name}", None, "parameters", name):
             plain = _PARAMETER.match(name) is not None and not keyword.iskeyword(name) and name != "rng"
-            _check(plain, "is no name; use small letters, digits and _, and no word of Python's, as for, nor rng")
-            _check(name not in _RESERVED, f"is a word of provenance, as {', '.join(_RESERVED)}; take another")
+            _check(
+                plain,
+                Message(
+                    "not-a-name",
+                    "is no name",
+                    "use small letters, digits and _, and no word of Python's, as for, nor rng",
+                ),
+            )
+            _check(
+                name not in _RESERVED,
+                Message(
+                    "reserved-name", "is a word of provenance, as {known!l}", "take another", known=list(_RESERVED)
+                ),
+            )
             own[name] = _declared(raw)
             if name in ROBOT or name == MARGIN:
                 default = own[name].default
                 if isinstance(default, bool | str):
-                    raise InvalidParameter(f"default={shown(default)} is no number; give one")
+                    raise InvalidParameter(
+                        "not-a-number", "default={default!q} is no number", "give one", default=default
+                    )
                 note = own[name].help if isinstance(raw, Mapping) and "help" in raw else _NOTES[name]
                 own[name] = replace(own[name], default=float(default), help=note)
     return {**own, **{name: known for name, known in found.items() if name not in own}}
@@ -258,22 +317,41 @@ def _declared(raw: Any) -> Declared:
     default, least, most = raw.get("default"), raw.get("least"), raw.get("most")
     choices, note = raw.get("choices", []), raw.get("help", "A parameter of the recipe.")
     if not isinstance(default, bool | int | float | str):
-        raise InvalidParameter(f"default={shown(default)} is no number, text or truth; give one")
-    _check(isinstance(note, str), f"help={shown(note)} is no text; give a sentence in quotes")
+        raise InvalidParameter(
+            "wrong-type", "default={default!q} is no number, text or truth", "give one", default=default
+        )
+    _check(
+        isinstance(note, str), Message("wrong-type", "help={help!q} is no text", "give a sentence in quotes", help=note)
+    )
     _check(
         isinstance(choices, list) and all(isinstance(word, str) for word in choices),
-        'choices are a list of texts; write choices = ["U", "V"]',
+        Message("wrong-type", "choices are a list of texts", 'write choices = ["U", "V"]'),
     )
-    _check(not choices or default in choices, f"default={shown(default)} is none of its choices; give one of them")
+    _check(
+        not choices or default in choices,
+        Message("unknown-name", "default={default!q} is none of its choices", "give one of them", default=default),
+    )
     for name, value in (("least", least), ("most", most)):
         if value is not None:
             numeric = type(value) in (int, float) and type(default) in (int, float)
             _check(
-                numeric, f"{name}={shown(value)} goes with numbers; leave it out, or make it and the default numbers"
+                numeric,
+                Message(
+                    "wrong-type",
+                    "{name}={value!q} goes with numbers",
+                    "leave it out, or make it and the default numbers",
+                    name=name,
+                    value=value,
+                ),
             )
     if isinstance(default, int | float) and not isinstance(default, bool):
         low, high = (float("-inf") if least is None else least), (float("inf") if most is None else most)
-        _check(low <= default <= high, f"default={default} is not between least and most; give one that is")
+        _check(
+            low <= default <= high,
+            Message(
+                "out-of-range", "default={default} is not between least and most", "give one that is", default=default
+            ),
+        )
     return Declared(default, least, most, tuple(choices), " ".join(str(note).split()) or "A parameter of the recipe.")
 
 
@@ -285,16 +363,35 @@ def _read_parts(reader: _Reader, raw: list[Any], names: Sequence[str]) -> dict[s
             name = table.get("name")
             _check(
                 isinstance(name, str) and _NAME.match(name) is not None,
-                f'name={shown(name)} is no name; write name = "my-part", in small letters, digits and -',
+                Message(
+                    "not-a-name",
+                    "name={name!q} is no name",
+                    'write name = "my-part", in small letters, digits and -',
+                    name=name,
+                ),
             )
-            _check(name not in parts, f"name={shown(name)} is that of an earlier part; give another")
+            _check(
+                name not in parts,
+                Message("twice", "name={name!q} is that of an earlier part", "give another", name=name),
+            )
         part = _read_part(reader, number, str(name), table, names)
         steps += len(part.steps)
         with reader.at(part.place, number):
-            _check(steps <= MAX_STEPS, f"more than {MAX_STEPS} steps in all; split the recipe")
+            _check(
+                steps <= MAX_STEPS,
+                Message("too-large", "more than {most} steps in all", "split the recipe", most=MAX_STEPS),
+            )
             for used in part.uses():
-                earlier = ", ".join(parts) or "none"
-                _check(used in parts, f"{shown(used)} is no part that stands before it; there are: {earlier}")
+                _check(
+                    used in parts,
+                    Message(
+                        "unknown-name",
+                        "{name!q} is no part that stands before it",
+                        "there are: {known!l:none}",
+                        name=used,
+                        known=list(parts),
+                    ),
+                )
         parts[part.name] = part
     return parts
 
@@ -305,23 +402,43 @@ def _read_part(reader: _Reader, number: int, name: str, table: Mapping[str, Any]
         sources = [key for key in SOURCES if key in table]
         _check(
             len(sources) == 1,
-            f"is made of {' and '.join(sources) or 'nothing'}; give just one of {', '.join(SOURCES)}",
+            Message(
+                "wrong-count",
+                "is made of {made_of}",
+                "give just one of {known!l}",
+                made_of=" and ".join(sources) or "nothing",
+                known=list(SOURCES),
+            ),
         )
         source = sources[0]
         _known_keys(table, ("name", source, *SOURCES[source], "steps"))
         params = table.get("params", {})
-        _check(isinstance(params, Mapping), f"params={shown(params)} is no table; write params = {{ size = 20 }}")
-        _check(isinstance(table.get("steps", []), list), "steps are a list; write steps = [ { rotate = 1 } ]")
+        _check(
+            isinstance(params, Mapping),
+            Message("wrong-type", "params={params!q} is no table", "write params = {{ size = 20 }}", params=params),
+        )
+        _check(
+            isinstance(table.get("steps", []), list),
+            Message("wrong-type", "steps are a list", "write steps = [ {{ rotate = 1 }} ]"),
+        )
     with reader.at(f"{place}, {source}", number, source):
         value = spec_of(table[source], names)
         if source in ("beside", "above"):
             is_list = isinstance(value, tuple) and value and all(isinstance(item, str) for item in value)
-            _check(bool(is_list), f'is a list of parts; write {source} = ["a", "b"]')
+            _check(
+                bool(is_list), Message("wrong-type", "is a list of parts", 'write {source} = ["a", "b"]', source=source)
+            )
         elif source in ("family", "part"):
-            _check(not isinstance(value, tuple), f"is one word; to draw one write {source} = {{ any = [...] }}")
+            _check(
+                not isinstance(value, tuple),
+                Message("wrong-type", "is one word", "to draw one write {source} = {{ any = [...] }}", source=source),
+            )
             words_of(value)
         elif source != "box":
-            _check(isinstance(value, str), f"{shown(table[source])} is no text; give one in quotes")
+            _check(
+                isinstance(value, str),
+                Message("wrong-type", "{value!q} is no text", "give one in quotes", value=table[source]),
+            )
     options, chosen = {}, {}
     for key in SOURCES[source]:
         if key in table and key != "params":
@@ -339,18 +456,23 @@ def _read_part(reader: _Reader, number: int, name: str, table: Mapping[str, Any]
 
 def _read_step(raw: object, place: str, names: Sequence[str]) -> Step:
     if not isinstance(raw, Mapping):
-        raise InvalidParameter(f"{shown(raw)} is no table; write {{ rotate = 1 }}")
+        raise InvalidParameter("wrong-type", "{value!q} is no table", "write {{ rotate = 1 }}", value=raw)
     verbs = [key for key in raw if key in VERBS]
     if len(verbs) > 1:  # start and target of a place are its options
         verbs = [verb for verb in verbs if not any(verb in VERBS[other] for other in verbs if other != verb)]
     if len(verbs) != 1:
         said = " and ".join(verbs) or ", ".join(str(key)[:40] for key in raw) or "nothing"
-        raise InvalidParameter(f"says {said}; a step does one of {', '.join(VERBS)}")
+        raise InvalidParameter(
+            "unknown-name", "says {said}", "a step does one of {known!l}", said=said, known=list(VERBS)
+        )
     verb = verbs[0]
     _known_keys(raw, (verb, *VERBS[verb]))
     value = spec_of(raw[verb], names)
     if verb in NAMING_PARTS:
-        _check(not isinstance(value, tuple), f"{verb} is one part; to draw one write {{ any = [...] }}")
+        _check(
+            not isinstance(value, tuple),
+            Message("wrong-type", "{verb} is one part", "to draw one write {{ any = [...] }}", verb=verb),
+        )
         words_of(value)
     options = {key: spec_of(raw[key], names) for key in VERBS[verb] if key in raw}
     return Step(verb, value, options, f"{place} ({verb})")

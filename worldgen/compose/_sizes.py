@@ -23,7 +23,15 @@ def whole(name: str, value: object, low: int, high: int) -> int:
         InvalidParameter: If it is none.
     """
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
-        raise InvalidParameter(f"{name}={value!r} is no whole number from {low} to {high}; give one")
+        raise InvalidParameter(
+            "not-a-number",
+            "{name}={value!r} is no whole number from {low} to {high}",
+            "give one",
+            name=name,
+            value=value,
+            low=low,
+            high=high,
+        )
     return int(value)
 
 
@@ -35,6 +43,12 @@ def check_size(what: str, width: int, height: int) -> None:
     """
     if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE and width * height <= MAX_CELLS):
         raise TooLarge(
-            f"{what} gives {width} x {height} cells; a piece has sides of 1 to {MAX_SIDE} and at most {MAX_CELLS} "
-            "cells; take a smaller one"
+            "too-large",
+            "{what} gives {width} x {height} cells; a piece has sides of 1 to {max_side} and at most {max_cells} cells",
+            "take a smaller one",
+            what=what,
+            width=width,
+            height=height,
+            max_side=MAX_SIDE,
+            max_cells=MAX_CELLS,
         )

@@ -78,7 +78,7 @@ def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
         InvalidParameter: If it means nothing.
     """
     if depth > 4:
-        raise InvalidParameter("values are nested too deep; flatten them")
+        raise InvalidParameter("nested-too-deep", "values are nested too deep", "flatten them")
     if isinstance(raw, str) and raw.lstrip().startswith("="):
         return parse_formula(raw.strip()[1:].strip(), names)
     if isinstance(raw, bool | int | float | str):
@@ -91,7 +91,10 @@ def spec_of(raw: object, names: Sequence[str], depth: int = 0) -> Spec:
         return Choice(tuple(spec_of(item, names, depth + 1) for item in raw["any"]))
     shown = "a table of " + ", ".join(map(str, raw)) if isinstance(raw, Mapping) else f"a {type(raw).__name__}"
     raise InvalidParameter(
-        f'{shown[:80]} is no value; give a value, "= a formula", {{ from = 1, to = 3 }} or {{ any = [...] }}'
+        "wrong-type",
+        "{value} is no value",
+        'give a value, "= a formula", {{ from = 1, to = 3 }} or {{ any = [...] }}',
+        value=shown[:80],
     )
 
 
@@ -102,11 +105,19 @@ def parse_formula(text: str, names: Sequence[str]) -> Formula:
         InvalidParameter: If it is anything else.
     """
     if len(text) > _LONGEST:
-        raise InvalidParameter(f"a formula of {len(text)} characters; the limit is {_LONGEST}; make it shorter")
+        raise InvalidParameter(
+            "too-large",
+            "a formula of {count} characters; the limit is {most}",
+            "make it shorter",
+            count=len(text),
+            most=_LONGEST,
+        )
     try:
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise InvalidParameter(f"{text!r} is no formula; write one like size // 2 - 3") from None
+        raise InvalidParameter(
+            "not-a-formula", "{text!r} is no formula", "write one like size // 2 - 3", text=text
+        ) from None
     _check(tree, names, text)
     return Formula(text, tree)
 
@@ -119,15 +130,31 @@ def _check(node: ast.expr, names: Sequence[str], text: str) -> None:
         _check(node.operand, names, text)
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _CALLS:
         if not node.args or node.keywords:
-            raise InvalidParameter(f"{text!r}: {node.func.id}() takes numbers between commas; give some")
+            raise InvalidParameter(
+                "not-a-formula",
+                "{text!r}: {function}() takes numbers between commas",
+                "give some",
+                text=text,
+                function=node.func.id,
+            )
         for item in node.args:
             _check(item, names, text)
     elif isinstance(node, ast.Name):
         if node.id not in names:
-            known = ", ".join(names)
-            raise InvalidParameter(f"{text!r}: no parameter is called {node.id!r}; the recipe has {known}")
+            raise InvalidParameter(
+                "unknown-name",
+                "{text!r}: no parameter is called {name!r}",
+                "the recipe has {known!l}",
+                text=text,
+                name=node.id,
+                known=list(names),
+            )
     elif not (isinstance(node, ast.Constant) and type(node.value) in (int, float)):
-        raise InvalidParameter(f"{text!r}: a formula has numbers, parameters, + - * / // %, brackets, min and max")
+        raise InvalidParameter(
+            "not-a-formula",
+            "{text!r}: a formula has numbers, parameters, + - * / // %, brackets, min and max",
+            text=text,
+        )
 
 
 def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
@@ -147,17 +174,28 @@ def compute(formula: Formula, params: Mapping[str, Scalar]) -> int | float:
         elif isinstance(node, ast.Name):
             value = params[node.id]
             if isinstance(value, str | bool):
-                raise InvalidParameter(f"{formula.text!r}: {node.id} is {value!r}, no number; leave it out")
+                raise InvalidParameter(
+                    "not-a-number",
+                    "{text!r}: {name} is {value!r}, no number",
+                    "leave it out",
+                    text=formula.text,
+                    name=node.id,
+                    value=value,
+                )
         else:
             value = node.value  # type: ignore[attr-defined]  # a constant: _check has seen to it
         if not abs(value) < _LARGEST:
-            raise InvalidParameter(f"{formula.text!r} grows beyond {_LARGEST}; give smaller numbers")
+            raise InvalidParameter(
+                "too-large", "{text!r} grows beyond {most}", "give smaller numbers", text=formula.text, most=_LARGEST
+            )
         return value  # type: ignore[no-any-return]  # a number: _check has seen to it
 
     try:
         return at(formula.tree)
     except ZeroDivisionError:
-        raise InvalidParameter(f"{formula.text!r} divides by zero; change it or its parameters") from None
+        raise InvalidParameter(
+            "division-by-zero", "{text!r} divides by zero", "change it or its parameters", text=formula.text
+        ) from None
 
 
 def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any:
@@ -172,12 +210,22 @@ def value_of(spec: Spec, params: Mapping[str, Scalar], rng: RandomStream) -> Any
         low, high = (value_of(end, params, rng.child(name)) for name, end in (("from", spec.low), ("to", spec.high)))
         for end in (low, high):
             if isinstance(end, bool) or not isinstance(end, int | float) or not math.isfinite(end):
-                raise InvalidParameter(f"from {low!r} to {high!r} is no range of numbers; give two")
+                raise InvalidParameter(
+                    "not-a-number", "from {low!r} to {high!r} is no range of numbers", "give two", low=low, high=high
+                )
         if low > high:
-            raise InvalidParameter(f"from {low} to {high} is empty; give the smaller number first")
+            raise InvalidParameter(
+                "empty-range", "from {low} to {high} is empty", "give the smaller number first", low=low, high=high
+            )
         if isinstance(low, int) and isinstance(high, int):
             if high - low >= 2**63:
-                raise InvalidParameter(f"from {low} to {high} has more than 63 bits; give numbers nearer to each other")
+                raise InvalidParameter(
+                    "too-large",
+                    "from {low} to {high} has more than 63 bits",
+                    "give numbers nearer to each other",
+                    low=low,
+                    high=high,
+                )
             return rng.between(low, high)
         return rng.uniform(low, high)
     if isinstance(spec, Choice):

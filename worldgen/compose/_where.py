@@ -88,8 +88,17 @@ def draw_corner(
     if not len(corners):
         where = "on the way from start to target" if way is not None else "anywhere"
         raise InvalidParameter(
-            f"a piece of {piece[0]} x {piece[1]} cells fits nowhere {where} in {host[0]} x {host[1]} cells without "
-            f"covering start or target, with a margin of {margin}; give a smaller piece or margin, or a larger host"
+            "no-room",
+            "a piece of {width} x {height} cells fits nowhere {where} in {host_width} x "
+            "{host_height} cells without covering start or target, with a margin of "
+            "{margin}",
+            "give a smaller piece or margin, or a larger host",
+            width=piece[0],
+            height=piece[1],
+            where=where,
+            host_width=host[0],
+            host_height=host[1],
+            margin=margin,
         )
     drawn = corners[rng.below(len(corners))]
     return int(drawn[0]), int(drawn[1])

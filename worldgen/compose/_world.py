@@ -69,7 +69,10 @@ def way_of(world: World) -> Witness:
     decision = decide(replace(world, timeline=Timeline()))
     if not isinstance(decision.certificate, Witness):
         raise InvalidWorld(
-            f"at='way', and the host has no way from start to target: {decision.reason}; put the piece elsewhere"
+            "not-reachable",
+            "at='way', and the host has no way from start to target: {reason}",
+            "put the piece elsewhere",
+            reason=decision.reason,
         )
     return decision.certificate
 
@@ -83,7 +86,10 @@ def proved(world: World, margin: float = 0.0) -> World:
     decision = decide(world, margin=margin)
     if decision.result != REACHABLE:
         raise GenerationFailed(
-            f"the composed world is {decision.result}: {decision.reason}; move a piece, start or target, "
-            "or make the robot smaller"
+            "not-reachable",
+            "the composed world is {result}: {reason}",
+            "move a piece, start or target, or make the robot smaller",
+            result=decision.result,
+            reason=decision.reason,
         )
     return replace(world, certificate=decision.certificate)

@@ -68,7 +68,10 @@ class Piece:
         mask = np.array(self.mask, dtype=np.bool_)
         if solid.ndim != 2 or mask.shape != solid.shape:
             raise InvalidParameter(
-                f"a piece's cells have shape {solid.shape}, its mask {mask.shape}; both are (height, width), the same"
+                "wrong-shape",
+                "a piece's cells have shape {shape}, its mask {mask_shape}; both are (height, width), the same",
+                shape=solid.shape,
+                mask_shape=mask.shape,
             )
         check_size("a piece", solid.shape[1], solid.shape[0])
         solid &= mask
@@ -80,7 +83,9 @@ class Piece:
         if len(line):
             inside = (line.ix >= 0) & (line.ix < self.width) & (line.iy >= 0) & (line.iy < self.height)
             if not inside.all():
-                raise InvalidParameter("a piece's timeline has a cell outside of it; cut the timeline, or the world")
+                raise InvalidParameter(
+                    "outside-grid", "a piece's timeline has a cell outside of it", "cut the timeline, or the world"
+                )
             events = settled(Events.of(line, self.width), solid)
             events = events.only(mask.ravel()[events.cells])
             object.__setattr__(self, "timeline", timeline_of(events, self.width))
@@ -131,7 +136,12 @@ class Piece:
         if axis == "y":
             marks = moved(self.marks, lambda x, y: (x, height - y), width, height, 0, -1)
             return self._taken(self._numbers()[::-1], marks)
-        raise InvalidParameter(f"mirror={axis!r} is neither 'x' (left and right) nor 'y' (up and down); give one")
+        raise InvalidParameter(
+            "unknown-name",
+            "mirror={axis!r} is neither 'x' (left and right) nor 'y' (up and down)",
+            "give one",
+            axis=axis,
+        )
 
     def rotate(self, quarters: int) -> Piece:
         """Turned counter-clockwise by quarter turns, exactly."""
@@ -197,8 +207,16 @@ class Piece:
         sides = [whole(f"crop {name}", value, 1, MAX_SIDE) for name, value in (("width", width), ("height", height))]
         if numbers[0] + sides[0] > self.width or numbers[1] + sides[1] > self.height:
             raise InvalidParameter(
-                f"crop of {width} x {height} cells from ({x}, {y}) on reaches beyond the piece of {self.width} x "
-                f"{self.height} cells; give a box inside"
+                "outside-grid",
+                "crop of {width} x {height} cells from ({x}, {y}) on reaches beyond the "
+                "piece of {piece_width} x {piece_height} cells",
+                "give a box inside",
+                width=width,
+                height=height,
+                x=x,
+                y=y,
+                piece_width=self.width,
+                piece_height=self.height,
             )
         marks = moved(self.marks, lambda mark_x, mark_y: (mark_x - x, mark_y - y), width, height)
         return self._taken(self._numbers()[y : y + height, x : x + width], marks)
@@ -225,7 +243,9 @@ class Piece:
         for name, value in (("left", left), ("right", right), ("bottom", bottom), ("top", top)):
             whole(f"pad {name}", value, 0, MAX_SIDE)
         if fill not in ("solid", "free", "nothing"):
-            raise InvalidParameter(f"fill={fill!r} is none of solid, free, nothing; give one of these")
+            raise InvalidParameter(
+                "unknown-name", "fill={fill!r} is none of solid, free, nothing", "give one of these", fill=fill
+            )
         width, height = self.width + left + right, self.height + bottom + top
         check_size("pad", width, height)
         numbers = np.full((height, width), -1, np.int64)
@@ -265,8 +285,12 @@ class Piece:
         kept = mask.solid if isinstance(mask, Piece) else np.asarray(mask, dtype=np.bool_)
         if kept.shape != self.solid.shape:
             raise InvalidParameter(
-                f"a mask of shape {kept.shape} does not fit a piece of {self.width} x {self.height} cells; "
-                "crop or pad one of them"
+                "wrong-shape",
+                "a mask of shape {shape} does not fit a piece of {width} x {height} cells",
+                "crop or pad one of them",
+                shape=kept.shape,
+                width=self.width,
+                height=self.height,
             )
         return replace(self, mask=self.mask & kept)
 
@@ -286,7 +310,9 @@ class Piece:
     def filled(self, fill: str) -> Piece:
         """What it said nothing of is ``solid`` or ``free``."""
         if fill not in ("solid", "free"):
-            raise InvalidParameter(f"fill={fill!r} is neither solid nor free; give one of these")
+            raise InvalidParameter(
+                "unknown-name", "fill={fill!r} is neither solid nor free", "give one of these", fill=fill
+            )
         return replace(self, solid=self.solid | (~self.mask & (fill == "solid")), mask=np.ones_like(self.mask))
 
     def dig(self, begin: str | tuple[float, float], end: str | tuple[float, float], *, width: int = 2) -> Piece:
@@ -314,7 +340,11 @@ class Piece:
         if isinstance(point, str):
             if point not in self.marks:
                 raise InvalidParameter(
-                    f"no mark is called {point!r}; the piece has {', '.join(self.marks) or 'none'}; give [x, y]"
+                    "unknown-name",
+                    "no mark is called {name!r}; the piece has {known!l:none}",
+                    "give [x, y]",
+                    name=point,
+                    known=list(self.marks),
                 )
             mark = self.marks[point]
         else:
@@ -348,8 +378,14 @@ class Piece:
     def _check_inside(self, name: str, mark: Mark) -> None:
         if not (0 <= mark.x <= self.width and 0 <= mark.y <= self.height):
             raise InvalidParameter(
-                f"{name} at ({float(mark.x):g}, {float(mark.y):g}) lies outside the piece of {self.width} x "
-                f"{self.height} cells; give cells from its lower left corner"
+                "outside-grid",
+                "{name} at ({x:g}, {y:g}) lies outside the piece of {width} x {height} cells",
+                "give cells from its lower left corner",
+                name=name,
+                x=float(mark.x),
+                y=float(mark.y),
+                width=self.width,
+                height=self.height,
             )
 
     def without_marks(self, *names: str) -> Piece:

@@ -59,7 +59,9 @@ def family_from_recipe(
         try:
             text = read_bounded(path, MAX_BYTES).decode("utf-8")
         except UnicodeDecodeError as error:
-            raise FormatError(f"is no UTF-8 text at byte {error.start}; save it as UTF-8", source=source) from error
+            raise FormatError(
+                "not-utf8", "is no UTF-8 text at byte {byte}", "save it as UTF-8", byte=error.start, source=source
+            ) from error
     else:
         text = recipe
     text = text.replace("\r\n", "\n")
@@ -72,7 +74,7 @@ def family_from_recipe(
     try:
         made = family(f"recipe:{read_text.name}", version=read_text.version)(_builder(read_text, pieces))
     except InvalidParameter as error:  # a parameter called like an option of every family
-        raise FormatError(str(error), source=source) from error
+        raise FormatError.of(error.message, source=source) from error
     return replace(made, constants=constants, changes=_changes(read_text, pieces))
 
 
@@ -100,17 +102,27 @@ def _check_families(recipe: RecipeText, source: str | None) -> None:
             try:
                 if not _PLAIN.match(name):  # a file from elsewhere must not load code when it is made again
                     raise InvalidParameter(
-                        f"family={name[:60]!r} is no registered family; register your own as a package "
-                        "(docs/families.md)"
+                        "unknown-name",
+                        "family={name!r} is no registered family",
+                        "register your own as a package (docs/families.md)",
+                        name=name[:60],
                     )
                 known = {parameter.name: parameter for parameter in FAMILIES.get(name).parameters}
                 for key, spec in part.params.items():
                     if key not in known:
-                        raise InvalidParameter(f"{name} has no parameter {key!r}; it has {', '.join(known)}")
+                        raise InvalidParameter(
+                            "unknown-name",
+                            "{name} has no parameter {parameter!r}",
+                            "it has {known!l}",
+                            name=name,
+                            parameter=key,
+                            known=list(known),
+                        )
                     if isinstance(spec, bool | int | float | str):
                         known[key].accept(spec, name)
             except InvalidParameter as error:
-                raise FormatError(f"{part.place}: {error}", line=part.line, source=source) from error
+                message = error.message.behind("{place}: ", place=part.place)
+                raise FormatError.of(message, line=part.line, source=source) from error
 
 
 def _read_pieces(
@@ -128,12 +140,17 @@ def _read_pieces(
                 pure = PurePosixPath(text)
                 if pure.is_absolute() or ".." in pure.parts or "\\" in text or "\0" in text:
                     raise InvalidParameter(
-                        f"file={text[:60]!r} lies elsewhere; put it beside the recipe, or in a folder there"
+                        "outside-folder",
+                        "file={text!r} lies elsewhere",
+                        "put it beside the recipe, or in a folder there",
+                        text=text[:60],
                     )
                 carried = sum(len(content) for name, content in kept.items() if name != text)
                 pieces[part.name], kept[text] = _read_file(folder / text, given.get(text), carried)
         except (FormatError, InvalidParameter) as error:
-            raise FormatError(f"{part.place}: {error}", line=part.line, source=source) from error
+            inner = f"{error.place}: " if isinstance(error, FormatError) and error.place else ""
+            message = error.message.behind("{place}: {file}", place=part.place, file=inner)
+            raise FormatError.of(message, line=part.line, source=source) from error
     return pieces, kept
 
 
@@ -144,7 +161,9 @@ def _read_file(path: Path, given: str | None, carried: int) -> tuple[Piece, str]
     piece = read(path)
     digest = _DIGEST + _digest(piece)
     if given is not None and given != digest:
-        raise InvalidParameter(f"{path} has changed since the world was made of it; put the old file there")
+        raise InvalidParameter(
+            "file-changed", "{path} has changed since the world was made of it", "put the old file there", path=path
+        )
     if given is None and path.suffix == ".grid":
         data = read_bounded(path)
         if carried + len(data) <= _MOST_CARRIED:
@@ -196,8 +215,12 @@ def _only(name: str, world: World, margin: Scalar) -> World:
     decision = decide(world, margin=float(margin))
     if decision.result != REACHABLE:
         raise GenerationFailed(
-            f"recipe {name}: its world is {decision.result}: {decision.reason}; nothing in it is drawn, so no seed "
-            "helps: move a part, start or target"
+            "not-reachable",
+            "recipe {name}: its world is {result}: {reason}; nothing in it is drawn, so no "
+            "seed helps: move a part, start or target",
+            name=name,
+            result=decision.result,
+            reason=decision.reason,
         )
     return world
 

@@ -111,7 +111,7 @@ def drawn(rows: str | Sequence[str]) -> Piece:
     lines = rows.strip("\n").split("\n") if isinstance(rows, str) else list(rows)
     lines = [line.rstrip("\r") for line in lines]
     if not lines or not lines[0]:
-        raise InvalidParameter("a drawing has no cells; draw rows of # and .")
+        raise InvalidParameter("empty", "a drawing has no cells", "draw rows of # and .")
     check_size("a drawing", max(len(line) for line in lines), len(lines))
     marks: dict[str, Mark] = {}
     solid = np.zeros((len(lines), len(lines[0])), dtype=np.bool_)
@@ -119,7 +119,12 @@ def drawn(rows: str | Sequence[str]) -> Piece:
     for number, line in enumerate(lines, start=1):
         if len(line) != len(lines[0]):
             raise InvalidParameter(
-                f"row {number} of a drawing has {len(line)} signs, the first {len(lines[0])}; make all equally long"
+                "ragged-rows",
+                "row {row} of a drawing has {signs} signs, the first {width}",
+                "make all equally long",
+                row=number,
+                signs=len(line),
+                width=len(lines[0]),
             )
         solid[number - 1] = [sign == "#" for sign in line]
         mask[number - 1] = [sign != _NOTHING for sign in line]
@@ -133,11 +138,18 @@ def _note(marks: dict[str, Mark], sign: str, row: int, column: int, rows: int) -
     """Keeps a mark of a drawing."""
     if sign not in _SIGNS and not ("a" <= sign <= "z"):
         raise InvalidParameter(
-            f"row {row} of a drawing has {sign!r} at {column + 1}; use # solid, . free, _ nothing, S, G, a to z"
+            "unknown-sign",
+            "row {row} of a drawing has {sign!r} at {column}",
+            "use # solid, . free, _ nothing, S, G, a to z",
+            row=row,
+            sign=sign,
+            column=column + 1,
         )
     name = {"S": START, "G": TARGET}.get(sign, sign)
     if name in marks:
-        raise InvalidParameter(f"row {row} of a drawing has a second {sign!r}; a mark stands once")
+        raise InvalidParameter(
+            "twice", "row {row} of a drawing has a second {sign!r}; a mark stands once", row=row, sign=sign
+        )
     marks[name] = Mark(column + _HALF, rows - row + _HALF)
 
 
@@ -182,7 +194,7 @@ def row_size(pieces: Sequence[Piece], gap: int, *, upwards: bool) -> tuple[int, 
         InvalidParameter: If there is no piece, or they give too many cells.
     """
     if not pieces:
-        raise InvalidParameter("there is no piece to put in a row; give at least one")
+        raise InvalidParameter("empty", "there is no piece to put in a row", "give at least one")
     gaps = whole("gap", gap, 0, MAX_SIDE) * (len(pieces) - 1)
     widths, heights = [piece.width for piece in pieces], [piece.height for piece in pieces]
     size = (max(widths), sum(heights) + gaps) if upwards else (sum(widths) + gaps, max(heights))
@@ -218,7 +230,13 @@ def _renamed(piece: Piece, end: str, number: int, join: int) -> Piece:
     if mark is not None:
         marks[f"{end} {number}"] = mark
     elif join:
-        raise InvalidParameter(f"piece {number + 1} of a row has no {end} to join it to the others; give it one")
+        raise InvalidParameter(
+            "missing-mark",
+            "piece {number} of a row has no {end} to join it to the others",
+            "give it one",
+            number=number + 1,
+            end=end,
+        )
     return replace(piece, marks=marks)
 
 

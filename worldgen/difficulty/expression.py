@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple, NoReturn
 
 from worldgen.difficulty.metrics import METRICS
-from worldgen.errors import InvalidParameter
+from worldgen.errors import InvalidParameter, Message
 
 __all__ = ["Expression", "parse"]
 
@@ -80,11 +80,17 @@ def parse(text: str) -> Expression:
         InvalidParameter: If it is none, with a mark under the place.
     """
     if len(text) > MOST_CHARACTERS:
-        raise InvalidParameter(f"the wish has {len(text)} characters; give at most {MOST_CHARACTERS}")
+        raise InvalidParameter(
+            "too-large",
+            "the wish has {characters} characters",
+            "give at most {most}",
+            characters=len(text),
+            most=MOST_CHARACTERS,
+        )
     parser = _Parser(text)
     found = parser.either(0)
     if parser.kind != "end":
-        parser.fail(f"{parser.shown} is too much here; join wishes with and, or")
+        parser.fail(Message("wrong-form", "{came} is too much here", "join wishes with and, or", came=parser.shown))
     return Expression(text, frozenset(parser.names), parser.wish(found, 0))
 
 
@@ -102,7 +108,7 @@ class _Parser:
         while True:
             token = _TOKEN.match(self.text, place)
             if token is None:  # the last alternative but one takes any character
-                raise InvalidParameter("the wish cannot be read; write it on one line")
+                raise InvalidParameter("wrong-form", "the wish cannot be read", "write it on one line")
             yield token
             place = token.end()
 
@@ -113,20 +119,21 @@ class _Parser:
         self.word = token[self.kind]
         self.unit = token["unit"]
         if self.kind == "wrong":
-            self.fail(f"{self.word!r} has no meaning here")
+            self.fail(Message("wrong-form", "{word!r} has no meaning here", word=self.word))
 
     @property
     def shown(self) -> str:
         """The current token for messages."""
         return "the end" if self.kind == "end" else repr(self.word)
 
-    def fail(self, message: str, at: int | None = None) -> NoReturn:
+    def fail(self, message: Message, at: int | None = None) -> NoReturn:
         """Raises the error with a mark under the place."""
         place = self.at if at is None else at
         line = "".join(c if c.isprintable() else " " for c in self.text)
         first = max(0, place - 60)
         piece = line[first : first + 100]
-        raise InvalidParameter(f"{message}\n  {piece}\n  {' ' * (place - first)}^")
+        marked = message.before("\n  {line}\n  {mark:>{column}}", line=piece, mark="^", column=place - first + 1)
+        raise InvalidParameter.of(marked)
 
     def _takes(self, *words: str) -> str | None:
         if self.kind in ("mark", "word") and self.word in words:
@@ -138,19 +145,28 @@ class _Parser:
     def wish(self, part: _Number | _Wish, at: int) -> _Wish:
         """Refuses a number where a condition belongs."""
         if isinstance(part, _Number):
-            self.fail("this is a number, not a condition; compare it, as in detour > 3", at)
+            self.fail(Message("wrong-form", "this is a number, not a condition", "compare it, as in detour > 3"), at)
         return part
 
     def number(self, part: _Number | _Wish, at: int) -> _Number:
         """Refuses a condition where a number belongs."""
         if isinstance(part, _Wish):
-            self.fail("this is a condition, not a number; it cannot be compared or reckoned with", at)
+            self.fail(
+                Message("wrong-form", "this is a condition, not a number; it cannot be compared or reckoned with"), at
+            )
         return part
 
     def either(self, depth: int) -> _Number | _Wish:
         """``a or b``."""
         if depth > MOST_NESTED:
-            self.fail(f"nested deeper than {MOST_NESTED} levels; take parentheses and signs away")
+            self.fail(
+                Message(
+                    "nested-too-deep",
+                    "nested deeper than {most} levels",
+                    "take parentheses and signs away",
+                    most=MOST_NESTED,
+                )
+            )
         at, found = self.at, self._both(depth)
         while self._takes("or"):
             one, second = self.wish(found, at), self.at
@@ -214,29 +230,39 @@ class _Parser:
         if self._takes("("):
             found = self.either(depth + 1)
             if not self._takes(")"):
-                self.fail(f"{self.shown} where a closing parenthesis belongs")
+                self.fail(Message("wrong-form", "{came} where a closing parenthesis belongs", came=self.shown))
             return found
         if self.kind == "number":
             return self._constant()
         if self.kind == "word" and self.word not in ("and", "or", "not"):
             return self._metric()
-        self.fail(f"{self.shown} where a metric or a number belongs")
+        self.fail(Message("wrong-form", "{came} where a metric or a number belongs", came=self.shown))
 
     def _constant(self) -> _Number:
         value, unit = float(self.word), self.unit
         if not math.isfinite(value):
-            self.fail("this number is beyond the range of a float64; give a smaller one")
+            self.fail(Message("too-large", "this number is beyond the range of a float64", "give a smaller one"))
         if unit is not None and unit not in UNITS:
-            self.fail(f"{unit!r} is no unit; write m, s, or r for the robot's radius", self.at + len(self.word))
+            self.fail(
+                Message("unknown-name", "{name!r} is no unit", "write m, s, or r for the robot's radius", name=unit),
+                self.at + len(self.word),
+            )
         self._next()
         return _Number(lambda _, radius: value * radius if unit == "r" else value)
 
     def _metric(self) -> _Number:
         name = self.word
         if name not in METRICS:
-            close = difflib.get_close_matches(name, METRICS, n=1)
-            hint = f"did you mean {close[0]}? " if close else ""
-            self.fail(f"no metric is called {name[:40]!r}; {hint}known: {', '.join(METRICS)}")
+            near = "".join(difflib.get_close_matches(name, METRICS, n=1))
+            message = Message(
+                "unknown-name",
+                "no metric is called {name!r}",
+                "did you mean {near}? known: {known!l}" if near else "known: {known!l}",
+                name=name[:40],
+                near=near,
+                known=list(METRICS),
+            )
+            self.fail(message)
         self.names.add(name)
         self._next()
         return _Number(lambda metrics, _: metrics.get(name, math.nan))

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from worldgen.difficulty.expression import Expression, parse
 from worldgen.difficulty.measuring import measure
@@ -63,13 +64,15 @@ def wish_for(where: str | None, difficulty: float | None = None) -> Expression:
     parts = []
     if difficulty is not None:
         if not 0.0 <= difficulty <= 1.0:
-            raise InvalidParameter(f"difficulty={difficulty:g} is outside 0 to 1; give one between")
+            raise InvalidParameter(
+                "out-of-range", "difficulty={difficulty:g} is outside 0 to 1", "give one between", difficulty=difficulty
+            )
         parts.append(f"{max(0.0, difficulty - CLOSE):.6g} <= difficulty <= {difficulty + CLOSE:.6g}")
     if where is not None:
         parse(where)  # whose messages show what was written, no more
         parts.append(f"({where})" if parts else where)
     if not parts:
-        raise InvalidParameter("nothing is wished for; give where or difficulty")
+        raise InvalidParameter("missing", "nothing is wished for", "give where or difficulty")
     return parse(" and ".join(parts))
 
 
@@ -107,7 +110,10 @@ class Search:
         family.complete(given)  # refuses at once what it would refuse every time
         if family.changes and "difficulty" in wish.names:
             raise InvalidParameter(
-                f"{family.name}: its worlds change, and those have no difficulty; wish for another metric, say detour"
+                "world-changes",
+                "{name}: its worlds change, and those have no difficulty",
+                "wish for another metric, say detour",
+                name=family.name,
             )
         self._free = free_parameters(family, given) if guided else ()
         self._rng = RandomStream(seed).child("where", family.name)
@@ -221,20 +227,28 @@ def found(
                 yield one
                 break
         else:
-            raise GenerationFailed(_nothing(search, tries, len(seen)))
+            raise _nothing(search, tries, len(seen))
 
 
-def _nothing(search: Search, tries: int, before: int) -> str:
-    so_far = f"after {before} that do, " if before else ""
-    message = f"{search.family.name}: {so_far}none of {tries} worlds fits {search.wish.text!r}"
+def _nothing(search: Search, tries: int, before: int) -> GenerationFailed:
     near = search.nearest
+    after = "after {before} that do, " if before else ""
+    problem = f"{{family}}: {after}none of {{tries}} worlds fits {{wish!r}}"
+    facts: dict[str, Any] = {"family": search.family.name, "before": before, "tries": tries, "wish": search.wish.text}
     if near is None:
-        return f"{message}; the family refused them all; fix fewer parameters"
+        return GenerationFailed(
+            "no-world-found", problem + "; the family refused them all", "fix fewer parameters", **facts
+        )
     if near.violation == 0.0:
-        return f"{message} and is new; give more tries, or fix fewer parameters"
-    values = ", ".join(f"{name} {near.metrics[name]:g}" for name in sorted(search.wish.names) if name in near.metrics)
-    params = "".join(f", {name}={value}" for name, value in near.params.items())
-    return (
-        f"{message}; the nearest has {values or 'none of these metrics'} (seed {near.seed}{params}); "
-        "give more tries, fix fewer parameters, or wish for less"
+        return GenerationFailed(
+            "no-world-found", problem + " and is new", "give more tries, or fix fewer parameters", **facts
+        )
+    metrics = {name: near.metrics[name] for name in sorted(search.wish.names) if name in near.metrics}
+    return GenerationFailed(
+        "no-world-found",
+        problem + "; the nearest has {metrics!l:none of these metrics} ({settings!l})",
+        "give more tries, fix fewer parameters, or wish for less",
+        **facts,
+        metrics=[f"{name} {value:g}" for name, value in metrics.items()],
+        settings=[f"seed {near.seed}", *(f"{name}={value}" for name, value in near.params.items())],
     )

@@ -81,11 +81,21 @@ def check_range(low: float, high: float) -> None:
         InvalidParameter: If an end is outside 0 to 1, or the lower one is not below the upper one by 0.001 or more.
     """
     if not 0.0 <= low < high <= 1.0:
-        raise InvalidParameter(f"difficulty={low:g}..{high:g} is not a range inside 0 to 1; write 0.1..0.9")
+        raise InvalidParameter(
+            "out-of-range",
+            "difficulty={low:g}..{high:g} is not a range inside 0 to 1",
+            "write 0.1..0.9",
+            low=low,
+            high=high,
+        )
     if high - low < _NARROWEST * (1 - 1e-9):
         raise InvalidParameter(
-            f"difficulty={low!r}..{high!r} is narrower than {_NARROWEST:g}; widen it, or ask for a single difficulty, "
-            f"such as {low:g}"
+            "range-too-narrow",
+            "difficulty={low!r}..{high!r} is narrower than {narrowest:g}",
+            "widen it, or ask for a single difficulty, such as {low:g}",
+            low=low,
+            high=high,
+            narrowest=_NARROWEST,
         )
 
 
@@ -130,7 +140,10 @@ class StrataSearch:
         family.complete(given)  # refuses at once what it would refuse every time
         if family.changes:
             raise InvalidParameter(
-                f"{family.name}: its worlds change, and those have no difficulty; leave out difficulty"
+                "world-changes",
+                "{name}: its worlds change, and those have no difficulty",
+                "leave out difficulty",
+                name=family.name,
             )
         self._family, self._edges, self._seed, self._given = family, edges, seed, dict(given)
         self._where: Expression | None = None if where is None else parse(where)
@@ -156,7 +169,7 @@ class StrataSearch:
         while len(seen) < self._count:
             still_open = [k for k, stratum in enumerate(self._strata) if stratum.open]
             if not still_open:
-                raise GenerationFailed(self._nothing(len(seen)))
+                raise self._nothing(len(seen))
             aim = next((k for k in still_open if k >= turn), still_open[0])
             turn = aim + 1
             one = self._try(aim)
@@ -232,10 +245,16 @@ class StrataSearch:
         for k, taker in enumerate(near):
             self._strata[taker].wanted += left // len(near) + (k < left % len(near))
 
-    def _nothing(self, before: int) -> str:
-        low = self._edges[0]
-        high = self._edges[-1]
-        return (
-            f"{self._family.name}: only {before} of {self._count} worlds were found with a difficulty of {low:g} to "
-            f"{high:g}, {self._tries} tries after the last; give more tries, fix fewer parameters, or another range"
+    def _nothing(self, before: int) -> GenerationFailed:
+        return GenerationFailed(
+            "no-world-found",
+            "{family}: only {before} of {count} worlds were found with a difficulty of {low:g} to {high:g}, "
+            "{tries} tries after the last",
+            "give more tries, fix fewer parameters, or another range",
+            family=self._family.name,
+            before=before,
+            count=self._count,
+            low=self._edges[0],
+            high=self._edges[-1],
+            tries=self._tries,
         )

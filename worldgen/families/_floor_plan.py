@@ -92,12 +92,24 @@ def fit_sizes(rng: RandomStream, arena: Arena, style: Style, sizes: Sizes, *, sp
     if asked < least:
         name = "door" if sizes.door > arena.narrowest else "robot"
         raise InvalidParameter(
-            f"room={asked} is narrower than the {name}, {least} cells; give at least {least}, or -1 to have it drawn"
+            "below-minimum",
+            "room={room} is narrower than the {name}, {least} cells",
+            "give at least {least}, or -1 to have it drawn",
+            room=asked,
+            name=name,
+            least=least,
         )
     if asked > most:
         raise InvalidParameter(
-            f"two rooms of {asked} cells and the {beside} cells between them are more than the {arena.inside} inside "
-            f"size={arena.size}; give a size of at least {2 * asked + beside + 2}, or smaller rooms, walls or corridors"
+            "no-room",
+            "two rooms of {room} cells and the {between} cells between them are more than "
+            "the {inside} inside size={size}",
+            "give a size of at least {least}, or smaller rooms, walls or corridors",
+            room=asked,
+            between=beside,
+            inside=arena.inside,
+            size=arena.size,
+            least=2 * asked + beside + 2,
         )
     if sizes.room == CHOSEN:
         low = min(most, least + max(1, spacious))

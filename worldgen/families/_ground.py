@@ -47,7 +47,13 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
     }
     for name in given:
         if name in shared:
-            raise InvalidParameter(f"over={over}: {name} is the whole world's; give it as a parameter of its own")
+            raise InvalidParameter(
+                "not-of-the-ground",
+                "over={over}: {name} is the whole world's",
+                "give it as a parameter of its own",
+                over=over,
+                name=name,
+            )
     if below.name == "maze":
         given.setdefault("braid", MAZE_BRAID)
     params = {name: value for name, value in shared.items() if name in below.defaults()} | given
@@ -69,8 +75,13 @@ def lay_ground(rng: RandomStream, over: str, arena: Arena) -> World:
             continue
         return _still(ground, over)
     raise InvalidParameter(
-        f"size={arena.size} with robot_radius={arena.robot_radius:g} m has no room for over={over}; "
-        f"give a larger size or a smaller robot_radius (for one of its shapes: {refusals[0]})"
+        "no-room",
+        "size={size} with robot_radius={robot_radius:g} m has no room for over={over}",
+        "give a larger size or a smaller robot_radius (for one of its shapes: {refusal})",
+        size=arena.size,
+        robot_radius=arena.robot_radius,
+        over=over,
+        refusal=refusals[0],
     )
 
 
@@ -78,18 +89,35 @@ def _parse(over: str) -> tuple[Family, dict[str, Value]]:
     """The family and its parameters as given."""
     parts = _OVER.fullmatch(over.strip())
     if parts is None:
-        raise InvalidParameter(f"over={over!r} names no family; give one, such as maze, or maze+algorithm=eller")
+        raise InvalidParameter(
+            "missing", "over={over!r} names no family", "give one, such as maze, or maze+algorithm=eller", over=over
+        )
     below = FAMILIES.get(parts["name"])
     if below.changes:
         still = ", ".join(name for name in FAMILIES if not FAMILIES.get(name).changes)
-        raise InvalidParameter(f"over={over}: {below.name} changes by itself; give one of {still}")
+        raise InvalidParameter(
+            "world-changes",
+            "over={over}: {family} changes by itself",
+            "give one of {known}",
+            over=over,
+            family=below.name,
+            known=still,
+        )
     known = {parameter.name: parameter for parameter in below.parameters}
     given: dict[str, Value] = {}
     for setting in re.findall(_SETTING, parts["settings"]):
         word, equals, text = setting[1:].partition("=")
         name = word.replace("-", "_")
         if name not in known:
-            raise InvalidParameter(f"over={over}: {below.name} has no parameter {name!r}; it has {', '.join(known)}")
+            raise InvalidParameter(
+                "unknown-name",
+                "over={over}: {family} has no parameter {parameter!r}",
+                "it has {known!l}",
+                over=over,
+                family=below.name,
+                parameter=name,
+                known=list(known),
+            )
         given[name] = _value(known[name], text.strip() if equals else None, over)
     return below, given
 
@@ -107,7 +135,15 @@ def _value(parameter: Parameter, text: str | None, over: str) -> Value:
     except (ValueError, KeyError):
         what = "true or false" if kind is bool else {int: "a whole number", float: "a number"}.get(kind, "a word")
         shown = parameter.name if text is None else f"{parameter.name}={text}"
-        raise InvalidParameter(f"over={over}: {shown} is not {what}; write +{parameter.name}=VALUE") from None
+        raise InvalidParameter(
+            "wrong-type",
+            "over={over}: {given} is not {expected}",
+            "write +{name}=VALUE",
+            over=over,
+            given=shown,
+            expected=what,
+            name=parameter.name,
+        ) from None
     return parameter.accept(value, over)
 
 
@@ -115,7 +151,9 @@ def _still(ground: World, over: str) -> World:
     """The ground, if it stands still."""
     if ground.is_dynamic:
         raise InvalidParameter(
-            f"over={over}: its worlds change by themselves; give a family whose worlds stand still, and say "
-            "changes=True where this one is declared"
+            "world-changes",
+            "over={over}: its worlds change by themselves",
+            "give a family whose worlds stand still, and say changes=True where this one is declared",
+            over=over,
         )
     return ground

@@ -89,8 +89,14 @@ class Arena:
         room = exact(self.cell_size) * self.inside / 2
         if exact(self.robot_radius) > room:
             raise InvalidParameter(
-                f"robot_radius={self.robot_radius:g} m does not fit between the walls of size={self.size} cells "
-                f"of {self.cell_size:g} m; give at most {float(room):g} m, or a larger size"
+                "no-room",
+                "robot_radius={robot_radius:g} m does not fit between the walls of "
+                "size={size} cells of {cell_size:g} m",
+                "give at most {most:g} m, or a larger size",
+                robot_radius=self.robot_radius,
+                size=self.size,
+                cell_size=self.cell_size,
+                most=float(room),
             )
 
     @property
@@ -118,8 +124,13 @@ class Arena:
             return self.narrowest
         if width < self.narrowest:
             raise InvalidParameter(
-                f"{name}={width} is narrower than the robot, {float(2 * self.radius):g} cells wide; "
-                f"give at least {self.narrowest}, or -1 for the narrowest"
+                "narrower-than-robot",
+                "{name}={width} is narrower than the robot, {robot_width:g} cells wide",
+                "give at least {narrowest}, or -1 for the narrowest",
+                name=name,
+                width=width,
+                robot_width=float(2 * self.radius),
+                narrowest=self.narrowest,
             )
         return width
 
@@ -169,7 +180,14 @@ def without_effect(name: str, value: int, setting: str) -> int:
         InvalidParameter: If it was given all the same.
     """
     if value != CHOSEN:
-        raise InvalidParameter(f"{name}={value} has no effect with {setting}; leave it out, or change {setting}")
+        raise InvalidParameter(
+            "no-effect",
+            "{name}={value} has no effect with {setting}",
+            "leave it out, or change {setting}",
+            name=name,
+            value=value,
+            setting=setting,
+        )
     return 0
 
 

@@ -192,7 +192,9 @@ def place_turned(
         if not len(found):  # between slanted borders of a narrow zone there may be no half cell
             found = np.flatnonzero(wider[zone])
         if not len(found):
-            raise GenerationFailed(f"trap: no place for the robot on the side called {zone}; give a larger size")
+            raise GenerationFailed(
+                "no-room", "trap: no place for the robot on the side called {zone}", "give a larger size", zone=zone
+            )
         spot = found[rng.below(len(found))]
         spots.append((int(middles[0, spot]), int(middles[1, spot])))
     looks = {"start": 2, "target": 0, "side": 1 if figure.flipped else 3}[faces] + (degrees + 45) // 90
@@ -237,7 +239,9 @@ def _spot_inside(
             column, row = (cell.clip(0, arena.size - 1) for cell in cells)
             points = points[:, ~(walls[row, column] & near)]
     if not points.size:
-        raise InvalidParameter("inside: the hollow has no room for the robot; give a larger depth or mouth")
+        raise InvalidParameter(
+            "no-room", "inside: the hollow has no room for the robot", "give a larger depth or mouth"
+        )
     spot = rng.below(points.shape[1])
     return int(points[0, spot]), int(points[1, spot])
 

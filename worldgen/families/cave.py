@@ -73,8 +73,12 @@ def cave(
     side = arena.narrowest
     if arena.inside < 3 * side:
         raise InvalidParameter(
-            f"size={size} is too small for a cave, {3 * side + 2} cells for a robot {side} cells wide; "
-            "give a larger size or a smaller robot_radius"
+            "no-room",
+            "size={size} is too small for a cave, {least} cells for a robot {robot_width} cells wide",
+            "give a larger size or a smaller robot_radius",
+            size=size,
+            least=3 * side + 2,
+            robot_width=side,
         )
     grain = max(1, side // 2) if grain == CHOSEN else grain
     rounds = rng.child("rounds").between(*_ROUNDS) if rounds == CHOSEN else rounds

@@ -149,8 +149,13 @@ def _lines(arena: Arena, width: int, wall: int) -> int:
     lines = (arena.inside + wall) // (width + wall)
     if lines < 2:
         raise InvalidParameter(
-            f"width={width} and wall={wall} leave no room for two stretches side by side in size={arena.size} cells; "
-            f"give a size of at least {2 * width + wall + 2}, or a narrower corridor"
+            "no-room",
+            "width={width} and wall={wall} leave no room for two stretches side by side in size={size} cells",
+            "give a size of at least {least}, or a narrower corridor",
+            width=width,
+            wall=wall,
+            size=arena.size,
+            least=2 * width + wall + 2,
         )
     return lines
 
@@ -163,7 +168,11 @@ def _neck(arena: Arena, width: int, necks: int, neck: int, neck_length: int) -> 
     neck = arena.passage("neck", neck)
     if neck >= width:
         raise InvalidParameter(
-            f"neck={neck} is no narrower than the corridor, width={width}; give a wider corridor, or leave out necks"
+            "above-maximum",
+            "neck={neck} is no narrower than the corridor, width={width}",
+            "give a wider corridor, or leave out necks",
+            neck=neck,
+            width=width,
         )
     return neck
 
@@ -178,8 +187,11 @@ def _chosen_slots(rng: RandomStream, slots: list[Slot], necks: int) -> list[Slot
         return slots
     if necks > len(slots):
         raise GenerationFailed(
-            f"corridor: its straight stretches have room for {len(slots)} narrow places, not for necks={necks}; "
-            "give fewer or shorter ones, -1 for as many as fit, a larger size, or fewer bends"
+            "no-room",
+            "corridor: its straight stretches have room for {most} narrow places, not for necks={necks}",
+            "give fewer or shorter ones, -1 for as many as fit, a larger size, or fewer bends",
+            most=len(slots),
+            necks=necks,
         )
     slots = list(slots)
     rng.child("slots").shuffle(slots)
@@ -216,8 +228,11 @@ def _planned(rng: RandomStream, shape: Shape, lines: int, bends: int, branches: 
         most = min(lines - 2, MOST_BENDS)
         if most < 1:
             raise InvalidParameter(
-                f"shape={shape} needs three stretches side by side, and there is room for {lines}; "
-                "give a larger size, or a narrower corridor"
+                "no-room",
+                "shape={shape} needs three stretches side by side, and there is room for {lines}",
+                "give a larger size, or a narrower corridor",
+                shape=shape,
+                lines=lines,
             )
         if branches != CHOSEN:
             check_between("branches", branches, 1, most)
@@ -251,8 +266,13 @@ def _draft(
                 return way, side_edges
         lattice = min(lines, lattice + draft % 2)
     raise GenerationFailed(
-        f"corridor: none of {MAX_DRAFTS} drafts has bends={bends} and branches={branches} on {lines} x {lines} "
-        "lines; give fewer, or a larger size"
+        "no-room",
+        "corridor: none of {drafts} drafts has bends={bends} and branches={branches} on {lines} x {lines} lines",
+        "give fewer, or a larger size",
+        drafts=MAX_DRAFTS,
+        bends=bends,
+        branches=branches,
+        lines=lines,
     )
 
 

@@ -115,7 +115,12 @@ def fire(
     if wind == 0.0:
         without_effect("wind_to", wind_to, "wind=0")
     if monotone and clear > 0.0:
-        raise InvalidParameter(f"clear={clear:g} s opens what fell shut, and monotone lets nothing open; leave one out")
+        raise InvalidParameter(
+            "conflict",
+            "clear={clear:g} s opens what fell shut, and monotone lets nothing open",
+            "leave one out",
+            clear=clear,
+        )
 
     ground = lay_ground(rng.child("ground"), over, arena)
     plan = Plan.of(ground).with_fuel(rng.child("fuel"), fuel, grain)
@@ -138,14 +143,32 @@ def _cells(text: str, plan: Plan) -> list[int]:
     for part in text.split(","):
         column, _, row = part.strip().partition(":")
         if not (column.isdecimal() and row.isdecimal()):
-            raise InvalidParameter(f"ignite_cells={text!r}: {part!r} is no cell; write IX:IY,IX:IY, such as 12:5,20:7")
+            raise InvalidParameter(
+                "wrong-form",
+                "ignite_cells={text!r}: {part!r} is no cell",
+                "write IX:IY,IX:IY, such as 12:5,20:7",
+                text=text,
+                part=part,
+            )
         ix, iy = int(column[:9]), int(row[:9])
         if not (ix < width and iy < height):
-            raise InvalidParameter(f"ignite_cells: cell {part.strip()} is outside the {width} x {height} cells")
+            raise InvalidParameter(
+                "outside-grid",
+                "ignite_cells: cell {cell} is outside the {width} x {height} cells",
+                cell=part.strip(),
+                width=width,
+                height=height,
+            )
         cell = iy * width + ix
         if not plan.flammable[cell]:
             what = "a wall" if plan.walls[iy, ix] else f"within {FIREBREAK} cells of the robot, or without fuel"
-            raise InvalidParameter(f"ignite_cells: cell {part.strip()} is {what}; give one of floor that can burn")
+            raise InvalidParameter(
+                "cannot-burn",
+                "ignite_cells: cell {cell} is {what}",
+                "give one of floor that can burn",
+                cell=part.strip(),
+                what=what,
+            )
         cells.append(cell)
     return cells
 

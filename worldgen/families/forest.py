@@ -95,8 +95,12 @@ def _thickest(rng: RandomStream, arena: Arena, most: int, clear: Fraction, thinn
     """
     if most < thinnest:
         raise InvalidParameter(
-            f"size={arena.size} has no room for a trunk of {thinnest} cells and a gap of {float(clear):g} cells "
-            "round it; give a larger size, thinner trunks, or a smaller gap or robot_radius"
+            "no-room",
+            "size={size} has no room for a trunk of {thinnest} cells and a gap of {clear:g} cells round it",
+            "give a larger size, thinner trunks, or a smaller gap or robot_radius",
+            size=arena.size,
+            thinnest=thinnest,
+            clear=float(clear),
         )
     if thickest == CHOSEN:
         return max(thinnest, min(most, rng.between(*_DRAWN_THICKEST)))

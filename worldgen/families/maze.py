@@ -101,8 +101,13 @@ def maze(
     side = (arena.inside + wall) // (passage + wall)
     if side < 2:
         raise InvalidParameter(
-            f"passage={passage} and wall={wall} leave no 2 x 2 chambers in size={size} cells; "
-            f"give a size of at least {2 * passage + wall + 2}, or narrower passages and walls"
+            "no-room",
+            "passage={passage} and wall={wall} leave no 2 x 2 chambers in size={size} cells",
+            "give a size of at least {least}, or narrower passages and walls",
+            passage=passage,
+            wall=wall,
+            size=size,
+            least=2 * passage + wall + 2,
         )
     inside = _mask(mask, side, algorithm)
 
@@ -137,13 +142,22 @@ def _shares(algorithm: str, newest: float, oldest: float) -> tuple[float, float]
     for name, share in given.items():
         if algorithm != "growing-tree":
             raise InvalidParameter(
-                f"{name}={share:g} has no effect with algorithm={algorithm}; leave it out, or give growing-tree"
+                "no-effect",
+                "{name}={share:g} has no effect with algorithm={algorithm}",
+                "leave it out, or give growing-tree",
+                name=name,
+                share=share,
+                algorithm=algorithm,
             )
     oldest = given.get("oldest", 0.0)
     newest = given.get("newest", min(0.5, 1.0 - oldest))
     if newest + oldest > 1.0:
         raise InvalidParameter(
-            f"newest={newest:g} and oldest={oldest:g} are more than the whole; give at most 1 in all"
+            "above-maximum",
+            "newest={newest:g} and oldest={oldest:g} are more than the whole",
+            "give at most 1 in all",
+            newest=newest,
+            oldest=oldest,
         )
     return newest, oldest
 
@@ -156,8 +170,12 @@ def _mask(shape: str, side: int, algorithm: str) -> Mask:
     """
     if shape != "square" and algorithm not in FIT_ANY_SHAPE:
         raise InvalidParameter(
-            f"mask={shape} does not go with algorithm={algorithm}, which fills whole rows; "
-            f"give one of {', '.join(FIT_ANY_SHAPE)}, or mask=square"
+            "conflict",
+            "mask={shape} does not go with algorithm={algorithm}, which fills whole rows",
+            "give one of {known!l}, or mask=square",
+            shape=shape,
+            algorithm=algorithm,
+            known=list(FIT_ANY_SHAPE),
         )
     return shape_mask(shape, side)
 

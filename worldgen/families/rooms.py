@@ -96,6 +96,10 @@ def _corridor_width(arena: Arena, plan: Style, corridor: int, door: int) -> int:
         return max(arena.narrowest, door)
     if corridor < door:
         raise InvalidParameter(
-            f"corridor={corridor} is narrower than the doors, {door} cells; give at least {door}, or -1 for that"
+            "below-minimum",
+            "corridor={corridor} is narrower than the doors, {door} cells",
+            "give at least {door}, or -1 for that",
+            corridor=corridor,
+            door=door,
         )
     return corridor

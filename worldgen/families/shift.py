@@ -65,7 +65,12 @@ def shift(
     ground = lay_ground(rng.child("ground"), over, arena)
     if ground.width != ground.height:
         raise InvalidParameter(
-            f"over={over}: {ground.width} x {ground.height} cells have no mirror image; give a ground that is square"
+            "not-square",
+            "over={over}: {width} x {height} cells have no mirror image",
+            "give a ground that is square",
+            over=over,
+            width=ground.width,
+            height=ground.height,
         )
     return replace(ground, timeline=_swaps(rng.child("swaps"), ground, interval, chance, duration))
 
@@ -85,14 +90,22 @@ def shifted(world: World, seed: int, *, interval: float = 0.5, chance: float = 0
     """
     if world.width != world.height:
         raise InvalidParameter(
-            f"{world.width} x {world.height} cells have no mirror image; only a square world's walls can change places"
+            "not-square",
+            "{width} x {height} cells have no mirror image; only a square world's walls can change places",
+            width=world.width,
+            height=world.height,
         )
     if world.is_dynamic:
-        raise InvalidParameter("the world changes already; clear its changes, or take one that stands still")
+        raise InvalidParameter(
+            "world-changes", "the world changes already", "clear its changes, or take one that stands still"
+        )
     swaps = _swaps(RandomStream(seed).child("swaps"), world, interval, chance, duration)
     if len(swaps) == 0:
         raise InvalidParameter(
-            f"no wall has a free mirror image in {duration:g} s; draw walls off the diagonal, or take another seed"
+            "no-room",
+            "no wall has a free mirror image in {duration:g} s",
+            "draw walls off the diagonal, or take another seed",
+            duration=duration,
         )
     return replace(world, timeline=swaps, certificate=None, provenance=None, failure=None)
 

@@ -134,7 +134,9 @@ def _checked(arena: Arena, asked: _Request, faces: Faces, *, inside: bool) -> _R
         InvalidParameter: If a number is out of range.
     """
     if inside and faces == "target":
-        raise InvalidParameter("inside with faces=target leaves nothing in the way; give faces=start or faces=side")
+        raise InvalidParameter(
+            "no-effect", "inside with faces=target leaves nothing in the way", "give faces=start or faces=side"
+        )
     least_depth = arena.narrowest if inside else 1
     if faces == "side":  # an arm shorter than the robot would not be in its way
         least_depth = max(least_depth, arena.narrowest - asked.thickness)
@@ -196,9 +198,17 @@ def _draw_figure(rng: RandomStream, arena: Arena, request: _Request, degrees: in
     problem = room_for(arena, figure(number, mouth, depth), degrees)
     if problem is not None:
         raise InvalidParameter(
-            f"size={arena.size} has no room for shape={request.shape} with mouth={mouth}, depth={depth}, "
-            f"thickness={request.thickness}, turned by {degrees} degrees: {problem}; "
-            "give a larger size, or a smaller obstacle or robot_radius"
+            "no-room",
+            "size={size} has no room for shape={shape} with mouth={mouth}, depth={depth}, "
+            "thickness={thickness}, turned by {degrees} degrees: {problem}",
+            "give a larger size, or a smaller obstacle or robot_radius",
+            size=arena.size,
+            shape=request.shape,
+            mouth=mouth,
+            depth=depth,
+            thickness=request.thickness,
+            degrees=degrees,
+            problem=problem,
         )
     if asked == CHOSEN:
         first = counts[0] if fits(counts[0], mouth, depth) else 1
@@ -303,10 +313,19 @@ def _draw_to_fit(rng: RandomStream, arena: Arena, request: _Request, faces: Face
     least_depth = low if request.depth == CHOSEN else request.depth
     problem = _room(arena, _extents(shape, least_depth, least_mouth, thickness, least_turns), faces)
     if problem is not None:
+        turns_said = ", turns={turns}" if shape == "spiral" else ""
         raise InvalidParameter(
-            f"size={arena.size} has no room for shape={shape} with mouth={least_mouth}, depth={least_depth}, "
-            f"thickness={thickness}" + (f", turns={least_turns}" if shape == "spiral" else "") + f": {problem}; "
-            "give a larger size, or a smaller obstacle or robot_radius"
+            "no-room",
+            "size={size} has no room for shape={shape} with mouth={mouth}, depth={depth}, thickness={thickness}"
+            f"{turns_said}: {{problem}}",
+            "give a larger size, or a smaller obstacle or robot_radius",
+            size=arena.size,
+            shape=shape,
+            mouth=least_mouth,
+            depth=least_depth,
+            thickness=thickness,
+            turns=least_turns,
+            problem=problem,
         )
     turns, mouth, depth = request.turns, request.mouth, request.depth
     if turns == CHOSEN:

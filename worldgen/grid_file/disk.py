@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import Protocol
 
 from worldgen.archives import Member, archive_in, members
-from worldgen.errors import FormatError, OutputError
+from worldgen.errors import FormatError, Message, OutputError
 from worldgen.files import write_bytes
 from worldgen.grid_file.reader import loads
 from worldgen.grid_file.schema import EXPANSION_FLOOR, EXPANSION_RATIO, MAX_FILE_BYTES
@@ -48,16 +48,22 @@ def read_world(path: str | PathLike[str]) -> World:
     except (NotADirectoryError, FileNotFoundError) as error:  # the latter is Windows's for both
         place = archive_in(Path(path))
         if place is None:
-            raise FormatError("there is no such file; check the name", source=source) from error
+            raise FormatError("no-such-file", "there is no such file", "check the name", source=source) from error
         return _read_archived(*place, source)
     except IsADirectoryError as error:
-        raise FormatError("this is a folder; name a .grid file in it", source=source) from error
+        raise FormatError("is-a-folder", "this is a folder", "name a .grid file in it", source=source) from error
     except OSError as error:
-        raise FormatError(f"cannot be read: {error.strerror or error}", source=source) from error
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", reason=error.strerror or str(error), source=source
+        ) from error
     except ValueError as error:  # a name with a NUL
-        raise FormatError(f"cannot be read: {error}; check the name", source=repr(source)) from error
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", "check the name", reason=str(error), source=repr(source)
+        ) from error
     if data is None:
-        raise FormatError(f"longer than {MAX_FILE_BYTES} bytes, the limit of a .grid file", source=source)
+        raise FormatError(
+            "too-large", "longer than {most} bytes, the limit of a .grid file", most=MAX_FILE_BYTES, source=source
+        )
     return loads(_expand(data, source) if _is_compressed(source) else data, source)
 
 
@@ -74,7 +80,13 @@ def unpack_world(member: Member, source: str) -> World:
     limit = expansion_limit(member.packed)
     data = member.read(limit)
     if data is None:
-        raise FormatError(f"longer than {limit} bytes, the limit in such an archive; unpack it by hand", source=source)
+        raise FormatError(
+            "too-large",
+            "longer than {most} bytes, the limit in such an archive",
+            "unpack it by hand",
+            most=limit,
+            source=source,
+        )
     return loads(_expand(data, source) if _is_compressed(source) else data, source)
 
 
@@ -82,7 +94,9 @@ def _read_archived(archive: Path, name: str, source: str) -> World:
     for member in members(archive):
         if PurePosixPath(member.name).as_posix() == name:  # tar writes ./w.grid for a folder that is packed as .
             return unpack_world(member, source)
-    raise FormatError(f"holds no file {name!r}; list its files to find the name", source=str(archive))
+    raise FormatError(
+        "no-such-file", "holds no file {name!r}", "list its files to find the name", name=name, source=str(archive)
+    )
 
 
 def write_world(world: World, path: str | PathLike[str], *, force: bool = False) -> None:
@@ -101,13 +115,24 @@ def write_world(world: World, path: str | PathLike[str], *, force: bool = False)
         data, length = _compress(pieces(world))
         if length > expansion_limit(len(data)):
             raise OutputError(
-                f"{path}: {length} bytes would be compressed beyond what reading allows; write it without .gz"
+                "packed-too-tightly",
+                "{path}: {length} bytes would be compressed beyond what reading allows",
+                "write it without .gz",
+                path=path,
+                length=length,
             )
     else:
         data = dumps(world)
         length = len(data)
     if length > MAX_FILE_BYTES:
-        raise OutputError(f"{path}: {length} bytes; a .grid file has at most {MAX_FILE_BYTES}; split the world")
+        raise OutputError(
+            "too-large",
+            "{path}: {length} bytes; a .grid file has at most {most}",
+            "split the world",
+            path=path,
+            length=length,
+            most=MAX_FILE_BYTES,
+        )
     write_bytes(Path(path), data, force=force)
 
 
@@ -135,14 +160,25 @@ def _expand(data: bytes, source: str) -> bytes:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
             expanded = _read_up_to(stream, limit)
     except EOFError as error:
-        message = "the gzip data ends too early; the file was cut off; copy it again"
-        raise FormatError(message, source=source) from error
+        message = Message("cut-short", "the gzip data ends too early; the file was cut off", "copy it again")
+        raise FormatError.of(message, source=source) from error
     except (OSError, zlib.error) as error:
-        message = f"no sound gzip data: {error}; copy the file again, or name it without .gz"
-        raise FormatError(message, source=source) from error
+        message = Message(
+            "damaged-file",
+            "no sound gzip data: {reason}",
+            "copy the file again, or name it without .gz",
+            reason=str(error),
+        )
+        raise FormatError.of(message, source=source) from error
     if expanded is None:
-        message = f"{len(data)} compressed bytes expand to more than the limit of {limit}; unpack it by hand"
-        raise FormatError(message, source=source)
+        message = Message(
+            "too-large",
+            "{bytes} compressed bytes expand to more than the limit of {most}",
+            "unpack it by hand",
+            bytes=len(data),
+            most=limit,
+        )
+        raise FormatError.of(message, source=source)
     return expanded
 
 

@@ -11,10 +11,10 @@ import tomllib
 from collections.abc import Iterator
 from typing import Any, NoReturn
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, Message
 from worldgen.grid_file.schema import MAX_DEPTH, MAX_WORD
 
-__all__ = ["Header", "shown"]
+__all__ = ["Header"]
 
 _TOKEN = re.compile(
     r"""
@@ -34,12 +34,6 @@ _TOKEN = re.compile(
     re.VERBOSE | re.DOTALL,
 )
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)\Z")
-
-
-def shown(text: object, limit: int = 40) -> str:
-    """What came, quoted and short enough for a message."""
-    quoted = repr(text)
-    return quoted if len(quoted) <= limit else f"{quoted[: limit - 3]}..."
 
 
 class Header:
@@ -79,25 +73,31 @@ class Header:
         """Line and full key path of every table line and every ``key = value``, in order."""
         return [(self._line_at(offset), path) for offset, path in self._statement_paths()]
 
-    def fault(self, message: str, *path: str) -> FormatError:
+    def fault(self, message: Message, *path: str) -> FormatError:
         """An error at the line of a key."""
-        return FormatError(message, line=self.line_of(*path), source=self.source)
+        return FormatError.of(message, line=self.line_of(*path), source=self.source)
 
-    def missing(self, message: str) -> FormatError:
+    def missing(self, message: Message) -> FormatError:
         """An error at the end of the header, for what should stand in it."""
-        return FormatError(message, line=self._line_at(len(self._text)), source=self.source)
+        return FormatError.of(message, line=self._line_at(len(self._text)), source=self.source)
 
     def _line_at(self, offset: int) -> int:
         return self._line + self._text.count("\n", 0, offset)
 
     def _fail_toml(self, message: str) -> NoReturn:
         place = _PLACE.search(message)
-        line, column = self._last_line, ""  # what stays open is seen at the end, and mended at its begin
+        line = self._last_line  # what stays open is seen at the end, and mended at its begin
+        column = None
         if place is not None and place[1] is not None:
-            line, column = self._line + int(place[1]) - 1, f", column {place[2]}"
-        reason = _PLACE.sub("", message)
+            line = self._line + int(place[1]) - 1
+            column = int(place[2])
         raise FormatError(
-            f"{self._noun} is not TOML{column}: {reason}; write `key = value`, text in quotes, [table]",
+            "not-toml",
+            "{noun} is not TOML: {reason}" if column is None else "{noun} is not TOML, column {column}: {reason}",
+            "write `key = value`, text in quotes, [table]",
+            noun=self._noun,
+            column=column,
+            reason=_PLACE.sub("", message),
             line=line,
             source=self.source,
         )
@@ -116,13 +116,21 @@ class Header:
                 depth -= 1
             dots = dots + 1 if token[0] == "." else 0 if kind in ("newline", "open", "mark") else dots
             if depth > MAX_DEPTH or dots > MAX_DEPTH:
-                self._refuse(token.start(), f"nesting deeper than {MAX_DEPTH} levels; flatten it")
+                deep = Message("nested-too-deep", "nesting deeper than {most} levels", "flatten it", most=MAX_DEPTH)
+                self._refuse(token.start(), deep)
             if kind == "word" and len(token[0]) > MAX_WORD:
-                length = len(token[0])
-                self._refuse(token.start(), f"a word of {length} characters; the limit is {MAX_WORD}; shorten it")
+                long = Message(
+                    "too-large",
+                    "a word of {characters} characters; the limit is {most}",
+                    "shorten it",
+                    characters=len(token[0]),
+                    most=MAX_WORD,
+                )
+                self._refuse(token.start(), long)
 
-    def _refuse(self, offset: int, message: str) -> NoReturn:
-        raise FormatError(f"{self._noun} has {message}", line=self._line_at(offset), source=self.source)
+    def _refuse(self, offset: int, message: Message) -> NoReturn:
+        said = message.behind("{noun} has ", noun=self._noun)
+        raise FormatError.of(said, line=self._line_at(offset), source=self.source)
 
     def _statement_paths(self) -> Iterator[tuple[int, tuple[str, ...]]]:
         """Offset and full key path of every table line and every ``key = value``, in order."""

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from worldgen.errors import FormatError, InvalidWorld, NotAGrid
-from worldgen.grid_file.header import Header, shown
+from worldgen.errors import FormatError, InvalidWorld, Message, NotAGrid
+from worldgen.grid_file.header import Header
 from worldgen.grid_file.records import (
     check_keys,
     read_certificate,
@@ -35,6 +35,10 @@ from worldgen.timeline import Timeline
 from worldgen.world import DEFAULT_ROBOT_SPEED, Certificate, Cut, Pose, Target, Witness, World
 
 __all__ = ["loads"]
+
+_CARRIAGE_RETURN = Message(
+    "carriage-return", "a carriage return (CR); lines end with LF alone", "convert the file, e.g. with dos2unix"
+)
 
 
 def loads(data: bytes, source: str | None = None) -> World:
@@ -68,9 +72,9 @@ def loads(data: bytes, source: str | None = None) -> World:
             timeline, certificate, provenance, failure,
         )  # fmt: skip
     except InvalidWorld as error:  # start or target outside the grid: all else is checked above
-        key, mark = ("target", cells.target) if str(error).startswith("target") else ("start", cells.start)
+        key, mark = ("target", cells.target) if error.facts.get("name") == "target" else ("start", cells.start)
         line = header.line_of(key) if mark is None else mark.line
-        raise FormatError(str(error), line=line, source=source) from error
+        raise FormatError.of(error.message, line=line, source=source) from error
 
 
 class _File(NamedTuple):
@@ -83,9 +87,9 @@ class _File(NamedTuple):
     def first_line_end(self) -> int:
         return len(MAGIC) + 1
 
-    def fault(self, message: str, at: int) -> FormatError:
+    def fault(self, message: Message, at: int) -> FormatError:
         """An error in the line that holds byte ``at``."""
-        return FormatError(message, line=self.data.count(b"\n", 0, at) + 1, source=self.source)
+        return FormatError.of(message, line=self.data.count(b"\n", 0, at) + 1, source=self.source)
 
 
 def _header_end(file: _File) -> int:
@@ -95,40 +99,49 @@ def _header_end(file: _File) -> int:
         raise _first_line_fault(file)
     carriage = data.find(b"\r")
     if carriage >= 0:
-        raise file.fault(
-            "a carriage return (CR); lines end with LF alone; convert the file, e.g. with dos2unix", carriage
-        )
+        raise file.fault(_CARRIAGE_RETURN, carriage)
     newline = data.find(b"\n%", len(magic), len(magic) + 1 + MAX_HEADER_BYTES)
     if newline >= 0:
         return newline + 1
     if len(data) > MAX_HEADER_BYTES:
         raise file.fault(
-            f"no %cells within {MAX_HEADER_BYTES} bytes of header; shorten it, or add the line %cells",
+            Message(
+                "cut-short",
+                "no %cells within {most} bytes of header",
+                "shorten it, or add the line %cells",
+                most=MAX_HEADER_BYTES,
+            ),
             MAX_HEADER_BYTES,
         )
-    raise file.fault("the file ends before %cells; it was cut off, or its cells are missing", len(data) - 1)
+    raise file.fault(
+        Message("cut-short", "the file ends before %cells; it was cut off, or its cells are missing"), len(data) - 1
+    )
 
 
 def _first_line_fault(file: _File) -> FormatError:
     first = file.data[:200].split(b"\n")[0]
-    way_out = f"the first line is `{MAGIC}`"
+    text = first.decode("utf-8", "replace")
+    way_out = "the first line is `{magic}`"
     magic = MAGIC.encode("ascii")
     if not file.data:
-        message = f"the file is empty; {way_out}"
+        message = Message("empty", "the file is empty", way_out, magic=MAGIC)
     elif first.startswith(b"\xef\xbb\xbf"):
-        message = f"the file begins with a byte order mark; save it as UTF-8 without one, so that {way_out}"
+        way_out = f"save it as UTF-8 without one, so that {way_out}"
+        message = Message("byte-order-mark", "the file begins with a byte order mark", way_out, magic=MAGIC)
     elif first.startswith(b"\x1f\x8b"):
-        message = f"this is gzip data; give the file a name that ends in .gz; unpacked, {way_out}"
+        way_out = f"give the file a name that ends in .gz; unpacked, {way_out}"
+        message = Message("packed-file", "this is gzip data", way_out, magic=MAGIC)
     elif first == magic + b"\r":
-        message = "a carriage return (CR); lines end with LF alone; convert the file, e.g. with dos2unix"
+        message = _CARRIAGE_RETURN
     elif first == magic:
-        message = "the file ends after its first line; the header and %cells follow it"
+        message = Message("cut-short", "the file ends after its first line; the header and %cells follow it")
     elif first.startswith(magic.split()[0]):
-        message = f"{shown(first.decode('utf-8', 'replace'))}: this program reads version 1: {way_out}"
+        problem = f"{{came!q}}: this program reads version 1: {way_out}"
+        message = Message("other-version", problem, came=text, magic=MAGIC)
     else:
-        message = f"no .grid file: it begins with {shown(first.decode('utf-8', 'replace'))}; {way_out}"
-        return NotAGrid(message, line=1, source=file.source)
-    return FormatError(message, line=1, source=file.source)
+        message = Message("not-a-grid", "no .grid file: it begins with {came!q}", way_out, came=text, magic=MAGIC)
+        return NotAGrid.of(message, line=1, source=file.source)
+    return FormatError.of(message, line=1, source=file.source)
 
 
 def _decode(file: _File, begin: int, end: int) -> str:
@@ -136,7 +149,9 @@ def _decode(file: _File, begin: int, end: int) -> str:
         return file.data[begin:end].decode("utf-8")
     except UnicodeDecodeError as error:
         at = begin + error.start
-        raise file.fault(f"byte 0x{file.data[at]:02x} is not UTF-8; save the file as UTF-8", at) from error
+        raise file.fault(
+            Message("not-utf8", "byte 0x{byte:02x} is not UTF-8", "save the file as UTF-8", byte=file.data[at]), at
+        ) from error
 
 
 def _split(file: _File, at: int) -> dict[str, Block]:
@@ -151,12 +166,20 @@ def _split(file: _File, at: int) -> dict[str, Block]:
             if stop + 1 < len(data):
                 extra = len(data) - stop - 1
                 raise FormatError(
-                    f"{extra} bytes after %end; nothing follows it; delete them", line=line + 1, source=source
+                    "after-end",
+                    "{extra} bytes after %end; nothing follows it",
+                    "delete them",
+                    extra=extra,
+                    line=line + 1,
+                    source=source,
                 )
             return blocks
         end = data.find(b"\n%", stop) + 1
         if end == 0:
-            raise file.fault("the file ends before %end; it was cut off, or the line %end is missing", len(data) - 1)
+            raise file.fault(
+                Message("cut-short", "the file ends before %end; it was cut off, or the line %end is missing"),
+                len(data) - 1,
+            )
         blocks[name] = Block(data, stop + 1, end, line + 1, source)
         line += 1 + data.count(b"\n", stop + 1, end)
         at = end
@@ -166,31 +189,62 @@ def _section_name(file: _File, at: int, stop: int, line: int, blocks: dict[str, 
     text = file.data[at : at + 200 if stop < 0 else min(stop, at + 200)].decode("utf-8", "replace")
     name = text[1:]
     if name not in SECTIONS:
-        close = difflib.get_close_matches(name[:40], SECTIONS, n=1)
-        hint = f"did you mean %{close[0]}, alone on its line? " if close else ""
-        known = ", ".join(f"%{section}" for section in SECTIONS)
-        message = f"{shown(text)} is no section; {hint}known, in this order: {known}"
+        near = "".join(difflib.get_close_matches(name[:40], SECTIONS, n=1))
+        message = Message(
+            "unknown-name",
+            "{name!q} is no section",
+            ("did you mean %{near}, alone on its line? " if near else "") + "known, in this order: {known!l}",
+            name=text,
+            near=near,
+            known=[f"%{section}" for section in SECTIONS],
+        )
     elif stop < 0:
-        message = f"the file ends within the line {text}; every line ends with LF, the last too; add it"
+        message = Message(
+            "cut-short",
+            "the file ends within the line {section}; every line ends with LF, the last too",
+            "add it",
+            section=text,
+        )
     elif name in blocks:
-        message = f"a second {text}; each section comes once; join them"
+        message = Message("twice", "a second {section}; each section comes once", "join them", section=text)
     elif not blocks and name != "cells":
-        message = f"{text} before %cells; the cells come first"
+        message = Message("wrong-order", "{section} before %cells; the cells come first", section=text)
     elif blocks and SECTIONS.index(name) < SECTIONS.index(next(reversed(blocks))):
-        message = f"{text} after %{next(reversed(blocks))}; the order is {', '.join(SECTIONS)}; move it up"
+        message = Message(
+            "wrong-order",
+            "{section} after %{previous}; the order is {known!l}",
+            "move it up",
+            section=text,
+            previous=next(reversed(blocks)),
+            known=list(SECTIONS),
+        )
     else:
         return name
-    raise FormatError(message, line=line, source=file.source)
+    raise FormatError.of(message, line=line, source=file.source)
 
 
 def _ends(header: Header, cells: Cells, cell_size: float) -> tuple[Pose, Target]:
     """Start and target, each from the header or from its mark, never both."""
     for key, letter, mark in (("start", START, cells.start), ("target", TARGET, cells.target)):
         if mark is None and key not in header.data:
-            raise header.missing(f"the header has no {key} and no cell is marked {letter}; add one of the two")
+            raise header.missing(
+                Message(
+                    "missing-key",
+                    "the header has no {key} and no cell is marked {letter}",
+                    "add one of the two",
+                    key=key,
+                    letter=letter,
+                )
+            )
         if mark is not None and key in header.data:
-            message = f"a cell is marked {letter}, and the header has {key}; remove one of the two"
-            raise FormatError(message, line=mark.line, source=header.source)
+            message = Message(
+                "conflict",
+                "a cell is marked {letter}, and the header has {key}",
+                "remove one of the two",
+                letter=letter,
+                key=key,
+            )
+            raise FormatError.of(message, line=mark.line, source=header.source)
     if cells.start is None:
         start = Pose(*read_triple(header, "start"))
     else:
@@ -209,7 +263,12 @@ def _centre(header: Header, mark: Mark, cell_size: float) -> tuple[float, float]
             lattice_to_metres(mark.iy * UNIT + UNIT // 2, cell_size),
         )
     except OverflowError:
-        message = f"cell_size is {cell_size}; the marked cell lies beyond the range of a float64; make it smaller"
+        message = Message(
+            "too-large",
+            "cell_size is {cell_size}; the marked cell lies beyond the range of a float64",
+            "make it smaller",
+            cell_size=cell_size,
+        )
         raise header.fault(message, "cell_size") from None
 
 
@@ -222,11 +281,27 @@ def _timeline(blocks: dict[str, Block], shape: tuple[int, ...]) -> Timeline:
         outside = index >= side
         if outside.any():
             row = int(np.argmax(outside))
-            raise block.fault(f"%timeline: {name} is {index[row]}; the grid has {name} from 0 to {side - 1}", row)
+            raise block.fault(
+                Message(
+                    "out-of-range",
+                    "%timeline: {name} is {index}",
+                    "the grid has {name} from 0 to {last}",
+                    name=name,
+                    index=index[row],
+                    last=side - 1,
+                ),
+                row,
+            )
     falling = times[1:] < times[:-1]
     if falling.any():
         row = int(np.argmax(falling)) + 1
-        message = f"%timeline: time {times[row]} comes after {times[row - 1]}; sort the lines by time"
+        message = Message(
+            "not-sorted",
+            "%timeline: time {time} comes after {previous}",
+            "sort the lines by time",
+            time=times[row],
+            previous=times[row - 1],
+        )
         raise block.fault(message, row)
     return Timeline(times, ix, iy, states)
 
@@ -237,12 +312,26 @@ def _certificate(header: Header, blocks: dict[str, Block]) -> Certificate | None
     for kind in CERTIFICATE_KINDS:
         if kind in blocks and (record is None or record[0] != kind):
             said = "no [certificate]" if record is None else f'kind = "{record[0]}"'
-            raise blocks[kind].fault(f"%{kind}, but the header has {said}; remove one or correct the other", -1)
+            raise blocks[kind].fault(
+                Message(
+                    "conflict",
+                    "%{kind}, but the header has {said}",
+                    "remove one or correct the other",
+                    kind=kind,
+                    said=said,
+                ),
+                -1,
+            )
     if record is None:
         return None
     kind, clearance = record
     if kind not in blocks:
-        message = f'kind = "{kind}", but there is no section %{kind}; add it, or remove [certificate]'
+        message = Message(
+            "missing-section",
+            'kind = "{kind}", but there is no section %{kind}',
+            "add it, or remove [certificate]",
+            kind=kind,
+        )
         raise header.fault(message, "certificate", "kind")
     if kind == "cut":
         return Cut(np.column_stack(read_columns(blocks[kind], CUT)), clearance)

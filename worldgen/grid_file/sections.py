@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, Message
 from worldgen.frozen import hand_over
-from worldgen.grid_file.header import shown
 from worldgen.grid_file.schema import FREE, SOLID, START, STATES, TARGET, Field, LineSection
 from worldgen.rows import flip_rows
 from worldgen.world import MAX_SIDE
@@ -35,9 +34,9 @@ class Block(NamedTuple):
     line: int
     source: str | None
 
-    def fault(self, message: str, row: int) -> FormatError:
+    def fault(self, message: Message, row: int) -> FormatError:
         """An error in line ``row`` of the block, counted from 0."""
-        return FormatError(message, line=self.line + row, source=self.source)
+        return FormatError.of(message, line=self.line + row, source=self.source)
 
 
 class Mark(NamedTuple):
@@ -66,7 +65,14 @@ def read_cells(block: Block) -> Cells:
     data, begin, end = block.data, block.begin, block.end
     if begin == end:
         raise block.fault(
-            f"%cells has no rows; write one line of {SOLID} and {FREE} for each row, the top one first", -1
+            Message(
+                "empty",
+                "%cells has no rows",
+                "write one line of {solid} and {free} for each row, the top one first",
+                solid=SOLID,
+                free=FREE,
+            ),
+            -1,
         )
     width = data.index(b"\n", begin) - begin
     height, rest = divmod(end - begin, width + 1)
@@ -91,7 +97,15 @@ def _mark(block: Block, letter: str, width: int) -> Mark | None:
     second = block.data.find(code, first + 1, block.end)
     if second >= 0:
         row = (second - block.begin) // (width + 1)
-        raise block.fault(f"a second {letter}; one cell is marked {letter}: make the other one {FREE}", row)
+        raise block.fault(
+            Message(
+                "twice",
+                "a second {letter}; one cell is marked {letter}: make the other one {free}",
+                letter=letter,
+                free=FREE,
+            ),
+            row,
+        )
     height = (block.end - block.begin) // (width + 1)
     row, ix = divmod(first - block.begin, width + 1)
     return Mark(ix, height - 1 - row, block.line + row)
@@ -104,16 +118,44 @@ def _check_rows(block: Block, width: int) -> None:
         stop = block.data.index(b"\n", at)
         length = stop - at
         if row == MAX_SIDE:
-            raise block.fault(f"more than {MAX_SIDE} rows; a side has at most {MAX_SIDE} cells; split the world", row)
+            raise block.fault(
+                Message(
+                    "too-large",
+                    "more than {most} rows; a side has at most {most} cells",
+                    "split the world",
+                    most=MAX_SIDE,
+                ),
+                row,
+            )
         if length == 0:
-            raise block.fault("an empty line in %cells; a row has at least one cell; delete the line", row)
+            raise block.fault(
+                Message("empty", "an empty line in %cells; a row has at least one cell", "delete the line"), row
+            )
         strange = block.data[at : min(stop, at + MAX_SIDE)].translate(None, _CELL_BYTES)
         if strange:
             raise _strange_cell(block, at, stop, row)
         if length > MAX_SIDE:
-            raise block.fault(f"a row of {length} cells; a side has at most {MAX_SIDE} cells; split the world", row)
+            raise block.fault(
+                Message(
+                    "too-large",
+                    "a row of {cells} cells; a side has at most {most} cells",
+                    "split the world",
+                    cells=length,
+                    most=MAX_SIDE,
+                ),
+                row,
+            )
         if length != width:
-            raise block.fault(f"a row of {length} cells under a first row of {width}; make them equally long", row)
+            raise block.fault(
+                Message(
+                    "ragged-rows",
+                    "a row of {cells} cells under a first row of {width}",
+                    "make them equally long",
+                    cells=length,
+                    width=width,
+                ),
+                row,
+            )
         at, row = stop + 1, row + 1
 
 
@@ -121,8 +163,17 @@ def _strange_cell(block: Block, at: int, stop: int, row: int) -> FormatError:
     column = next(k for k, code in enumerate(block.data[at:stop]) if code not in _CELL_BYTES)
     character = block.data[at + column : min(at + column + 4, stop)].decode("utf-8", "replace")[0]
     return block.fault(
-        f"{character!r} at column {column + 1} is no cell; "
-        f"write {SOLID} for solid, {FREE} for free, {START} and {TARGET} for start and target",
+        Message(
+            "unknown-sign",
+            "{sign!r} at column {column} is no cell",
+            "write {solid} for solid, {free} for free, {start} and {target} for start and target",
+            sign=character,
+            column=column + 1,
+            solid=SOLID,
+            free=FREE,
+            start=START,
+            target=TARGET,
+        ),
         row,
     )
 
@@ -175,12 +226,19 @@ def _column(block: Block, section: LineSection, field: Field, words: list[bytes]
     raise block.fault(_word_message(section, field, words[wrong].decode("ascii")), row + wrong)
 
 
-def _word_message(section: LineSection, field: Field, word: str) -> str:
-    close = difflib.get_close_matches(word[:20], list(STATES), n=1) if field.name == "state" else []
-    hint = f"; did you mean {close[0]!r}?" if close else ""
-    return (
-        f"%{section.name}: {field.name} {shown(word)} is not {field.rule}{hint}; "
-        f"write `{section.form}`, for example `{section.example}`"
+def _word_message(section: LineSection, field: Field, word: str) -> Message:
+    near = "".join(difflib.get_close_matches(word[:20], list(STATES), n=1) if field.name == "state" else [])
+    return Message(
+        "wrong-form",
+        "%{section}: {field} {word!q} is not {rule}" + ("; did you mean {near!r}?" if near else ""),
+        "write `{form}`, for example `{example}`",
+        section=section.name,
+        field=field.name,
+        word=word,
+        rule=field.rule,
+        near=near,
+        form=section.form,
+        example=section.example,
     )
 
 
@@ -193,7 +251,14 @@ def _strange_line(block: Block, section: LineSection, at: int, row: int) -> Form
             if not re.fullmatch(field.pattern, word.encode("utf-8", "replace")):
                 return block.fault(_word_message(section, field, word), row)
     return block.fault(
-        f"%{section.name}: {shown(line)} is not `{section.form}`, words with one space between them; "
-        f"write it like `{section.example}`",
+        Message(
+            "wrong-form",
+            "%{section}: {came!q} is not `{form}`, words with one space between them",
+            "write it like `{example}`",
+            section=section.name,
+            came=line,
+            form=section.form,
+            example=section.example,
+        ),
         row,
     )

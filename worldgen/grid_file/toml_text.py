@@ -25,7 +25,13 @@ def number_text(value: float, what: str) -> str:
     """
     number = float(value) + 0.0  # -0.0 + 0.0 is 0.0
     if not math.isfinite(number):
-        raise InvalidWorld(f"{what} is {number}: a .grid file holds finite numbers only; leave it out or clamp it")
+        raise InvalidWorld(
+            "not-finite",
+            "{what} is {number}: a .grid file holds finite numbers only",
+            "leave it out or clamp it",
+            what=what,
+            number=number,
+        )
     return repr(number)
 
 
@@ -50,10 +56,20 @@ def value_text(value: object, what: str, depth: int = 1) -> str:
         return _string_text(value, what)
     if not isinstance(value, list | Mapping):
         raise InvalidWorld(
-            f"{what} is a {type(value).__name__}: a .grid file holds bool, int, float, str, list and dict; convert it"
+            "wrong-type",
+            "{what} is a {kind}: a .grid file holds bool, int, float, str, list and dict",
+            "convert it",
+            what=what,
+            kind=type(value).__name__,
         )
     if depth > MAX_DEPTH:
-        raise InvalidWorld(f"{what}: values are nested deeper than {MAX_DEPTH} levels; flatten them")
+        raise InvalidWorld(
+            "nested-too-deep",
+            "{what}: values are nested deeper than {most} levels",
+            "flatten them",
+            what=what,
+            most=MAX_DEPTH,
+        )
     if isinstance(value, list):
         return "[" + ", ".join(value_text(item, what, depth + 1) for item in value) + "]"
     return _table_text(value, what, depth)
@@ -61,7 +77,13 @@ def value_text(value: object, what: str, depth: int = 1) -> str:
 
 def _integer_text(value: int, what: str) -> str:
     if int(value).bit_length() > MAX_INTEGER_BITS:
-        raise InvalidWorld(f"{what}: an integer has more than {MAX_INTEGER_BITS} bits; write it as text")
+        raise InvalidWorld(
+            "too-large",
+            "{what}: an integer has more than {most} bits",
+            "write it as text",
+            what=what,
+            most=MAX_INTEGER_BITS,
+        )
     return repr(int(value))
 
 
@@ -70,7 +92,11 @@ def _string_text(value: str, what: str) -> str:
         value.encode("utf-8")
     except UnicodeEncodeError as error:
         raise InvalidWorld(
-            f"{what}: the text has a lone surrogate at {error.start}, which UTF-8 cannot hold; replace it"
+            "not-utf8",
+            "{what}: the text has a lone surrogate at {place}, which UTF-8 cannot hold",
+            "replace it",
+            what=what,
+            place=error.start,
         ) from error
     return '"' + value.translate(_ESCAPE_TABLE) + '"'
 
@@ -79,7 +105,9 @@ def _table_text(value: Mapping[object, object], what: str, depth: int) -> str:
     parts = []
     for key in value:
         if not isinstance(key, str):
-            raise InvalidWorld(f"{what} has the key {key!r}: keys are text; convert it")
+            raise InvalidWorld(
+                "wrong-type", "{what} has the key {key!r}: keys are text", "convert it", what=what, key=key
+            )
     for key in sorted(value, key=str):
         name = str(key) if BARE_KEY.match(str(key)) else _string_text(str(key), what)
         parts.append(f"{name} = {value_text(value[key], f'{what}.{key}', depth + 1)}")

@@ -42,8 +42,11 @@ def pieces(world: World) -> Iterator[bytes]:
     header = "\n".join(_header_lines(world)).encode("utf-8")
     if len(header) > MAX_HEADER_BYTES - len(MAGIC):
         raise InvalidWorld(
-            f"provenance and failure take {len(header)} bytes of header; the limit is {MAX_HEADER_BYTES}; "
-            "keep long evidence in a file of its own"
+            "too-large",
+            "provenance and failure take {bytes} bytes of header; the limit is {most}",
+            "keep long evidence in a file of its own",
+            bytes=len(header),
+            most=MAX_HEADER_BYTES,
         )
     yield header + b"\n%cells\n"
     yield from _cells(world)
@@ -90,7 +93,11 @@ def _provenance_lines(made: Provenance) -> Iterator[str]:
     for name, value in made.metrics.items():
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InvalidWorld(
-                f"provenance.metrics.{name} is a {type(value).__name__}: a metric is a number; leave it out"
+                "not-a-number",
+                "provenance.metrics.{name} is a {kind}: a metric is a number",
+                "leave it out",
+                name=name,
+                kind=type(value).__name__,
             )
     yield from _table_line("provenance", "metrics", dict(made.metrics))
 
@@ -133,7 +140,7 @@ def _section_lines(world: World) -> Iterator[str]:
         points = np.column_stack((certificate.times, certificate.x, certificate.y)) + 0.0
         if not np.isfinite(points).all():
             raise InvalidWorld(
-                "the witness has a number that is not finite; a .grid file cannot hold it; prove it again"
+                "not-finite", "the witness has a number that is not finite; a .grid file cannot hold it; prove it again"
             )
         yield from (f"{time!r} {x!r} {y!r}" for time, x, y in points.tolist())
     elif isinstance(certificate, Cut):

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from worldgen.errors import InvalidParameter
-from worldgen.interop.foreign_map import shown
+from worldgen.plain_text import quote
 
 __all__ = ["companion"]
 
@@ -23,17 +23,28 @@ def companion(path: Path, key: str, name: str) -> Path:
         InvalidParameter: If it leads out of the map's folder, or nothing is there; callers add the line.
     """
     if "\0" in name:
-        raise InvalidParameter(f"{key} has a NUL in its name; correct it")
+        raise InvalidParameter("not-a-file-name", "{key} has a NUL in its name", "correct it", key=key)
     folder = Path(os.path.realpath(path.parent))
     other = Path(os.path.realpath(folder / name))
     if not other.is_relative_to(folder):
         raise InvalidParameter(
-            f"{key} {shown(name, 80)} lies outside the map's folder; copy it there and name it without a path"
+            "outside-folder",
+            "{key} {name} lies outside the map's folder",
+            "copy it there and name it without a path",
+            key=key,
+            name=quote(name, 80),
         )
     try:
         there = other.is_file()
     except OSError:  # a name too long for the disk
         there = False
     if not there:
-        raise InvalidParameter(f"{key} {shown(name, 80)} is not there; put it beside {path.name}")
+        raise InvalidParameter(
+            "no-such-file",
+            "{key} {name} is not there",
+            "put it beside {map}",
+            key=key,
+            name=quote(name, 80),
+            map=path.name,
+        )
     return path.parent / other.relative_to(folder)

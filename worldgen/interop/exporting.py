@@ -72,13 +72,16 @@ def export_world(
     plain, worded = split_options(name)
     known = FORMATS.get(plain)
     if known.write is None:
-        raise InvalidParameter(f"{known.name} is read, not written; give another format")
+        raise InvalidParameter("only-read", "{format} is read, not written", "give another format", format=known.name)
     given = known.accept({**worded, **(options or {})}, out=True)
     still = world if at is None else frozen_at(world, at)
     if still.is_dynamic and not known.changes:
         raise InvalidWorld(
-            f"the world changes {len(world.timeline)} times, and {known.name} files stand still; give --at 0 for the "
-            "cells at that time, or another format"
+            "world-changes",
+            "the world changes {changes} times, and {format} files stand still",
+            "give --at 0 for the cells at that time, or another format",
+            changes=len(world.timeline),
+            format=known.name,
         )
     destination = Destination(file or f"world{known.suffixes[0]}", origin_of(world) if origin is None else origin)
     written = known.write(still, destination, **given)
@@ -144,7 +147,7 @@ def frozen_at(world: World, time: float) -> World:
         InvalidParameter: If the time is negative or no number.
     """
     if not (0.0 <= time < float("inf")):
-        raise InvalidParameter(f"at={time:g} is no time; give seconds from 0 on")
+        raise InvalidParameter("below-minimum", "at={time:g} is no time", "give seconds from 0 on", time=time)
     walls = world.walls.copy()
     line = world.timeline
     for when, ix, iy, state in zip(line.times, line.ix, line.iy, line.states, strict=True):
@@ -170,9 +173,17 @@ def guess_format(file: str) -> str:
     if len(found) == 1:
         return found[0]
     if found:
-        raise InvalidParameter(f"{file}: files of several formats end so: {', '.join(found)}; say which with --to")
+        raise InvalidParameter(
+            "ambiguous-format",
+            "{file}: files of several formats end so: {known!l}",
+            "say which with --to",
+            file=file,
+            known=list(found),
+        )
     names = ", ".join(known.name for known in writable)
-    raise InvalidParameter(f"{file}: no format's files end so; say which with --to: {names}")
+    raise InvalidParameter(
+        "unknown-suffix", "{file}: no format's files end so", "say which with --to: {known}", file=file, known=names
+    )
 
 
 def write_export(export: Export, folder: Path, *, force: bool = False) -> list[Path]:

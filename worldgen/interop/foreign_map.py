@@ -29,7 +29,6 @@ __all__ = [
     "digest",
     "origin_of",
     "read_bounded",
-    "shown",
     "unix_text",
 ]
 
@@ -116,16 +115,20 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     """
     try:
         if not stat.S_ISREG(path.stat().st_mode):
-            raise FormatError("is no regular file; give the map file itself", source=str(path))
+            raise FormatError("not-a-regular-file", "is no regular file", "give the map file itself", source=str(path))
         with path.open("rb") as stream:
             data = stream.read(limit + 1)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the name
         reason = getattr(error, "strerror", None) or error
         if isinstance(error, FormatError):
             raise
-        raise FormatError(f"cannot be read: {reason}; check the name", source=str(path)) from error
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", "check the name", reason=reason, source=str(path)
+        ) from error
     if len(data) > limit:
-        raise FormatError(f"is larger than {limit} bytes; cut a smaller map out of it", source=str(path))
+        raise FormatError(
+            "too-large", "is larger than {most} bytes", "cut a smaller map out of it", most=limit, source=str(path)
+        )
     return data
 
 
@@ -143,8 +146,13 @@ def check_sides(width: int, height: int, *, line: int | None = None, source: str
     """
     if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE and width * height <= MAX_CELLS):
         raise FormatError(
-            f"{width} x {height} cells; a map has sides of 1 to {MAX_SIDE} and at most {MAX_CELLS} cells; "
+            "wrong-size",
+            "{width} x {height} cells; a map has sides of 1 to {max_side} and at most {max_cells} cells",
             "cut or shrink it",
+            width=width,
+            height=height,
+            max_side=MAX_SIDE,
+            max_cells=MAX_CELLS,
             line=line,
             source=source,
         )
@@ -153,10 +161,3 @@ def check_sides(width: int, height: int, *, line: int | None = None, source: str
 def digest(data: bytes) -> str:
     """SHA-256 in hex, for provenance."""
     return hashlib.sha256(data).hexdigest()
-
-
-def shown(data: bytes | str, limit: int = 40) -> str:
-    """What came, quoted and short enough for a message; bytes that are no text as escapes."""
-    text = data[: 4 * limit].decode("utf-8", "backslashreplace") if isinstance(data, bytes) else data
-    quoted = repr(text)
-    return quoted if len(quoted) <= limit else f"{quoted[: limit - 3]}..."

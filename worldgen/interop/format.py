@@ -11,7 +11,7 @@ from pathlib import PurePath
 from typing import Any
 
 from worldgen.errors import InvalidParameter
-from worldgen.interop.foreign_map import MAX_FILE_BYTES, THESIS_ROBOT, ForeignMap, UsualRobot, shown
+from worldgen.interop.foreign_map import MAX_FILE_BYTES, THESIS_ROBOT, ForeignMap, UsualRobot
 from worldgen.lattice import exact
 from worldgen.parameters import Parameter, check_between, check_declared, parameters_of
 from worldgen.registry import Registry
@@ -71,7 +71,12 @@ class Destination:
         """
         beside = f"{PurePath(self.name).stem}{ending}"
         if beside == self.name:
-            raise InvalidParameter(f"{self.name}: a file of that name goes beside it; let it end in something else")
+            raise InvalidParameter(
+                "reserved-name",
+                "{name}: a file of that name goes beside it",
+                "let it end in something else",
+                name=self.name,
+            )
         return beside
 
     def x(self, value: float) -> str:
@@ -153,8 +158,13 @@ class Format:
         unknown = sorted(self.holds - HELD.keys())
         if unknown or not self.suffixes:
             raise InvalidParameter(
-                f"format {self.name!r}: holds {', '.join(unknown) or 'nothing wrong'}, suffixes {self.suffixes}; it "
-                f"needs a suffix, and holds some of {', '.join(HELD)}"
+                "wrong-declaration",
+                "format {name!r}: holds {unknown!l:nothing wrong}, suffixes {suffixes}; it "
+                "needs a suffix, and holds some of {held!l}",
+                name=self.name,
+                unknown=list(unknown),
+                suffixes=self.suffixes,
+                held=list(HELD),
             )
         for function, positional in ((self.read, 1), (self.write, 2)):
             if function is not None:
@@ -189,9 +199,14 @@ class Format:
         accepted = {}
         for name, value in given.items():
             if name not in known:
-                has = f"it has {', '.join(known)}" if known else "it has no options"
                 raise InvalidParameter(
-                    f"{name} means nothing to {self.name} on the way {'out' if out else 'in'}; {has}; leave it out"
+                    "unknown-name",
+                    "{name} means nothing to {format} on the way {way}",
+                    "it has {known!l}; leave it out" if known else "it has no options; leave it out",
+                    name=name,
+                    format=self.name,
+                    way="out" if out else "in",
+                    known=list(known),
                 )
             word = value is None or (isinstance(value, str) and not isinstance(known[name].default, str))
             accepted[name] = known[name].parse(value, self.name) if word else known[name].accept(value, self.name)  # type: ignore[arg-type]
@@ -210,16 +225,22 @@ def split_options(text: str) -> tuple[str, dict[str, str | None]]:
         option, equals, value = word.partition("=")
         option = option.strip().replace("-", "_")
         if option in options:
-            raise InvalidParameter(f"{shown(text)} has {option} twice; keep one")
+            raise InvalidParameter("twice", "{text!q} has {option} twice", "keep one", text=text, option=option)
         options[option] = value if equals else None
     if not name or "" in options:
-        raise InvalidParameter(f"{shown(text)} lacks a name beside a +; write FORMAT+option=value")
+        raise InvalidParameter("wrong-form", "{text!q} lacks a name beside a +", "write FORMAT+option=value", text=text)
     return name, options
 
 
 def _accept(name: str, thing: Any) -> Format:
     if not isinstance(thing, Format):
-        raise InvalidParameter(f"format {name!r} is {thing!r}, not a Format; make one of worldgen.interop")
+        raise InvalidParameter(
+            "wrong-type",
+            "format {name!r} is {value!r}, not a Format",
+            "make one of worldgen.interop",
+            name=name,
+            value=thing,
+        )
     return thing
 
 

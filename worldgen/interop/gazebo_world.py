@@ -17,8 +17,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, InvalidWorld
-from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
+from worldgen.errors import FormatError, InvalidWorld, Message
+from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded
 from worldgen.interop.format import Destination, decimal_text
 from worldgen.interop.raster import Box, Circle, Raster, natural_cell_size
 from worldgen.interop.shapes import Shapes, turned
@@ -113,7 +113,9 @@ def read_gazebo_world(path: Path, *, cell_size: float = 0.0, raster: Literal["ou
     root = read_xml(data, source)
     world = root.first("world")
     if root.name not in ("sdf", "gazebo") or world is None:
-        raise FormatError("has no <world>; a world of Gazebo is <sdf><world> ... </world></sdf>", source=source)
+        raise FormatError(
+            "missing-element", "has no <world>; a world of Gazebo is <sdf><world> ... </world></sdf>", source=source
+        )
     scene = _Scene(source)
     own = world.first(f"{OURS}grid")
     _add_models(scene, world, passed_over="" if own is None else _ROBOT)
@@ -144,15 +146,26 @@ def _unread(scene: _Scene) -> tuple[str, ...]:
     )
 
 
-def _fault(scene: _Scene, element: XmlElement, message: str) -> FormatError:
-    return FormatError(message, line=element.line, source=scene.source)
+def _fault(scene: _Scene, element: XmlElement, message: Message) -> FormatError:
+    return FormatError.of(message, line=element.line, source=scene.source)
 
 
 def _numbers(scene: _Scene, element: XmlElement, count: int) -> list[Fraction]:
     words = element.text.split()
     if len(words) != count or not all(map(_NUMBER.fullmatch, words)):
         name = f"<{element.name}>"
-        raise _fault(scene, element, f"{name} is {shown(element.text.strip())}; it has {count} numbers in it")
+        raise _fault(
+            scene,
+            element,
+            Message(
+                "wrong-count",
+                "{name} is {text!q}",
+                "it has {count} numbers in it",
+                name=name,
+                text=element.text.strip(),
+                count=count,
+            ),
+        )
     return [Fraction(word) for word in words]
 
 
@@ -160,7 +173,11 @@ def _length(scene: _Scene, element: XmlElement, name: str) -> Fraction:
     found = element.first(name)
     value = _numbers(scene, found, 1)[0] if found is not None else Fraction(0)
     if not 0 < value < 10**9:
-        raise _fault(scene, found or element, f"<{element.name}> needs a <{name}> above 0 m")
+        raise _fault(
+            scene,
+            found or element,
+            Message("not-positive", "<{name}> needs a <{child}> above 0 m", name=element.name, child=name),
+        )
     return value
 
 
@@ -168,7 +185,9 @@ def _number(world: XmlElement, name: str, scene: _Scene) -> float | None:
     found = world.first(name)
     value = None if found is None else float(_numbers(scene, found, 1)[0])
     if found is not None and value is not None and value <= 0:
-        raise _fault(scene, found, f"<{name}> is {value:g}; it is above 0")
+        raise _fault(
+            scene, found, Message("not-positive", "<{name}> is {value:g}; it is above 0", name=name, value=value)
+        )
     return value
 
 
@@ -178,7 +197,11 @@ def _pose(scene: _Scene, element: XmlElement) -> _Pose:
         return _Pose()
     if found.attributes.get("relative_to", "") or found.attributes.get("frame", "") or "degrees" in found.attributes:
         raise _fault(
-            scene, found, "the pose is in a frame or unit of its own; write it in m and rad of what it lies in"
+            scene,
+            found,
+            Message(
+                "unsupported", "the pose is in a frame or unit of its own", "write it in m and rad of what it lies in"
+            ),
         )
     return _Pose(*_numbers(scene, found, 6))
 
@@ -274,15 +297,25 @@ def _frame(scene: _Scene, own: XmlElement | None, wanted: float, *, barn: bool) 
     if own is not None:
         left, low, width, height, cell = _numbers(scene, own, 5)
         if min(width, height, cell) <= 0:
-            raise _fault(scene, own, f"<{OURS}grid> has its corner, then its sides and its cells' above 0 m")
+            raise _fault(
+                scene,
+                own,
+                Message(
+                    "wrong-form", "<{ours}grid> has its corner, then its sides and its cells' above 0 m", ours=OURS
+                ),
+            )
         return _Frame(left, low, width, height, size or cell)
     if barn:
         return _Frame(_LEFT, _LOW, _WIDTH, _HEIGHT, size or _LATTICE)
     bounds = [*_bounds(scene)]
     if not bounds:
-        unread = f"; not read are {', '.join(_unread(scene))}" if scene.unread else ""
-        message = f"has nothing that stops a robot: no cylinder, box or sphere on the floor{unread}"
-        raise FormatError(message, source=scene.source)
+        raise FormatError(
+            "empty",
+            "has nothing that stops a robot: no cylinder, box or sphere on the floor"
+            + ("; not read are {unread!l}" if scene.unread else ""),
+            unread=[*_unread(scene)],
+            source=scene.source,
+        )
     left, low = (min(bound[axis] for bound in bounds) for axis in (0, 1))
     right, high = (max(bound[axis] for bound in bounds) for axis in (2, 3))
     boxes = [] if scene.posts or scene.shapes.polygons else [_shifted(box, left, low) for box in scene.shapes.boxes]
@@ -310,8 +343,15 @@ def _cells(scene: _Scene, frame: _Frame, *, inner: bool) -> tuple[npt.NDArray[np
     size = frame.cell_size
     width, height = math.ceil(frame.width / size), math.ceil(frame.height / size)
     if not CELL_SIZES[0] <= size <= CELL_SIZES[1] or max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
-        message = f"the world takes {width} x {height} cells of {float(size):g} m; give another cell_size"
-        raise FormatError(message, source=scene.source)
+        message = Message(
+            "wrong-size",
+            "the world takes {width} x {height} cells of {cell_size:g} m",
+            "give another cell_size",
+            width=width,
+            height=height,
+            cell_size=float(size),
+        )
+        raise FormatError.of(message, source=scene.source)
     raster = Raster(width, height, size)
     corner = np.array([frame.left, frame.low], np.float64)
     placed = Shapes(
@@ -322,7 +362,7 @@ def _cells(scene: _Scene, frame: _Frame, *, inner: bool) -> tuple[npt.NDArray[np
     try:
         placed.paint(raster)
     except InvalidWorld as error:
-        raise FormatError(str(error), source=scene.source) from error
+        raise FormatError.of(error.message, source=scene.source) from error
     if inner:
         return raster.full, [
             "cells are solid that lie in a shape whole; where a robot gets through here it may not there"

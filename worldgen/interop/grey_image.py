@@ -17,7 +17,8 @@ import numpy.typing as npt
 from PIL import Image, PngImagePlugin, UnidentifiedImageError
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import check_sides, shown
+from worldgen.interop.foreign_map import check_sides
+from worldgen.plain_text import quote
 from worldgen.rows import flip_rows
 
 __all__ = ["GreyImage", "pgm_bytes", "png_bytes", "read_grey_image", "walls_png"]
@@ -102,10 +103,14 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
     for name in ("width", "height", "maximum"):
         match = _FIELD.match(data, at)
         if match is None:
-            came = shown((data[at : at + 40].split() or [b""])[0])
+            came = quote((data[at : at + 40].split() or [b""])[0])
             raise FormatError(
-                f"the PGM header has {came} where the {name} belongs; after {shown(data[:2])} it has "
-                "width, height and maximum as whole numbers",
+                "wrong-form",
+                "the PGM header has {came} where the {name} belongs; after {magic!q} it "
+                "has width, height and maximum as whole numbers",
+                came=came,
+                name=name,
+                magic=data[:2],
                 line=_line(data, at),
                 source=source,
             )
@@ -114,14 +119,25 @@ def _read_pgm(data: bytes, source: str) -> GreyImage:
     width, height, maximum = fields
     check_sides(width, height, line=_line(data, at), source=source)
     if not 0 < maximum < 65536:
-        raise FormatError(f"maximum {maximum}; a PGM has 1 to 65535; save it anew", line=_line(data, at), source=source)
+        raise FormatError(
+            "out-of-range",
+            "maximum {maximum}; a PGM has 1 to 65535",
+            "save it anew",
+            maximum=maximum,
+            line=_line(data, at),
+            source=source,
+        )
     if data[:2] == b"P2":
         values = _plain_raster(data, at, width * height, source)
     else:
         values = _binary_raster(data, at, width * height, 1 if maximum < 256 else 2, source)
     if int(values.max()) > maximum:
         raise FormatError(
-            f"a pixel is {int(values.max())}, above the maximum {maximum}; the file is damaged, save it anew",
+            "above-maximum",
+            "a pixel is {pixel}, above the maximum {maximum}",
+            "the file is damaged, save it anew",
+            pixel=int(values.max()),
+            maximum=maximum,
             source=source,
         )
     grey = values.astype(np.uint8) if maximum < 256 else values.astype(np.uint16)
@@ -134,13 +150,19 @@ def _binary_raster(data: bytes, at: int, count: int, width: int, source: str) ->
     rest = len(data) - at - 1
     if rest < size or not data[at : at + 1].isspace():
         raise FormatError(
-            f"{max(rest, 0)} bytes of pixels; the header's sizes need {size}; the file is cut off, copy it again",
+            "wrong-length",
+            "{bytes} bytes of pixels; the header's sizes need {needed}; the file is cut off, copy it again",
+            bytes=max(rest, 0),
+            needed=size,
             source=source,
         )
     if data[at + 1 + size :].strip():
         raise FormatError(
-            f"{rest - size} bytes more than the header's sizes need ({size}); the file was changed, "
-            "perhaps copied as text; copy it as binary",
+            "wrong-length",
+            "{excess} bytes more than the header's sizes need ({needed}); the file was changed, perhaps copied as text",
+            "copy it as binary",
+            excess=rest - size,
+            needed=size,
             source=source,
         )
     return np.frombuffer(data, ">u1" if width == 1 else ">u2", count, at + 1)
@@ -158,7 +180,11 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
     begin, end = edges[::2], edges[1::2]
     if len(begin) != count:
         raise FormatError(
-            f"{len(begin)} pixels; the header's sizes need {count}; the file is damaged, save it anew", source=source
+            "wrong-length",
+            "{pixels} pixels; the header's sizes need {needed}; the file is damaged, save it anew",
+            pixels=len(begin),
+            needed=count,
+            source=source,
         )
     lengths = end - begin
     if int(lengths.max()) > _MAX_DIGITS:
@@ -173,9 +199,13 @@ def _plain_raster(data: bytes, at: int, count: int, source: str) -> npt.NDArray[
 def _wrong_word(data: bytes, text: bytes, at: int, source: str) -> NoReturn:
     # Comments were taken out, line ends were not: lines count from the end of both.
     line = data.count(b"\n") - text.count(b"\n", at) + 1
-    word = shown(text[at : at + 40].split()[0] if text[at : at + 1].strip() else text[at : at + 1])
+    word = quote(text[at : at + 40].split()[0] if text[at : at + 1].strip() else text[at : at + 1])
     raise FormatError(
-        f"{word} is no pixel; a plain PGM holds whole numbers up to its maximum", line=line, source=source
+        "not-a-pixel",
+        "{word} is no pixel; a plain PGM holds whole numbers up to its maximum",
+        word=word,
+        line=line,
+        source=source,
     )
 
 
@@ -193,12 +223,18 @@ def _read_with_pillow(data: bytes, source: str) -> GreyImage:
     except (FormatError, MemoryError):
         raise
     except Image.DecompressionBombError as error:
-        raise FormatError("has more pixels than any map needs; cut or shrink it", source=source) from error
+        raise FormatError(
+            "too-large", "has more pixels than any map needs", "cut or shrink it", source=source
+        ) from error
     except UnidentifiedImageError as error:
-        raise FormatError("is no PGM, PNG or BMP picture; convert it", source=source) from error
+        raise FormatError("unknown-format", "is no PGM, PNG or BMP picture", "convert it", source=source) from error
     except Exception as error:  # Pillow's decoders raise whatever a damaged file leads them to
         raise FormatError(
-            f"is a damaged picture: {error or type(error).__name__}; save it anew", source=source
+            "damaged-file",
+            "is a damaged picture: {reason}",
+            "save it anew",
+            reason=error or type(error).__name__,
+            source=source,
         ) from error
 
 

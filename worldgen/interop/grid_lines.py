@@ -31,8 +31,12 @@ class GridLines:
     def __init__(self, world: World, destination: Destination, *, bits: int = 53) -> None:
         if not CELL_SIZES[0] <= world.cell_size <= CELL_SIZES[1]:
             raise InvalidWorld(
-                f"cells of {world.cell_size:g} m; a file in metres has cells of {CELL_SIZES[0]:g} to {CELL_SIZES[1]:g} "
-                "m; export a world with such"
+                "out-of-range",
+                "cells of {cell_size:g} m; a file in metres has cells of {low:g} to {high:g} m",
+                "export a world with such",
+                cell_size=world.cell_size,
+                low=CELL_SIZES[0],
+                high=CELL_SIZES[1],
             )
         cell, (x, y) = exact(world.cell_size), (exact(value) for value in destination.origin)
         self.x = {ix: ix * cell + x for ix in range(-1, world.width + 2)}
@@ -40,6 +44,12 @@ class GridLines:
         furthest = max(abs(end) for axis in (self.x, self.y) for end in (axis[-1], max(axis.values())))
         if furthest / 2**bits > _FINEST * cell:
             raise InvalidWorld(
-                f"cells of {world.cell_size:g} m around ({destination.origin[0]:g}, {destination.origin[1]:g}) m need "
-                f"more than the {bits} bits that a coordinate has here; give --origin 0,0"
+                "too-many-digits",
+                "cells of {cell_size:g} m around ({x:g}, {y:g}) m need more than the "
+                "{bits} bits that a coordinate has here",
+                "give --origin 0,0",
+                cell_size=world.cell_size,
+                x=destination.origin[0],
+                y=destination.origin[1],
+                bits=bits,
             )

@@ -82,7 +82,14 @@ def parse_point(name: str, text: str, third: str) -> tuple[float, ...]:
     """
     words = [word.strip() for word in text.split(",")]
     if not 2 <= len(words) <= 3 or not all(_NUMBER.fullmatch(word) for word in words):
-        raise InvalidParameter(f"{name}={text[:60]!r} is not X,Y or X,Y,{third}; write numbers like 1.5,0.35")
+        raise InvalidParameter(
+            "wrong-form",
+            "{name}={text!r} is not X,Y or X,Y,{third}",
+            "write numbers like 1.5,0.35",
+            name=name,
+            text=text[:60],
+            third=third,
+        )
     return tuple(float(word) for word in words)
 
 
@@ -146,9 +153,9 @@ def _with_scenario(robot: RobotOptions, found: ForeignMap, params: dict[str, Val
     if robot.scenario is None:
         return robot
     if found.params.get("format") != "movingai":
-        raise InvalidParameter("scen is for MovingAI maps; give start and target instead")
+        raise InvalidParameter("conflict", "scen is for MovingAI maps", "give start and target instead")
     if robot.start is not None or robot.target is not None:
-        raise InvalidParameter("scen gives start and target; leave out start and target, or scen")
+        raise InvalidParameter("conflict", "scen gives start and target", "leave out start and target, or scen")
     height, width = found.walls.shape
     problem = read_scenario(robot.scenario, robot.row, width, height, found.cell_size)
     params |= {"scenario": robot.scenario.name, "row": robot.row, "optimal": problem.optimal}

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message
 from worldgen.family import check_between
 from worldgen.interop.companion import companion
-from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded
 from worldgen.interop.grey_image import read_grey_image
 from worldgen.interop.raster import Box, Raster, natural_cell_size
 from worldgen.interop.shapes import Shapes, turned
@@ -60,7 +60,9 @@ def read_irsim(path: Path, *, cell_size: float = 0.0, threshold: float = 0.5) ->
     data, source = read_bounded(path, MAX_YAML_BYTES), str(path)
     top = read_yaml(data, source, "an IR-SIM world has `world:` with width and height")
     if "world" not in top:
-        raise FormatError("world is missing; an IR-SIM world has `world:` with width and height", source=source)
+        raise FormatError(
+            "missing-key", "world is missing; an IR-SIM world has `world:` with width and height", source=source
+        )
     world = top.tables("world")[0] if not top.is_null("world") else None
     scene = _Scene(_length(world, "width"), _length(world, "height"), _corner(world))
     if world is not None and "obstacle_map" in world and not world.is_null("obstacle_map"):
@@ -94,7 +96,9 @@ def _fraction(table: YamlTable | None, key: str, default: Fraction) -> Fraction:
 def _length(table: YamlTable | None, key: str, default: Fraction = _SIZE) -> Fraction:
     value = _fraction(table, key, default)
     if table is not None and key in table and not 0 < value < 10**9:
-        raise table.fault(key, f"{key} is {float(value):g}; it is a length above 0 m")
+        raise table.fault(
+            key, Message("not-positive", "{key} is {value:g}; it is a length above 0 m", key=key, value=float(value))
+        )
     return value
 
 
@@ -103,7 +107,7 @@ def _corner(world: YamlTable | None) -> tuple[Fraction, Fraction]:
         return Fraction(0), Fraction(0)
     rows = world.rows("offset")
     if len(rows) != 1 or len(rows[0]) != 2:
-        raise world.fault("offset", "offset must be two numbers, [x m, y m]")
+        raise world.fault("offset", Message("wrong-type", "offset must be two numbers, [x m, y m]"))
     return rows[0][0], rows[0][1]
 
 
@@ -113,13 +117,15 @@ def _picture(world: YamlTable, path: Path, threshold: float) -> tuple[npt.NDArra
     try:
         image = companion(path, "obstacle_map", word)
     except InvalidParameter as error:
-        raise world.fault("obstacle_map", str(error)) from error
+        raise world.fault("obstacle_map", error.message) from error
     data = read_bounded(image)
     grey = read_grey_image(data, str(image))
     dark = (grey.maximum - grey.values.astype(np.float64)) / grey.maximum
     step = int(_fraction(world, "mdownsample", Fraction(1)))
     if not 1 <= step <= min(dark.shape):
-        raise world.fault("mdownsample", f"mdownsample is {step}; it is a whole number from 1 on")
+        raise world.fault(
+            "mdownsample", Message("wrong-type", "mdownsample is {value}; it is a whole number from 1 on", value=step)
+        )
     # IR-SIM's own rule is "above one half"; at other thresholds a pixel that is just as dark counts too.
     solid = dark > 0.5 if threshold == 0.5 else dark >= threshold
     return flip_rows(solid)[::step, ::step], image.name, digest(data)
@@ -135,7 +141,12 @@ def _picture_name(world: YamlTable) -> str:
     if kind != "image" or "path" not in table:
         raise world.fault(
             "obstacle_map",
-            f"obstacle_map {shown(kind)} is drawn by IR-SIM itself; save what it draws as a picture and name that",
+            Message(
+                "unsupported",
+                "obstacle_map {kind!q} is drawn by IR-SIM itself",
+                "save what it draws as a picture and name that",
+                kind=kind,
+            ),
         )
     return table.word("path")
 
@@ -144,7 +155,15 @@ def _add_obstacles(scene: _Scene, table: YamlTable) -> None:
     """The obstacles of one entry: ``number`` of them, with a shape and a state each, the last for the rest."""
     number = int(_fraction(table, "number", Fraction(1)))
     if not 0 <= number <= _MOST_OBJECTS:
-        raise table.fault("number", f"number is {number}; it is a whole number of obstacles, up to {_MOST_OBJECTS}")
+        raise table.fault(
+            "number",
+            Message(
+                "out-of-range",
+                "number is {number}; it is a whole number of obstacles, up to {most_objects}",
+                number=number,
+                most_objects=_MOST_OBJECTS,
+            ),
+        )
     count = f"{number} obstacle{'s' * (number != 1)} at line {table.line}"
     kinematics = _tables(table, "kinematics")
     if kinematics and _word(kinematics[0], "name", "static") != "static":
@@ -162,7 +181,7 @@ def _add_obstacles(scene: _Scene, table: YamlTable) -> None:
     for index in range(min(number, max(len(states), len(shapes)))):
         state = states[0] if flat else states[min(index, len(states) - 1)]
         if len(state) < 2:
-            raise table.fault("state", "state must have x and y, [1.5, 2, 0]")
+            raise table.fault("state", Message("wrong-type", "state must have x and y, [1.5, 2, 0]"))
         _add_shape(scene, table, shapes[min(index, len(shapes) - 1)], state)
 
 
@@ -191,13 +210,18 @@ def _add_shape(scene: _Scene, owner: YamlTable, shape: YamlTable | None, state: 
     elif shape is not None and name == "compound":
         _add_parts(scene, owner, shape, (x, y, heading))
     else:
-        raise owner.fault("shape", f"shape {shown(name)} is not read; circle, rectangle, polygon and linestring are")
+        raise owner.fault(
+            "shape",
+            Message(
+                "unsupported", "shape {shape!q} is not read; circle, rectangle, polygon and linestring are", shape=name
+            ),
+        )
 
 
 def _middle(shape: YamlTable | None) -> tuple[Fraction, Fraction]:
     rows = shape.rows("center") if shape is not None and "center" in shape else [[Fraction(0), Fraction(0)]]
     if shape is not None and len(rows[0]) != 2:
-        raise shape.fault("center", "center must be two numbers, [x m, y m]")
+        raise shape.fault("center", Message("wrong-type", "center must be two numbers, [x m, y m]"))
     return rows[0][0], rows[0][1]
 
 
@@ -205,7 +229,10 @@ def _vertices(shape: YamlTable) -> list[tuple[Fraction, Fraction]]:
     rows = shape.rows("vertices")
     least = 2 if _word(shape, "name", "") == "linestring" else 3
     if len(rows) < least or any(len(row) != 2 for row in rows):
-        raise shape.fault("vertices", f"vertices must be {least} or more points, [[0, 0], [1, 0], [1, 1]]")
+        raise shape.fault(
+            "vertices",
+            Message("wrong-count", "vertices must be {least} or more points, [[0, 0], [1, 0], [1, 1]]", least=least),
+        )
     return [(row[0], row[1]) for row in rows]
 
 
@@ -217,7 +244,10 @@ def _add_parts(scene: _Scene, owner: YamlTable, shape: YamlTable, pose: tuple[Fr
     x, y, heading = pose
     for part in _tables(shape, "parts"):
         if _word(part, "name", "circle") == "compound":
-            raise part.fault("name", "a compound in a compound is not read; put its parts into the outer one")
+            raise part.fault(
+                "name",
+                Message("unsupported", "a compound in a compound is not read", "put its parts into the outer one"),
+            )
         own = [*part.rows("pose")[0], Fraction(0), Fraction(0)] if "pose" in part else [Fraction(0)] * 3
         turned_point = turned(np.array([own[:2]], np.float64), (Fraction(0), Fraction(0)), float(heading))[0]
         moved = own[:2] if heading == 0 else [Fraction(float(value)) for value in turned_point]
@@ -228,17 +258,32 @@ def _cells(scene: _Scene, wanted: float, source: str) -> tuple[npt.NDArray[np.bo
     """The walls, and the side of a cell, m."""
     size = _cell_size(scene, wanted)
     if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
-        raise FormatError(f"cells of {float(size):g} m; give {CELL_SIZES[0]:g} to {CELL_SIZES[1]:g} m", source=source)
+        raise FormatError(
+            "out-of-range",
+            "cells of {cell_size:g} m",
+            "give {low:g} to {high:g} m",
+            cell_size=float(size),
+            low=CELL_SIZES[0],
+            high=CELL_SIZES[1],
+            source=source,
+        )
     across, along = scene.width / size, scene.height / size
     width, height = math.ceil(across), math.ceil(along)
     if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
-        message = f"the world takes {width} x {height} cells of {float(size):g} m; give a larger cell_size"
-        raise FormatError(message, source=source)
+        message = Message(
+            "wrong-size",
+            "the world takes {width} x {height} cells of {cell_size:g} m",
+            "give a larger cell_size",
+            width=width,
+            height=height,
+            cell_size=float(size),
+        )
+        raise FormatError.of(message, source=source)
     raster = Raster(width, height, size)
     try:
         _paint(raster, scene, size)
     except InvalidWorld as error:
-        raise FormatError(str(error), source=source) from error
+        raise FormatError.of(error.message, source=source) from error
     if raster.partly:
         scene.notes.append(
             f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m are only partly "
@@ -294,13 +339,16 @@ def _robot(top: YamlTable, scene: _Scene) -> tuple[_Point, _Point, float | None,
         scene.notes.append(f"IR-SIM places the robot by chance ({_placing(first)}); start and target are placed here")
     speeds = first.rows("vel_max")[0] if "vel_max" in first else [Fraction(1)]
     if speeds[0] <= 0:
-        raise first.fault("vel_max", f"vel_max begins with {float(speeds[0]):g}; it is a speed above 0 m/s")
+        raise first.fault(
+            "vel_max",
+            Message("not-positive", "vel_max begins with {speed:g}; it is a speed above 0 m/s", speed=float(speeds[0])),
+        )
     return start, target, _radius(first, scene), float(speeds[0])
 
 
 def _from_corner(scene: _Scene, table: YamlTable, key: str, point: list[Fraction]) -> tuple[float, float]:
     if len(point) < 2:
-        raise table.fault(key, f"{key} must have x and y, [1.5, 2, 0]")
+        raise table.fault(key, Message("wrong-type", "{key} must have x and y, [1.5, 2, 0]", key=key))
     return float(point[0] - scene.corner[0]), float(point[1] - scene.corner[1])
 
 
@@ -319,6 +367,11 @@ def _radius(robot: YamlTable, scene: _Scene) -> float:
     radius = max((math.sqrt(float(x) ** 2 + float(y) ** 2) for x, y in points), default=0.0)
     radius = max([radius, *(math.sqrt(c.x * c.x + c.y * c.y) + c.radius for c in around.shapes.circles)])
     if radius <= 0.0:
-        raise robot.fault("shape", f"the robot's shape {shown(name)} is not read; give it a circle with a radius")
+        raise robot.fault(
+            "shape",
+            Message(
+                "unsupported", "the robot's shape {shape!q} is not read", "give it a circle with a radius", shape=name
+            ),
+        )
     scene.notes.append(f"the robot is a {name}; the disc round it that its turning needs has {radius:g} m")
     return radius

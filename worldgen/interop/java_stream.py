@@ -48,18 +48,27 @@ def read_ints(data: bytes, source: str) -> Ints:
     while at < len(data):
         first, length = _record(data, at, source)
         if length == 0:
-            raise FormatError(f"byte {at}: an empty block; every block of a map holds numbers", source=source)
+            raise FormatError(
+                "empty-block", "byte {at}: an empty block; every block of a map holds numbers", at=at, source=source
+            )
         if length > len(data) - first:
             raise FormatError(
-                f"byte {at}: a block of {length} bytes, of which the file has {len(data) - first}; "
-                "it is cut short or damaged; fetch it again",
+                "cut-short",
+                "byte {at}: a block of {length} bytes, of which the file has {left}; it is cut short or damaged",
+                "fetch it again",
+                at=at,
+                length=length,
+                left=len(data) - first,
                 source=source,
             )
         payload += data[first : first + length]
         at = first + length
     if len(payload) % 4:
         raise FormatError(
-            f"{len(payload)} bytes of numbers; a number has 4, so the last one is cut short; fetch the file again",
+            "cut-short",
+            "{count} bytes of numbers; a number has 4, so the last one is cut short",
+            "fetch the file again",
+            count=len(payload),
             source=source,
         )
     return np.frombuffer(payload, ">i4").astype(np.int32)
@@ -69,15 +78,28 @@ def _check_header(data: bytes, source: str) -> None:
     if data[:2] != MAGIC[: len(data)] or not data:
         came = data[:2].hex(" ").upper() or "nothing"
         raise FormatError(
-            f"begins with {came}; a Java object stream begins with AC ED 00 05; give a file that the program saved",
+            "unknown-format",
+            "begins with {came}; a Java object stream begins with AC ED 00 05",
+            "give a file that the program saved",
+            came=came,
             source=source,
         )
     if len(data) < len(_HEADER):
-        raise FormatError(f"ends after {len(data)} bytes, within the header AC ED 00 05; fetch it again", source=source)
+        raise FormatError(
+            "cut-short",
+            "ends after {bytes} bytes, within the header AC ED 00 05",
+            "fetch it again",
+            bytes=len(data),
+            source=source,
+        )
     version = int.from_bytes(data[2:4], "big")
     if version != _VERSION:
         raise FormatError(
-            f"version {version} of Java's object stream; only version {_VERSION} exists; fetch the file again",
+            "unknown-version",
+            "version {version} of Java's object stream; only version {known} exists",
+            "fetch the file again",
+            version=version,
+            known=_VERSION,
             source=source,
         )
 
@@ -89,15 +111,21 @@ def _record(data: bytes, at: int, source: str) -> tuple[int, int]:
         _refuse_record(kind, at, source)
     first = at + (2 if kind == _SHORT else 5)
     if first > len(data):
-        raise FormatError(f"byte {at}: ends within a block's length; fetch the file again", source=source)
+        raise FormatError(
+            "cut-short", "byte {at}: ends within a block's length", "fetch the file again", at=at, source=source
+        )
     return first, int.from_bytes(data[at + 1 : first], "big")
 
 
 def _refuse_record(kind: int, at: int, source: str) -> NoReturn:
     what = _RECORDS.get(kind, "no record of Java's")
     raise FormatError(
-        f"byte {at}: {kind:02X} is {what}; a map holds bare numbers only (records 77 and 7A); give a file that "
-        "the program's map editor saved",
+        "not-numbers",
+        "byte {at}: {kind:02X} is {what}; a map holds bare numbers only (records 77 and 7A)",
+        "give a file that the program's map editor saved",
+        at=at,
+        kind=kind,
+        what=what,
         source=source,
     )
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidWorld
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, shown, unix_text
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, off_centre
 from worldgen.rows import flip_rows
@@ -46,7 +46,10 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
     check_sides(width, len(rows), source=source)
     if len(rows) % 2 == 0 or width < 3:
         raise FormatError(
-            f"{len(rows)} rows; a maze of n rows of squares has 2 n + 1, from posts to posts", source=source
+            "wrong-size",
+            "{rows} rows; a maze of n rows of squares has 2 n + 1, from posts to posts",
+            rows=len(rows),
+            source=source,
         )
     walls = np.zeros((len(rows), width), np.bool_)
     marks: dict[str, list[tuple[int, int]]] = {"S": [], "G": []}
@@ -57,7 +60,9 @@ def read_micromouse(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Fore
             if mark:
                 marks[mark].append((row, column))
     if len(marks["S"]) > 1:
-        raise FormatError(f"{len(marks['S'])} starts; keep one", line=marks["S"][1][0] + 1, source=source)
+        raise FormatError(
+            "twice", "{starts} starts", "keep one", starts=len(marks["S"]), line=marks["S"][1][0] + 1, source=source
+        )
     places = [
         cell_centre(found[0][1], len(rows) - 1 - found[0][0], cell_size) if found else None
         for found in (marks["S"], marks["G"])
@@ -76,14 +81,26 @@ def _parts(line: bytes, row: int, source: str) -> list[tuple[bool, str]]:
         if (narrow not in _PARTS) if row % 2 else (narrow not in _POSTS):
             form = "| or a blank" if row % 2 else "a post, o,"
             raise FormatError(
-                f"{shown(narrow)} in column {at + 1} where {form} belongs; posts stand four characters apart",
+                "wrong-form",
+                "{came!q} in column {column} where {form} belongs; posts stand four characters apart",
+                came=narrow,
+                column=at + 1,
+                form=form,
                 line=row + 1,
                 source=source,
             )
         parts.append((row % 2 == 0 or _PARTS[narrow], ""))
         if wide and not (_SQUARE.fullmatch(wide) if row % 2 else wide in _PARTS):
             form = "a square, S, G or blank between two blanks," if row % 2 else "--- or three blanks"
-            raise FormatError(f"{shown(wide)} in column {at + 2} where {form} belongs", line=row + 1, source=source)
+            raise FormatError(
+                "wrong-form",
+                "{came!q} in column {column} where {form} belongs",
+                came=wide,
+                column=at + 2,
+                form=form,
+                line=row + 1,
+                source=source,
+            )
         if wide:
             parts.append((row % 2 == 0 and _PARTS[wide], wide.strip().decode() if row % 2 else ""))
     return parts
@@ -129,8 +146,12 @@ def _line(walls: npt.NDArray[np.bool_], row: int, marks: dict[tuple[int, int], s
 def _check(world: World) -> None:
     if world.width % 2 == 0 or world.height % 2 == 0 or min(world.width, world.height) < 3:
         raise InvalidWorld(
-            f"{world.width} x {world.height} cells; a micromouse maze of n squares has 2 n + 1 cells a side, with "
-            "the walls between them; `worldgen maze --size 17 --radius 0.04` makes such a maze"
+            "wrong-size",
+            "{width} x {height} cells; a micromouse maze of n squares has 2 n + 1 cells a "
+            "side, with the walls between them",
+            "`worldgen maze --size 17 --radius 0.04` makes such a maze",
+            width=world.width,
+            height=world.height,
         )
     wrong = np.zeros(world.walls.shape, np.bool_)
     wrong[::2, ::2] = ~world.walls[::2, ::2]
@@ -139,8 +160,13 @@ def _check(world: World) -> None:
         iy, ix = (int(index) for index in np.argwhere(wrong)[0])
         is_post = ix % 2 == 0
         raise InvalidWorld(
-            f"cell ({ix}, {iy}) is {'free' if is_post else 'solid'}; in a micromouse maze it is a "
-            f"{'post and solid' if is_post else 'square and free'}; give a maze with walls and corridors of one cell"
+            "not-a-maze",
+            "cell ({ix}, {iy}) is free; in a micromouse maze it is a post and solid"
+            if is_post
+            else "cell ({ix}, {iy}) is solid; in a micromouse maze it is a square and free",
+            "give a maze with walls and corridors of one cell",
+            ix=ix,
+            iy=iy,
         )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, shown, unix_text
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, off_centre
 from worldgen.rows import flip_rows
@@ -61,7 +61,9 @@ def read_minigrid(
     solid |= (shut & (doors == "solid")) | (lying & (things == "solid"))
     agents, goals = _agents(drawn), np.argwhere(first == ord("G")).tolist()
     if len(agents) > 1:
-        raise FormatError(f"{len(agents)} agents; keep one", line=agents[1][0] + 1, source=source)
+        raise FormatError(
+            "twice", "{agents} agents", "keep one", agents=len(agents), line=agents[1][0] + 1, source=source
+        )
     notes = _notes({"doors": int(shut.sum()), "things": int(lying.sum())}, {"doors": doors, "things": things})
     if len(goals) > 1:
         notes.append(f"there are {len(goals)} goals; the target is the first, row by row from the top")
@@ -80,8 +82,12 @@ def _check_words(rows: list[bytes], source: str) -> None:
             continue
         at = next(at for at in range(0, len(line), 2) if not _WORD.fullmatch(line, at, at + 2))
         raise FormatError(
-            f"{shown(line[at : at + 2])} in column {at + 1} is no cell; a cell is two characters: kind and colour "
-            "(WG a grey wall, GG a green goal), two blanks, or the agent, >> VV << ^^",
+            "unknown-sign",
+            "{sign!q} in column {column} is no cell; a cell is two characters: kind and "
+            "colour (WG a grey wall, GG a green goal), two blanks, or the agent, >> VV << "
+            "^^",
+            sign=line[at : at + 2],
+            column=at + 1,
             line=number,
             source=source,
         )

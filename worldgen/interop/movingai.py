@@ -16,12 +16,13 @@ from typing import NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, Message
 from worldgen.family import check_between
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, shown, unix_text
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, off_centre
 from worldgen.lattice import exact, radius_in_cells
+from worldgen.plain_text import quote
 from worldgen.rows import flip_rows
 from worldgen.world import DEFAULT_CELL_SIZE, Value, World
 
@@ -117,8 +118,15 @@ def _parse(data: bytes, source: str) -> npt.NDArray[np.uint8]:
     lines = [line.removesuffix(b"\r") for line in head]
     kind = _words(lines, 1, "type", source).lower()
     if kind != b"octile":
-        known = "its corner heights are no cells; " if kind == b"octile-corner" else ""
-        raise FormatError(f"type {shown(kind)} is not read; {known}give a map of `type octile`", line=1, source=source)
+        corners = kind == b"octile-corner"
+        raise FormatError(
+            "unsupported",
+            "type {kind!q} is not read; its corner heights are no cells" if corners else "type {kind!q} is not read",
+            "give a map of `type octile`",
+            kind=kind.decode("utf-8", "backslashreplace"),
+            line=1,
+            source=source,
+        )
     # Some programs write the width first; each number has its name, so both orders are read.
     first, second = ("height", "width") if lines[1:2] and not _has_key(lines[1], "width") else ("width", "height")
     sizes = {key: _size(_words(lines, at, key, source), key, at, source) for at, key in ((2, first), (3, second))}
@@ -142,9 +150,12 @@ def _words(lines: list[bytes], number: int, key: str, source: str) -> bytes:
 
 def _expect(lines: list[bytes], number: int, form: str, source: str) -> NoReturn:
     ended = len(lines) < number or (len(lines) == number and not lines[-1])
-    came = "the end of the file" if ended else shown(lines[number - 1])
+    came = "the end of the file" if ended else quote(lines[number - 1])
     raise FormatError(
-        f"{came} came where `{form}` belongs; an octile map begins with the lines type, height, width, map",
+        "wrong-form",
+        "{came} came where `{form}` belongs; an octile map begins with the lines type, height, width, map",
+        came=came,
+        form=form,
         line=number,
         source=source,
     )
@@ -152,8 +163,14 @@ def _expect(lines: list[bytes], number: int, form: str, source: str) -> NoReturn
 
 def _size(word: bytes, key: str, number: int, source: str) -> int:
     if not re.fullmatch(rb"[0-9]{1,9}", word):
-        message = f"{key} {shown(word)} is no whole number of cells; write how many the rows below have"
-        raise FormatError(message, line=number, source=source)
+        message = Message(
+            "not-a-number",
+            "{key} {word!q} is no whole number of cells",
+            "write how many the rows below have",
+            key=key,
+            word=word,
+        )
+        raise FormatError.of(message, line=number, source=source)
     return int(word)
 
 
@@ -168,7 +185,10 @@ def _rows(body: bytes, width: int, height: int, source: str) -> npt.NDArray[np.u
         _too_few(len(rows), height, source)
     if rest.strip():
         raise FormatError(
-            f"more than the {height} rows of the header; correct `height`, or delete the rest",
+            "wrong-size",
+            "more than the {height} rows of the header",
+            "correct `height`, or delete the rest",
+            height=height,
             line=_FIRST_ROW + height,
             source=source,
         )
@@ -185,9 +205,12 @@ def _wrong_row(row: bytes, index: int, count: int, width: int, height: int, sour
     strange = np.flatnonzero(_TABLE[np.frombuffer(row, np.uint8)] == _BAD)
     if len(strange):
         _wrong_character(row, index, int(strange[0]), source)
-    swapped = "; perhaps its width and height are swapped" if len(row) == height else ""
     raise FormatError(
-        f"a row of {len(row)} cells; the header says width {width}; every row has that many{swapped}",
+        "ragged-rows",
+        "a row of {cells} cells; the header says width {width}; every row has that many",
+        "perhaps its width and height are swapped" if len(row) == height else "",
+        cells=len(row),
+        width=width,
         line=_FIRST_ROW + index,
         source=source,
     )
@@ -195,7 +218,11 @@ def _wrong_row(row: bytes, index: int, count: int, width: int, height: int, sour
 
 def _too_few(count: int, height: int, source: str) -> NoReturn:
     raise FormatError(
-        f"{count} rows; the header says height {height}; add the missing rows or correct it",
+        "wrong-size",
+        "{rows} rows; the header says height {height}",
+        "add the missing rows or correct it",
+        rows=count,
+        height=height,
         line=_FIRST_ROW + count,
         source=source,
     )
@@ -203,8 +230,11 @@ def _too_few(count: int, height: int, source: str) -> NoReturn:
 
 def _wrong_character(row: bytes, index: int, column: int, source: str) -> NoReturn:
     raise FormatError(
-        f"character {shown(row[column : column + 1])} at column {column + 1} is no octile cell; "
+        "unknown-sign",
+        "character {sign!q} at column {column} is no octile cell",
         "passable are . G S, blocked are @ O T W",
+        sign=row[column : column + 1],
+        column=column + 1,
         line=_FIRST_ROW + index,
         source=source,
     )
@@ -247,30 +277,50 @@ def read_scenario(path: Path, row: int, width: int, height: int, cell_size: floa
     _check_version(lines[0], source)
     if len(lines) <= row or not lines[row].strip():
         count = sum(1 for line in lines[1:] if line.strip())
-        raise FormatError(f"has no row {row}; it has rows 1 to {count}", source=source)
+        raise FormatError(
+            "out-of-range", "has no row {row}", "it has rows 1 to {rows}", row=row, rows=count, source=source
+        )
     line = lines[row].removesuffix(b"\r")
     fields = _fields(line, row + 1, source)
     numbers = [int(field) for field in fields[2:8]]
     if numbers[:2] != [width, height]:
         raise FormatError(
-            f"the problem is for a map of {numbers[0]} x {numbers[1]} cells, the map has {width} x {height}; "
+            "wrong-size",
+            "the problem is for a map of {problem_width} x {problem_height} cells, the map has {width} x {height}",
             "give the map it was made for, in that size",
+            problem_width=numbers[0],
+            problem_height=numbers[1],
+            width=width,
+            height=height,
             line=row + 1,
             source=source,
         )
     for column, line_from_top in (numbers[2:4], numbers[4:6]):
         if column >= width or line_from_top >= height:
-            message = (
-                f"cell ({column}, {line_from_top}) lies outside the map of {width} x {height} cells; correct the line"
+            message = Message(
+                "outside-grid",
+                "cell ({column}, {row}) lies outside the map of {width} x {height} cells",
+                "correct the line",
+                column=column,
+                row=line_from_top,
+                width=width,
+                height=height,
             )
-            raise FormatError(message, line=row + 1, source=source)
+            raise FormatError.of(message, line=row + 1, source=source)
     start, goal = (cell_centre(numbers[at], height - 1 - numbers[at + 1], cell_size) for at in (2, 4))
     return Scenario(start, goal, float(fields[8]), fields[1].decode("utf-8", "backslashreplace"))
 
 
 def _check_version(line: bytes, source: str) -> None:
     if not re.fullmatch(rb"version\s+1(\.[0-9]+)?", line.lower().strip()):
-        raise FormatError(f"{shown(line)} came where `version 1` belongs; give a scenario file", line=1, source=source)
+        raise FormatError(
+            "wrong-form",
+            "{came!q} came where `version 1` belongs",
+            "give a scenario file",
+            came=line,
+            line=1,
+            source=source,
+        )
 
 
 def scenario_contents(path: Path) -> tuple[str, int]:
@@ -287,7 +337,7 @@ def scenario_contents(path: Path) -> tuple[str, int]:
     _check_version(lines[0], source)
     rows = [line for line in lines[1:] if line.strip()]
     if not rows:
-        raise FormatError("has no problem; give a scenario file with some", source=source)
+        raise FormatError("empty", "has no problem", "give a scenario file with some", source=source)
     return _map_name(_fields(rows[0].removesuffix(b"\r"), 2, source)[1]), len(rows)
 
 
@@ -332,16 +382,39 @@ def read_problems(path: Path) -> Problems:
         fields = _fields(line.removesuffix(b"\r"), number, source)
         name = _map_name(fields[1])
         if name != map_name:
-            message = f"a problem of {shown(name)} among those of {shown(map_name)}; give a file for each map"
-            raise FormatError(message, line=number, source=source)
+            message = Message(
+                "other-map",
+                "a problem of {name!q} among those of {first!q}",
+                "give a file for each map",
+                name=name,
+                first=map_name,
+            )
+            raise FormatError.of(message, line=number, source=source)
         row = [int(field) for field in fields[2:8]]
         check_sides(row[0], row[1], line=number, source=source)
         if numbers and row[:2] != list(numbers[:2]):
-            message = f"{row[0]} x {row[1]} cells among problems for {numbers[0]} x {numbers[1]}; give a file for each"
-            raise FormatError(message, line=number, source=source)
+            message = Message(
+                "wrong-size",
+                "{width} x {height} cells among problems for {first_width} x {first_height}",
+                "give a file for each",
+                width=row[0],
+                height=row[1],
+                first_width=numbers[0],
+                first_height=numbers[1],
+            )
+            raise FormatError.of(message, line=number, source=source)
         if max(row[2], row[4]) >= row[0] or max(row[3], row[5]) >= row[1]:
-            message = f"cells {tuple(row[2:4])} to {tuple(row[4:])} do not lie in the map of {row[0]} x {row[1]} cells"
-            raise FormatError(f"{message} that the line names; correct the line", line=number, source=source)
+            raise FormatError(
+                "outside-grid",
+                "cells {start} to {goal} do not lie in the map of {width} x {height} cells that the line names",
+                "correct the line",
+                start=tuple(row[2:4]),
+                goal=tuple(row[4:]),
+                width=row[0],
+                height=row[1],
+                line=number,
+                source=source,
+            )
         numbers.extend(row)
         published.append(float(fields[8]))
     table = np.array(numbers, np.int64).reshape(-1, 3, 2)
@@ -361,8 +434,10 @@ def _fields(line: bytes, number: int, source: str) -> list[bytes]:
     whole = [re.fullmatch(rb"[0-9]{1,9}", field) for field in fields[2:8]]
     if len(fields) != 9 or not all(whole) or not _LENGTH.fullmatch(fields[8]):
         raise FormatError(
-            f"{shown(line)} is no problem; nine fields: bucket, map, width, height, start x, start y, "
-            "goal x, goal y, optimal length",
+            "wrong-form",
+            "{came!q} is no problem; nine fields: bucket, map, width, height, start x, "
+            "start y, goal x, goal y, optimal length",
+            came=line,
             line=number,
             source=source,
         )

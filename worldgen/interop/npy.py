@@ -49,10 +49,15 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
             version = np.lib.format.read_magic(stream)
             shape, by_columns, kind = _header(stream, version)
     except _HEADER_FAULTS as error:
-        raise FormatError("is no NumPy array file; write it with numpy.save", source=source) from error
+        raise FormatError(
+            "unknown-format", "is no NumPy array file", "write it with numpy.save", source=source
+        ) from error
     if kind.hasobject or kind.kind not in "biu" or len(shape) != 2:
         raise FormatError(
-            f"holds a {kind} array of shape {shape}; a map has two axes of bool or whole numbers, 0 free and 1 solid",
+            "wrong-shape",
+            "holds a {kind} array of shape {shape}; a map has two axes of bool or whole numbers, 0 free and 1 solid",
+            kind=kind,
+            shape=shape,
             source=source,
         )
     height, width = shape
@@ -60,8 +65,14 @@ def read_numpy_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Forei
     body = data[stream.tell() :]
     if len(body) != width * height * kind.itemsize:
         raise FormatError(
-            f"{len(body)} bytes of cells; {width} x {height} of {kind} are {width * height * kind.itemsize}; "
-            "the file is cut short or damaged, write it anew",
+            "wrong-length",
+            "{bytes} bytes of cells; {width} x {height} of {kind} are {needed}; the file "
+            "is cut short or damaged, write it anew",
+            bytes=len(body),
+            width=width,
+            height=height,
+            kind=kind,
+            needed=width * height * kind.itemsize,
             source=source,
         )
     cells = np.frombuffer(body, kind).reshape((height, width), order="F" if by_columns else "C")
@@ -80,8 +91,12 @@ def _solid(cells: npt.NDArray[Any], source: str) -> npt.NDArray[np.bool_]:
     if strange.any():
         row, column = np.argwhere(strange)[0]
         raise FormatError(
-            f"{cells[row, column]} in row {row}, column {column}; 0 is free and 1 is solid, so say which "
+            "wrong-values",
+            "{value} in row {row}, column {column}; 0 is free and 1 is solid, so say which "
             "numbers are walls, as in numpy.save(file, cells == WALL)",
+            value=cells[row, column],
+            row=row,
+            column=column,
             source=source,
         )
     return cells.astype(np.bool_)

@@ -139,7 +139,10 @@ class _Places:
         found = self._flood(0, self.clear.size)
         if found.largest == 0:
             raise InvalidWorld(
-                f"no place in the map is clear for a disc of radius {self._radius:g} m; give a smaller radius"
+                "no-room",
+                "no place in the map is clear for a disc of radius {radius:g} m",
+                "give a smaller radius",
+                radius=self._radius,
             )
         return _Region(found.root, found.largest, found.largest / found.places, found.regions)
 
@@ -181,8 +184,12 @@ class _Places:
                     found.append((not straight, distance, j * self._stride + i))
         if not found:
             raise InvalidWorld(
-                f"no room for a disc of radius {self._radius:g} m near ({point[0]:g}, {point[1]:g}) m "
-                "to place the other end from; give both start and target, or a smaller radius"
+                "no-room",
+                "no room for a disc of radius {radius:g} m near ({x:g}, {y:g}) m to place the other end from",
+                "give both start and target, or a smaller radius",
+                radius=self._radius,
+                x=point[0],
+                y=point[1],
             )
         return min(found)[2]
 
@@ -212,8 +219,14 @@ def _check_inside(name: str, point: _Point, walls: npt.NDArray[np.bool_], cell_s
     height, width = (side * cell_size for side in walls.shape)
     if not (0.0 <= point[0] <= width and 0.0 <= point[1] <= height):
         raise InvalidWorld(
-            f"{name} ({point[0]:g}, {point[1]:g}) m lies outside the map of {width:g} x {height:g} m; "
-            "give m from its lower-left corner, x right, y up"
+            "outside-grid",
+            "{name} ({x:g}, {y:g}) m lies outside the map of {width:g} x {height:g} m",
+            "give m from its lower-left corner, x right, y up",
+            name=name,
+            x=point[0],
+            y=point[1],
+            width=width,
+            height=height,
         )
 
 
@@ -242,15 +255,24 @@ def _check_start(walls: npt.NDArray[np.bool_], cell_size: float, radius: float, 
         return
     height, width = walls.shape
     inside = 0 <= cell[0] < width and 0 <= cell[1] < height
-    what = f"the solid cell {cell}" if inside else "the map's edge"
-    where = f"in {what}" if distance_sq == 0 else f"{math.sqrt(distance_sq) / UNIT * cell_size:.3g} m from {what}"
+    distance = math.sqrt(distance_sq) / UNIT * cell_size
     clear = _Places(walls, cell_size, radius).nearest_to(start)
-    hint = (
+    raise InvalidWorld(
+        "not-clear",
+        "start ({x:g}, {y:g}) m is "
+        + ("in " if distance == 0 else "{distance:.3g} m from ")
+        + ("the solid cell {cell}" if inside else "the map's edge")
+        + "; the robot's radius is {radius:g} m",
         "no place in the map is clear for it"
         if clear is None
-        else f"the nearest clear place is {clear[0]!r},{clear[1]!r}"
+        else "the nearest clear place is {clear[0]!r},{clear[1]!r}",
+        x=start[0],
+        y=start[1],
+        distance=distance,
+        cell=cell,
+        radius=radius,
+        clear=clear,
     )
-    raise InvalidWorld(f"start ({start[0]:g}, {start[1]:g}) m is {where}; the robot's radius is {radius:g} m; {hint}")
 
 
 def _nearest_wall(solid: Walls, point: tuple[int, int]) -> tuple[Fraction, tuple[int, int]]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from worldgen.errors import InvalidParameter
-from worldgen.interop.foreign_map import shown
 from worldgen.interop.format import Destination, decimal
 from worldgen.lattice import exact
 from worldgen.world import World
@@ -65,12 +64,21 @@ def read_places(words: Mapping[str, Sequence[str]], origin: tuple[float, float])
         if key not in words:
             continue
         if len(words[key]) != count:
-            numbers = "one number" if count == 1 else f"{count} numbers"
-            raise InvalidParameter(f"{key} has {len(words[key])} values; it is {numbers}")
+            raise InvalidParameter(
+                "wrong-count",
+                "{key} has {values} values; it is one number"
+                if count == 1
+                else "{key} has {values} values; it is {count} numbers",
+                key=key,
+                values=len(words[key]),
+                count=count,
+            )
         shifts = (*origin, 0.0) if count == 3 else (0.0,)
         found[key] = tuple(from_decimal(word, shift) for word, shift in zip(words[key], shifts, strict=True))
         if key != "start" and found[key][-1] <= 0.0:
-            raise InvalidParameter(f"{key} has a length of {found[key][-1]:g}; it must be above 0")
+            raise InvalidParameter(
+                "not-positive", "{key} has a length of {length:g}; it must be above 0", key=key, length=found[key][-1]
+            )
     radius, speed = found.get("robot_radius", (None,)), found.get("robot_speed", (None,))
     return Places(found.get("start"), found.get("target"), radius[0], speed[0])
 
@@ -86,4 +94,4 @@ def from_decimal(word: str, shift: float = 0.0) -> float:
             return float(Fraction(word) - exact(shift))
         except OverflowError:
             pass
-    raise InvalidParameter(f"{shown(word)} is no finite number; write one like 0.05")
+    raise InvalidParameter("not-a-number", "{word!q} is no finite number", "write one like 0.05", word=word)

@@ -46,7 +46,7 @@ def read_picture(
     try:
         own_size, origin, places = _said(image)
     except InvalidParameter as error:
-        raise FormatError(f"its text: {error}", source=source) from error
+        raise FormatError.of(error.message.behind("its text: "), source=source) from error
     notes = []
     if greys:
         notes.append(
@@ -88,7 +88,9 @@ def _said(image: GreyImage) -> tuple[float | None, tuple[float, float], Places]:
     size = words.pop("resolution", None)
     corner = words.pop("origin", ["0", "0"])
     if len(corner) != 2 or (size is not None and len(size) != 1):
-        raise InvalidParameter("resolution is one number and origin two; save the picture anew from worldgen")
+        raise InvalidParameter(
+            "wrong-form", "resolution is one number and origin two", "save the picture anew from worldgen"
+        )
     cell_size = None if size is None else from_decimal(size[0])
     if cell_size is not None:
         check_between("resolution", cell_size, *CELL_SIZES, "m")
@@ -108,7 +110,10 @@ def write_png(world: World, destination: Destination) -> Exported:
     """
     if destination.name.lower().endswith((".pgm", ".bmp")):
         raise InvalidParameter(
-            f"{destination.name} is no name of a PNG; end it in .png, or write a .yaml with a .pgm by --to ros"
+            "wrong-suffix",
+            "{name} is no name of a PNG",
+            "end it in .png, or write a .yaml with a .pgm by --to ros",
+            name=destination.name,
         )
     text = {_MARK: "1", "resolution": decimal(world.cell_size)}
     text["origin"] = " ".join(decimal(shift) for shift in destination.origin)

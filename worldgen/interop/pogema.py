@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, digest, read_bounded, shown, unix_text
+from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, digest, read_bounded, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.interop.text import cell_centre, cell_of, equal_rows, off_centre
 from worldgen.rows import flip_rows
@@ -39,7 +39,9 @@ def read_pogema(path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL
         InvalidParameter: If ``agent`` is no lower-case letter, or is not in a map that has others.
     """
     if not re.fullmatch("[a-z]", agent):
-        raise InvalidParameter(f"agent={agent[:20]!r} is no lower-case letter; agents are a to z")
+        raise InvalidParameter(
+            "wrong-form", "agent={agent!r} is no lower-case letter; agents are a to z", agent=agent[:20]
+        )
     data, source = read_bounded(path), str(path)
     lines = [(number, line.strip()) for number, line in enumerate(unix_text(data).split(b"\n"), 1) if line.strip()]
     drawn = equal_rows(lines, source)
@@ -47,15 +49,25 @@ def read_pogema(path: Path, *, agent: str = "a", cell_size: float = DEFAULT_CELL
         if not re.fullmatch(_CELL + b"*", line):
             column = next(at for at in range(len(row)) if not re.match(_CELL, line[at : at + 1]))
             raise FormatError(
-                f"{shown(line[column : column + 1])} in column {column + 1} is no cell; # is a wall, . @ $ ! are "
-                "free, letters are agents and their targets",
+                "unknown-sign",
+                "{sign!q} in column {column} is no cell; # is a wall, . @ $ ! are free, "
+                "letters are agents and their targets",
+                sign=line[column : column + 1],
+                column=column + 1,
                 line=number,
                 source=source,
             )
     letters = _letters(drawn, [number for number, _ in lines], source)
     agents = [letter for letter in letters if letter.islower()]
     if agents and agent not in agents:
-        raise InvalidParameter(f"{source}: there is no agent {agent!r}; there are {', '.join(sorted(agents))}")
+        raise InvalidParameter(
+            "unknown-name",
+            "{source}: there is no agent {agent!r}",
+            "there are {known!l}",
+            source=source,
+            agent=agent,
+            known=sorted(agents),
+        )
     places = [
         cell_centre(letters[name][1], drawn.shape[0] - 1 - letters[name][0], cell_size) if name in letters else None
         for name in (agent, agent.upper())
@@ -74,7 +86,11 @@ def _letters(drawn: npt.NDArray[np.uint8], numbers: list[int], source: str) -> d
         letter = chr(drawn[row, column])
         if letter in found:
             raise FormatError(
-                f"{letter} is there twice; each agent has one place, so take one out", line=numbers[row], source=source
+                "twice",
+                "{letter} is there twice; each agent has one place, so take one out",
+                letter=letter,
+                line=numbers[row],
+                source=source,
             )
         found[letter] = (row, column)
     return found

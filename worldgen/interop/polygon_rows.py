@@ -26,7 +26,12 @@ def prepared(points: npt.NDArray[np.float64]) -> Any:
     shape: Any = shapely.Polygon(points) if len(points) > 2 else shapely.LineString(points)
     if not shape.is_valid:
         if len(points) > _MENDABLE:
-            raise InvalidWorld(f"an outline of {len(points)} corners crosses itself; draw it anew, or as several")
+            raise InvalidWorld(
+                "crosses-itself",
+                "an outline of {corners} corners crosses itself",
+                "draw it anew, or as several",
+                corners=len(points),
+            )
         shape = shapely.make_valid(shape)
     if shape.area < TOUCH:
         shape = shapely.buffer(shape, _LINE)

@@ -127,7 +127,7 @@ class Raster:
     def _spend(self, work: int) -> None:
         self._painted += work
         if self._painted > _MOST_PAINTED:
-            raise InvalidWorld("the obstacles take too many cells; give a larger cell_size")
+            raise InvalidWorld("too-large", "the obstacles take too many cells", "give a larger cell_size")
 
 
 def _distances(cells: npt.NDArray[np.float64], at: float, far: bool) -> npt.NDArray[np.float64]:

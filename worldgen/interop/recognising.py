@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from worldgen.errors import FormatError, InvalidParameter
+from worldgen.errors import FormatError, InvalidParameter, Message
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, read_bounded
 from worldgen.interop.format import FORMATS, Format, split_options
@@ -46,33 +46,50 @@ def find_format(path: Path, name: str | None = None) -> Format:
     if name is not None:
         known = FORMATS.get(name)
         if known.read is None:
-            raise InvalidParameter(f"{known.name} is written, not read; give a file of another format")
+            raise InvalidParameter(
+                "only-written", "{format} is written, not read", "give a file of another format", format=known.name
+            )
         return known
     head = _head(path)
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise FormatError("is text in UTF-16; save it as UTF-8", source=str(path))
+        raise FormatError("not-utf8", "is text in UTF-16", "save it as UTF-8", source=str(path))
     found = _by_contents(path, head)
     if found:
         return _only(found, path)
     if path.suffix.lower() == ".scen" or re.match(rb"version\s+1", head):
-        raise FormatError("a scenario file has no map; give the .map file, and this one with --scen", source=str(path))
+        raise FormatError(
+            "no-map-found",
+            "a scenario file has no map",
+            "give the .map file, and this one with --scen",
+            source=str(path),
+        )
     for written in map(FORMATS.get, FORMATS.entry_points()):
         if written.read is None and written.magic and written.magic.match(head):
             raise FormatError(
-                f"is {written.name} ({written.summary}), which is written, not read; {_WAY_OUT}", source=str(path)
+                "only-written",
+                "is {format} ({summary}), which is written, not read",
+                _WAY_OUT,
+                format=written.name,
+                summary=written.summary,
+                source=str(path),
             )
     by_name = [known for known in readable_formats() if path.suffix.lower() in known.suffixes]
     if by_name:
         return _only(by_name, path)
-    raise FormatError(_unknown(path.suffix.lower()), source=str(path))
+    raise FormatError.of(_unknown(path.suffix.lower()), source=str(path))
 
 
-def _unknown(suffix: str) -> str:
+def _unknown(suffix: str) -> Message:
     """What is wrong with a file that is of no format that can be read, and the way out."""
     written = [name for name in sorted(FORMATS.entry_points()) if _is_only_written(name, suffix)]
     if written:
-        return f"ends in {suffix}, and {' and '.join(written)} is written, not read; {_WAY_OUT}"
-    return "is no map that is known; `worldgen formats` lists those that are; if it is one, say which with --from"
+        problem = "ends in {suffix}, and {formats} is written, not read"
+        return Message("only-written", problem, _WAY_OUT, suffix=suffix, formats=" and ".join(written))
+    return Message(
+        "unknown-format",
+        "is no map that is known",
+        "`worldgen formats` lists those that are; if it is one, say which with --from",
+    )
 
 
 def _is_only_written(name: str, suffix: str) -> bool:
@@ -82,8 +99,13 @@ def _is_only_written(name: str, suffix: str) -> bool:
 
 def _only(found: list[Format], path: Path) -> Format:
     if len(found) > 1:
-        names = ", ".join(known.name for known in found)
-        raise FormatError(f"might be of several formats: {names}; say which with --from", source=str(path))
+        raise FormatError(
+            "ambiguous-format",
+            "might be of several formats: {known!l}",
+            "say which with --from",
+            known=[known.name for known in found],
+            source=str(path),
+        )
     return found[0]
 
 
@@ -142,6 +164,6 @@ def read_map(path: Path, name: str | None = None, options: Mapping[str, Value | 
     if isinstance(cell_size, float):
         check_between("cell_size", cell_size, *CELL_SIZES, "m")
     if known.read is None:  # find_format has refused it
-        raise InvalidParameter(f"{known.name} is not read")
+        raise InvalidParameter("only-written", "{format} is not read", format=known.name)
     found = replace(known.read(path, **given), usual_robot=known.usual_robot)
     return found if sidecar is None else with_sidecar(found, sidecar)

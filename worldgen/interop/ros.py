@@ -16,10 +16,10 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, InvalidParameter
+from worldgen.errors import FormatError, InvalidParameter, Message
 from worldgen.family import check_choice
 from worldgen.interop.companion import companion
-from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import CELL_SIZES, FLOOR_ROBOT, ForeignMap, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
 from worldgen.interop.grey_image import GreyImage, pgm_bytes, png_bytes, read_grey_image
 from worldgen.interop.places_text import KEYS, Places, from_decimal, place_words, read_places
@@ -135,8 +135,14 @@ def _turned(
     quarters, (height, width) = _quarters(metadata.yaw), walls.shape
     moved = abs(metadata.yaw - quarters * math.pi / 2) * math.sqrt(height**2 + width**2)
     if moved >= 0.5:
-        message = f"yaw {metadata.yaw:g} moves cells by up to {moved:.2g} sides from where a quarter turn puts them"
-        raise FormatError(f"{message}; write its digits, such as 1.57079633, or turn the picture", source=source)
+        raise FormatError(
+            "turned-map",
+            "yaw {yaw:g} moves cells by up to {moved:.2g} sides from where a quarter turn puts them",
+            "write its digits, such as 1.57079633, or turn the picture",
+            yaw=metadata.yaw,
+            moved=moved,
+            source=source,
+        )
     across, up = ((0, 0), (-height, 0), (-width, -height), (0, -width))[quarters % 4]
     (x, y), side = map(exact, metadata.origin), exact(metadata.resolution)
     return np.rot90(walls, quarters % 4), (float(x + across * side), float(y + up * side))
@@ -214,23 +220,44 @@ def read_metadata(text: bytes, path: Path) -> RosMetadata:
     missing = [key for key in _REQUIRED if key not in table]
     if missing:
         raise FormatError(
-            f"{', '.join(missing)} missing; a ROS map has the keys {', '.join(_REQUIRED)}, and may have mode",
+            "missing-key",
+            "{missing!l} missing",
+            "a ROS map has the keys {keys!l}, and may have mode",
+            missing=list(missing),
+            keys=list(_REQUIRED),
             source=source,
         )
     resolution = table.number("resolution")
     occupied, free = table.number("occupied_thresh"), table.number("free_thresh")
     if not CELL_SIZES[0] <= resolution <= CELL_SIZES[1]:
         least, most = CELL_SIZES
-        message = f"resolution is {resolution:g}; it is the side of a pixel, {least:g} to {most:g} m"
+        message = Message(
+            "out-of-range",
+            "resolution is {resolution:g}; it is the side of a pixel, {low:g} to {high:g} m",
+            resolution=resolution,
+            low=least,
+            high=most,
+        )
         raise table.fault("resolution", message)
     if not 0.0 <= free < occupied <= 1.0:
-        message = f"free_thresh {free:g}, occupied_thresh {occupied:g}; the rule is 0 <= free < occupied <= 1"
+        message = Message(
+            "wrong-order",
+            "free_thresh {free:g}, occupied_thresh {occupied:g}; the rule is 0 <= free < occupied <= 1",
+            free=free,
+            occupied=occupied,
+        )
         raise table.fault("free_thresh", message)
     (*origin, yaw), negate = _origin(table), table.truth("negate")
     corner = (origin[0], origin[1])
     if yaw != 0.0 and _OURS in table:
         raise table.fault(
-            "origin", f"a map with places under {_OURS} is not turned; write the yaw 0, or delete {_OURS}"
+            "origin",
+            Message(
+                "unsupported",
+                "a map with places under {key} is not turned",
+                "write the yaw 0, or delete {key}",
+                key=_OURS,
+            ),
         )
     places = _places(table, corner)
     return RosMetadata(_image(table, path), resolution, corner, occupied, free, negate, _mode(table), places, yaw)
@@ -240,7 +267,7 @@ def _image(table: YamlTable, path: Path) -> Path:
     try:
         return companion(path, "image", table.word("image"))
     except InvalidParameter as error:
-        raise table.fault("image", str(error)) from error
+        raise table.fault("image", error.message) from error
 
 
 def _origin(table: YamlTable) -> tuple[float, float, float]:
@@ -249,11 +276,16 @@ def _origin(table: YamlTable) -> tuple[float, float, float]:
     except InvalidParameter:
         numbers = []
     if len(numbers) != 3:
-        raise table.fault("origin", "origin must be three numbers, [x m, y m, yaw rad]")
+        raise table.fault("origin", Message("wrong-type", "origin must be three numbers, [x m, y m, yaw rad]"))
     x, y, yaw = numbers
     if not abs(yaw) <= 2 * math.pi or abs(yaw - _quarters(yaw) * math.pi / 2) > _MOST_OFF:
-        message = f"the map is turned by {yaw:g} rad; only quarter turns are read, such as 0 and 1.57079633"
-        raise table.fault("origin", f"{message}; turn the picture, or write 0 if your programs pass over the yaw")
+        message = Message(
+            "turned-map",
+            "the map is turned by {yaw:g} rad; only quarter turns are read, such as 0 and 1.57079633",
+            "turn the picture, or write 0 if your programs pass over the yaw",
+            yaw=yaw,
+        )
+        raise table.fault("origin", message)
     return x, y, yaw
 
 
@@ -263,17 +295,29 @@ def _places(table: YamlTable, origin: tuple[float, float]) -> Places:
         return Places()
     ours = table.tables(_OURS)
     if len(ours) != 1:
-        raise table.fault(_OURS, f"{_OURS} has {len(ours)} tables; it is one")
+        raise table.fault(
+            _OURS, Message("wrong-count", "{key} has {tables} tables; it is one", key=_OURS, tables=len(ours))
+        )
     strange = [key for key in ours[0] if key not in KEYS]
     if strange:
-        raise ours[0].fault(strange[0], f"{shown(strange[0])} is no key of {_OURS}; it has {', '.join(KEYS)}")
+        raise ours[0].fault(
+            strange[0],
+            Message(
+                "unknown-name",
+                "{name!q} is no key of {key}",
+                "it has {known!l}",
+                name=strange[0],
+                key=_OURS,
+                known=list(KEYS),
+            ),
+        )
     places = Places()
     for key in ours[0]:  # one by one, so that a fault has its line
         words = ours[0].words(key)
         try:
             found = read_places({key: [ours[0].word(key)] if words is None else words}, origin)
         except InvalidParameter as error:
-            raise ours[0].fault(key, str(error)) from error
+            raise ours[0].fault(key, error.message) from error
         places = replace(places, **{key: getattr(found, key)})
     return places
 
@@ -285,7 +329,7 @@ def _mode(table: YamlTable) -> str:
     try:
         check_choice("mode", mode, MODES)
     except InvalidParameter as error:
-        raise table.fault("mode", str(error)) from error
+        raise table.fault("mode", error.message) from error
     return mode
 
 

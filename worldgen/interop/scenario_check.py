@@ -86,7 +86,9 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
     scenarios: dict[Path, None] = {}
     for path in paths:
         if not path.exists():
-            raise InvalidParameter(f"{path} is not there; name scenario files, maps, or folders of them")
+            raise InvalidParameter(
+                "no-such-file", "{path} is not there", "name scenario files, maps, or folders of them", path=path
+            )
         for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
             if file.suffix.lower() == ".scen":
                 scenarios[file] = None
@@ -95,7 +97,12 @@ def find_scenarios(paths: Sequence[Path]) -> ScenarioFiles:
                 found += [file] if file not in found else []
     if not scenarios:
         named = ", ".join(map(str, paths))
-        raise InvalidParameter(f"{named}: holds no scenario file; name files that end in .scen, or their folder")
+        raise InvalidParameter(
+            "no-map-found",
+            "{paths}: holds no scenario file",
+            "name files that end in .scen, or their folder",
+            paths=named,
+        )
     pairs, refused = [], []
     for file in scenarios:
         try:

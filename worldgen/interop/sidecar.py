@@ -11,10 +11,10 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, Message
 from worldgen.grid_file.header import Header
 from worldgen.grid_file.toml_text import value_text
-from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, held_values
 from worldgen.world import Value, World
 
@@ -80,13 +80,28 @@ def read_sidecar(path: Path) -> Sidecar | None:
     try:
         header = Header(data.decode("utf-8-sig"), 1, source, "the sidecar")
     except UnicodeDecodeError as error:
-        raise FormatError("is no UTF-8 text; delete it, or export the world again", source=source) from error
+        raise FormatError(
+            "not-utf8", "is no UTF-8 text", "delete it, or export the world again", source=source
+        ) from error
     known = ("worldgen", _SIZE, *HELD)
     for key in header.data:
         if key not in known:
-            raise header.fault(f"{shown(key)} is no key of a sidecar; it has {', '.join(known)}", key)
+            raise header.fault(
+                Message(
+                    "unknown-name", "{name!q} is no key of a sidecar", "it has {known!l}", name=key, known=list(known)
+                ),
+                key,
+            )
     if header.data.get("worldgen") != _VERSION:
-        raise header.fault(f"worldgen = {_VERSION} must say the sidecar's version; export the world again", "worldgen")
+        raise header.fault(
+            Message(
+                "other-version",
+                "worldgen = {version} must say the sidecar's version",
+                "export the world again",
+                version=_VERSION,
+            ),
+            "worldgen",
+        )
     size = _numbers(header, _SIZE)
     values = {key: _numbers(header, key) for key in HELD if key in header.data}
     return Sidecar(beside.name, digest(data), (int(size[0]), int(size[1])), values)
@@ -96,8 +111,8 @@ def _bytes(path: Path) -> bytes:
     try:
         return read_bounded(path, _MOST_BYTES)
     except FormatError as error:  # whose way out is for maps
-        fault, _, _ = str(error.message).partition(";")
-        raise FormatError(f"{fault}; delete it, or export the world again", source=str(path)) from error
+        message = error.message.with_remedy("delete it, or export the world again")
+        raise FormatError.of(message, source=str(path)) from error
 
 
 def _numbers(header: Header, key: str) -> tuple[float, ...]:
@@ -107,11 +122,10 @@ def _numbers(header: Header, key: str) -> tuple[float, ...]:
     count = 2 if key in (*_PAIRS, _SIZE) else 1
     numbers = tuple(float(item) for item in items if isinstance(item, int | float) and not isinstance(item, bool))
     if len(items) != count or len(numbers) != count or not all(map(math.isfinite, numbers)):
-        raise header.fault(
-            f"{key} must be {'two finite numbers in brackets' if count == 2 else 'a finite number'}", key
-        )
+        rule = "{key} must be two finite numbers in brackets" if count == 2 else "{key} must be a finite number"
+        raise header.fault(Message("wrong-type", rule, key=key), key)
     if key in (*_LENGTHS, _SIZE) and min(numbers) <= 0:
-        raise header.fault(f"{key} must be above 0", key)
+        raise header.fault(Message("not-positive", "{key} must be above 0", key=key), key)
     return numbers
 
 

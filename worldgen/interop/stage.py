@@ -70,7 +70,12 @@ def write_stage(world: World, destination: Destination, *, lidar: bool = False) 
     ringed = len(closing_boxes(world)) > 0
     picture = destination.companion(".png")
     if '"' in picture:
-        raise InvalidParameter(f"{picture} has a quotation mark, which Stage cannot read; give a name without one")
+        raise InvalidParameter(
+            "not-a-file-name",
+            "{picture} has a quotation mark, which Stage cannot read",
+            "give a name without one",
+            picture=picture,
+        )
     lines = [
         "# A world of worldgen for Stage; m, degrees.",
         "# Walls and rays are exact to this, a tenth of a cell.",

@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
-from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import shown
+from worldgen.errors import FormatError, Message
 
 __all__ = ["Entity", "read_stage_file"]
 
@@ -61,11 +60,11 @@ class Entity:
     def __contains__(self, key: str) -> bool:
         return key in self.properties
 
-    def fault(self, key: str, message: str) -> FormatError:
+    def fault(self, key: str, message: Message) -> FormatError:
         """An error at the line of a property, or of the whole thing where it has none such."""
         value = self.properties.get(key)
         line, source = (self.line, self.source) if value is None else (value.line, value.source)
-        return FormatError(message, line=line, source=source)
+        return FormatError.of(message, line=line, source=source)
 
     def text(self, key: str, default: str = "") -> str:
         """The string of a property."""
@@ -81,7 +80,16 @@ class Entity:
         items = self.properties[key].items if key in self.properties else ()
         for item in items:
             if not _NUMBER.fullmatch(item.text):
-                raise self.fault(key, f"{key} has {shown(item.text)}, no number; write one like 0.05, without exponent")
+                raise self.fault(
+                    key,
+                    Message(
+                        "not-a-number",
+                        "{key} has {text!q}, no number",
+                        "write one like 0.05, without exponent",
+                        key=key,
+                        text=item.text,
+                    ),
+                )
         return [Fraction(item.text) for item in items]
 
 
@@ -104,18 +112,22 @@ class _Reader:
             elif token.kind == "word":
                 self._named(entity, depth)
             else:
-                raise _fault(token, f"{shown(token.text)} came where a name belongs")
+                raise _fault(token, Message("wrong-form", "{came!q} came where a name belongs", came=token.text))
 
     def _spend(self, count: int, token: _Token) -> None:
         self.spent += count
         if self.spent > _MOST_TOKENS:
-            raise _fault(token, f"definitions grow to more than {_MOST_TOKENS} words; take some out")
+            raise _fault(
+                token,
+                Message("too-large", "definitions grow to more than {most} words", "take some out", most=_MOST_TOKENS),
+            )
 
     def _define(self) -> None:
         words = self.tokens[self.at + 1 : self.at + 3]
         if len(words) < 2 or any(word.kind != "word" for word in words):
             raise _fault(
-                self.tokens[self.at], "define needs a name and what it builds on; write `define wall model ( ... )`"
+                self.tokens[self.at],
+                Message("wrong-form", "define needs a name and what it builds on", "write `define wall model ( ... )`"),
             )
         begin = self.at + 3
         self.at = begin
@@ -133,7 +145,7 @@ class _Reader:
                 break
         self._spend(self.at - begin, first)
         if depth or self.tokens[self.at - 1].text != ")":
-            raise _fault(first, "a bracket ( is missing or not closed; write `name ( ... )`")
+            raise _fault(first, Message("wrong-form", "a bracket ( is missing or not closed", "write `name ( ... )`"))
         return self.at - 1
 
     def _named(self, entity: Entity, depth: int) -> None:
@@ -150,7 +162,14 @@ class _Reader:
         elif after is not None and after.kind == "mark" and after.text == "[":
             entity.properties[name.text] = _Value(tuple(self._list(after)), name.line, name.source)
         else:
-            raise _fault(name, f'{shown(name.text)} has no value; behind a name come a number, a "word", [ or (')
+            raise _fault(
+                name,
+                Message(
+                    "missing-value",
+                    '{name!q} has no value; behind a name come a number, a "word", [ or (',
+                    name=name.text,
+                ),
+            )
 
     def _list(self, first: _Token) -> Iterator[_Token]:
         while self.at < len(self.tokens):
@@ -162,12 +181,17 @@ class _Reader:
             if token.kind not in ("number", "text"):
                 break
             yield token
-        raise _fault(first, 'a list [ has a number or a "word" too few; close it with ]')
+        raise _fault(first, Message("wrong-form", 'a list [ has a number or a "word" too few', "close it with ]"))
 
     def _entity(self, name: _Token, begin: int, end: int, depth: int) -> Entity:
         """What stands between two tokens, on top of what its definition says."""
         if depth > _MOST_DEPTH:
-            raise _fault(name, f"things are nested deeper than {_MOST_DEPTH} levels; flatten them")
+            raise _fault(
+                name,
+                Message(
+                    "nested-too-deep", "things are nested deeper than {most} levels", "flatten them", most=_MOST_DEPTH
+                ),
+            )
         after = self.at
         if name.text in self.defined:
             base, first, last = self.defined[name.text]
@@ -181,8 +205,8 @@ class _Reader:
         return entity
 
 
-def _fault(token: _Token, message: str) -> FormatError:
-    return FormatError(message, line=token.line, source=token.source)
+def _fault(token: _Token, message: Message) -> FormatError:
+    return FormatError.of(message, line=token.line, source=token.source)
 
 
 def read_stage_file(text: str, source: str, include: Callable[[str, int], tuple[str, str] | None]) -> Entity:
@@ -210,7 +234,13 @@ def _tokens(
     while at < len(text):
         match = _TOKEN.match(text, at)
         if match is None:
-            raise FormatError(f"{shown(text[at : at + 20])} is not Stage's; is a \" missing?", line=line, source=source)
+            raise FormatError(
+                "wrong-form",
+                "{came!q} is not Stage's; is a \" missing?",
+                came=text[at : at + 20],
+                line=line,
+                source=source,
+            )
         at, kind = match.end(), str(match.lastgroup)
         line += kind == "end"
         if kind in ("space", "end"):
@@ -218,9 +248,17 @@ def _tokens(
         token = _Token(kind, match[kind], line, source)
         if including:
             if kind != "text":
-                raise _fault(token, "include needs a file's name in quotes")
+                raise _fault(token, Message("wrong-form", "include needs a file's name in quotes"))
             if depth >= _MOST_DEPTH:
-                raise _fault(token, f"files are included more than {_MOST_DEPTH} deep; does one include itself?")
+                raise _fault(
+                    token,
+                    Message(
+                        "nested-too-deep",
+                        "files are included more than {most} deep",
+                        "does one include itself?",
+                        most=_MOST_DEPTH,
+                    ),
+                )
             found = include(token.text, line)
             if found is not None:
                 yield from _tokens(*found, include, depth + 1)

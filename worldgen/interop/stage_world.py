@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, InvalidParameter, InvalidWorld
+from worldgen.errors import FormatError, InvalidParameter, InvalidWorld, Message
 from worldgen.interop.companion import companion
 from worldgen.interop.degrees import radians
-from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded, shown
+from worldgen.interop.foreign_map import CELL_SIZES, MAX_CELLS, ForeignMap, digest, read_bounded
 from worldgen.interop.grey_image import read_grey_image
 from worldgen.interop.raster import Raster
 from worldgen.interop.stage_file import Entity, read_stage_file
@@ -57,8 +57,10 @@ class _Includes:
     def __call__(self, name: str, line: int) -> tuple[str, str] | None:
         self.read += 1
         if self.read > _MOST_INCLUDES:
-            message = f"more than {_MOST_INCLUDES} files are included; does one include itself?"
-            raise FormatError(message, line=line, source=str(self.path))
+            message = Message(
+                "too-large", "more than {most} files are included", "does one include itself?", most=_MOST_INCLUDES
+            )
+            raise FormatError.of(message, line=line, source=str(self.path))
         try:
             file = companion(self.path, "include", name)
         except InvalidParameter as error:
@@ -120,9 +122,13 @@ def _units(world: Entity) -> tuple[Fraction, bool]:
     """A unit of length in m, and whether angles are in degrees."""
     length, angle = world.text("unit_length", "m"), world.text("unit_angle", "degrees")
     if length not in _UNITS:
-        raise world.fault("unit_length", f"unit_length is {shown(length)}; Stage knows m, cm and mm")
+        raise world.fault(
+            "unit_length", Message("unknown-name", "unit_length is {name!q}; Stage knows m, cm and mm", name=length)
+        )
     if angle not in ("degrees", "radians"):
-        raise world.fault("unit_angle", f"unit_angle is {shown(angle)}; Stage knows degrees and radians")
+        raise world.fault(
+            "unit_angle", Message("unknown-name", "unit_angle is {name!q}; Stage knows degrees and radians", name=angle)
+        )
     return _UNITS[length], angle == "degrees"
 
 
@@ -130,8 +136,11 @@ def _floor_plan(world: Entity, source: str, notes: list[str]) -> Entity:
     """The one thing with a picture; of several the largest."""
     found = [entity for entity in world.parts if "bitmap" in entity]
     if not found:
-        message = 'has no model with a bitmap; a world of Stage has its walls as one, `floorplan ( bitmap "map.png" )`'
-        raise FormatError(message, source=source)
+        message = Message(
+            "no-map-found",
+            'has no model with a bitmap; a world of Stage has its walls as one, `floorplan ( bitmap "map.png" )`',
+        )
+        raise FormatError.of(message, source=source)
     if len(found) > 1:
         notes.append(f"{len(found)} models have pictures; the largest was taken, the others left out")
     return max(found, key=lambda entity: math.prod(entity.numbers("size")[:2]))
@@ -142,7 +151,7 @@ def _picture(floor: Entity, path: Path) -> Path:
     try:
         return companion(path, "bitmap", floor.text("bitmap"))
     except InvalidParameter as error:
-        raise floor.fault("bitmap", str(error)) from error
+        raise floor.fault("bitmap", error.message) from error
 
 
 def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan:
@@ -150,13 +159,22 @@ def _plan(floor: Entity, image: Path, unit: Fraction, notes: list[str]) -> _Plan
     solid = flip_rows(grey.values.astype(np.int64) * 255 // grey.maximum <= _BLACK)
     rows, columns = (np.flatnonzero(solid.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
-        raise FormatError("has no black pixel, so Stage has no walls to stretch; draw some", source=str(image))
+        raise FormatError(
+            "empty", "has no black pixel, so Stage has no walls to stretch", "draw some", source=str(image)
+        )
     size, pose = floor.numbers("size"), [*floor.numbers("pose"), *[Fraction(0)] * 4][:4]
     if len(size) < 2 or min(size[:2]) <= 0:
-        raise floor.fault("size", "a floor plan needs its size, two or three lengths above 0, size [16 16 0.8]")
+        raise floor.fault(
+            "size", Message("wrong-type", "a floor plan needs its size, two or three lengths above 0, size [16 16 0.8]")
+        )
     if pose[3] != 0 or any(floor.numbers("origin")):
         raise floor.fault(
-            "pose", "the floor plan is turned or has an origin; only upright ones are read; turn the picture"
+            "pose",
+            Message(
+                "unsupported",
+                "the floor plan is turned or has an origin; only upright ones are read",
+                "turn the picture",
+            ),
         )
     if floor.numbers("obstacle_return") == [0]:
         notes.append("obstacle_return is 0: Stage's own robots drive through these walls")
@@ -177,19 +195,33 @@ def _cells(plan: _Plan, wanted: float, notes: list[str], source: str) -> tuple[n
     """The walls, and the side of a cell, m."""
     size = Fraction(repr(wanted)) if wanted else min(plan.across, plan.along)
     if not CELL_SIZES[0] <= size <= CELL_SIZES[1]:
-        message = f"a pixel is {float(size):g} m; {CELL_SIZES[0]:g} to {CELL_SIZES[1]:g} m are read; correct the size"
-        raise FormatError(message, source=source)
+        message = Message(
+            "out-of-range",
+            "a pixel is {cell_size:g} m; {low:g} to {high:g} m are read",
+            "correct the size",
+            cell_size=float(size),
+            low=CELL_SIZES[0],
+            high=CELL_SIZES[1],
+        )
+        raise FormatError.of(message, source=source)
     height, width = (
         math.ceil(count * side / size) for count, side in zip(plan.solid.shape, (plan.along, plan.across), strict=True)
     )
     if max(width, height) > MAX_SIDE or width * height > MAX_CELLS:
-        message = f"the world takes {width} x {height} cells of {float(size):g} m; give a larger cell_size"
-        raise FormatError(message, source=source)
+        message = Message(
+            "wrong-size",
+            "the world takes {width} x {height} cells of {cell_size:g} m",
+            "give a larger cell_size",
+            width=width,
+            height=height,
+            cell_size=float(size),
+        )
+        raise FormatError.of(message, source=source)
     raster = Raster(width, height, size)
     try:
         raster.picture(plan.solid, plan.across, plan.along)
     except InvalidWorld as error:
-        raise FormatError(str(error), source=source) from error
+        raise FormatError.of(error.message, source=source) from error
     if raster.partly:
         notes.append(
             f"{raster.partly} of {np.count_nonzero(raster.solid)} solid cells of {float(size):g} m are only partly "

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, shown, unix_text
+from worldgen.interop.foreign_map import ForeignMap, check_sides, digest, read_bounded, unix_text
 from worldgen.interop.format import Destination, Exported, Format
 from worldgen.lattice import UNIT, in_cells, lattice_to_metres
 from worldgen.rows import flip_rows
@@ -47,8 +47,10 @@ def read_text_map(path: Path, *, cell_size: float = DEFAULT_CELL_SIZE) -> Foreig
     if (cells == _BAD).any():
         row_index, column = divmod(int(np.argmax(cells == _BAD)), cells.shape[1])
         raise FormatError(
-            f"{shown(rows[row_index][column : column + 1])} in column {column + 1} is no cell; "
-            "# is solid, . or a space free, S the start, G or E the target",
+            "unknown-sign",
+            "{sign!q} in column {column} is no cell; # is solid, . or a space free, S the start, G or E the target",
+            sign=rows[row_index][column : column + 1],
+            column=column + 1,
             line=row_index + 1,
             source=source,
         )
@@ -82,7 +84,10 @@ def equal_rows(rows: Sequence[tuple[int, bytes]], source: str) -> npt.NDArray[np
     for number, row in rows:
         if len(row) != width:
             raise FormatError(
-                f"a row of {len(row)} cells; the first has {width}; every row has that many",
+                "ragged-rows",
+                "a row of {cells} cells; the first has {width}; every row has that many",
+                cells=len(row),
+                width=width,
                 line=number,
                 source=source,
             )
@@ -122,7 +127,13 @@ def _place(
     found = np.argwhere(np.isin(drawn, list(letters)))
     if len(found) > 1:
         raise FormatError(
-            f"{len(found)} cells are the {name}; draw one, or none", line=int(found[1][0]) + 1, source=source
+            "twice",
+            "{cells} cells are the {name}",
+            "draw one, or none",
+            cells=len(found),
+            name=name,
+            line=int(found[1][0]) + 1,
+            source=source,
         )
     if not len(found):
         return None

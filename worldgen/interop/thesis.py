@@ -74,12 +74,21 @@ def _had_noise(world: World) -> bool:
 def _check_shape(world: World) -> None:
     if world.width != world.height:
         raise InvalidWorld(
-            f"{world.width} x {world.height} cells; a thesis map is a square; fill the shorter side up with walls"
+            "not-square",
+            "{width} x {height} cells; a thesis map is a square",
+            "fill the shorter side up with walls",
+            width=world.width,
+            height=world.height,
         )
     if not MIN_SIZE <= world.width <= MAX_SIZE:
         raise InvalidWorld(
-            f"{world.width} x {world.height} cells; a thesis map has {MIN_SIZE} to {MAX_SIZE} a side; "
-            "export a smaller or larger world"
+            "wrong-size",
+            "{width} x {height} cells; a thesis map has {min_size} to {max_size} a side",
+            "export a smaller or larger world",
+            width=world.width,
+            height=world.height,
+            min_size=MIN_SIZE,
+            max_size=MAX_SIZE,
         )
     inside = np.zeros(world.walls.shape, np.bool_)
     inside[1:-1, 1:-1] = True
@@ -87,7 +96,11 @@ def _check_shape(world: World) -> None:
     if len(opened):
         iy, ix = (int(index) for index in opened[0])
         raise InvalidWorld(
-            f"the border is open at cell ({ix}, {iy}); a thesis map has a wall all round; add a ring of solid cells"
+            "open-border",
+            "the border is open at cell ({ix}, {iy}); a thesis map has a wall all round",
+            "add a ring of solid cells",
+            ix=ix,
+            iy=iy,
         )
 
 
@@ -96,8 +109,11 @@ def _target_cell(world: World) -> tuple[int, int]:
     ix, iy = (math.floor(in_cells(value, world.cell_size)) for value in (world.target.x, world.target.y))
     if not (0 <= ix < world.width and 0 <= iy < world.height) or world.walls[iy, ix]:
         raise InvalidWorld(
-            f"the target ({world.target.x:g}, {world.target.y:g}) m lies in a wall; a thesis map has it in a free "
-            "cell; move it into one"
+            "target-in-a-wall",
+            "the target ({x:g}, {y:g}) m lies in a wall; a thesis map has it in a free cell",
+            "move it into one",
+            x=world.target.x,
+            y=world.target.y,
         )
     return ix, world.height - 1 - iy
 

@@ -166,16 +166,29 @@ _THROUGH_NOISE = (
 def _square(values: Ints, source: str) -> Ints:
     if not len(values):
         raise FormatError(
-            "the stream holds no numbers; a map of n x n cells has n * n; fetch the file again", source=source
+            "empty",
+            "the stream holds no numbers; a map of n x n cells has n * n",
+            "fetch the file again",
+            source=source,
         )
     size = math.isqrt(len(values))
     if size * size != len(values):
         raise FormatError(
-            f"{len(values)} numbers are no square; a map of n x n cells has n * n; fetch the file again", source=source
+            "not-square",
+            "{numbers} numbers are no square; a map of n x n cells has n * n",
+            "fetch the file again",
+            numbers=len(values),
+            source=source,
         )
     if not MIN_SIZE <= size <= MAX_SIZE:
         raise FormatError(
-            f"{size} x {size} cells; a map has {MIN_SIZE} to {MAX_SIZE} a side; give another file", source=source
+            "wrong-size",
+            "{size} x {size} cells; a map has {min_size} to {max_size} a side",
+            "give another file",
+            size=size,
+            min_size=MIN_SIZE,
+            max_size=MAX_SIZE,
+            source=source,
         )
     return values.reshape(size, size)
 
@@ -185,8 +198,14 @@ def _check_values(values: Ints, source: str) -> None:
     if below.any():
         row, column = (int(index) for index in np.argwhere(below)[0])
         raise FormatError(
-            f"{values[row, column]} in column {column}, row {row} from the top; a cell holds a squared distance, "
-            f"0 for the target, or {WALL} for a wall; this is no map, or a damaged one",
+            "wrong-values",
+            "{value} in column {column}, row {row} from the top; a cell holds a squared "
+            "distance, 0 for the target, or {wall} for a wall; this is no map, or a "
+            "damaged one",
+            value=values[row, column],
+            column=column,
+            row=row,
+            wall=WALL,
             source=source,
         )
     rim = np.ones(values.shape, np.bool_)
@@ -195,8 +214,11 @@ def _check_values(values: Ints, source: str) -> None:
     if len(opened):
         row, column = (int(index) for index in opened[0])
         raise FormatError(
-            f"the border is open in column {column}, row {row} from the top; a map has walls all round; close it in "
-            "the program's map editor",
+            "open-border",
+            "the border is open in column {column}, row {row} from the top; a map has walls all round",
+            "close it in the program's map editor",
+            column=column,
+            row=row,
             source=source,
         )
 
@@ -206,8 +228,10 @@ def _target(values: Ints, source: str) -> tuple[int, int]:
     found = np.argwhere(values == 0)
     if len(found) != 1:
         raise FormatError(
-            f"{len(found)} cells hold 0; a map has exactly one target (moving it onto a wall loses it); place one in "
-            "the program's map editor",
+            "wrong-count",
+            "{targets} cells hold 0; a map has exactly one target (moving it onto a wall loses it)",
+            "place one in the program's map editor",
+            targets=len(found),
             source=source,
         )
     row, column = found[0]

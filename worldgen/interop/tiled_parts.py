@@ -14,8 +14,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import shown
+from worldgen.errors import FormatError, Message
+from worldgen.plain_text import quote
 
 __all__ = [
     "Part",
@@ -44,30 +44,42 @@ def parse_tiled(data: bytes, source: str) -> Part:
     try:
         parsed = json.loads(data)
     except UnicodeDecodeError as error:
-        raise FormatError("is no UTF-8 text; save it from Tiled as JSON", source=source) from error
+        raise FormatError("not-utf8", "is no UTF-8 text", "save it from Tiled as JSON", source=source) from error
     except json.JSONDecodeError as error:
-        message = f"is no JSON: {error.msg}; save it from Tiled as JSON (.tmj)"
-        raise FormatError(message, line=error.lineno, source=source) from error
+        message = Message("not-json", "is no JSON: {reason}", "save it from Tiled as JSON (.tmj)", reason=error.msg)
+        raise FormatError.of(message, line=error.lineno, source=source) from error
     except (RecursionError, ValueError) as error:  # nested too deep; a number of thousands of digits
-        raise FormatError("is no map that Tiled would write; save it from Tiled anew", source=source) from error
+        raise FormatError(
+            "wrong-form", "is no map that Tiled would write", "save it from Tiled anew", source=source
+        ) from error
     if not isinstance(parsed, dict) or not isinstance(parsed.get("layers"), list):
         raise FormatError(
-            "is JSON without layers, and of JSON only Tiled's maps are read; give a map that Tiled saved, "
-            "not a tileset or world",
+            "unknown-format",
+            "is JSON without layers, and of JSON only Tiled's maps are read",
+            "give a map that Tiled saved, not a tileset or world",
             source=source,
         )
     if parsed.get("infinite") is True:
-        raise FormatError("is endless; take the tick off Infinite in Tiled's Map Properties", source=source)
+        raise FormatError(
+            "endless-map", "is endless", "take the tick off Infinite in Tiled's Map Properties", source=source
+        )
     kind = parsed.get("orientation", "orthogonal")
     if kind != "orthogonal":
         raise FormatError(
-            f"its orientation is {shown(str(kind))}; only orthogonal maps are worlds; draw it anew as one",
+            "unsupported",
+            "its orientation is {orientation!q}; only orthogonal maps are worlds",
+            "draw it anew as one",
+            orientation=str(kind),
             source=source,
         )
     tile = [checked_number(parsed, key, source) for key in ("tilewidth", "tileheight")]
     if tile[0] != tile[1] or tile[0] < 1:
         raise FormatError(
-            f"tiles of {tile[0]} x {tile[1]} pixels; a cell is a square; set both sides alike in Map Properties",
+            "not-square",
+            "tiles of {width} x {height} pixels; a cell is a square",
+            "set both sides alike in Map Properties",
+            width=tile[0],
+            height=tile[1],
             source=source,
         )
     return parsed
@@ -82,7 +94,12 @@ def checked_number(part: Part, key: str, source: str) -> int:
     value = part.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= 1_000_000:
         raise FormatError(
-            f"{key} is {shown(json.dumps(value))}, no whole number of 0 or more; save it anew", source=source
+            "not-a-number",
+            "{key} is {value!q}, no whole number of 0 or more",
+            "save it anew",
+            key=key,
+            value=json.dumps(value),
+            source=source,
         )
     return value
 
@@ -98,7 +115,13 @@ def all_layers(parsed: Part, source: str) -> list[Part]:
     while waiting:
         layer = waiting.pop()
         if not isinstance(layer, dict) or len(found) >= _MOST_LAYERS:
-            raise FormatError(f"a layer is none, or there are more than {_MOST_LAYERS}; save it anew", source=source)
+            raise FormatError(
+                "too-many-layers",
+                "a layer is none, or there are more than {most}",
+                "save it anew",
+                most=_MOST_LAYERS,
+                source=source,
+            )
         found.append(layer)
         inner = layer.get("layers")
         if isinstance(inner, list):
@@ -120,9 +143,16 @@ def tile_layer(layers: list[Part], name: str, source: str) -> Part:
     else:
         found = [layer for layer in tiles if layer["name"].lower() in _COMMON_NAMES][:1] or tiles
     if len(found) != 1:
-        names = ", ".join(shown(layer["name"]) for layer in tiles[:20]) or "none"
-        problem = f"there is no layer {shown(name)}" if name else "the layer of walls cannot be told"
-        raise FormatError(f"{problem}; layers of tiles: {names}; say one with --from tiled+layer=NAME", source=source)
+        raise FormatError(
+            "unknown-name" if name else "ambiguous-layer",
+            "there is no layer {name!q}; layers of tiles: {known!l:none}"
+            if name
+            else "the layer of walls cannot be told; layers of tiles: {known!l:none}",
+            "say one with --from tiled+layer=NAME",
+            name=name,
+            known=[quote(layer["name"]) for layer in tiles[:20]],
+            source=source,
+        )
     return found[0]
 
 
@@ -132,11 +162,19 @@ def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArr
     Raises:
         FormatError: If the layer has another size, or its data cannot be unpacked to that many numbers.
     """
-    name = f"layer {shown(layer['name'])}"
+    name = f"layer {quote(layer['name'])}"
     size = layer.get("width", width), layer.get("height", height)
     if size != (width, height):
         raise FormatError(
-            f"{name} has {size[0]} x {size[1]} cells, the map {width} x {height}; save it anew", source=source
+            "wrong-size",
+            "{name} has {layer_width} x {layer_height} cells, the map {width} x {height}",
+            "save it anew",
+            name=name,
+            layer_width=size[0],
+            layer_height=size[1],
+            width=width,
+            height=height,
+            source=source,
         )
     data = layer.get("data")
     if isinstance(data, str):
@@ -145,7 +183,15 @@ def tile_numbers(layer: Part, width: int, height: int, source: str) -> npt.NDArr
         numbers = _listed(data, name, source)
     if len(numbers) != width * height:
         raise FormatError(
-            f"{name} has {len(numbers)} cells; {width} x {height} are {width * height}; save it anew", source=source
+            "wrong-length",
+            "{name} has {cells} cells; {width} x {height} are {needed}",
+            "save it anew",
+            name=name,
+            cells=len(numbers),
+            width=width,
+            height=height,
+            needed=width * height,
+            source=source,
         )
     return (numbers & _TILE).astype(np.uint32).reshape(height, width)
 
@@ -156,16 +202,32 @@ def _listed(data: object, name: str, source: str) -> npt.NDArray[np.int64]:
         with contextlib.suppress(ValueError, OverflowError):
             numbers = np.array(data)
     if numbers.ndim != 1 or numbers.dtype.kind not in "iu" or (len(numbers) and int(numbers.min()) < 0):
-        raise FormatError(f"{name} has no list of tile numbers as its data; save it anew", source=source)
+        raise FormatError(
+            "wrong-type", "{name} has no list of tile numbers as its data", "save it anew", name=name, source=source
+        )
     return numbers.astype(np.int64)
 
 
 def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> bytes:
     if layer.get("encoding", "base64") != "base64":
-        raise FormatError(f"{name} has the encoding {shown(str(layer['encoding']))}; save it as CSV", source=source)
+        raise FormatError(
+            "unsupported",
+            "{name} has the encoding {encoding!q}",
+            "save it as CSV",
+            name=name,
+            encoding=str(layer["encoding"]),
+            source=source,
+        )
     kind = layer.get("compression") or "none"
     if kind not in ("none", "zlib", "gzip"):
-        raise FormatError(f"{name} is packed by {shown(str(kind))}; save it in Tiled as CSV or zlib", source=source)
+        raise FormatError(
+            "unsupported",
+            "{name} is packed by {compression!q}",
+            "save it in Tiled as CSV or zlib",
+            name=name,
+            compression=str(kind),
+            source=source,
+        )
     try:
         packed = base64.b64decode(text, validate=True)
         if kind == "none":
@@ -173,9 +235,22 @@ def _unpacked(layer: Part, text: str, size: int, name: str, source: str) -> byte
         unpacker = zlib.decompressobj(_WINDOW)
         data = unpacker.decompress(packed, size + 1)  # never more than a map of that size has
     except (binascii.Error, zlib.error, ValueError) as error:
-        raise FormatError(f"{name} cannot be unpacked: {error}; save it anew", source=source) from error
+        raise FormatError(
+            "damaged-file",
+            "{name} cannot be unpacked: {reason}",
+            "save it anew",
+            name=name,
+            reason=str(error),
+            source=source,
+        ) from error
     if len(data) > size or not unpacker.eof:
-        raise FormatError(f"{name} does not unpack to {size} bytes; it is damaged, save it anew", source=source)
+        raise FormatError(
+            "damaged-file",
+            "{name} does not unpack to {size} bytes; it is damaged, save it anew",
+            name=name,
+            size=size,
+            source=source,
+        )
     return data[: len(data) // 4 * 4]
 
 

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import shown
+from worldgen.errors import FormatError, Message
 
 __all__ = ["XmlElement", "read_xml"]
 
@@ -67,12 +66,20 @@ def read_xml(data: bytes, source: str) -> XmlElement:
         reader.parser.Parse(b"", True)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        message = f"is no XML: {reason} in column {error.offset + 1}; correct it there, or just before"
-        raise FormatError(message, line=error.lineno, source=source) from error
+        message = Message(
+            "not-xml",
+            "is no XML: {reason} in column {column}",
+            "correct it there, or just before",
+            reason=reason,
+            column=error.offset + 1,
+        )
+        raise FormatError.of(message, line=error.lineno, source=source) from error
     except FormatError:
         raise
     except (ValueError, LookupError) as error:  # an encoding that Python does not have
-        raise FormatError(f"is no XML: {error}; save it as UTF-8", line=1, source=source) from error
+        raise FormatError(
+            "not-xml", "is no XML: {reason}", "save it as UTF-8", reason=str(error), line=1, source=source
+        ) from error
     return reader.open[0].children[0]
 
 
@@ -90,19 +97,35 @@ class _Reader:
         self.parser.EndElementHandler = self._end
         self.parser.CharacterDataHandler = self._characters
 
-    def _fault(self, message: str) -> FormatError:
-        return FormatError(message, line=self.parser.CurrentLineNumber, source=self.source)
+    def _fault(self, message: Message) -> FormatError:
+        return FormatError.of(message, line=self.parser.CurrentLineNumber, source=self.source)
 
     def _doctype(self, name: str, *_: object) -> None:
-        raise self._fault(f"a document type ({shown(name)}) is declared; worlds have none, delete the <!DOCTYPE ...>")
+        raise self._fault(
+            Message(
+                "unsupported",
+                "a document type ({name!q}) is declared; worlds have none, delete the <!DOCTYPE ...>",
+                name=name,
+            )
+        )
 
     def _entity(self, name: str, *_: object) -> None:
-        raise self._fault(f"an entity ({shown(name)}) is declared; write its text where it is used")
+        raise self._fault(
+            Message("unsupported", "an entity ({name!q}) is declared", "write its text where it is used", name=name)
+        )
 
     def _begin(self, name: str, attributes: dict[str, str]) -> None:
         self._count += 1
         if len(self.open) > _MOST_DEPTH or self._count > _MOST_ELEMENTS:
-            raise self._fault(f"more than {_MOST_DEPTH} levels or {_MOST_ELEMENTS} elements; cut a smaller world out")
+            raise self._fault(
+                Message(
+                    "too-large",
+                    "more than {most_depth} levels or {most_elements} elements",
+                    "cut a smaller world out",
+                    most_depth=_MOST_DEPTH,
+                    most_elements=_MOST_ELEMENTS,
+                )
+            )
         element = XmlElement(name, self.parser.CurrentLineNumber, attributes)
         self.open[-1].children.append(element)
         self.open.append(element)

@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import yaml
 
-from worldgen.errors import FormatError
-from worldgen.interop.foreign_map import shown
+from worldgen.errors import FormatError, Message
 
 __all__ = ["YamlTable", "read_yaml"]
 
@@ -59,7 +58,7 @@ class YamlTable:
             line = key.start_mark.line + 1
             name = key.value if isinstance(key, yaml.ScalarNode) else "a list or mapping"
             if name in self._entries:
-                raise FormatError(f"{shown(name)} is given twice; keep one", line=line, source=source)
+                raise FormatError("twice", "{name!q} is given twice", "keep one", name=name, line=line, source=source)
             self._entries[name] = _Entry(value, line)
 
     def __contains__(self, key: str) -> bool:
@@ -68,9 +67,9 @@ class YamlTable:
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)
 
-    def fault(self, key: str, message: str) -> FormatError:
+    def fault(self, key: str, message: Message) -> FormatError:
         """An error at the line of a key."""
-        return FormatError(message, line=self._entries[key].line, source=self.source)
+        return FormatError.of(message, line=self._entries[key].line, source=self.source)
 
     def word(self, key: str) -> str:
         """The one value of a key, as written.
@@ -80,7 +79,9 @@ class YamlTable:
         """
         node = self._entries[key].node
         if not isinstance(node, yaml.ScalarNode) or not node.value:
-            raise self.fault(key, f"{key} must be one value on its line, not a list and not empty")
+            raise self.fault(
+                key, Message("wrong-type", "{key} must be one value on its line, not a list and not empty", key=key)
+            )
         return str(node.value)
 
     def number(self, key: str) -> float:
@@ -92,7 +93,12 @@ class YamlTable:
         word = self.word(key)
         value = _parse_number(word)
         if value is None:
-            raise self.fault(key, f"{key} is {shown(word)}, no finite number; write one like 0.05")
+            raise self.fault(
+                key,
+                Message(
+                    "not-a-number", "{key} is {word!q}, no finite number", "write one like 0.05", key=key, word=word
+                ),
+            )
         return value
 
     def truth(self, key: str) -> bool:
@@ -103,7 +109,7 @@ class YamlTable:
         """
         word = self.word(key)
         if word.lower() not in _TRUTH:
-            raise self.fault(key, f"{key} is {shown(word)}; write 0 or 1")
+            raise self.fault(key, Message("not-a-number", "{key} is {word!q}", "write 0 or 1", key=key, word=word))
         return _TRUTH[word.lower()]
 
     def words(self, key: str) -> list[str] | None:
@@ -132,7 +138,9 @@ class YamlTable:
         """
         word = self.word(key)
         if not _is_exact(word):
-            raise self.fault(key, f"{key} is {shown(word)}, no number; write one like 0.05")
+            raise self.fault(
+                key, Message("not-a-number", "{key} is {word!q}, no number", "write one like 0.05", key=key, word=word)
+            )
         return Fraction(word)
 
     def rows(self, key: str) -> list[list[Fraction]]:
@@ -149,7 +157,10 @@ class YamlTable:
         rows = nested if nested and len(nested) == len(items) else [items]
         words = [[item.value if isinstance(item, yaml.ScalarNode) else "" for item in row] for row in rows]
         if not all(row and all(map(_is_exact, row)) for row in words):
-            raise self.fault(key, f"{key} must be a list of numbers, [1.5, 2, 0], or a list of such lists")
+            raise self.fault(
+                key,
+                Message("wrong-type", "{key} must be a list of numbers, [1.5, 2, 0], or a list of such lists", key=key),
+            )
         return [[Fraction(word) for word in row] for row in words]
 
     def tables(self, key: str) -> list[YamlTable]:
@@ -162,7 +173,9 @@ class YamlTable:
         items = node.value if isinstance(node, yaml.SequenceNode) else [node]
         tables = [item for item in items if isinstance(item, yaml.MappingNode)]
         if len(tables) < len(items):
-            raise self.fault(key, f"{key} must have keys of its own, `name: value`, indented below it")
+            raise self.fault(
+                key, Message("wrong-type", "{key} must have keys of its own, `name: value`, indented below it", key=key)
+            )
         return [YamlTable(item, self.source) for item in tables]
 
 
@@ -179,7 +192,7 @@ def read_yaml(text: bytes, source: str, example: str) -> YamlTable:
     """
     root = _compose(text, source)
     if not isinstance(root, yaml.MappingNode):
-        raise FormatError(f"holds no keys; {example}", line=1, source=source)
+        raise FormatError("empty", "holds no keys; {example}", example=example, line=1, source=source)
     return YamlTable(root, source)
 
 
@@ -199,20 +212,26 @@ def _compose(text: bytes, source: str) -> yaml.Node | None:
         decoded = text.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = text.count(b"\n", 0, error.start) + 1
-        raise FormatError("is not UTF-8 text; give the map's YAML file", line=line, source=source) from error
+        raise FormatError(
+            "not-utf8", "is not UTF-8 text", "give the map's YAML file", line=line, source=source
+        ) from error
     try:
         _refuse_tricks(decoded, source)
         return yaml.compose(decoded, Loader=_LOADER)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = 1 if mark is None else mark.line + 1
-        message = f"is no YAML: {error.problem or error.context}; write `key: value` lines"
-        raise FormatError(message, line=line, source=source) from error
+        message = Message(
+            "not-yaml", "is no YAML: {reason}", "write `key: value` lines", reason=error.problem or error.context
+        )
+        raise FormatError.of(message, line=line, source=source) from error
     except FormatError:
         raise
     except (yaml.YAMLError, ValueError, OverflowError) as error:  # a forbidden character, raw or as an escape
         line = decoded.count("\n", 0, getattr(error, "position", 0)) + 1
-        raise FormatError("has a character that YAML forbids; remove it", line=line, source=source) from error
+        raise FormatError(
+            "forbidden-character", "has a character that YAML forbids", "remove it", line=line, source=source
+        ) from error
 
 
 def _refuse_tricks(text: str, source: str) -> None:
@@ -222,8 +241,19 @@ def _refuse_tricks(text: str, source: str) -> None:
         line = 1 if event.start_mark is None else event.start_mark.line + 1
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
             raise FormatError(
-                "anchors and aliases (& and *) are not read; write the value out", line=line, source=source
+                "unsupported",
+                "anchors and aliases (& and *) are not read",
+                "write the value out",
+                line=line,
+                source=source,
             )
         depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
         if depth > _MAX_DEPTH:
-            raise FormatError(f"lists nested deeper than {_MAX_DEPTH}; flatten them", line=line, source=source)
+            raise FormatError(
+                "nested-too-deep",
+                "lists nested deeper than {most}",
+                "flatten them",
+                most=_MAX_DEPTH,
+                line=line,
+                source=source,
+            )

@@ -41,7 +41,7 @@ def check_radius(radius: float) -> None:
         InvalidParameter: If it is not a finite number above 0.
     """
     if not (math.isfinite(radius) and radius > 0):
-        raise InvalidParameter(f"radius={radius} m: must be a finite number above 0")
+        raise InvalidParameter("not-positive", "radius={radius} m: must be a finite number above 0", radius=radius)
 
 
 def check_margin(margin: float) -> None:
@@ -51,7 +51,7 @@ def check_margin(margin: float) -> None:
         InvalidParameter: If it is not a finite number, 0 or above.
     """
     if not (math.isfinite(margin) and margin >= 0):
-        raise InvalidParameter(f"margin={margin} s: must be a finite number, 0 or above")
+        raise InvalidParameter("below-minimum", "margin={margin} s: must be a finite number, 0 or above", margin=margin)
 
 
 def check_deadline(deadline: float | None) -> None:
@@ -61,4 +61,6 @@ def check_deadline(deadline: float | None) -> None:
         InvalidParameter: If it is given and not a finite number above 0.
     """
     if deadline is not None and not (math.isfinite(deadline) and deadline > 0):
-        raise InvalidParameter(f"deadline={deadline} s: must be a finite number above 0")
+        raise InvalidParameter(
+            "not-positive", "deadline={deadline} s: must be a finite number above 0", deadline=deadline
+        )

@@ -25,7 +25,9 @@ def widest_disc(world: World) -> float:
         InvalidParameter: If the world changes.
     """
     if world.is_dynamic:
-        raise InvalidParameter("the world changes, and the largest disc that could pass is known of still ones only")
+        raise InvalidParameter(
+            "world-changes", "the world changes, and the largest disc that could pass is known of still ones only"
+        )
     low, high = 0.0, min(world.width, world.height) * world.cell_size
     while True:
         middle = low + (high - low) / 2

@@ -53,7 +53,13 @@ class Frame:
             InvalidParameter: If ``pixels`` is out of range.
         """
         if not MIN_PIXELS <= pixels <= MAX_PIXELS:
-            raise InvalidParameter(f"pixels={pixels} is outside {MIN_PIXELS} to {MAX_PIXELS}")
+            raise InvalidParameter(
+                "out-of-range",
+                "pixels={pixels} is outside {low} to {high}",
+                pixels=pixels,
+                low=MIN_PIXELS,
+                high=MAX_PIXELS,
+            )
         longest = max(world.width, world.height)
         cell = pixels / longest
         if cell >= CRISP_CELL:

@@ -37,9 +37,16 @@ class Mark:
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(MarkKind):
-            raise InvalidParameter(f"mark kind {self.kind!r} is not one of {', '.join(get_args(MarkKind))}")
+            raise InvalidParameter(
+                "unknown-name",
+                "mark kind {kind!r} is not one of {known!l}",
+                kind=self.kind,
+                known=list(get_args(MarkKind)),
+            )
         if not (math.isfinite(self.x) and math.isfinite(self.y)):
-            raise InvalidParameter(f"mark at ({self.x}, {self.y}) m: both must be finite numbers")
+            raise InvalidParameter(
+                "not-finite", "mark at ({x}, {y}) m: both must be finite numbers", x=self.x, y=self.y
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,12 +96,21 @@ class Trail:
         object.__setattr__(self, "marks", tuple(self.marks))
         if self.x.ndim != 1 or self.x.shape != self.y.shape or not len(self.x):
             raise InvalidParameter(
-                f"trail: x has shape {self.x.shape}, y has {self.y.shape}; give two flat arrays of one length"
+                "wrong-shape",
+                "trail: x has shape {x_shape}, y has {y_shape}",
+                "give two flat arrays of one length",
+                x_shape=self.x.shape,
+                y_shape=self.y.shape,
             )
         if not (np.isfinite(self.x).all() and np.isfinite(self.y).all()):
-            raise InvalidParameter("trail: x and y must be finite numbers of metres")
+            raise InvalidParameter("not-finite", "trail: x and y must be finite numbers of metres")
         if self.loop_from is not None and not 0 <= self.loop_from < len(self.x):
-            raise InvalidParameter(f"trail: loop_from={self.loop_from} is outside 0 to {len(self.x) - 1}")
+            raise InvalidParameter(
+                "out-of-range",
+                "trail: loop_from={loop_from} is outside 0 to {last}",
+                loop_from=self.loop_from,
+                last=len(self.x) - 1,
+            )
 
     @property
     def points(self) -> npt.NDArray[np.float64]:
@@ -140,8 +156,12 @@ class Drive:
     def __post_init__(self) -> None:
         if self.times.shape != self.trail.x.shape or not len(self.headings):
             raise InvalidParameter(
-                f"drive: {len(self.times)} times for {len(self.trail.x)} points, {len(self.headings)} headings; "
-                "give a time for each point, and a heading at least"
+                "wrong-length",
+                "drive: {times} times for {points} points, {headings} headings",
+                "give a time for each point, and a heading at least",
+                times=len(self.times),
+                points=len(self.trail.x),
+                headings=len(self.headings),
             )
 
     @property

@@ -62,9 +62,15 @@ def draw_sheet(panels: Sequence[Panel], robots: Sequence[str], *, columns: int =
         InvalidParameter: If there is no world, or there are more robots than colours.
     """
     if not panels:
-        raise InvalidParameter("there is no world to draw; give at least one")
+        raise InvalidParameter("empty", "there is no world to draw", "give at least one")
     if len(robots) > len(COLOURS):
-        raise InvalidParameter(f"{len(robots)} robots are more than a picture tells apart; give at most {len(COLOURS)}")
+        raise InvalidParameter(
+            "too-many-robots",
+            "{robots} robots are more than a picture tells apart",
+            "give at most {most}",
+            robots=len(robots),
+            most=len(COLOURS),
+        )
     columns = columns or min(len(panels), 5 if len(panels) > 8 else 4)
     drawn = [_panel(panel, pixels) for panel in panels]
     width = max(image.width for image in drawn)

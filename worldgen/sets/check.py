@@ -47,9 +47,15 @@ def manifest_of(path: Path) -> Manifest:
         if member.name == MANIFEST:
             data = member.read(_MOST)
             if data is None:
-                raise FormatError(f"longer than {_MOST} bytes; unpack it by hand", source=f"{path}/{MANIFEST}")
+                raise FormatError(
+                    "too-large",
+                    "longer than {most} bytes",
+                    "unpack it by hand",
+                    most=_MOST,
+                    source=f"{path}/{MANIFEST}",
+                )
             return parse_manifest(io.BytesIO(data), f"{path}/{MANIFEST}")  # line by line: most may be a bomb
-    raise FormatError(f"holds no {MANIFEST}; it is no set", source=str(path))
+    raise FormatError("no-manifest", "holds no {manifest}; it is no set", manifest=MANIFEST, source=str(path))
 
 
 def check_set(place: Path, manifest: Manifest) -> list[Difference]:
@@ -87,7 +93,9 @@ def _in_folder(folder: Path) -> Iterator[tuple[str, str]]:
                 with path.open("rb") as stream:
                     yield name.as_posix(), hashlib.file_digest(stream, "sha256").hexdigest()
             except OSError as error:
-                raise FormatError(f"cannot be read: {error.strerror or error}", source=str(path)) from error
+                raise FormatError(
+                    "unreadable", "cannot be read: {reason}", reason=error.strerror or str(error), source=str(path)
+                ) from error
 
 
 def _archived(archive: Path) -> Iterator[tuple[str, str]]:

@@ -40,13 +40,20 @@ def _place(entry: Entry, place: str) -> str:
         return place
     if place == entry.family and place not in FAMILIES.names():
         raise InvalidParameter(
-            f"the set is of family {place!r}, which is none of {', '.join(FAMILIES.names())}; "
-            "say where it is: --family ./file.py:name"
+            "unknown-name",
+            "the set is of family {family!r}, which is none of {known!l}",
+            "say where it is: --family ./file.py:name",
+            family=place,
+            known=list(FAMILIES.names()),
         )
     found = FAMILIES.get(place)
     if found.version != entry.version:
         raise InvalidParameter(
-            f"the set is of {entry.family} version {entry.version}, and this is version {found.version}, which makes "
-            "other worlds; install the worldgen that the manifest names"
+            "other-version",
+            "the set is of {family} version {version}, and this is version {found}, which makes other worlds",
+            "install the worldgen that the manifest names",
+            family=entry.family,
+            version=entry.version,
+            found=found.version,
         )
     return place

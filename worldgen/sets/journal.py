@@ -64,7 +64,12 @@ class Journal:
             with self._told():
                 begun = os.fstat(self._opened()).st_size > 0
             if begun:
-                raise OutputError(f"{self.path} was written by another command meanwhile; look at it, or name another")
+                raise OutputError(
+                    "written-meanwhile",
+                    "{path} was written by another command meanwhile",
+                    "look at it, or name another",
+                    path=self.path,
+                )
         self.cut(0)
         self.append(header)
 
@@ -105,14 +110,24 @@ class Journal:
             self._file = os.open(self.path, flags | getattr(os, "O_BINARY", 0), 0o666)
         if not lock(self._file):
             self.close()
-            raise OutputError(f"{self.path} is being written by another command; let that one end first")
+            raise OutputError(
+                "written-meanwhile",
+                "{path} is being written by another command",
+                "let that one end first",
+                path=self.path,
+            )
         if os.fstat(self._file).st_nlink == 0:  # removed between opening and locking
             self.close()
-            raise OutputError(f"{self.path} was finished by another command meanwhile; look at what it made")
+            raise OutputError(
+                "written-meanwhile",
+                "{path} was finished by another command meanwhile",
+                "look at what it made",
+                path=self.path,
+            )
 
     def _opened(self) -> int:
         if self._file is None:
-            raise OutputError(f"{self.path} is not open; start the set first")
+            raise OutputError("not-open", "{path} is not open", "start the set first", path=self.path)
         return self._file
 
     @contextlib.contextmanager
@@ -120,7 +135,9 @@ class Journal:
         try:
             yield
         except OSError as error:
-            raise OutputError(f"{self.path}: cannot be written: {error.strerror or error}") from error
+            raise OutputError(
+                "unwritable", "{path}: cannot be written: {reason}", path=self.path, reason=error.strerror or str(error)
+            ) from error
 
 
 def append_at(file: int, end: int, data: bytes) -> None:

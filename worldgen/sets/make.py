@@ -22,16 +22,7 @@ Progress = Callable[[int], None]
 
 
 class SetDiffers(WorldgenError):
-    """A world came out otherwise than its manifest says.
-
-    Args:
-        message: What, and what to do.
-        file: The world's file.
-    """
-
-    def __init__(self, message: str, file: str) -> None:
-        super().__init__(message)
-        self.file = file
+    """A world came out otherwise than its manifest says; ``facts["file"]`` is the world's file."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +97,7 @@ def make_set(
 
     def refuse(old: Manifest) -> None:
         if old.first != header.line():
-            raise OutputError(_other(old, header, out))
+            raise _other(old, header, out)
 
     work = _Work(header.line(), header.count, lambda first: plan.made(first, workers), named, refuse)
     return _fill(work, out, force, progress)
@@ -144,7 +135,7 @@ def regenerate_set(
 
     def refuse(old: Manifest) -> None:
         if old.first != manifest.first or old.lines != manifest.lines[: len(old.lines)]:
-            raise OutputError(_other(old, manifest.header, out))
+            raise _other(old, manifest.header, out)
 
     work = _Work(manifest.first, len(jobs), lambda first: make_all(jobs[first:], workers), named, refuse)
     return _fill(work, out, force, progress)
@@ -195,7 +186,9 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
             work.refuse(old)
             resumed = store.resume(old)
             if len(old.entries) == work.count == resumed and isinstance(store, FolderStore):
-                raise OutputError(f"{out} holds this set already, finished; give --force to make it anew")
+                raise OutputError(
+                    "set-finished", "{out} holds this set already, finished", "give --force to make it anew", out=out
+                )
         _write_all(work, store, resumed, old, started=old is not None and not force, progress=progress)
         store.finish()
         return SetDone(work.count, resumed)
@@ -229,16 +222,31 @@ def _check_same(entry: Entry, made: Made, header: Header) -> None:
         return
     what = "is another world" if made.digest != entry.digest else "is the same world in another file"
     raise SetDiffers(
-        f"{entry.file} comes out otherwise: {entry.family} with seed {entry.seed} {what} here than in the manifest, "
-        f"which worldgen {header.worldgen} wrote; install that version",
-        entry.file,
+        "world-differs",
+        "{file} comes out otherwise: {family} with seed {seed} {what} here than in the manifest, which worldgen "
+        "{worldgen} wrote",
+        "install that version",
+        file=entry.file,
+        family=entry.family,
+        seed=entry.seed,
+        what=what,
+        worldgen=header.worldgen,
     )
 
 
-def _other(old: Manifest, wanted: Header, out: Path) -> str:
+def _other(old: Manifest, wanted: Header, out: Path) -> OutputError:
     held = old.header
-    what = f"{out} holds {len(old.entries)} of {held.count} worlds of another set: {held.family} from seed {held.seed}"
-    what += f" where {held.wish}" if held.wish else ""
-    if held.worldgen != wanted.worldgen:
-        what += f", by worldgen {held.worldgen}"
-    return f"{what}; name another place, or give --force to replace it"
+    return OutputError(
+        "other-set",
+        "{out} holds {made} of {count} worlds of another set: {family} from seed {seed}"
+        + (" where {wish}" if held.wish else "")
+        + (", by worldgen {worldgen}" if held.worldgen != wanted.worldgen else ""),
+        "name another place, or give --force to replace it",
+        out=out,
+        made=len(old.entries),
+        count=held.count,
+        family=held.family,
+        seed=held.seed,
+        wish=held.wish,
+        worldgen=held.worldgen,
+    )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, Message
 from worldgen.world import Value
 
 __all__ = ["FORMAT", "MANIFEST", "Entry", "Header", "Manifest", "parse_manifest", "read_manifest"]
@@ -135,19 +135,27 @@ def parse_manifest(lines: Iterable[bytes], source: str) -> Manifest:
     reader = _whole_lines(lines, source)
     first = next(reader, None)
     if first is None:
-        raise FormatError("is empty; a manifest begins with a line about the set", source=source)
+        raise FormatError("empty", "is empty; a manifest begins with a line about the set", source=source)
     header = _Fields(_object(first, 1, source), 1, source).header()
     entries, kept, files = [], [], set()
     for number, line in enumerate(reader, 2):
         entry = _Fields(_object(line, number, source), number, source).entry(header)
         if entry.file in files:
-            raise FormatError(f"{entry.file} is there twice; a file has one line", line=number, source=source)
+            raise FormatError(
+                "twice", "{file} is there twice", "a file has one line", file=entry.file, line=number, source=source
+            )
         files.add(entry.file)
         entries.append(entry)
         kept.append(line)
     if len(entries) > header.count:
-        message = f"{len(entries)} worlds, and the first line counts {header.count}; correct one of them"
-        raise FormatError(message, source=source)
+        message = Message(
+            "wrong-count",
+            "{worlds} worlds, and the first line counts {said}",
+            "correct one of them",
+            worlds=len(entries),
+            said=header.count,
+        )
+        raise FormatError.of(message, source=source)
     return Manifest(header, first, entries, kept)
 
 
@@ -161,15 +169,24 @@ def read_manifest(path: Path) -> Manifest:
         with path.open("rb") as stream:
             return parse_manifest(iter(lambda: stream.readline(_LONGEST + 1), b""), str(path))
     except FileNotFoundError as error:
-        raise FormatError("there is no such file; check the name", source=str(path)) from error
+        raise FormatError("no-such-file", "there is no such file", "check the name", source=str(path)) from error
     except OSError as error:
-        raise FormatError(f"cannot be read: {error.strerror or error}", source=str(path)) from error
+        raise FormatError(
+            "unreadable", "cannot be read: {reason}", reason=error.strerror or str(error), source=str(path)
+        ) from error
 
 
 def _whole_lines(lines: Iterable[bytes], source: str) -> Iterator[bytes]:
     for number, line in enumerate(lines, 1):
         if len(line) > _LONGEST:
-            raise FormatError(f"a line of more than {_LONGEST} bytes; give a manifest", line=number, source=source)
+            raise FormatError(
+                "too-large",
+                "a line of more than {most} bytes",
+                "give a manifest",
+                most=_LONGEST,
+                line=number,
+                source=source,
+            )
         if line.endswith(b"\n"):
             yield line
 
@@ -179,9 +196,11 @@ def _object(line: bytes, number: int, source: str) -> dict[str, Any]:
         found = json.loads(line)
     except (ValueError, RecursionError) as error:
         reason = error.msg if isinstance(error, json.JSONDecodeError) else type(error).__name__
-        raise FormatError(f"no line of JSON: {reason}; give a manifest", line=number, source=source) from error
+        raise FormatError(
+            "not-json", "no line of JSON: {reason}", "give a manifest", reason=reason, line=number, source=source
+        ) from error
     if not isinstance(found, dict):
-        raise FormatError("no object of JSON; each line of a manifest is one", line=number, source=source)
+        raise FormatError("not-json", "no object of JSON; each line of a manifest is one", line=number, source=source)
     return found
 
 
@@ -266,8 +285,16 @@ class _Fields:
         return tuple(value)
 
     def _wrong(self, key: str, rule: str) -> FormatError:
-        came = json.dumps(self.found[key])[:80] if key in self.found else "is missing, and"
-        return FormatError(f"{key} {came} {rule}", line=self.number, source=self.source)
+        is_there = key in self.found
+        return FormatError(
+            "wrong-value" if is_there else "missing-key",
+            "{key} {value} {rule}" if is_there else "{key} is missing, and {rule}",
+            key=key,
+            value=json.dumps(self.found[key])[:80] if is_there else None,
+            rule=rule,
+            line=self.number,
+            source=self.source,
+        )
 
 
 def _line(value: Mapping[str, Any]) -> bytes:

@@ -75,7 +75,7 @@ def plan_set(family: str, seed: int, count: int, params: Mapping[str, Value], *,
         InvalidParameter: If the family or a parameter is unknown, or there is to be no world at all.
     """
     if count < 1:
-        raise InvalidParameter(f"count={count} is below 1; a set has at least one world")
+        raise InvalidParameter("below-minimum", "count={count} is below 1; a set has at least one world", count=count)
     found: Family = FAMILIES.get(family)
     complete = found.complete(params)
     header = Header(found.name, found.version, complete, seed & MASK64, count, metrics, version("worldgen"))

@@ -63,10 +63,17 @@ def store_for(out: Path) -> Store:
     """
     if is_archive(out):
         if out.is_dir():
-            raise OutputError(f"{out} is a folder with the name of an archive; give another name")
+            raise OutputError(
+                "is-a-folder", "{out} is a folder with the name of an archive", "give another name", out=out
+            )
         return ArchiveStore(out)
     if out.exists() and not out.is_dir():
-        raise OutputError(f"{out} is a file; name a folder for more than one world, or a .zip, .tar.gz or .tar.bz2")
+        raise OutputError(
+            "is-a-file",
+            "{out} is a file",
+            "name a folder for more than one world, or a .zip, .tar.gz or .tar.bz2",
+            out=out,
+        )
     return FolderStore(out)
 
 
@@ -91,10 +98,13 @@ class FolderStore:
             others = sorted(path.name for path in self._folder.iterdir() if not path.name.startswith("."))
             others = [name for name in others if name != MANIFEST]
             if others:
-                more = f" and {len(others) - 1} more" if len(others) > 1 else ""
                 raise OutputError(
-                    f"{self._folder} holds other files: {others[0]}{more}; a set has a folder to itself: name another, "
-                    "or give --force to overwrite files of the same names"
+                    "folder-not-empty",
+                    "{folder} holds other files: {file}" + (" and {more} more" if len(others) > 1 else ""),
+                    "a set has a folder to itself: name another, or give --force to overwrite files of the same names",
+                    folder=self._folder,
+                    file=others[0],
+                    more=len(others) - 1,
                 )
         return found
 
@@ -130,7 +140,9 @@ class FolderStore:
             data = file.read_bytes() if file.is_file() else b""
         same = hashlib.sha256(data).hexdigest() == entry.sha256
         if data and not same and not force:
-            raise OutputError(f"{file} has other content than the set's; move it away, or give --force")
+            raise OutputError(
+                "other-content", "{file} has other content than the set's", "move it away, or give --force", file=file
+            )
         return same
 
     def write(self, name: str, data: bytes, line: bytes) -> None:
@@ -140,7 +152,12 @@ class FolderStore:
             with _told(file):
                 other = file.read_bytes()
             if other and other != data:
-                raise OutputError(f"{file} has other content than the set's; move it away, or give --force")
+                raise OutputError(
+                    "other-content",
+                    "{file} has other content than the set's",
+                    "move it away, or give --force",
+                    file=file,
+                )
         self.put(name, data)
         self._journal.append(line)
 
@@ -184,9 +201,19 @@ class ArchiveStore:
         if self._archive.exists() and not force:
             if found is not None and found.finished:  # killed between its last two steps
                 self._remove_part()
-            raise OutputError(f"{self._archive} is there already; give --force to replace it, or another name")
+            raise OutputError(
+                "file-exists",
+                "{archive} is there already",
+                "give --force to replace it, or another name",
+                archive=self._archive,
+            )
         if found is None and not force and self._part.exists() and any(self._part.iterdir()):
-            raise OutputError(f"{self._part} is in the way and is no unfinished set; move it away, or give --force")
+            raise OutputError(
+                "file-exists",
+                "{part} is in the way and is no unfinished set",
+                "move it away, or give --force",
+                part=self._part,
+            )
         return found
 
     def start(self, header: bytes, over: Manifest | None = None) -> None:
@@ -197,7 +224,12 @@ class ArchiveStore:
         self._journal.start(header)
         if self._archive.exists() and not self._over_others:
             self._remove_part()
-            raise OutputError(f"{self._archive} was made by another command meanwhile; look at it, or name another")
+            raise OutputError(
+                "written-meanwhile",
+                "{archive} was made by another command meanwhile",
+                "look at it, or name another",
+                archive=self._archive,
+            )
         self._open_worlds(0)
 
     def resume(self, old: Manifest) -> int:
@@ -219,7 +251,7 @@ class ArchiveStore:
     def write(self, name: str, data: bytes, line: bytes) -> None:
         """Appends the bytes and then the line."""
         if self._worlds is None:
-            raise OutputError(f"{self._archive} is not open; start the set first")
+            raise OutputError("not-open", "{archive} is not open", "start the set first", archive=self._archive)
         with _told(self._archive):
             append_at(self._worlds, self._end, data)
         self._journal.append(line)
@@ -281,7 +313,9 @@ def _exactly(stream: IO[bytes], size: int) -> bytes | None:
 def _bytes_of(entry: Entry, worlds: IO[bytes]) -> bytes:
     data = _exactly(worlds, entry.size)
     if data is None or hashlib.sha256(data).hexdigest() != entry.sha256:
-        raise OutputError(f"{entry.file} was changed on the disk meanwhile; give the same command again")
+        raise OutputError(
+            "file-changed", "{file} was changed on the disk meanwhile", "give the same command again", file=entry.file
+        )
     return data
 
 
@@ -290,6 +324,18 @@ def _told(place: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise OutputError(f"{place}: cannot be written: {error.strerror or error}; choose another place") from error
+        raise OutputError(
+            "unwritable",
+            "{place}: cannot be written: {reason}",
+            "choose another place",
+            place=place,
+            reason=error.strerror or str(error),
+        ) from error
     except ValueError as error:  # a name with a NUL
-        raise OutputError(f"{str(place)!r}: cannot be written: {error}; choose another name") from error
+        raise OutputError(
+            "unwritable",
+            "{place!r}: cannot be written: {reason}",
+            "choose another name",
+            place=str(place),
+            reason=str(error),
+        ) from error

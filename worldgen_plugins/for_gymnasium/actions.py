@@ -22,14 +22,30 @@ def checked_actions(interface: Interface, actions: Any, count: int) -> npt.NDArr
     given = np.asarray(actions)
     if interface.actions == "discrete":
         if given.shape != (count,) or given.dtype.kind not in "iu":
-            raise InvalidParameter(f"actions of shape {given.shape}, {given.dtype}: give {count} whole numbers")
+            raise InvalidParameter(
+                "wrong-shape",
+                "actions of shape {shape}, {dtype}: give {count} whole numbers",
+                shape=given.shape,
+                dtype=str(given.dtype),
+                count=count,
+            )
         if given.min() < 0 or given.max() >= len(CHOICES):
-            raise InvalidParameter(f"actions from {given.min()} to {given.max()}: there are 0 to {len(CHOICES) - 1}")
+            raise InvalidParameter(
+                "out-of-range",
+                "actions from {low} to {high}: there are 0 to {last}",
+                low=given.min(),
+                high=given.max(),
+                last=len(CHOICES) - 1,
+            )
         return np.ascontiguousarray(given, np.int64)
     if given.shape != (count, 2) or given.dtype.kind not in "fiu":
         raise InvalidParameter(
-            f"actions of shape {given.shape}, {given.dtype}: give the shares of turn rate and top speed for {count}"
+            "wrong-shape",
+            "actions of shape {shape}, {dtype}: give the shares of turn rate and top speed for {count}",
+            shape=given.shape,
+            dtype=str(given.dtype),
+            count=count,
         )
     if np.isnan(given.sum()) and np.isnan(given).any():
-        raise InvalidParameter("an action is nan; give shares of turn rate and top speed, -1 to 1")
+        raise InvalidParameter("not-finite", "an action is nan", "give shares of turn rate and top speed, -1 to 1")
     return np.ascontiguousarray(given, np.float32)

@@ -92,11 +92,20 @@ class Interface:
     def __post_init__(self) -> None:
         object.__setattr__(self, "sensors", _names(self.sensors))
         if self.actions not in ("continuous", "discrete"):
-            raise InvalidParameter(f"actions={self.actions!r} is neither 'continuous' nor 'discrete'; give one of them")
+            raise InvalidParameter(
+                "unknown-name",
+                "actions={actions!r} is neither 'continuous' nor 'discrete'",
+                "give one of them",
+                actions=self.actions,
+            )
         if not isinstance(self.reverse, bool):
-            raise InvalidParameter(f"reverse={self.reverse!r} is neither True nor False; give one of them")
+            raise InvalidParameter(
+                "wrong-type", "reverse={reverse!r} is neither True nor False", "give one of them", reverse=self.reverse
+            )
         if self.reverse and self.actions == "discrete":
-            raise InvalidParameter("reverse=True goes with continuous actions; leave it out, or actions='discrete'")
+            raise InvalidParameter(
+                "conflict", "reverse=True goes with continuous actions", "leave it out, or actions='discrete'"
+            )
         for name, most, unit in (("turn_rate", MOST_TURN_RATE, "rad/s"), ("extent", 1e6, "m")):
             object.__setattr__(self, name, positive(name, getattr(self, name), most, unit))
         object.__setattr__(self, "robot", self._robot())
@@ -105,7 +114,12 @@ class Interface:
         robot = self.robot
         if not isinstance(robot, RobotOptions):
             if not isinstance(robot, Mapping):
-                raise InvalidParameter(f"robot={robot!r} is no RobotOptions; give some, or a dict: {{'slip': 0.1}}")
+                raise InvalidParameter(
+                    "wrong-type",
+                    "robot={given} is no RobotOptions",
+                    "give some, or a dict: {{'slip': 0.1}}",
+                    given=repr(robot),
+                )
             robot = RobotOptions.of(robot)
         if "beams" in self.sensors and robot.beams == 0:
             return RobotOptions.of({**robot.changed(), "beams": DEFAULT_BEAMS})
@@ -181,17 +195,32 @@ def positive(name: str, value: object, most: float, unit: str) -> float:
         InvalidParameter: If it is none, or above ``most``.
     """
     if not isinstance(value, int | float | np.number) or isinstance(value, bool) or not 0.0 < value <= most:
-        raise InvalidParameter(f"{name}={value!r} is no number of {unit} above 0 and at most {most:g}; give one")
+        raise InvalidParameter(
+            "out-of-range",
+            "{name}={value!r} is no number of {unit} above 0 and at most {most:g}",
+            "give one",
+            name=name,
+            value=value,
+            unit=unit,
+            most=most,
+        )
     return float(value)
 
 
 def _names(sensors: object) -> tuple[str, ...]:
     if isinstance(sensors, str) or not isinstance(sensors, tuple | list):
-        raise InvalidParameter(f"sensors={sensors!r} is no list of names; write one: ('target_direction', 'bump')")
+        raise InvalidParameter(
+            "wrong-type",
+            "sensors={sensors!r} is no list of names",
+            "write one: ('target_direction', 'bump')",
+            sensors=sensors,
+        )
     names = tuple(sensors)
     unknown = [name for name in names if name not in SENSORS]
     if unknown:
-        raise InvalidParameter(f"no sensor is called {unknown[0]!r}; there are {', '.join(SENSORS)}")
+        raise InvalidParameter(
+            "unknown-name", "no sensor is called {name!r}", "there are {known!l}", name=unknown[0], known=list(SENSORS)
+        )
     if not names or len(set(names)) != len(names):
-        raise InvalidParameter(f"sensors={sensors!r}: give at least one, and none twice")
+        raise InvalidParameter("twice", "sensors={sensors!r}: give at least one, and none twice", sensors=sensors)
     return names

@@ -113,10 +113,20 @@ def resolve(options: Mapping[str, Any]) -> tuple[Rules, Supply]:
     told = {name: options[name] for name in _INTERFACE if name in options}
     look = options.get("observation", "box")
     if look not in ("box", "dict"):
-        raise InvalidParameter(f"observation={look!r} is neither 'box' nor 'dict'; give one of them")
+        raise InvalidParameter(
+            "unknown-name",
+            "observation={observation!r} is neither 'box' nor 'dict'",
+            "give one of them",
+            observation=look,
+        )
     distance = options.get("distance", "straight")
     if distance not in ("straight", "way"):
-        raise InvalidParameter(f"distance={distance!r} is neither 'straight' nor 'way'; give one of them")
+        raise InvalidParameter(
+            "unknown-name",
+            "distance={distance!r} is neither 'straight' nor 'way'",
+            "give one of them",
+            distance=distance,
+        )
     rules = Rules(
         Interface(**told), look, options.get("time_step", DEFAULT_TIME_STEP), _reward(options.get("reward", {})),
         distance == "way",
@@ -143,16 +153,31 @@ def sources_in(options: Mapping[str, Any] | None, *others: str) -> dict[str, Any
 def _check_names(given: Mapping[str, Any], known: Sequence[str], what: str) -> None:
     for name in given:
         if name not in known:
-            near = difflib.get_close_matches(str(name), known, 1)
-            hint = f"did you mean {near[0]}? " if near else ""
-            raise InvalidParameter(f"no {what} is called {name!r}; {hint}known: {', '.join(known)}")
+            near = "".join(difflib.get_close_matches(str(name), known, 1))
+            raise InvalidParameter(
+                "unknown-name",
+                "no {noun} is called {name!r}",
+                "did you mean {near}? known: {known!l}" if near else "known: {known!l}",
+                noun=what,
+                name=name,
+                near=near,
+                known=list(known),
+            )
 
 
 def _reward(given: object) -> dict[str, float]:
     if not isinstance(given, Mapping):
-        raise InvalidParameter(f"reward={given!r} is no dict; write one such as {{'time': -0.2}}")
+        raise InvalidParameter(
+            "wrong-type", "reward={given} is no dict", "write one such as {{'time': -0.2}}", given=repr(given)
+        )
     _check_names(given, tuple(REWARD), "part of the reward")
     for name, value in given.items():
         if not isinstance(value, int | float) or isinstance(value, bool) or not abs(value) <= 1e9:
-            raise InvalidParameter(f"reward: {name}={value!r} is no number within 1e9 of 0; give one")
+            raise InvalidParameter(
+                "not-a-number",
+                "reward: {name}={value!r} is no number within 1e9 of 0",
+                "give one",
+                name=name,
+                value=value,
+            )
     return {**REWARD, **{name: float(value) for name, value in given.items()}}

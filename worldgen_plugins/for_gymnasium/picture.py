@@ -26,7 +26,13 @@ def check_render_mode(mode: object) -> str | None:
     """
     if mode is None or mode in RENDER_MODES:
         return None if mode is None else str(mode)
-    raise InvalidParameter(f"render_mode={mode!r} is unknown; there are {', '.join(RENDER_MODES)}, and None")
+    raise InvalidParameter(
+        "unknown-name",
+        "render_mode={render_mode!r} is unknown",
+        "there are {known!l}, and None",
+        render_mode=mode,
+        known=list(RENDER_MODES),
+    )
 
 
 def frame_of(world: World, places: Sequence[tuple[float, float]], mode: str) -> Any:

@@ -43,11 +43,17 @@ class Supply:
         given = {name: value for name, value in options.items() if value is not None}
         named = [name for name in ("world", "worlds", "family") if name in given]
         if len(named) > 1:
-            raise InvalidParameter(f"{' and '.join(named)} are given; give one of them")
+            raise InvalidParameter("conflict", "{named} are given", "give one of them", named=" and ".join(named))
         fixed = named and named[0] != "family"
         stray = [name for name in ("params", "difficulty", "pool", "pool_seed") if fixed and name in given]
         if stray:
-            raise InvalidParameter(f"{stray[0]} is for a family, and {named[0]} is given; leave one of them out")
+            raise InvalidParameter(
+                "conflict",
+                "{only_for_family} is for a family, and {named} is given",
+                "leave one of them out",
+                only_for_family=stray[0],
+                named=named[0],
+            )
         self.options: dict[str, Any] = given
         self._made: list[World] = []
         self._more: Iterator[World] = iter(())
@@ -111,14 +117,18 @@ def _read_one(given: object) -> list[World]:
         return [given]
     if isinstance(given, str | Path):
         return [read_world(Path(given))]
-    raise InvalidParameter(f"world={given!r} is neither a World nor a path; give one of them")
+    raise InvalidParameter(
+        "wrong-type", "world={given} is neither a World nor a path", "give one of them", given=repr(given)
+    )
 
 
 def _read_all(given: object) -> list[World]:
     if isinstance(given, str | Path):
         return [world for _, world in read_worlds([Path(given)])]
     if not isinstance(given, Sequence) or not given:
-        raise InvalidParameter(f"worlds={given!r} is no folder, archive or list of worlds; give one")
+        raise InvalidParameter(
+            "wrong-type", "worlds={given} is no folder, archive or list of worlds", "give one", given=repr(given)
+        )
     return [world for one in given for world in ([one] if isinstance(one, World) else _read_all(str(one)))]
 
 
@@ -126,9 +136,13 @@ def _of_family(given: Mapping[str, Any], count: int) -> Iterator[World]:
     """Worlds of rising seeds; with a difficulty, different ones that a search finds."""
     name, params = given.get("family", DEFAULT_FAMILY), given.get("params", {})
     if not isinstance(params, Mapping):
-        raise InvalidParameter(f"params={params!r} is no dict; write one such as {{'size': 30}}")
+        raise InvalidParameter(
+            "wrong-type", "params={given} is no dict", "write one such as {{'size': 30}}", given=repr(params)
+        )
     if not isinstance(name, str | Family):
-        raise InvalidParameter(f"family={name!r} is no family's name; give one such as 'maze'")
+        raise InvalidParameter(
+            "wrong-type", "family={given} is no family's name", "give one such as 'maze'", given=repr(name)
+        )
     family = name if isinstance(name, Family) else FAMILIES.find(name, params)
     seed = whole("pool_seed", given.get("pool_seed", 0), 0, MAX_SEED)
     if "difficulty" not in given:
@@ -142,5 +156,10 @@ def _range(given: object) -> tuple[float, float]:
     pair = tuple(given) if isinstance(given, tuple | list) else ()
     numbers = [float(one) for one in pair if isinstance(one, int | float) and not isinstance(one, bool)]
     if len(pair) != 2 or len(numbers) != 2 or not 0.0 <= numbers[0] < numbers[1] <= 1.0:
-        raise InvalidParameter(f"difficulty={given!r} is no range within 0 to 1; write one such as (0.2, 0.4)")
+        raise InvalidParameter(
+            "out-of-range",
+            "difficulty={given} is no range within 0 to 1",
+            "write one such as (0.2, 0.4)",
+            given=repr(given),
+        )
     return numbers[0], numbers[1]

@@ -92,11 +92,13 @@ class NavigateVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         super().reset(seed=seed if isinstance(seed, int) else None)
         which = _mask_of(options, self.num_envs)
         if self._seen is None and not which.all():
-            raise InvalidParameter("the first reset is of all robots; leave reset_mask out")
+            raise InvalidParameter("conflict", "the first reset is of all robots", "leave reset_mask out")
         supply = self._supply.changed(sources_in(options, _MASK))
         if supply is not self._supply or not self._lockstep.worlds:
             if not which.all():
-                raise InvalidParameter("a reset of some robots cannot change the worlds of all; leave reset_mask out")
+                raise InvalidParameter(
+                    "conflict", "a reset of some robots cannot change the worlds of all", "leave reset_mask out"
+                )
             with working(f"preparing {len(supply):,} worlds for {self.num_envs:,} robots") as work:
                 self._lockstep.load(supply.all(lambda done: work.count(done, len(supply), "worlds")))
             self._supply = supply
@@ -205,8 +207,13 @@ def _mode_of(mode: object) -> AutoresetMode:
     try:
         return AutoresetMode(mode)
     except ValueError:
-        names = ", ".join(repr(one.value) for one in AutoresetMode)
-        raise InvalidParameter(f"autoreset_mode={mode!r} is unknown; there are {names}") from None
+        raise InvalidParameter(
+            "unknown-name",
+            "autoreset_mode={mode} is unknown",
+            "there are {known!l}",
+            mode=repr(mode),
+            known=[repr(one.value) for one in AutoresetMode],
+        ) from None
 
 
 def _seeds_of(seed: object, count: int) -> Sequence[int | None]:
@@ -216,7 +223,12 @@ def _seeds_of(seed: object, count: int) -> Sequence[int | None]:
         return range(seed, seed + count)
     seeds = list(seed) if isinstance(seed, Sequence) else []
     if len(seeds) != count:
-        raise InvalidParameter(f"seed={seed!r}: give one number, or one for each of {count} robots")
+        raise InvalidParameter(
+            "wrong-count",
+            "seed={given}: give one number, or one for each of {count} robots",
+            given=repr(seed),
+            count=count,
+        )
     return seeds
 
 
@@ -225,5 +237,7 @@ def _mask_of(options: dict[str, Any] | None, count: int) -> Bools:
     if mask is None:
         return np.ones(count, np.bool_)
     if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (count,) or not mask.any():
-        raise InvalidParameter(f"reset_mask is no array of {count} booleans of which one is true; give one")
+        raise InvalidParameter(
+            "wrong-shape", "reset_mask is no array of {count} booleans of which one is true", "give one", count=count
+        )
     return mask

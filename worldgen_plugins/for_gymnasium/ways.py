@@ -34,7 +34,9 @@ def ways_to_target(world: World) -> npt.NDArray[np.float32]:
     Source: Dijkstra, "A note on two problems in connexion with graphs", 1959; SciPy's.
     """
     if world.is_dynamic:
-        raise InvalidParameter("distance='way' needs worlds that do not change; take distance='straight' for this one")
+        raise InvalidParameter(
+            "world-changes", "distance='way' needs worlds that do not change", "take distance='straight' for this one"
+        )
     graph = build_graph(world.walls, radius_in_cells(world), 2)
     clear, middle = graph.clear, graph.middle[:-1, :-1]
     numbers = np.arange(clear.size).reshape(clear.shape)

@@ -69,7 +69,13 @@ def carve_rooms(rng: RandomStream, links: Links, mask: Mask, count: int) -> None
         plots = _plots(mask, side)
     if len(plots) < count:
         most = len(_plots(mask, LEAST_PLOT))
-        raise InvalidParameter(f"rooms={count} do not fit in this maze; give at most {most}, or a larger size")
+        raise InvalidParameter(
+            "no-room",
+            "rooms={rooms} do not fit in this maze",
+            "give at most {most}, or a larger size",
+            rooms=count,
+            most=most,
+        )
     rng.shuffle(plots)
     for row, column in plots[:count]:
         width, height = rng.between(2, side - 1), rng.between(2, side - 1)

@@ -25,8 +25,12 @@ def shape_mask(shape: str, side: int) -> Mask:
     """
     if side < LEAST[shape]:
         raise InvalidParameter(
-            f"mask={shape} needs {LEAST[shape]} x {LEAST[shape]} chambers and there are {side} x {side}; "
-            "give a larger size, or narrower passages and walls"
+            "no-room",
+            "mask={shape} needs {least} x {least} chambers and there are {side} x {side}",
+            "give a larger size, or narrower passages and walls",
+            shape=shape,
+            least=LEAST[shape],
+            side=side,
         )
     doubled = np.abs(2 * np.arange(side, dtype=np.int64) - (side - 1))  # twice the distance from the middle
     across, up = doubled[np.newaxis, :], doubled[:, np.newaxis]
