@@ -1,0 +1,115 @@
+"""Every error that a user can cause is raised as a code, templates and facts, which programs can read."""
+
+import ast
+import re
+import string
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+PACKAGES = ("worldgen", "worldgen_plugins")
+ROOT = Path(__file__).parents[2]
+BASE = "WorldgenError"
+KEBAB = "[a-z0-9]+(-[a-z0-9]+)*"
+IN_FILES = {"FormatError", "NotAGrid"}
+PLACES = {"line", "source"}  # of an error in a file: keywords that are not facts
+
+
+def _nodes() -> list[tuple[Path, ast.ClassDef | ast.Call]]:
+    """Return all classes and calls of the packages, and their files."""
+    paths = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
+    return [
+        (path.relative_to(ROOT), node)
+        for path in paths
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.ClassDef) or (isinstance(node, ast.Call) and isinstance(node.func, ast.Name))
+    ]
+
+
+def _messages() -> list[tuple[str, ast.Call]]:
+    """Return every call that makes an error or a message of a code and templates, and where it is."""
+    nodes = _nodes()
+    bases = {
+        node.name: {ast.unparse(base) for base in node.bases} for _, node in nodes if isinstance(node, ast.ClassDef)
+    }
+    made = {"Message", BASE}
+    while more := {name for name, above in bases.items() if above & made} - made:
+        made |= more
+    return [
+        (f"{path}:{node.lineno}", node)
+        for path, node in nodes
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in made and path != Path("worldgen/errors.py")
+    ]
+
+
+MESSAGES = _messages()
+
+
+def _texts(node: ast.expr) -> list[str] | None:
+    """Return every text that an expression can be, or None where that cannot be told without running it."""
+    if isinstance(node, ast.Constant):
+        return [str(node.value)]
+    if isinstance(node, ast.IfExp):
+        one, other = _texts(node.body), _texts(node.orelse)
+        return None if one is None or other is None else one + other
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
+        left, right = _texts(node.left), _texts(node.right)
+        return None if left is None or right is None else [a + b for a in left for b in right]
+    return None
+
+
+def _fields(template: str) -> set[str]:
+    """Return the facts that a template has, those in its format specifications too."""
+    found = set()
+    for _, field, spec, _ in string.Formatter().parse(template):
+        if field is not None:
+            found.add(re.split(r"[.\[]", field)[0])
+            found |= _fields(spec or "")
+    return found
+
+
+def _faults() -> Iterator[str]:
+    for place, call in MESSAGES:
+        if not 2 <= len(call.args) <= 3:
+            yield f"{place}: give a code, a problem and perhaps a remedy"
+            continue
+        codes = _texts(call.args[0]) or []
+        yield from (f"{place}: {code!r} is no code" for code in codes if not re.fullmatch(KEBAB, code))
+        problems, remedies = _texts(call.args[1]), [""] if len(call.args) == 2 else _texts(call.args[2])
+        yield from (
+            f"{place}: a problem names {option[0]}, an option of the command line; name it in the remedy"
+            for problem in problems or ()
+            if (option := re.search(r"(?<![\w-])--[a-z][\w-]*", problem))
+        )
+        if problems is None or remedies is None or any(keyword.arg is None for keyword in call.keywords):
+            continue
+        no_facts = {"at_terminal"} | (PLACES if ast.unparse(call.func) in IN_FILES else set())
+        facts = {str(keyword.arg) for keyword in call.keywords} - no_facts
+        used = {field for template in problems + remedies for field in _fields(template)}
+        yield from (f"{place}: no fact is called {name}" for name in sorted(used - facts))
+        yield from (f"{place}: no template says {name}" for name in sorted(facts - used))
+
+
+def test_every_error_has_a_code_and_templates_that_say_its_facts():
+    assert list(_faults()) == []
+
+
+def test_the_packages_raise_errors_that_this_file_sees():
+    assert len(MESSAGES) > 500
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        'InvalidParameter(f"size={size} is below 10; give more")',
+        'InvalidParameter("Too small", "size={size} is below 10", size=size)',
+        'InvalidParameter("too-small", "size={size} is below {low}", size=size)',
+        'InvalidParameter("too-small", "the size is too small", size=size)',
+        'InvalidParameter("too-small", "--size is too small")',
+    ],
+)
+def test_a_message_that_breaks_the_rules_is_seen(monkeypatch, written):
+    call = ast.parse(written, mode="eval").body
+    monkeypatch.setattr(f"{__name__}.MESSAGES", [("here:1", call)])
+    assert list(_faults())
