@@ -14,8 +14,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from scipy.special import betaincinv
-
 from fuzz.asked import Asked, Trial, asked_by
 from fuzz.crash_bucket import FACTS
 from fuzz.hazards import hazard_details
@@ -31,6 +29,7 @@ from sim.scenario import Scenario
 from sim.verdict import BY_THE_CONTROLLER, Verdict
 from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.grid_file import dumps
+from worldgen.intervals import interval_95
 from worldgen.lattice import in_cells
 from worldgen.reach import BLOCKED, REACHABLE, CheckReport, check_certificate, decide
 from worldgen.world import Cut, FailureRecord, Pose, Target, Value, World
@@ -377,5 +376,5 @@ def share_that_fails(world: World, scenario: Scenario, count: int) -> dict[str, 
         run = prepare(world, controller, replace(options, seed=seed))
         arrives = run.run(options.steps, find_loop=False, record=False, digest=False).ending == Verdict.REACHED
         failing += arrives == sealed
-    least = float(betaincinv(failing, count - failing + 1, 0.025)) if failing else 0.0
+    least, _ = interval_95(failing, count)
     return {"failing_seeds": [failing, count], "failing_share_at_least": round(least, 4)}

@@ -19,8 +19,7 @@ from fuzz.crews import Crew, WorkersLost
 from fuzz.failure import certified
 from fuzz.hazards import is_unsensed
 from fuzz.lanes import check_lane
-from fuzz.lanes.database import DATABASE
-from fuzz.lanes.drawn import TIME_STEPS
+from fuzz.lanes.names import DATABASE, TIME_STEPS
 from fuzz.ledger import Sitting
 from fuzz.summary import (
     controller_share,

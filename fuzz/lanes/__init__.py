@@ -13,8 +13,8 @@ import difflib
 from collections.abc import Callable
 
 from fuzz.boundary import is_bounded
-from fuzz.lanes import archive, boundary, drawn, native
-from fuzz.lanes.database import DATABASE
+from fuzz.lanes import archive, boundary, native
+from fuzz.lanes.names import DATABASE, LAYOUT_LANES, SEALED, can_breach
 from fuzz.lanes.plan import lanes_for
 from fuzz.lanes.task import Task
 from fuzz.native import can_look
@@ -28,7 +28,18 @@ Lane = Callable[[Task], None]
 """Does a unit's work: counts its runs and hands what fails to the task's door."""
 
 
+# The import of Hypothesis takes a third of a campaign's start, so it waits for the first lane that draws with it.
+
+
+def _search(task: Task) -> None:
+    from fuzz.lanes import drawn
+
+    drawn.search(task)
+
+
 def _search_again(task: Task) -> None:
+    from fuzz.lanes import drawn
+
     lanes = [name for name in lanes_for(task.config, task.memory) if name not in _OWN]
     drawn.search_again(task, lanes)
 
@@ -41,13 +52,13 @@ _OWN: dict[str, Lane] = {
 }
 
 
-OWN_LANES = (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, *drawn.LAYOUT_LANES)
+OWN_LANES = (native.NATIVE, archive.ARCHIVE, boundary.BOUNDARY, *LAYOUT_LANES)
 """Lanes that a user may ask for, beside the families."""
 
 
 def lane_of(name: str) -> Lane:
     """The lane of a name; that of a family, of ``features``, ``sealed`` and ``map`` lets Hypothesis draw."""
-    return _OWN.get(name, drawn.search)
+    return _OWN.get(name, _search)
 
 
 def check_lane(name: str, scenario: Scenario) -> None:
@@ -71,7 +82,7 @@ def check_lane(name: str, scenario: Scenario) -> None:
             lanes=list(OWN_LANES),
             families=list(FAMILIES.names()),
         )
-    if name == drawn.SEALED and not drawn.can_breach(scenario):
+    if name == SEALED and not can_breach(scenario):
         raise InvalidParameter(
             "lane-needs-keep-going",
             "family {name!r} has walled-off targets, which only a robot reaches that goes on past a wall",

@@ -12,10 +12,7 @@ from fuzz.config import CampaignConfig
 from worldgen.errors import OutputError
 from worldgen.grid_file import world_digest
 
-__all__ = ["DATABASE", "Failed", "exception_of", "remembered"]
-
-DATABASE = "database"
-"""The lane of what failed before."""
+__all__ = ["Failed", "exception_of", "remembered"]
 
 
 def remembered(config: CampaignConfig, lane: str) -> ExampleDatabase:

@@ -19,13 +19,12 @@ from fuzz.config import CampaignConfig
 from fuzz.failure import regardless_of_walls
 from fuzz.features import decode_world
 from fuzz.lanes.database import Failed, exception_of, remembered
+from fuzz.lanes.names import LAYOUT_LANES, SEALED
 from fuzz.lanes.task import Task
 from fuzz.sealed import SEALED_BYTES, decode_sealed
 from fuzz.strategies import family_worlds, layouts, scenarios_in
 from fuzz.variation import map_provenance
 from sim.episode import prepare
-from sim.motion import MOTIONS
-from sim.motion.base import THESIS
 from sim.run_options import step_budget
 from sim.scenario import Scenario
 from sim.stopping import OutOfTime, check_time
@@ -35,22 +34,7 @@ from worldgen.lattice import lattice_to_metres
 from worldgen.random_streams import RandomStream
 from worldgen.world import Pose, Target, World
 
-__all__ = [
-    "LAYOUT_LANES",
-    "SEALED",
-    "can_breach",
-    "explore",
-    "lane_worlds",
-    "poses_on",
-    "search",
-    "search_again",
-]
-
-SEALED = "sealed"
-"""Layouts with a walled-off target, for motion models in which a robot can go on past a wall."""
-
-LAYOUT_LANES = ("features", SEALED)
-"""Lanes that may be named like families."""
+__all__ = ["explore", "lane_worlds", "poses_on", "search", "search_again"]
 
 _SEARCH_STEPS = 6_000  # budget of a first look, before the witness is known
 _DEARER = 4  # how many feature layouts are drawn in the time of one world of a family
@@ -61,13 +45,6 @@ Visit = Callable[[World, Scenario], str]
 """Runs one scenario; the class of the failure, empty if there is none."""
 
 _SETTINGS = settings(database=None, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck))
-
-TIME_STEPS = (0.015, 0.03, 0.06, 0.1, 0.15)  # s: the range of the thesis's spinner
-
-
-def can_breach(scenario: Scenario) -> bool:
-    """Whether a run can show what it does past a wall that it goes through, so that a target walled off is of use."""
-    return MOTIONS.get(scenario.motion).kernel == THESIS and not scenario.thesis.keep_going
 
 
 def search(task: Task) -> None:

@@ -14,8 +14,7 @@ from fuzz.boundary import is_bounded, subject_of
 from fuzz.config import CampaignConfig
 from fuzz.lanes.archive import ARCHIVE
 from fuzz.lanes.boundary import BOUNDARY
-from fuzz.lanes.database import DATABASE
-from fuzz.lanes.drawn import SEALED, can_breach
+from fuzz.lanes.names import DATABASE, SEALED, can_breach
 from fuzz.lanes.native import NATIVE
 from fuzz.lanes.native import fits as fits_native
 from fuzz.result import LaneYield, Memory
