@@ -12,12 +12,13 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from worldgen.errors import InvalidParameter, Message
 from worldgen.neighbours import forget_folder, import_in, package_of
+from worldgen.plug_ins import points_of
 
 __all__ = ["LOAD_SECONDS", "ONLY_CODE", "Registry", "check_code", "lend", "only_code", "user_code"]
 
@@ -182,7 +183,7 @@ class Registry(Generic[T]):
     def entry_points(self) -> dict[str, EntryPoint]:
         """All entry points of the group by name; a name that two packages claim is refused."""
         found: dict[str, EntryPoint] = {}
-        for point in entry_points(group=self.group):
+        for point in points_of(self.group):
             other = found.get(point.name)
             if other is not None and other.value != point.value:
                 raise InvalidParameter(

@@ -1,5 +1,7 @@
 """The arrows between the packages hold."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 from importlinter.application.use_cases import lint_imports
@@ -10,3 +12,10 @@ ROOT = Path(__file__).parents[2]
 
 def test_import_contracts_hold():
     assert lint_imports(config_filename=str(ROOT / "pyproject.toml"))
+
+
+def test_a_campaign_begins_without_what_only_some_lanes_need():
+    heavy = ["hypothesis", "scipy.special", "pytest"]
+    code = f"import sys, fuzz.session, fuzz.unit, fuzz.ci, fuzz.report; print(sorted(set({heavy}) & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

@@ -7,7 +7,7 @@ import errno
 import os
 import shlex
 import sys
-from importlib.metadata import EntryPoint, entry_points, version
+from importlib.metadata import EntryPoint, version
 from pathlib import Path
 from typing import NoReturn
 
@@ -18,6 +18,7 @@ from worldgen.cli.every_command import QUIET_AND_VERBOSE, equip
 from worldgen.cli.hidden_packages import check_hidden
 from worldgen.cli.output import note
 from worldgen.errors import NotAGrid, WorldgenError
+from worldgen.plug_ins import points_of
 from worldgen.progress import display_on_stderr
 
 __all__ = ["cli", "main"]
@@ -33,7 +34,7 @@ class LazyGroup(click.Group):
     """A group whose commands live in entry points and are imported when used."""
 
     def _points(self, group: str) -> dict[str, EntryPoint]:
-        return {point.name: point for point in entry_points(group=group)}
+        return {point.name: point for point in points_of(group)}
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Families first, then the commands of every installed package."""

@@ -1,0 +1,25 @@
+"""Entry points of installed packages, read once: to read them takes as long as to import a large library."""
+
+from __future__ import annotations
+
+import functools
+import sys
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+__all__ = ["points_of"]
+
+
+def points_of(group: str) -> tuple[EntryPoint, ...]:
+    """Return the entry points of a group, such as ``worldgen.families``, as they are for the present ``sys.path``."""
+    return _points(group, tuple(sys.path))
+
+
+@functools.cache
+def _points(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
+    return tuple(_all(path).select(group=group))
+
+
+@functools.cache
+def _all(_path: tuple[str, ...]) -> Any:
+    return entry_points()
