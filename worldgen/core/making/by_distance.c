@@ -106,8 +106,8 @@ static int64_t count_bands(const Field *field, int shift, int64_t *counts)
     return found;
 }
 
-// Band by band, so that what is sorted at a time stays in the nearest caches: of 4 million nodes, a third of the time
-// and an eighth of the memory.
+// Band by band, so that what is sorted at a time stays in the nearest caches: 3 million nodes take half of the time, and
+// hardly any memory beyond the result, instead of 98 MB.
 WgStatus wg_by_distance(const uint8_t *clear, int64_t rows, int64_t columns, int64_t pitch, int64_t x, int64_t y,
                         int64_t *places, int64_t *squared, int64_t count)
 {

@@ -66,7 +66,8 @@ static void along_row(const int32_t *beside, int64_t count, Parabola *envelope, 
 // The same where no node is far from a mark, compared step by step to each side, many nodes at a time. Returns false if
 // some node may be farther than NARROW, and does not matter the less for that: its square is not above `most`.
 //
-// Where corridors are narrow, this takes a sixth of the time.
+// Where corridors are narrow, the whole transform takes a quarter of the time: 0.04 s instead of 0.17 s for the nodes of
+// a maze of 2000 x 2000 cells.
 //
 // square: (count + 2 * NARROW,) work space.
 static bool along_narrow_row(const int32_t *beside, int64_t count, int64_t most, int32_t *square, int32_t *found)
