@@ -1,5 +1,5 @@
 // Plain runs: no events, noise, limits of dynamics, coarser lattice, digest or recording, little memory, and a loop is
-// sought. Most runs are plain, and a loop of such steps takes half of the time.
+// sought. Most runs are plain, and a loop of such steps takes less than two thirds of the time.
 //
 // The steps are those of step.h, without what such a run lacks, and without working out again what a step has left as it
 // was: a robot that turns on the spot neither moves nor touches anything, and a random number that was not used is still
