@@ -258,7 +258,9 @@ def scenario_of(world: World) -> tuple[FailureRecord, RunOptions]:
     """
     record = world.failure
     if record is None:
-        raise InvalidParameter("no-failure", "this world holds no failure", "worldgen run simulates it")
+        raise InvalidParameter(
+            "no-failure", "this world holds no failure", "worldgen run simulates it", at_terminal=True
+        )
     return record, RunOptions.of(record.motion, record.seed, record.parameters)
 
 

@@ -89,7 +89,10 @@ def _what_runs(world: World, controller: str | None) -> tuple[World, Scenario, R
         return replace(world, failure=None), Scenario.of(controller or record.controller, options), options
     if controller is None:
         raise InvalidParameter(
-            "no-failure", "this world holds no failure, so it names no controller", "give --worldgen-controller"
+            "no-failure",
+            "this world holds no failure, so it names no controller",
+            "give --worldgen-controller",
+            at_terminal=True,
         )
     proved = world if world.certificate is not None else certified(world)
     if proved is None:
@@ -97,6 +100,7 @@ def _what_runs(world: World, controller: str | None) -> tuple[World, Scenario, R
             "not-proved-reachable",
             "it is not proved that this world's target can be reached",
             "worldgen verify says more",
+            at_terminal=True,
         )
     scenario = Scenario.parse(controller)
     return proved, scenario, scenario.options(proved)

@@ -79,7 +79,10 @@ class Project:
         """
         if not self.controller:
             raise InvalidParameter(
-                "empty-name", "the controller has no name", "give --controller ./file.py:name, for one"
+                "empty-name",
+                "the controller has no name",
+                "give --controller ./file.py:name, for one",
+                at_terminal=True,
             )
         if "${{" in self.controller or not self.controller.isprintable():
             raise InvalidParameter(
@@ -95,7 +98,9 @@ class Project:
         written = [*self._ci_files(), (self.folder / CORPUS / "README.md", "")]
         taken = [path for path, _ in written if path.exists()]
         if taken and not force:
-            raise OutputError("file-exists", "{path} exists already", "give --force to replace it", path=taken[0])
+            raise OutputError(
+                "file-exists", "{path} exists already", "give --force to replace it", at_terminal=True, path=taken[0]
+            )
         if "worldgen" in self._settings().get("tool", {}):
             raise OutputError(
                 "already-set-up",

@@ -7,6 +7,7 @@ import shlex
 import time
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -20,7 +21,7 @@ from fuzz.failure import certified
 from fuzz.hazards import is_unsensed
 from fuzz.lanes import check_lane
 from fuzz.lanes.names import DATABASE, TIME_STEPS
-from fuzz.ledger import Sitting
+from fuzz.ledger import Sitting, record_error
 from fuzz.summary import (
     controller_share,
     lanes_in_words,
@@ -38,7 +39,7 @@ from sim.stopping import stopping_when
 from sim.try_out import EMPTY_ARENA, try_out
 from sim.verdict import Verdict
 from worldgen.cli.output import emit_json, note, shown
-from worldgen.errors import InvalidParameter, OutputError
+from worldgen.errors import InvalidParameter, OutputError, WorldgenError
 from worldgen.grid_file import dumps
 from worldgen.plain_text import counted
 from worldgen.progress import working
@@ -174,6 +175,7 @@ class CampaignSession:
         )
         self._limit = f"{goal.seconds:g} s" if goal.units is None else counted(goal.units, "unit")
         self._unsaved: set[str] = set()
+        self._status = "running"
         self._goes_on = sitting.done > 0  # until all that was done before has been gone through
         self._summarised = time.monotonic()
 
@@ -181,7 +183,7 @@ class CampaignSession:
         """Does the campaign; returns the exit code."""
         try:
             with contextlib.closing(self._folder):
-                stopped = self._search()
+                stopped = self._search_and_say_how_it_ended()
         except WorkersLost as error:
             if not self._lasts:
                 raise OutputError(
@@ -191,6 +193,7 @@ class CampaignSession:
                 "broken-off",
                 "{reason}",
                 "what was found until then is in {out}, and {way_on}",
+                at_terminal=True,
                 reason=str(error),
                 out=self._out,
                 way_on=self._way_on,
@@ -204,6 +207,7 @@ class CampaignSession:
                 "broken-off",
                 "{reason}",
                 "what is there is whole: make room, and {way_on}",
+                at_terminal=True,
                 reason=str(error),
                 way_on=self._way_on,
             ) from error
@@ -219,7 +223,8 @@ class CampaignSession:
             note("interrupted; nothing was kept")
         if stopped:
             return 130
-        self._check_that_anything_ran()
+        if idle := self._nothing_ran():
+            raise idle
         return 1 if self._failing() else 0
 
     @property
@@ -236,24 +241,50 @@ class CampaignSession:
         failing = self._failing()
         return {kind: one for kind, one in self._campaign.state.best.items() if kind not in failing}
 
-    def _check_that_anything_ran(self) -> None:
-        """Raises if no world could be run: a build must not take that for a controller without failures."""
+    def _nothing_ran(self) -> InvalidParameter | None:
+        """Return an error if no world could be run: a build must not take that for a controller without failures."""
         state, lanes = self._campaign.state, self._campaign.state.memory.lanes.keys()
         if state.worlds or (lanes and lanes <= {DATABASE}):
-            return
+            return None
         if state.cut or not lanes:
-            raise InvalidParameter(
+            return InvalidParameter(
                 "too-slow",
                 "no world was finished within {limit}: the controller, or this machine, is too slow for that",
                 "give a larger --budget, or smaller worlds",
+                at_terminal=True,
                 limit=self._limit,
             )
-        raise InvalidParameter(
+        return InvalidParameter(
             "no-world-fits",
             "no world was run in {units}: the robot fits none of them",
             "give it a smaller radius, or other families",
             units=counted(state.units, "unit"),
         )
+
+    def _search_and_say_how_it_ended(self) -> bool:
+        """Search; the folder says how that ended before other processes may have it. Return whether Ctrl-C came."""
+        self._folder.save_status("running")
+        try:
+            stopped = self._search()
+        except WorldgenError:
+            with contextlib.suppress(OutputError):  # a full disk may be why
+                self._keep_status("failed")
+            raise
+        idle = None if stopped else self._nothing_ran()
+        if idle is not None:
+            record_error(self._out, idle)
+        self._keep_status("stopped" if stopped else "failed" if idle else "done")
+        return stopped
+
+    def _keep_status(self, status: str) -> None:
+        self._status = status
+        if self._goes_on:  # what earlier runs did is not gone through, so the numbers of their summary stay
+            self._folder.save_status(status)
+        else:
+            self._folder.save_summary(self._summary())
+
+    def _summary(self) -> dict[str, Any]:
+        return summary_of(self._config, self._campaign.state, self._status)
 
     def _search(self) -> bool:
         """Does the work; returns whether Ctrl-C stopped it."""
@@ -328,7 +359,7 @@ class CampaignSession:
                 self._folder.write_failure(path.name, data)
         self._unsaved.clear()
         if time.monotonic() - self._summarised >= at_least_after:
-            self._folder.save_summary(summary_of(self._config, self._campaign.state))
+            self._folder.save_summary(self._summary())
             self._summarised = time.monotonic()
 
     def _save_pending(self) -> dict[str, World]:
@@ -348,7 +379,7 @@ class CampaignSession:
         state, hazards = self._campaign.state, self._hazards()
         if self._quiet:
             lists = {"failures": self._listed(self._failing()), "hazards": self._listed(hazards)}
-            emit_json(summary_of(self._config, state) | lists)
+            emit_json(self._summary() | lists)
             return
         for kind, world in sorted(self._failing().items()):
             click.echo(describe(world, self._path(kind), met=state.met))

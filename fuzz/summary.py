@@ -16,11 +16,12 @@ __all__ = ["controller_share", "lanes_in_words", "summary_of", "times_in_words",
 _VERSION = 1
 
 
-def summary_of(config: CampaignConfig, state: CampaignState) -> dict[str, Any]:
+def summary_of(config: CampaignConfig, state: CampaignState, status: str) -> dict[str, Any]:
     """What ``.campaign/summary.json`` holds; ``docs/campaigns.md`` says what each part means."""
     share = controller_share(config, state)
     return {
         "version": _VERSION,
+        "status": status,
         "controller": config.scenario.label(),
         "motion": config.scenario.motion,
         "seed": config.seed,

@@ -133,6 +133,7 @@ def prepare(world: World, controller: str | Controller | type, options: RunOptio
             "motion-is-the-thesis-robots",
             "motion {name!r} runs the thesis's own robots: turn-left, turn-right, turn-random",
             "take --motion swept or endpoint for other controllers",
+            at_terminal=True,
             name=motion.name,
         )
     return ThesisRun(world, found.thesis_rule, options)

@@ -79,6 +79,7 @@ def _load(arguments: list[str]) -> PythonController:
             "not-a-python-class",
             "{controller} is no Python class",
             "give it to --controller as it is",
+            at_terminal=True,
             controller=arguments[0],
         )
     if wants_world(found):
@@ -86,6 +87,7 @@ def _load(arguments: list[str]) -> PythonController:
             "plans-with-the-world",
             "{controller} plans with the world, which a program is not told",
             "give it to --controller as it is",
+            at_terminal=True,
             controller=arguments[0],
         )
     return OneOfMany(found) if isinstance(found, VectorController) else found

@@ -158,6 +158,7 @@ def switch_sets(motion: str, values: Mapping[str, Value]) -> dict[str, Any]:
             "option-without-effect",
             "option {option!r} means nothing to motion {motion!r}",
             "take --motion {where}, or leave it out",
+            at_terminal=True,
             option=strange[0],
             motion=motion,
             where=where,
@@ -176,6 +177,7 @@ def check_recordable(steps: int) -> None:
             "run-too-long",
             "this run takes {steps} steps, and at most {most} can be recorded to show or prove them",
             "give a smaller --steps",
+            at_terminal=True,
             steps=steps,
             most=MAX_RECORDED,
         )
@@ -200,6 +202,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
             "step-too-long",
             f"{moves}, and at most {{most}} can be simulated",
             "give a shorter --time-step",
+            at_terminal=True,
             **facts,
             most=_LONGEST_STEP,
         )
@@ -208,6 +211,7 @@ def check_step_length(world: World, time_step: float, shortest: Fraction) -> Non
             "step-too-short",
             f"{moves}, less than the smallest step of {{least}} cell",
             "give a longer --time-step",
+            at_terminal=True,
             **facts,
             least=str(shortest),
         )

@@ -162,6 +162,7 @@ def _parsed(motion: str, name: str, text: str | None) -> dict[str, Value]:
             "option-without-effect",
             "option {name!r} means nothing to motion {motion!r}",
             "take --motion {where}, or leave it out",
+            at_terminal=True,
             name=name,
             motion=motion,
             where=where,

@@ -35,6 +35,7 @@ def transcribed(controller: str, out: Path | None, *, force: bool = False) -> It
             "not-a-program",
             "{option} is what a program is sent, and {controller!r} is not one",
             "for a Python class take --controller 'cmd:python -m sim.host {controller}'",
+            at_terminal=True,
             option="--transcript",
             controller=controller,
         )

@@ -74,9 +74,10 @@ def try_out(scenario: Scenario, seconds: float | None = None) -> Outcome:
                 outcome = _two_steps(scenario, controller)
         except OutOfTime:
             raise InvalidParameter(
-                "too-slow",
+                "first-steps-too-slow",
                 "{controller} did not finish two steps within {seconds:g} s",
                 "give a larger --budget, or run it as a program, whose steps have a deadline (docs/controllers.md)",
+                at_terminal=True,
                 controller=scenario.controller,
                 seconds=seconds,
             ) from None

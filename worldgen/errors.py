@@ -16,6 +16,7 @@ __all__ = [
     "InvalidWorld",
     "Message",
     "NotAGrid",
+    "Note",
     "OutputError",
     "WorldgenError",
 ]
@@ -151,6 +152,26 @@ class Message:
         return "; ".join(filter(None, (self.problem, self.remedy)))
 
 
+class Note(str):
+    """A sentence worth knowing that is no error; ``message`` has the code and facts that it was made of.
+
+    Args:
+        code: As in `Message`, and so are the others.
+        problem: Template of what is worth knowing.
+        remedy: Template of what can be done about it.
+        facts: The values, by name.
+    """
+
+    message: Message
+
+    def __new__(cls, code: str, problem: str, remedy: str = "", /, **facts: Any) -> Self:
+        """Word a message."""
+        message = Message(code, problem, remedy, **facts)
+        note = super().__new__(cls, str(message))
+        note.message = message
+        return note
+
+
 class WorldgenError(Exception):
     """Base of every error that the input causes, not the program.
 
@@ -163,12 +184,9 @@ class WorldgenError(Exception):
         facts: The values, by name.
     """
 
-    def __init__(self, code: str, problem: str = "", remedy: str = "", /, **facts: Any) -> None:
+    def __init__(self, code: str, problem: str, remedy: str = "", /, **facts: Any) -> None:
         super().__init__(code)
-        if not problem:  # a sentence without a code, as errors were raised before; goes when none is left
-            self.message = Message("", "{sentence}", sentence=code)
-        else:
-            self.message = Message(code, problem, remedy, **facts)
+        self.message = Message(code, problem, remedy, **facts)
 
     @classmethod
     def of(cls, message: Message, **more: Any) -> Self:
@@ -237,7 +255,7 @@ class FormatError(WorldgenError, ValueError):
     def __init__(
         self,
         code: str,
-        problem: str = "",
+        problem: str,
         remedy: str = "",
         /,
         *,

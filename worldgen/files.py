@@ -23,7 +23,11 @@ def check_output(path: Path, force: bool) -> None:
         raise OutputError("is-a-folder", "{path} is a folder", "name a file in it", path=path)
     if path.is_file() and not force:
         raise OutputError(
-            "file-exists", "{path} is there already", "give --force to overwrite it, or another name", path=path
+            "file-exists",
+            "{path} is there already",
+            "give --force to overwrite it, or another name",
+            at_terminal=True,
+            path=path,
         )
     if not path.parent.is_dir():
         raise OutputError(
@@ -76,7 +80,11 @@ def write_bytes(path: Path, data: bytes, *, force: bool) -> None:
             raise OutputError("is-a-folder", "{path} is a folder", "name a file in it", path=path)
         if path.exists() and not force:
             raise OutputError(
-                "file-exists", "{path} is there already", "give --force to overwrite it, or another name", path=path
+                "file-exists",
+                "{path} is there already",
+                "give --force to overwrite it, or another name",
+                at_terminal=True,
+                path=path,
             )
         if not path.parent.is_dir():
             raise OutputError(

@@ -55,8 +55,13 @@ def warehouse(
     check_between("aisle", aisle, 1, size - 2, "cells")
     if 2 * robot_radius > aisle * cell_size:
         raise InvalidParameter(
-            f"aisle={aisle} cells of {cell_size:g} m are narrower than the robot, {2 * robot_radius:g} m wide; "
-            f"give at least {math.ceil(2 * robot_radius / cell_size)}"
+            "below-minimum",
+            "aisle={aisle} cells of {cell_size:g} m are narrower than the robot, {width:g} m wide",
+            "give at least {least}",
+            aisle=aisle,
+            cell_size=cell_size,
+            width=2 * robot_radius,
+            least=math.ceil(2 * robot_radius / cell_size),
         )
 
     walls = np.ones((size, size), dtype=bool)

@@ -118,6 +118,7 @@ def _reach(trial: Trial) -> int:
             "signal-everywhere",
             "oracle wall: under stepped, signal={signal} is sensed through the whole world, so no wall is far enough",
             "ask it without, or with --motion swept",
+            at_terminal=True,
             signal=options.thesis.signal,
         )
     return max(touch, options.thesis.sensor_cells + _FILTER_REACH + options.thesis.map_scale) + _SPARE

@@ -102,7 +102,11 @@ class Asked:
             return cls(text.strip(), oracle)
         if not second:
             raise InvalidParameter(
-                "takes-no-number", "oracle {name!r} takes no number", "write --oracle {name}", name=name
+                "takes-no-number",
+                "oracle {name!r} takes no number",
+                "write --oracle {name}",
+                at_terminal=True,
+                name=name,
             )
         return cls(text.strip(), oracle, (_number(text, number),))
 

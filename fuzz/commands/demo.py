@@ -38,6 +38,7 @@ def demo(out: Path, controller: str, motion: str, as_json: bool, force: bool) ->
             "file-exists",
             "{out} is there already",
             "give --force to overwrite what is in it, or --out another name",
+            at_terminal=True,
             out=out,
         )
     out.mkdir(parents=True, exist_ok=True)

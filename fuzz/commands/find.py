@@ -142,6 +142,7 @@ def _watch(search: Find, out: Path, force: bool) -> bool:
             "worker-died",
             "a worker process died, perhaps killed by a controller or for want of memory; {kept}",
             "try --workers 1",
+            at_terminal=True,
             kept=kept,
         ) from broken
     return stopped

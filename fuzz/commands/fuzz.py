@@ -151,35 +151,37 @@ def fuzz(
         raise click.UsageError("give --budget or --units, not both")
     if scheduler is not None and workers is not None:
         raise click.UsageError("give --scheduler or --workers, not both: a cluster has its own workers")
-    outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
-    outputs.check(report, made=begun["out"])
-    known = read_corpus(baseline).entries
-    goal = ledger.Goal(units, None if units else budget or 30.0)
-    if resume is None:
-        sitting = _begin(goal, force=force, **begun)
-    else:
-        _refuse_beside_resume()
-        sitting = ledger.resume(resume, None if units is None and budget is None else goal)
-    if sitting.done:
-        note(
-            f"goes on with the campaign in {sitting.folder.out}: seed {sitting.config.seed}, {sitting.done} units done"
+    with ledger.errors_recorded(resume or begun["out"]):
+        outputs = Outputs(junit=junit, sarif=sarif, summary=summary, force=force)
+        outputs.check(report, made=begun["out"])
+        known = read_corpus(baseline).entries
+        goal = ledger.Goal(units, None if units else budget or 30.0)
+        if resume is None:
+            sitting = _begin(goal, force=force, **begun)
+        else:
+            _refuse_beside_resume()
+            sitting = ledger.resume(resume, None if units is None and budget is None else goal)
+        if sitting.done:
+            note(
+                f"goes on with the campaign in {sitting.folder.out}: seed {sitting.config.seed}, "
+                f"{sitting.done} units done"
+            )
+        was_known = Baseline.of(known, sitting.config.scenario, note)
+        crew = crew_at(scheduler, sitting.config) if scheduler else crew_of(workers or os.cpu_count() or 1)
+        session = CampaignSession(
+            sitting,
+            crew,
+            quiet=as_json,
+            outputs=outputs,
+            baseline=was_known,
+            count_hazards=count_hazards,
+            began=began,
+            own=loaded.since().own,
         )
-    was_known = Baseline.of(known, sitting.config.scenario, note)
-    crew = crew_at(scheduler, sitting.config) if scheduler else crew_of(workers or os.cpu_count() or 1)
-    session = CampaignSession(
-        sitting,
-        crew,
-        quiet=as_json,
-        outputs=outputs,
-        baseline=was_known,
-        count_hazards=count_hazards,
-        began=began,
-        own=loaded.since().own,
-    )
-    code = session.run()
-    if report is not None:
-        write_report([sitting.folder.out], report, force=force)
-        note(f"wrote {report}")
+        code = session.run()
+        if report is not None:
+            write_report([sitting.folder.out], report, force=force)
+            note(f"wrote {report}")
     raise SystemExit(code)
 
 

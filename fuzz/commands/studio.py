@@ -47,6 +47,7 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
             "package-missing",
             "the studio needs {missing!l}",
             "{install}",
+            at_terminal=True,
             missing=list(missing),
             install=pip_install("studio"),
         )
@@ -58,6 +59,7 @@ def studio(path: Path, controllers: tuple[str, ...], host: str, port: int | None
             "not-a-world",
             "{path} is no world",
             "its robot NAME runs by worldgen studio --controller {place}:NAME",
+            at_terminal=True,
             path=path,
             place=place,
         )

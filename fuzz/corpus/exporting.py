@@ -121,6 +121,7 @@ def _pyarrow() -> tuple[Any, Any]:
             "package-missing",
             "a .parquet table needs pyarrow",
             "{install}, or write .csv",
+            at_terminal=True,
             install=pip_install("parquet"),
         ) from error
     return pyarrow, pyarrow.parquet

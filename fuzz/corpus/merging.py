@@ -63,6 +63,7 @@ def _refuse_others(out: Path, texts: dict[Path, bytes]) -> None:
             "folder-holds-worlds",
             "{out} holds other worlds: {first}{more}",
             "give --force to replace those of the same name and keep the others, or name another folder",
+            at_terminal=True,
             out=out,
             first=others[0].relative_to(out),
             more=more,

@@ -42,6 +42,7 @@ def contact_sheet(entries: Sequence[Entry]) -> bytes:
             "too-many",
             "{count} failures are more than the {most} of a sheet",
             "choose with --class",
+            at_terminal=True,
             count=len(entries),
             most=_MOST,
         )

@@ -31,6 +31,7 @@ def crew_at(address: str, config: CampaignConfig) -> Crew:
             "package-missing",
             "{option} needs Dask",
             "{install}, or leave it out",
+            at_terminal=True,
             option="--scheduler",
             install=pip_install("dask"),
         ) from error

@@ -149,5 +149,6 @@ def _retell(error: BaseException, address: str) -> None:
             "other-code",
             "the cluster cannot read the work ({reason})",
             "install the same worldgen for the scheduler and every worker",
+            at_terminal=True,
             reason=str(error),
         ) from error

@@ -56,6 +56,7 @@ class Layout:
                 "not-square",
                 "a world of {width} x {height} cells has no diagonal mirror",
                 "leave out --symmetric",
+                at_terminal=True,
                 width=world.width,
                 height=world.height,
             )

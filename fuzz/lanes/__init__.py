@@ -87,6 +87,7 @@ def check_lane(name: str, scenario: Scenario) -> None:
             "lane-needs-keep-going",
             "family {name!r} has walled-off targets, which only a robot reaches that goes on past a wall",
             "take --motion stepped without +keep_going, or another family",
+            at_terminal=True,
             name=name,
         )
     if name in (native.NATIVE, archive.ARCHIVE) and not can_look(scenario):

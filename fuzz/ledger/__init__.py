@@ -4,12 +4,14 @@ Contents:
     CampaignFolder: the folder ``OUT/.campaign``: who writes it, and what is in it.
     Sitting, Goal, begin, resume: opens it for a new campaign, or to go on with the same one.
     Setup, setup_of: a configuration, and the code that decides what its units find.
+    errors_recorded, record_error, read_error, forget_error: why a campaign gave up, as data for other programs.
     Ledger: what a campaign needs of it; itself it remembers nothing.
 
 ``docs/campaigns.md`` tells what a user sees.
 """
 
 from fuzz.ledger.folder import CampaignFolder, Ledger
+from fuzz.ledger.last_error import errors_recorded, forget_error, read_error, record_error
 from fuzz.ledger.opening import Goal, Sitting, begin, resume, stored_seed
 from fuzz.ledger.setup import Setup, setup_of
 
@@ -20,6 +22,10 @@ __all__ = [
     "Setup",
     "Sitting",
     "begin",
+    "errors_recorded",
+    "forget_error",
+    "read_error",
+    "record_error",
     "resume",
     "setup_of",
     "stored_seed",

@@ -20,6 +20,7 @@ from typing import Any
 
 from fuzz.failure import ID_DIGITS, failure_id
 from fuzz.ledger.entry import Done, read_entry, write_entry
+from fuzz.ledger.last_error import forget_error
 from fuzz.ledger.setup import Setup
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files import read_text, write_bytes
@@ -122,6 +123,7 @@ class CampaignFolder(Ledger):
                 "invalid-campaign",
                 "is no campaign's configuration: {reason}",
                 "--force begins a new campaign",
+                at_terminal=True,
                 reason=repr(error),
                 source=str(file),
             ) from error
@@ -142,6 +144,7 @@ class CampaignFolder(Ledger):
             OutputError: If it cannot be written.
         """
         self._setup = setup.digest
+        forget_error(self.out)
         with _told(self._path):
             for part in _PARTS:
                 (self._path / part).mkdir(exist_ok=True)
@@ -270,6 +273,19 @@ class CampaignFolder(Ledger):
             OutputError: If it cannot be written.
         """
         self._save("summary.json", (json.dumps(summary, indent=1) + "\n").encode())
+
+    def save_status(self, status: str) -> None:
+        """Write how the campaign stands into the summary that is there, if there is one.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        file = self._path / "summary.json"
+        try:
+            summary = json.loads(read_text(file))
+            self.save_summary({**summary, "status": status})
+        except (FormatError, RecursionError, TypeError, ValueError):  # nothing that can be read: the next one says it
+            return
 
     def _unit_file(self, unit: int) -> Path:
         return self._path / "units" / f"{unit:06}.json"

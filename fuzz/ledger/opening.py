@@ -75,6 +75,7 @@ def begin(config: CampaignConfig, out: Path, goal: Goal, *, force: bool = False)
             "folder-holds-worlds",
             "{out} holds .grid files already",
             "give --force to add to them and replace those of the same name, or name another folder",
+            at_terminal=True,
             out=out,
         )
     setup, folder = setup_of(config), CampaignFolder(out)
@@ -108,6 +109,7 @@ def resume(out: Path, goal: Goal | None = None) -> Sitting:
             "no-campaign",
             "{out} holds no campaign to resume",
             "worldgen fuzz --controller NAME --out {out} begins one",
+            at_terminal=True,
             out=out,
         )
     setup, before = stored
@@ -119,6 +121,7 @@ def resume(out: Path, goal: Goal | None = None) -> Sitting:
             "invalid-campaign",
             "its configuration cannot be read: {reason}",
             "name another folder, or begin anew with --force",
+            at_terminal=True,
             reason=str(error),
             source=str(out),
         ) from error
@@ -139,6 +142,7 @@ def _sitting(config: CampaignConfig, folder: CampaignFolder, setup: Setup, goal:
             "campaign-is-further",
             "the campaign in {out} has done {units} units already",
             "give --units {units} or more, or --force to begin anew",
+            at_terminal=True,
             out=folder.out,
             units=done,
         )
@@ -159,6 +163,7 @@ def _refuse_another(out: Path, before: Setup, now: Setup, way_out: str) -> None:
             "another-campaign",
             "{out} holds another campaign: {differences!l}{more}",
             "{way_out}, --force begins anew, or name another folder",
+            at_terminal=True,
             out=out,
             differences=list(said[:_SAID_AT_MOST]),
             more=more,

@@ -279,6 +279,7 @@ def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, 
             "not-native",
             "{controller} under {motion} does not run natively",
             "take --motion swept or endpoint",
+            at_terminal=True,
             controller=scenario.label(),
             motion=scenario.motion,
         )

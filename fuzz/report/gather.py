@@ -88,6 +88,7 @@ def gather(paths: Sequence[Path]) -> Subject:
             "no-failure",
             "{path} holds no failure",
             "name a folder, archive or file that worldgen fuzz or worldgen shrink wrote",
+            at_terminal=True,
             path=paths[0],
         )
     if len(entries) > MOST_FAILURES:
@@ -95,6 +96,7 @@ def gather(paths: Sequence[Path]) -> Subject:
             "too-many",
             "{count} failures are more than the {most} of a report",
             "keep the smallest of each class: worldgen corpus merge",
+            at_terminal=True,
             count=len(entries),
             most=MOST_FAILURES,
         )

@@ -17,6 +17,7 @@ MEMORY = ".campaign"  # folder, in a campaign's folder, of what it remembers
 _FILE = "summary.json"
 _VERSION = 1
 _MOST_ROWS = 100_000
+_STATUSES = ("", "running", "done", "stopped", "failed")
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,7 @@ class Summary:
         controller: Name of the controller.
         motion: Name of the motion model.
         seed: Of all chance.
+        status: ``running``, ``done``, ``stopped`` or ``failed``; empty in one of an earlier version.
         units: Units of work done.
         worlds: Worlds tried.
         steps: Steps simulated.
@@ -88,6 +90,7 @@ class Summary:
     worlds: int
     steps: int
     seconds: float
+    status: str = ""
     verdicts: dict[str, int] = field(default_factory=dict)
     met: dict[str, int] = field(default_factory=dict)
     known: dict[str, int] = field(default_factory=dict)
@@ -145,6 +148,12 @@ class _Reader:
             raise _Fault(f"{name!r} is no text, or empty")
         return value
 
+    def one_of(self, name: str, known: tuple[str, ...]) -> str:
+        value = self._values.get(name, "")
+        if value not in known:
+            raise _Fault(f"{name!r} is none of {', '.join(filter(None, known))}")
+        return str(value)
+
     def counts(self, name: str) -> dict[str, int]:
         part = _Reader(self._values.get(name, {}))
         return {key: part.whole(key) for key in part._values}
@@ -173,6 +182,7 @@ def _summary(folder: Path, said: _Reader) -> Summary:
         worlds=said.whole("worlds"),
         steps=said.whole("steps"),
         seconds=said.number("seconds"),
+        status=said.one_of("status", _STATUSES),
         verdicts=said.counts("verdicts"),
         met=said.counts("met"),
         known=said.counts("known"),

@@ -192,6 +192,7 @@ class _Reducer:
                 "not-confirmed",
                 "the shrunk world of {verdict!r} was not confirmed by its oracle",
                 "replay the file that it came from: worldgen replay",
+                at_terminal=True,
                 verdict=self._still_fails.verdict,
             )
         case, world = self._made
@@ -280,6 +281,7 @@ def _judge(failure: World, keep: str) -> StillFails:
         "does-not-fail-so",
         "{controller} under {motion} does not end as {verdict!r}{by} in this world, or its target is not {reach}",
         "replay the file first: worldgen replay",
+        at_terminal=True,
         controller=record.controller,
         motion=record.motion,
         verdict=record.verdict,

@@ -23,7 +23,6 @@ from fuzz.studio.catalogue import catalogue
 from fuzz.studio.exchange import ExchangeAnswers
 from fuzz.studio.messages import field, message_of, opened_message, restored, seed_of, world_of
 from fuzz.studio.running import check_named, check_record, check_registered, may_run
-from fuzz.studio.sentences import on_the_page
 from fuzz.studio.walls import WallAnswers
 from fuzz.telling import run_to_draw
 from sim.controllers import CONTROLLERS
@@ -183,7 +182,7 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
             try:
                 part({"number": number, **_seen(self._driven(world, label, message))})
             except InvalidParameter as error:
-                part({"number": number, "name": str(label), "error": on_the_page(str(error))})
+                part({"number": number, "name": str(label), "error": self.folder.refusal(error)})
         return {}
 
     def check(self, message: Message, part: Part) -> dict[str, Any]:
@@ -322,4 +321,6 @@ def _decided(world: World, decision: Decision) -> dict[str, Any]:
         facts = {"length": proof.length, "duration": proof.duration}
     if isinstance(proof, Witness | Cut):
         facts |= {"clearance": proof.clearance, **drawn_certificate(replace(world, certificate=proof))}
+    if isinstance(proof, Cut) and len(proof.cells) > 1:
+        facts["ring"] = len(proof.cells)
     return {"result": decision.result, "reason": decision.reason, **facts}

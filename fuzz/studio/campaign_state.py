@@ -9,21 +9,19 @@ import time
 from pathlib import Path
 from typing import Any
 
-from fuzz.ledger import CampaignFolder
+from fuzz.ledger import CampaignFolder, read_error
 from fuzz.report.summary import MEMORY, read_summary
-from fuzz.studio.sentences import on_the_page
+from fuzz.studio.refusals import refusal
 from worldgen.errors import FormatError
-from worldgen.files import read_text
 from worldgen.locks import holder
 from worldgen.world_files import is_world_file
 
 __all__ = ["SAID", "campaign_state", "interrupt", "is_campaign", "is_own", "running_process"]
 
 SAID = "studio.txt"
-"""Name, in a campaign's memory, of what its process says on stderr when the studio has started it."""
+"""Name, in a campaign's memory, of what its process writes to stderr when the studio has started it; for a person."""
 
-_COMPLAINT = "worldgen: "  # how a command's last line begins when it gave up
-_INTERRUPTED = "interrupted; "  # how it begins when it was told to end
+_ENDED_WELL = ("done", "stopped")  # what was refused afterwards, at a terminal, says nothing of the campaign
 
 
 def is_campaign(folder: Path) -> bool:
@@ -51,12 +49,13 @@ def interrupt(process: int) -> None:
         os.kill(process, signal.SIGTERM if os.name == "nt" else signal.SIGINT)
 
 
-def campaign_state(folder: Path, name: str) -> dict[str, Any]:
+def campaign_state(folder: Path, name: str, opened: Path | None = None) -> dict[str, Any]:
     """A campaign in numbers.
 
     Args:
         folder: Where its failures are.
         name: As the page knows the folder.
+        opened: The opened folder.
 
     Returns:
         As docs/studio-protocol.md says of ``state``.
@@ -69,9 +68,8 @@ def campaign_state(folder: Path, name: str) -> dict[str, Any]:
     lock = folder / MEMORY / "lock"
     state["sitting"] = max(0.0, time.time() - lock.stat().st_mtime) if running else None
     state["failures"] = _stamp(folder)
-    said = [] if running else _said(folder)
-    state["fault"] = _fault(said)
-    state["stopped"] = any(line.startswith(_INTERRUPTED) for line in said)
+    error = None if running or state["status"] in _ENDED_WELL else read_error(folder)
+    state["error"] = None if error is None else refusal(error, opened)
     return state
 
 
@@ -99,9 +97,10 @@ def _totals(folder: Path) -> dict[str, Any]:
     summary = read_summary(folder)
     if summary is None:
         none: dict[str, Any] = {"units": 0, "worlds": 0, "steps": 0, "seconds": 0.0}
-        return none | {"verdicts": {}, "met": {}, "known": {}, "lanes": [], "archive": None}
+        return none | {"status": "", "verdicts": {}, "met": {}, "known": {}, "lanes": [], "archive": None}
     return {
         "controller": summary.controller,
+        "status": summary.status,
         "units": summary.units,
         "worlds": summary.worlds,
         "steps": summary.steps,
@@ -118,19 +117,3 @@ def _stamp(folder: Path) -> str:
     """Another text whenever a failure in the folder itself is new or smaller."""
     found = [(path.name, path.stat().st_mtime_ns) for path in folder.iterdir() if is_world_file(path.name)]
     return f"{len(found)}-{max((when for _, when in found), default=0)}"
-
-
-def _said(folder: Path) -> list[str]:
-    """What its last process said, if the studio has started that; a terminal's signs the lock after it."""
-    path, lock = folder / MEMORY / SAID, folder / MEMORY / "lock"
-    if not path.is_file() or path.is_symlink():
-        return []
-    if lock.is_file() and path.stat().st_mtime_ns < lock.stat().st_mtime_ns:
-        return []
-    return read_text(path).splitlines()
-
-
-def _fault(said: list[str]) -> str:
-    """Why its process gave up; empty if it did not."""
-    complaints = [line for line in said if line.startswith(_COMPLAINT)]
-    return on_the_page(complaints[-1].removeprefix(_COMPLAINT)) if complaints else ""

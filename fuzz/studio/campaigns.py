@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from fuzz.ledger import CampaignFolder
+from fuzz.ledger import CampaignFolder, forget_error, read_error
 from fuzz.report.summary import MEMORY
 from fuzz.studio.beginning import beginning
 from fuzz.studio.campaign_state import SAID, campaign_state, interrupt, is_campaign, is_own, running_process
@@ -45,7 +45,6 @@ __all__ = ["CampaignAnswers"]
 
 _BEGINS = 300.0  # s that a process gets until it has begun: kernels may have to be compiled on a machine that is busy
 _ENDS = 2.0  # s that a campaign is waited for that was told to end before it had begun
-_STOPPED = "the campaign was stopped before it had begun"
 _LOOK = 0.05  # s between two looks
 
 Message = Mapping[str, Any]
@@ -65,9 +64,9 @@ class CampaignAnswers(Opened):
         states, faults = [], []
         for name in folders:
             try:
-                states += [campaign_state(self.folder.place(name), name)] if self._is_campaign(name) else []
+                states += [self._state(self.folder.place(name), name)] if self._is_campaign(name) else []
             except WorldgenError as error:  # of one; the others are as they were
-                faults.append(self.folder.in_words(str(error)))
+                faults.append(self.folder.refusal(error))
         return {
             "faults": faults,
             "campaigns": sorted(states, key=lambda state: (not state["running"], state["folder"])),
@@ -87,7 +86,7 @@ class CampaignAnswers(Opened):
                 write_world(restored(part_of(message, "world", dict)), fixed)
                 words.append(f"--world={fixed}")
             self._start(out, words, lambda: part({"begins": name}))
-        return {"state": campaign_state(out, name)}
+        return {"state": self._state(out, name)}
 
     def command(self, message: Message, part: object) -> dict[str, Any]:
         """The line that begins the same campaign at a terminal."""
@@ -107,13 +106,16 @@ class CampaignAnswers(Opened):
         self._check_stored(out, name)
         ours = (*goal(message, needed=False), *workers(message), *baseline(message, self.folder))
         self._start(out, [f"--resume={out}", *ours], lambda: part({"begins": name}))
-        return {"state": campaign_state(out, name)}
+        return {"state": self._state(out, name)}
 
     def elite(self, message: Message, part: object) -> dict[str, Any]:
         """The simplest world of a cell of a campaign's archive, and who ran in it."""
         out = self._own(part_of(message, "folder", str))
         world = elite_of(out, part_of(message, "i", int), part_of(message, "j", int))
         return opened_message(world) | {"runs": runs_in(out)}
+
+    def _state(self, out: Path, name: str) -> dict[str, Any]:
+        return campaign_state(out, name, self.folder.root)
 
     def _is_campaign(self, name: str) -> bool:
         try:
@@ -152,6 +154,7 @@ class CampaignAnswers(Opened):
                 "not-named",
                 "{name} runs a controller that was not named",
                 "worldgen studio --controller does",
+                at_terminal=True,
                 name=name,
             )
         if scenario.get("motion") not in MOTIONS.names():
@@ -189,6 +192,7 @@ class CampaignAnswers(Opened):
         with contextlib.ExitStack() as stack:
             try:
                 memory.mkdir(parents=True, exist_ok=True)
+                forget_error(out)
                 mark = stack.enter_context(beginning(memory))
                 with (memory / SAID).open("wb") as said:
                     process = _process([sys.executable, "-m", "worldgen", "fuzz", "--json", *words], said)
@@ -203,37 +207,47 @@ class CampaignAnswers(Opened):
             self._begun.append(process)
             started()
             why_not = _wait_until_begun(process, out, mark)
-            if not why_not and not mark.exists():
+            if why_not is None and not mark.exists():
                 interrupt(process.pid)  # it began when it was told to end
-        if not why_not:
+        if why_not is None:
             return
         (memory / SAID).unlink(missing_ok=True)
+        forget_error(out)
         for folder in made:
             with contextlib.suppress(OSError):  # it holds something
                 folder.rmdir()
-        raise OutputError(why_not)
+        raise why_not
 
     def _reap(self) -> None:
         """Takes note of processes that ended."""
         self._begun[:] = [process for process in self._begun if process.poll() is None]
 
 
-def _wait_until_begun(process: subprocess.Popen[bytes], out: Path, mark: Path) -> str:
-    """Why a campaign's process did not begin; empty as soon as it has."""
+def _wait_until_begun(process: subprocess.Popen[bytes], out: Path, mark: Path) -> WorldgenError | None:
+    """Return why a campaign's process did not begin; ``None`` as soon as it has."""
     until = time.monotonic() + _BEGINS
     while process.poll() is None:
         if running_process(out) == process.pid and is_campaign(out):
-            return ""
+            return None
         if time.monotonic() > until:
             process.kill()
-            return f"the campaign has not begun within {_BEGINS:g} s; try it at a terminal"
+            return OutputError(
+                "slow-to-begin",
+                "the campaign has not begun within {seconds:g} s",
+                "try it at a terminal",
+                seconds=_BEGINS,
+            )
         if not mark.exists():
             _end(process)
-            return _STOPPED
+            return _stopped()
         time.sleep(_LOOK)
     if process.returncode in (0, 1, 130):
-        return "" if is_campaign(out) else _STOPPED
-    return _last_words(out / MEMORY / SAID)
+        return None if is_campaign(out) else _stopped()
+    return read_error(out) or _last_words(process.returncode, out / MEMORY / SAID)
+
+
+def _stopped() -> OutputError:
+    return OutputError("campaign-stopped", "the campaign was stopped before it had begun")
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
@@ -257,10 +271,16 @@ def _process(command: list[str], said: Any) -> subprocess.Popen[bytes]:
         signal.signal(signal.SIGINT, before)
 
 
-def _last_words(path: Path) -> str:
+def _last_words(status: int, path: Path) -> WorldgenError:
+    """Return the error of a process that ended without a record of why: a fault of ours, or killed."""
     lines = [line.strip() for line in path.read_text("utf-8", "replace").splitlines() if line.strip()]
-    last = lines[-1] if lines else "the campaign's process ended without a word"
-    return last.removeprefix("worldgen: ").removeprefix("Error: ")
+    return OutputError(
+        "ended-without-record",
+        "the campaign's process ended with exit code {status}: {said}",
+        "try it at a terminal",
+        status=status,
+        said=lines[-1] if lines else "it wrote nothing",
+    )
 
 
 def _folders(folder: Folder) -> dict[str, int]:

@@ -15,6 +15,7 @@ from fuzz.asked import ORACLES
 from fuzz.lanes import OWN_LANES
 from fuzz.studio.folder import KNOWN
 from fuzz.studio.fuzz_words import options
+from fuzz.studio.refusals import refusal
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.controllers.base import Controller
 from sim.motion import MOTIONS
@@ -110,7 +111,7 @@ def _changed(label: str) -> int:
 
 def _controller(label: str) -> dict[str, Any]:
     """A controller's label, which motion models it drives under, and first of all; its faults are told, not raised."""
-    entry = {"name": label, "thesis": False, "lattice": True, "motion": "swept", "also": "", "fault": ""}
+    entry = {"name": label, "thesis": False, "lattice": True, "motion": "swept", "also": "", "fault": None}
     try:
         scenario = Scenario.parse(label)
         found = CONTROLLERS.get(scenario.controller)
@@ -118,7 +119,7 @@ def _controller(label: str) -> dict[str, Any]:
         with contextlib.suppress(InvalidParameter):  # with options of the other motion models
             found = CONTROLLERS.get(Scenario.parse(label, motion="stepped").controller)
             return entry | {"thesis": True, "lattice": False, "motion": "stepped"}
-        return entry | {"fault": str(error)}
+        return entry | {"fault": refusal(error)}
     thesis = isinstance(found, CompiledController) and bool(found.thesis_rule)
     return entry | {"thesis": thesis, "motion": scenario.motion, "also": _other_name(label)}
 

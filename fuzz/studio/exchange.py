@@ -14,8 +14,8 @@ from typing import Any
 from fuzz.studio.folder import Folder
 from fuzz.studio.messages import field, opened_message, restored, seed_of
 from fuzz.studio.opened import Opened
+from fuzz.studio.refusals import hide, note_in_words
 from fuzz.studio.running import check_registered
-from fuzz.studio.sentences import on_the_page
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.grid_file import read_world
 from worldgen.interop import FORMATS, RobotOptions, export_world, import_world, write_export
@@ -43,12 +43,11 @@ class ExchangeAnswers(Opened):
         if "data" not in message and "files" not in message:
             name = field(message, "name", str)
             place = self.folder.place_of_map(name)
-            with _said_on_a_page():
-                beside = (place.with_name(one) for one in (f"{place.name}.scen", f"{place.stem}.scen"))
-                scenario = next((one for one in beside if one.is_file()), None)
-                return _imported(place, wanted, scenario, wanted.row) | {"main": place.name}
+            beside = (place.with_name(one) for one in (f"{place.name}.scen", f"{place.stem}.scen"))
+            scenario = next((one for one in beside if one.is_file()), None)
+            return _imported(place, wanted, scenario, wanted.row) | {"main": place.name}
         files = message.get("files", [{"name": message.get("name"), "data": message.get("data")}])
-        with tempfile.TemporaryDirectory() as there, _said_on_a_page(f"{there}/"):
+        with tempfile.TemporaryDirectory() as there, _without(Path(there)):
             places = _put_down(files, Folder(Path(there)))
             main, scenario = _main_of(places), next((one for one in places if one.suffix.lower() == ".scen"), None)
             if is_world_file(main.name) and wanted == _Wanted():
@@ -71,7 +70,7 @@ class ExchangeAnswers(Opened):
             origin=None if message.get("origin") is None else _point(field(message, "origin", list)),
             sidecar=field({"sidecar": True, **message}, "sidecar", bool),
         )
-        said = {name: [on_the_page(one) for one in getattr(export, name)] for name in ("lost", "notes")}
+        said = {name: [note_in_words(one) for one in getattr(export, name)] for name in ("lost", "notes")}
         if field(message, "keep", bool):
             for other in export.files:  # a link beside it would lead a companion out of the folder
                 self.folder.place((place.parent / other).relative_to(self.folder.root).as_posix())
@@ -196,15 +195,18 @@ def _imported(place: Path, wanted: _Wanted, scenario: Path | None, row: int | No
     imported = import_world(place, robot, name=wanted.format, options=wanted.options)
     if imported.withheld:
         raise FormatError(
-            f"{imported.decision.reason}; `worldgen import --ignore-unread` makes a world without it, which can be "
-            "opened here",
+            "part-not-read",
+            "{reason}",
+            "`worldgen import --ignore-unread` makes a world without it, which can be opened here",
+            at_terminal=True,
+            reason=imported.decision.reason,
             source=str(place),
         )
     known = imported.world.provenance.params.get("format") if imported.world.provenance else None
     rows = _rows_of(scenario) if scenario is not None and known == "movingai" else 0
     told = (f"Row {row} of the {rows} of its scenario.",) if used is not None else ()
     said = {"format": known, "rows": rows, "row": row if used is not None else None}
-    notes = [on_the_page(words) for words in (*told, *imported.notes, *imported.warnings)]
+    notes = [note_in_words(words) for words in (*told, *imported.notes, *imported.warnings)]
     return opened_message(imported.world) | said | {"notes": notes}
 
 
@@ -216,16 +218,12 @@ def _rows_of(scenario: Path) -> int:
 
 
 @contextlib.contextmanager
-def _said_on_a_page(folder: str = "") -> Iterator[None]:
-    """What a map is refused for, without a folder that nobody has heard of, and with the page's way out."""
+def _without(folder: Path) -> Iterator[None]:
+    """Take a folder that nobody has heard of out of an error."""
     try:
         yield
     except FormatError as error:
-        source = Path(error.source).name if folder and error.source else error.source
-        raise FormatError(
-            on_the_page(str(error.message)).replace(folder, ""), line=error.line, source=source
-        ) from error
+        source = Path(error.source).name if error.source else None
+        raise FormatError.of(hide(error.message, folder), line=error.line, source=source) from error
     except WorldgenError as error:
-        if not folder:
-            raise
-        raise type(error)(str(error).replace(folder, "")) from error
+        raise type(error).of(hide(error.message, folder)) from error

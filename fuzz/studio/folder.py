@@ -5,16 +5,15 @@ from __future__ import annotations
 import errno
 import glob
 import os
-import re
 import stat
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fuzz.studio.sentences import on_the_page
+from fuzz.studio.refusals import refusal
 from worldgen.archives import ENDINGS
-from worldgen.errors import InvalidParameter
+from worldgen.errors import InvalidParameter, Message, WorldgenError
 from worldgen.plain_text import shown
 from worldgen.world_files import is_world_file
 
@@ -97,13 +96,9 @@ class Folder:
             )
         return real
 
-    def in_words(self, sentence: str) -> str:
-        """A sentence of the library's as the page says it: its way out, and paths relative to this folder."""
-        sentence, root = on_the_page(sentence), str(self.root)
-        if root == self.root.anchor:
-            return sentence
-        said = sentence.replace(f"{root}{os.sep}", "")
-        return re.sub(rf"{re.escape(root)}(?![\w.-])", "the opened folder", said)
+    def refusal(self, error: WorldgenError | Message) -> dict[str, Any]:
+        """Return an error as the page gets it, with paths relative to this folder."""
+        return refusal(error, self.root)
 
     def place_of_map(self, name: str) -> Path:
         """The path of a name beside which no link of the same stem leads out: formats read other files there.

@@ -14,7 +14,8 @@ from typing import Any
 
 from fuzz.studio.beside import start_beside
 from fuzz.studio.folder import Folder
-from worldgen.errors import WorldgenError
+from fuzz.studio.refusals import our_fault, refusal
+from worldgen.errors import Message, WorldgenError
 
 __all__ = ["LANES", "Ended", "Lane"]
 
@@ -77,7 +78,7 @@ class Lane:
 
         Yields:
             ``("turn", {})`` when its turn has come, ``("part", table)`` as often as there are parts, then
-            ``("answer", table)`` or ``("error", sentence)``.
+            ``("answer", table)`` or ``("error", refusal)``.
 
         Raises:
             Ended: If the process was ended meanwhile.
@@ -138,12 +139,21 @@ def _answer(answers: Any, kind: str, message: dict[str, Any], pipe: Connection) 
     except (BrokenPipeError, EOFError):
         raise
     except WorldgenError as error:
-        return "error", answers.folder.in_words(str(error))
+        return "error", answers.folder.refusal(error)
     except UnicodeEncodeError:
-        return "error", "the message has half of a character in a text; send whole ones"
+        return "error", refusal(
+            Message("half-a-character", "the message has half of a character in a text", "send whole ones")
+        )
     except MemoryError:
-        return "error", "out of memory; take a smaller world"
+        return "error", refusal(Message("out-of-memory", "out of memory", "take a smaller world"))
     except OSError as error:  # a full disk, of the temporary folder too
-        return "error", answers.folder.in_words(f"the disk cannot do this: {error}; make room, or use another one")
+        return "error", answers.folder.refusal(
+            Message(
+                "disk-refuses",
+                "the disk cannot do this: {reason}",
+                "make room, or use another one",
+                reason=error.strerror or str(error),
+            )
+        )
     except Exception as error:  # noqa: BLE001 - a fault of ours must not end the studio
-        return "error", f"a fault of our own, not of your input: {type(error).__name__}: {error}"
+        return "error", refusal(our_fault(error))

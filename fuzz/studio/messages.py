@@ -85,6 +85,7 @@ def message_of(world: World) -> WorldMessage:
             "{width} x {height} cells with {count} changes are more than the studio's "
             "{most_cells} cells and {most_events} changes",
             "worldgen show draws larger worlds",
+            at_terminal=True,
             width=world.width,
             height=world.height,
             count=len(world.timeline),

@@ -73,6 +73,7 @@ def check_named(label: object, named: Sequence[str]) -> None:
             "not-named",
             "controller {controller!r} was not named when the studio was started",
             "worldgen studio --controller does",
+            at_terminal=True,
             controller=text[:60],
         )
 

@@ -32,7 +32,9 @@ def bind(host: str, port: int | None) -> socket.socket:
         except OSError as error:
             fault = _fault(host, number, error)
         except (TypeError, UnicodeError):  # Python's, of a name that no host can have
-            fault = Message("not-a-host", "no host can be called {host!r}", "give another --host", host=host)
+            fault = Message(
+                "not-a-host", "no host can be called {host!r}", "give another --host", at_terminal=True, host=host
+            )
         else:
             return listener
         listener.close()
@@ -46,6 +48,7 @@ def _fault(host: str, port: int, error: OSError) -> Message:
             "port-taken",
             "port {port} of {host} is taken, by another studio maybe",
             "end that, or give another --port; with --port 0 it is any that is free",
+            at_terminal=True,
             host=host,
             port=port,
         )
@@ -54,6 +57,7 @@ def _fault(host: str, port: int, error: OSError) -> Message:
             "port-not-allowed",
             "port {port} of {host} is not for everybody",
             "give a --port from 1024 on, or 0 for any that is free",
+            at_terminal=True,
             host=host,
             port=port,
         )
@@ -62,10 +66,13 @@ def _fault(host: str, port: int, error: OSError) -> Message:
             "not-our-address",
             "{host} is no address of this machine",
             "give another --host, or none for this machine alone",
+            at_terminal=True,
             host=host,
         )
     reason = error.strerror or str(error)
-    return Message("cannot-listen", "{host}: {reason}", "give another --host or --port", host=host, reason=reason)
+    return Message(
+        "cannot-listen", "{host}: {reason}", "give another --host or --port", at_terminal=True, host=host, reason=reason
+    )
 
 
 def called(host: str, listener: socket.socket) -> str:

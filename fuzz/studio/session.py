@@ -13,20 +13,26 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzz.studio.gate import SUBPROTOCOL
 from fuzz.studio.lanes import LANES, Ended, Lane
+from fuzz.studio.refusals import our_fault, refusal
 from fuzz.studio.watching import Watching
+from worldgen.errors import Message
 
 __all__ = ["PROTOCOL", "Session"]
 
-PROTOCOL = 1  # goes up whenever a page of before would not understand
+PROTOCOL = 2  # goes up whenever a page of before would not understand
 _REPLACED = frozenset({"decide", "widest", "signal", "generate", "measure", "run", "watch"})  # only the newest counts
 _ENDED = _REPLACED | {"before", "hello", "look", "picture"}  # what runs controllers or takes long, and writes nothing
 _PATIENCE = 0.7  # s: what is replaced may finish in this time, for a new process takes longer to start
 _WARM = {"campaigns": ("walls", "looks")}  # lanes that are asked next by a page that asks for that
 _MOST_WAITING = 64
-_DIED = (
-    "the process that did this has died, of a controller that ends or crashes Python or for want of memory; what it "
-    "said is in the studio's terminal; try again with another controller or a smaller world"
+_DIED = Message(
+    "process-died",
+    "the process that did this has died, of a controller that ends or crashes Python or for want of memory",
+    "what it said is in the studio's terminal; try again with another controller or a smaller world",
 )
+_NO_JSON = Message("not-json", "this is no JSON", "send one object")
+_NO_ID = Message("no-id", "a message needs an id of its own, a whole number from 0")
+_FULL = Message("too-many-waiting", "too much is waiting", "wait for answers")
 
 
 @dataclass(eq=False)
@@ -77,11 +83,11 @@ class Session:
         try:
             message = json.loads(text)
         except (ValueError, RecursionError):
-            await self._send({"id": -1, "error": "this is no JSON; send one object"})
+            await self._send({"id": -1, "error": refusal(_NO_JSON)})
             return
         number = message.get("id") if isinstance(message, dict) else None
         if type(number) is not int or number < 0 or number in self._jobs:
-            await self._send({"id": -1, "error": "a message needs an id of its own, a whole number from 0"})
+            await self._send({"id": -1, "error": refusal(_NO_ID)})
             return
         kind = message.get("do")
         if kind == "cancel":
@@ -90,9 +96,10 @@ class Session:
                 self._end(job)
             await self._send({"id": number, "answer": {}})
         elif not isinstance(kind, str) or kind not in LANES:
-            await self._send({"id": number, "error": f"nothing is called {str(kind)[:40]!r}; see the protocol"})
+            unknown = Message("unknown-name", "nothing is called {name!q}", "see the protocol", name=str(kind)[:40])
+            await self._send({"id": number, "error": refusal(unknown)})
         elif len(self._jobs) >= _MOST_WAITING:
-            await self._send({"id": number, "error": "too much is waiting; wait for answers"})
+            await self._send({"id": number, "error": refusal(_FULL)})
         else:
             self._begin(_Job(number, kind, self.lanes[LANES[kind]]), message)
 
@@ -117,11 +124,11 @@ class Session:
                 said = await self._ask(job, message)
         except Ended:
             if not job.replaced:
-                said = {"error": _DIED}
+                said = {"error": refusal(_DIED)}
         except (WebSocketDisconnect, RuntimeError):  # RuntimeError: the page has gone meanwhile
             pass
         except Exception as error:  # noqa: BLE001 - every question gets an answer, or the page waits for ever
-            said = {"error": f"a fault of our own, not of your input: {type(error).__name__}: {error}"}
+            said = {"error": refusal(our_fault(error))}
         finally:
             self._jobs.pop(job.number, None)
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # RuntimeError: the page has gone meanwhile

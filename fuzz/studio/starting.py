@@ -11,7 +11,7 @@ from sim.controllers.process import is_process_name
 from sim.scenario import Scenario
 from sim.shared_object import check_file, is_library_name
 from worldgen.archives import is_archive
-from worldgen.errors import FormatError, InvalidParameter, WorldgenError
+from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.grid_file import read_world
 from worldgen.interop import read_map
 from worldgen.world_files import is_world_file
@@ -136,12 +136,12 @@ def check_world(path: Path) -> None:
             "is-an-archive",
             "{path} is an archive of worlds",
             "open its folder: worldgen studio {parent}",
+            at_terminal=True,
             path=path,
             parent=path.parent,
         )
     try:
         read_world(path) if is_world_file(path.name) else read_map(path)
     except WorldgenError as error:
-        said = str(error.message) if isinstance(error, FormatError) else str(error)  # without the path
-        if " --" not in said:  # options, which are fields on the page
+        if not error.message.at_terminal:  # its options are fields on the page
             raise

@@ -26,6 +26,7 @@ from sim.controllers import CONTROLLERS
 from sim.episode import simulate
 from sim.motion import MOTIONS
 from sim.words import evidence_in_words
+from worldgen import errors
 from worldgen.archives import is_archive, members
 from worldgen.errors import FormatError, InvalidParameter, OutputError, WorldgenError
 from worldgen.files import write_bytes
@@ -58,7 +59,7 @@ class WallAnswers(Opened):
             if self.folder.place(KNOWN).is_dir()
             else set()
         )
-        faults: list[str] = []
+        faults: list[dict[str, Any]] = []
         place = self.folder.place(below) if below else self.folder.root
         packed = is_archive(place) and place.is_file()
         entries = self._packed(place, faults, part) if packed else self._entries(below, faults, part)
@@ -88,7 +89,7 @@ class WallAnswers(Opened):
         path = self.folder.place(part_of(message, "name", str))
         world = read_world(path)
         who = world.failure.controller if world.failure is not None else ""
-        told: dict[str, Any] = {"world": drawn_world(world), "run": None, "sensors": None}
+        told: dict[str, Any] = {"world": drawn_world(world), "run": None, "sensors": None, "error": None}
         told |= {
             "replay": from_anywhere(replay_line(path), who, CONTROLLERS.names()),
             "notes": [*filter(None, (seeds_in_words(world), boundaries_in_words(world)))],
@@ -96,7 +97,7 @@ class WallAnswers(Opened):
         try:
             return told | self._seen(world)
         except WorldgenError as error:
-            return told | {"words": self.folder.in_words(str(error))}
+            return told | {"words": "", "error": self.folder.refusal(error)}
 
     def snippet(self, message: Message, part: object) -> dict[str, Any]:
         """A failure as the text of a test."""
@@ -149,11 +150,11 @@ class WallAnswers(Opened):
             "words": words + objection_in_words(record.evidence),
         }
 
-    def _entries(self, below: str, faults: list[str], part: Part) -> list[Entry]:
+    def _entries(self, below: str, faults: list[dict[str, Any]], part: Part) -> list[Entry]:
         """The failures of a folder's files, read once; links are passed over."""
         files = [file for file in self.folder.files(below=below, most=MOST_FAILURES) if file["world"]]
         if len(files) == MOST_FAILURES:
-            faults.append(f"Only the first {MOST_FAILURES} files are shown; choose a folder below.")
+            faults.append(self.folder.refusal(_too_many("choose a folder below")))
         found = []
         for number, file in enumerate(files):
             if number % _TOLD == _TOLD - 1:
@@ -163,13 +164,13 @@ class WallAnswers(Opened):
             except FileNotFoundError:  # it has just been removed
                 continue
             except WorldgenError as error:
-                faults.append(self.folder.in_words(str(error)))
+                faults.append(self.folder.refusal(error))
                 continue
             if entry is not None:
                 found.append(entry)
         return found
 
-    def _packed(self, archive: Path, faults: list[str], part: Part) -> list[Entry]:
+    def _packed(self, archive: Path, faults: list[dict[str, Any]], part: Part) -> list[Entry]:
         """The failures in an archive, under its name and then their own; those that have no name there are told."""
         found: list[Entry] = []
         there = archive.relative_to(self.folder.root).as_posix()
@@ -177,7 +178,7 @@ class WallAnswers(Opened):
         try:
             for number, member in enumerate(islice(packed, MOST_FAILURES + 1)):
                 if number == MOST_FAILURES:
-                    faults.append(f"Only the first {MOST_FAILURES} files of {archive.name} are shown.")
+                    faults.append(self.folder.refusal(_too_many("unpack it", archive.name)))
                     break
                 if number % _TOLD == _TOLD - 1:
                     part({"read": number + 1, "of": None})
@@ -186,12 +187,12 @@ class WallAnswers(Opened):
                     place = self.folder.place(f"{there}/{name}")
                     facts = Facts.of(unpack_world(member, str(place)), str(place))
                 except WorldgenError as error:
-                    faults.append(self.folder.in_words(str(error)))
+                    faults.append(self.folder.refusal(error))
                     continue
                 if facts is not None:
                     found.append(Entry(place, facts))
         except FormatError as error:  # of the archive; what was read until there is sound
-            faults.append(self.folder.in_words(str(error)))
+            faults.append(self.folder.refusal(error))
         return found
 
     def _entry(self, path: Path) -> Entry | None:
@@ -201,6 +202,12 @@ class WallAnswers(Opened):
             entries = read_corpus([path]).entries
             self._read[key] = entries[0] if entries else None
         return self._read[key]
+
+
+def _too_many(remedy: str, archive: str = "") -> errors.Message:
+    of = " of {archive}" if archive else ""
+    problem = f"only the first {{most}} files{of} are shown"
+    return errors.Message("too-many", problem, remedy, most=MOST_FAILURES, archive=archive)
 
 
 def _is_hidden(name: str) -> bool:

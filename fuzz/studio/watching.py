@@ -11,7 +11,7 @@ from typing import Any
 
 from fuzz.studio.beginning import end_beginnings
 from fuzz.studio.folder import Folder
-from worldgen.errors import InvalidParameter, WorldgenError
+from worldgen.errors import InvalidParameter, Message, WorldgenError
 
 __all__ = ["Watching"]
 
@@ -36,7 +36,7 @@ class Watching:
 
         Yields:
             ``("turn", {})`` while nothing is new, ``("part", {"state": state})`` as often as there is something, then
-            ``("answer", {"state": state})`` or ``("error", sentence)``.
+            ``("answer", {"state": state})`` or ``("error", refusal)``.
         """
         before: dict[str, Any] = {}
         quiet = 0
@@ -44,10 +44,20 @@ class Watching:
             try:
                 state = await asyncio.to_thread(self._stop if kind == "stop" else self._state, message)
             except WorldgenError as error:
-                yield "error", self._folder.in_words(str(error))
+                yield "error", self._folder.refusal(error)
                 return
             except OSError as error:
-                yield "error", f"the campaign's folder cannot be read: {error.strerror or error}; look at it again"
+                yield (
+                    "error",
+                    self._folder.refusal(
+                        Message(
+                            "unreadable",
+                            "the campaign's folder cannot be read: {reason}",
+                            "look at it again",
+                            reason=error.strerror or str(error),
+                        )
+                    ),
+                )
                 return
             if state is None or kind == "stop" or not state["running"]:
                 yield "answer", {"state": state}
@@ -66,7 +76,7 @@ class Watching:
     def _state(self, message: dict[str, Any]) -> dict[str, Any] | None:
         name = str(message.get("folder"))
         place = self._place(name)
-        state: dict[str, Any] = _reads().campaign_state(place, name)
+        state: dict[str, Any] = _reads().campaign_state(place, name, self._folder.root)
         return state
 
     def _stop(self, message: dict[str, Any]) -> dict[str, Any] | None:

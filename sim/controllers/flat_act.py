@@ -87,6 +87,7 @@ def _numba(act: Act) -> Any:
             "package-missing",
             "controller function {function} is compiled by numba, which is not installed",
             "{install}, or write it in C: worldgen new-controller mine --kind c",
+            at_terminal=True,
             function=_name(act),
             install=pip_install("numba"),
         ) from None

@@ -84,7 +84,8 @@ class ProcessController:
         if isinstance(command, str) or not command:
             raise InvalidParameter(
                 "wrong-type",
-                'command={command!r} must be a list of words, such as ["./mine", "--flag"]',
+                "command={command!r} must be a list of words, such as {example}",
+                example='["./mine", "--flag"]',
                 command=command,
             )
         for name, seconds in (("deadline", deadline), ("start_deadline", start_deadline)):

@@ -114,6 +114,7 @@ def find_program(command: tuple[str, ...]) -> str:
             "not-executable",
             "controller program {program!r} is not executable",
             "chmod +x {program}",
+            at_terminal=True,
             program=command[0],
         )
     raise InvalidParameter(
@@ -233,6 +234,7 @@ class Program:
                 "controller program {program!r} reserves more than the {size} of address space that it may "
                 "have, and ended with: {said!r}",
                 "lift the limit: --controller 'cmd+memory=none:{command}'",
+                at_terminal=True,
                 program=self._command[0],
                 size=size,
                 said=str(_telling_line([said_instead, *lines])),

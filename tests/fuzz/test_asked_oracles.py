@@ -18,6 +18,7 @@ from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from sim.thesis_options import ThesisOptions
 from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
 from worldgen import CellState, Event, Pose, Target, Timeline, World, generate
 from worldgen.errors import InvalidParameter
 from worldgen.grid_file import dumps, loads, read_world, write_world
@@ -263,7 +264,7 @@ def test_a_world_that_changes_is_not_asked_about_walls():
 
 
 def test_walls_that_hold_up_the_thesis_s_signal_count_everywhere():
-    with pytest.raises(InvalidParameter, match="no wall is far enough; ask it without"):
+    with raises(InvalidParameter, "signal-everywhere"):
         objection("wall", "turn-right", motion="stepped", thesis=ThesisOptions(signal="blocked"))
 
 
@@ -280,40 +281,43 @@ def test_a_factor_also_says_how_much_longer_the_way_past_a_block_may_be():
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("text", "expected"),
     [
-        ("detuor=5", "did you mean 'detour'"),
-        ("detour", "needs a number, bound; write detour=5"),
-        ("detour=far", "'far' is no number"),
-        ("detour=nan", "'nan' is no number"),
-        ("detour=0.5", "detour=0.5 is below 1"),
-        ("turn=0.5", "a factor of 0.5 is below 1"),
-        ("repeat=1.5", "no whole number from 1"),
-        ("", "an empty text names no oracle"),
+        ("detuor=5", {"code": "unknown-name", "name": "detuor", "near": "detour"}),
+        ("detour", {"code": "needs-a-number", "name": "detour", "number": "bound"}),
+        ("detour=far", {"code": "not-a-number", "number": "far"}),
+        ("detour=nan", {"code": "not-a-number", "number": "nan"}),
+        ("detour=0.5", {"code": "below-minimum", "bound": 0.5}),
+        ("turn=0.5", {"code": "below-minimum", "factor": 0.5}),
+        ("repeat=1.5", {"code": "out-of-range"}),
+        ("", {"code": "empty-name"}),
     ],
 )
-def test_what_is_no_oracle_is_refused(text, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_what_is_no_oracle_is_refused(text, expected):
+    with raises(InvalidParameter, **expected):
         objection(text)
 
 
 @pytest.mark.parametrize(
-    ("code", "message"),
+    ("code", "expected"),
     [
-        ("bad = 3", "is no function but int"),
-        ("def bad(): return None", r"takes \(\)"),
-        ("def bad(trial): return 1 / 0", "ZeroDivisionError"),
-        ("def bad(trial): return True", "answers True; return None, or a table"),
-        ("def bad(trial): return {'way': float('inf')}", "finite numbers"),
-        ("def bad(trial, deep=[]):\n deep.append(deep)\n return {'way': deep}", "at most 16 in one another"),
-        ("def bad(trial): raise SystemExit(3)", "ends Python"),
-        ("def loop(trial): return None", "is called like a verdict"),
+        ("bad = 3", {"code": "not-a-function", "kind": "int"}),
+        ("def bad(): return None", {"code": "wrong-signature"}),
+        ("def bad(trial): return 1 / 0", {"code": "code-failed", "kind": "ZeroDivisionError"}),
+        ("def bad(trial): return True", {"code": "wrong-oracle-answer", "answer": "True"}),
+        ("def bad(trial): return {'way': float('inf')}", {"code": "wrong-oracle-answer"}),
+        (
+            "def bad(trial, deep=[]):\n deep.append(deep)\n return {'way': deep}",
+            {"code": "wrong-oracle-answer", "most": 16},
+        ),
+        ("def bad(trial): raise SystemExit(3)", {"code": "code-failed"}),
+        ("def loop(trial): return None", {"code": "name-is-a-verdict"}),
     ],
 )
-def test_an_oracle_that_is_none_is_refused(code, message, tmp_path):
+def test_an_oracle_that_is_none_is_refused(code, expected, tmp_path):
     (tmp_path / "mine.py").write_text(code + "\n")
     name = "loop" if "loop" in code else "bad"
-    with pytest.raises(InvalidParameter, match=message):
+    with raises(InvalidParameter, **expected):
         objection(f"{tmp_path}/mine.py:{name}")
 
 
@@ -326,7 +330,7 @@ def test_numbers_of_numpy_are_evidence_like_others(tmp_path):
 
 def test_an_oracle_without_a_number_takes_none(tmp_path):
     (tmp_path / "mine.py").write_text("def mine(trial): return {'kind': 'a/b c', 'x': [1, (2, 3)]}\n")
-    with pytest.raises(InvalidParameter, match="takes no number"):
+    with raises(InvalidParameter, "takes-no-number"):
         Asked.parse(f"{tmp_path}/mine.py:mine=3")
     asked = Asked.parse(f"{tmp_path}/mine.py:mine")
     assert asked.kind(objection(asked.text)) == "mine-a-b-c" and objection(asked.text)["x"] == [1, [2, 3]]

@@ -482,7 +482,7 @@ def test_a_full_disk_stops_a_campaign_in_one_sentence_and_with_room_it_goes_on(w
         nonlocal left
         left -= 1
         if left < 0:
-            raise OutputError(f"{path}: cannot be written: No space left on device")
+            raise OutputError("unwritable", "{path}: cannot be written: No space left on device", path=path)
         write(path, data, force=force)
 
     monkeypatch.setattr(fuzz.ledger.folder, "write_bytes", full)

@@ -8,6 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from fuzz.find.layout import Layout
+from tests.helpers.raising import raises
 from worldgen import Pose, Target, World
 from worldgen.errors import InvalidParameter
 from worldgen.random_streams import RandomStream
@@ -100,5 +101,5 @@ def test_what_is_simpler_has_no_wall_that_was_not_there(world):
 
 def test_a_world_that_is_not_square_has_no_mirror():
     world = World(np.zeros((8, 9), bool), Pose(0.25, 0.25, 0.0), Target(0.55, 0.55, 0.05))
-    with pytest.raises(InvalidParameter, match="9 x 8 cells has no diagonal mirror"):
+    with raises(InvalidParameter, "not-square", width=9, height=8):
         Layout.of(world, mirror=True)

@@ -11,6 +11,7 @@ from sim import simulate
 from sim.controllers import CONTROLLERS
 from sim.long_runs import MOST_HELD
 from tests.fuzz.test_player_memory import room, shapes
+from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 
 LITTLE = 1 << 21
@@ -67,7 +68,7 @@ def test_a_short_run_is_recorded_whole_even_so():
 
 def test_a_lean_recording_has_no_words_for_a_digest(little):
     episode, _ = driven(lean=True)
-    with pytest.raises(InvalidParameter, match="record it whole"):
+    with raises(InvalidParameter, "recording-is-lean"):
         episode.trace.digest()
 
 

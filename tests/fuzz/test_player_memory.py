@@ -11,6 +11,7 @@ from fuzz.player.memory import BLOCKED, CELL, PLACE, PLAN
 from sim import Command, MemoryField, MemoryMap, simulate
 from sim.controllers import CONTROLLERS, CompiledController
 from tests.fuzz.test_report import decoded
+from tests.helpers.raising import raises
 from worldgen import generate
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import UNIT
@@ -116,7 +117,7 @@ def test_a_map_with_more_shapes_than_fit_is_held_at_fewer_steps():
 
 
 def test_memory_fields_that_are_none_are_refused():
-    with pytest.raises(InvalidParameter, match="memory_fields='mode', which is no tuple"):
+    with raises(InvalidParameter, "wrong-declaration", name="odd", fields="mode"):
         CompiledController("odd", lambda *_: None, memory_fields="mode")
 
 

@@ -11,6 +11,7 @@ from fuzz import project as module
 from fuzz.campaign import Campaign
 from fuzz.project import FIXED, KNOWN, Project
 from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
 from worldgen.cli import configuration
 from worldgen.errors import FormatError, InvalidParameter, OutputError
 from worldgen.installation import Origin
@@ -63,7 +64,7 @@ def test_a_controller_reaches_the_ci_file_as_it_is(controller, tmp_path):
 
 
 def test_what_cannot_stand_in_a_workflow_is_refused(tmp_path):
-    with pytest.raises(InvalidParameter, match=r"begins an expression"):
+    with raises(InvalidParameter, "not-for-a-ci-file"):
         Project(tmp_path, "cmd:./robot ${{ secrets.TOKEN }}").check(force=False)
 
 
@@ -116,21 +117,21 @@ def test_every_job_installs_the_project_s_own_requirements(tmp_path):
 
 
 def test_a_controller_without_a_name_is_refused(tmp_path):
-    with pytest.raises(InvalidParameter, match="has no name"):
+    with raises(InvalidParameter, "empty-name"):
         Project(tmp_path, "").check(force=False)
 
 
 def test_a_project_that_is_set_up_is_left_alone(tmp_path):
     Project(tmp_path, ROBOT, ci="none").write(force=False)
-    with pytest.raises(OutputError, match="exists already"):
+    with raises(OutputError, "file-exists"):
         Project(tmp_path, ROBOT, ci="none").check(force=False)
-    with pytest.raises(OutputError, match=r"\[tool.worldgen\] table already"):
+    with raises(OutputError, "already-set-up"):
         Project(tmp_path, ROBOT, ci="none").check(force=True)
 
 
 def test_a_damaged_pyproject_is_refused_and_kept(tmp_path):
     (tmp_path / "pyproject.toml").write_text("[tool")
-    with pytest.raises(FormatError, match="is not valid TOML"):
+    with raises(FormatError, "invalid-toml"):
         Project(tmp_path, ROBOT).check(force=True)
     assert (tmp_path / "pyproject.toml").read_text() == "[tool"
 

@@ -9,18 +9,21 @@ from dataclasses import replace
 
 import pytest
 
+from fuzz import ledger
 from fuzz.campaign import Campaign
 from fuzz.report.summary import MEMORY
 from fuzz.session import configure
 from fuzz.shrink.snippet import snippet
 from fuzz.studio import Folder
 from fuzz.studio.answers import Answers
-from fuzz.studio.campaign_state import SAID, _said
+from fuzz.studio.campaign_state import campaign_state
 from fuzz.studio.messages import message_of
 from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
 from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import HANGS, SHORT, acts, begin, watch
 from worldgen import generate
+from worldgen.errors import OutputError
 from worldgen.grid_file import dumps, read_world, write_world
 from worldgen.locks import holder, lock, sign
 from worldgen.world import FailureRecord
@@ -87,7 +90,7 @@ def written(out):
 @pytest.mark.gate
 def test_no_command_names_a_map_that_is_in_no_file(page):
     message = SHORT | {"lanes": [], "world": message_of(generate("trap", 2)), "units": 1}
-    assert "save it first" in page.ask("command", folder="x", **message, world_name=None)["error"]
+    assert page.ask("command", folder="x", **message, world_name=None)["error"]["code"] == "not-saved"
 
 
 @pytest.mark.nightly
@@ -152,7 +155,7 @@ def test_a_campaign_outlives_the_server_and_is_stopped_and_resumed_from_another(
         assert page.ask("campaigns")["answer"]["campaigns"][0]["running"]
         page.ask("stop", folder="long")
         stopped = watch(page, "long")
-        assert 0 < stopped["units"] < 100_000 and stopped["fault"] == ""
+        assert 0 < stopped["units"] < 100_000 and (stopped["error"], stopped["status"]) == (None, "stopped")
         assert page.ask("resume", folder="long")["answer"]["state"]["running"]
         watched(page, "long", stopped["units"])
         page.ask("stop", folder="long")
@@ -171,7 +174,7 @@ def test_a_campaign_that_has_yet_to_begin_is_stopped_and_leaves_nothing(tmp_path
         assert said[0] == {"id": asked, "part": {"begins": "a/b"}}
         said = {one["id"]: one for one in said[1:]}
         assert said[stop]["answer"] == {"state": None}
-        assert said[asked]["error"] == "the campaign was stopped before it had begun"
+        assert said[asked]["error"]["code"] == "campaign-stopped"
         assert not (tmp_path / "a").exists()
         assert begin(page, "a/b", units=1)["answer"]["state"]["folder"] == "a/b"
 
@@ -196,7 +199,7 @@ def test_what_goes_on_is_stopped_before_it_does_and_keeps_what_it_had(tmp_path):
 
 
 def test_what_is_no_campaign_is_not_stopped(page):
-    assert "holds no campaign" in page.ask("stop", folder="nothing")["error"]
+    assert page.ask("stop", folder="nothing")["error"]["code"] == "no-campaign"
 
 
 @pytest.mark.nightly
@@ -213,7 +216,7 @@ def test_a_folder_that_is_not_yet_a_campaign_has_its_worlds_listed_below_it(page
     write_world(generate("corridor", 3), folder / "corpus/inner/w.grid")
     (folder / "corpus/broken.grid").write_text("no world")
     said = page.ask("failures", folder="corpus")["answer"]
-    assert said["failures"] == [] and "broken.grid" in said["faults"][0]
+    assert said["failures"] == [] and said["faults"][0]["source"] == "corpus/broken.grid"
     assert {"name": "corpus", "worlds": 2} in page.ask("campaigns")["answer"]["folders"]
 
 
@@ -222,7 +225,10 @@ def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, f
     (folder / "bent/.campaign").mkdir(parents=True)
     (folder / "bent/.campaign/campaign.json").write_text("{")
     said = page.ask("campaigns")["answer"]
-    assert "done" in [state["folder"] for state in said["campaigns"]] and "bent" in said["faults"][0]
+    assert (
+        "done" in [state["folder"] for state in said["campaigns"]]
+        and said["faults"][0]["source"] == "bent/.campaign/campaign.json"
+    )
     (folder / "bent/.campaign/campaign.json").unlink()
 
 
@@ -232,41 +238,41 @@ def test_a_campaign_that_cannot_be_read_is_told_and_hides_no_other(done, page, f
 @pytest.mark.gate
 @pytest.mark.parametrize(
     ("changes", "why"),
-    [({"controller": "./mine.py:Robot"}, "was not named"), ({"lanes": ["./mine.py:family"]}, "is not registered"),
-     ({"oracles": ["./mine.py:oracle=3"]}, "is not registered"), ({"motion": "./mine.py:M"}, "is not registered"),
-     ({"units": 0}, "from 1 to"), ({"units": None}, "message's seconds"), ({"seed": "-1"}, "no whole number"),
-     ({"workers": 1000}, "from 1 to"), ({"epoch": -1}, "from 1 to"), ({"database": "../x"}, "leads out of"),
-     ({"baseline": ["../x"]}, "leads out of"), ({"baseline": ["none"]}, "no folder of failures"),
-     ({"vary": ["nothing=1"]}, "nothing of that name")],
+    [({"controller": "./mine.py:Robot"}, "not-named"), ({"lanes": ["./mine.py:family"]}, "not-registered"),
+     ({"oracles": ["./mine.py:oracle=3"]}, "not-registered"), ({"motion": "./mine.py:M"}, "not-registered"),
+     ({"units": 0}, "out-of-range"), ({"units": None}, "wrong-type"), ({"seed": "-1"}, "not-a-seed"),
+     ({"workers": 1000}, "out-of-range"), ({"epoch": -1}, "out-of-range"), ({"database": "../x"}, "outside-of-folder"),
+     ({"baseline": ["../x"]}, "outside-of-folder"), ({"baseline": ["none"]}, "wrong-kind-of-file"),
+     ({"vary": ["nothing=1"]}, "unknown-name")],
 )  # fmt: skip
 def test_a_campaign_that_cannot_be_or_may_not_be_is_refused_and_leaves_nothing(page, folder, changes, why):
-    assert why in begin(page, "refused", **({"units": 1} | changes))["error"]
+    assert begin(page, "refused", **({"units": 1} | changes))["error"]["code"] == why
     assert not (folder / "refused").exists()
 
 
 @pytest.mark.parametrize("name", ["../outside", ".hidden", "", "/tmp/x", "a/../../x"])
 @pytest.mark.parametrize("do", ["begin", "resume", "stop", "watch"])
 def test_no_campaign_leads_out_of_the_folder(page, do, name):
-    assert "folder" in page.ask(do, folder=name, **SHORT, units=1)["error"]
+    assert page.ask(do, folder=name, **SHORT, units=1)["error"]["code"] in ("outside-of-folder", "not-a-file-name")
 
 
 @pytest.mark.parametrize("name", ["plain.txt", "plain.txt/below", "known", "known/mine"])
 def test_a_file_and_the_folder_of_known_failures_are_no_place_for_a_campaign(page, folder, name):
     (folder / "plain.txt").write_text("mine")
-    assert "another folder" in begin(page, name, units=1)["error"]
+    assert "another folder" in begin(page, name, units=1)["error"]["remedy"]
     assert (folder / "plain.txt").read_text() == "mine"
 
 
 def test_a_folder_that_cannot_be_written_is_told_and_begins_nothing(page, folder):
     (folder / "full/.campaign/studio.txt").mkdir(parents=True)
-    assert "cannot be written" in begin(page, "full", units=1)["error"]
+    assert begin(page, "full", units=1)["error"]["code"] == "unwritable"
     assert not (folder / "full/.campaign/campaign.json").exists()
 
 
 def test_a_campaign_s_memory_that_is_a_link_is_not_written(page, folder, tmp_path):
     (folder / "linked").mkdir()
     (folder / "linked/.campaign").symlink_to(tmp_path)
-    assert "no folder of a campaign" in begin(page, "linked", units=1)["error"]
+    assert begin(page, "linked", units=1)["error"]["code"] == "not-a-campaign-folder"
     assert list(tmp_path.iterdir()) == []
 
 
@@ -292,7 +298,7 @@ def test_a_failure_of_a_controller_that_nobody_named_is_shown_and_not_run(done, 
     record = replace(world.failure, controller=f"cmd:touch {folder}/gone")
     write_world(replace(world, failure=record), folder / "foreign/f.grid")
     seen = page.ask("look", name="foreign/f.grid")["answer"]
-    assert seen["run"] is None and "was not named" in seen["words"] and seen["world"]["width"] == world.width
+    assert seen["run"] is None and seen["error"]["code"] == "not-named" and seen["world"]["width"] == world.width
     assert not (folder / "gone").exists()
 
 
@@ -302,7 +308,7 @@ def test_a_known_failure_whose_oracle_is_a_file_s_stops_the_campaign_before_it_b
     (folder / "known/evil").mkdir(parents=True)
     record = replace(world.failure, evidence={**world.failure.evidence, "oracle": "./evil.py:f", "objection": {}})
     write_world(replace(world, failure=record), folder / "known/evil/f.grid")
-    assert "is not registered" in begin(page, "never", units=1, known=True)["error"]
+    assert begin(page, "never", units=1, known=True)["error"]["code"] == "not-registered"
     (folder / "known/evil/f.grid").unlink()
 
 
@@ -320,7 +326,7 @@ def test_a_lock_that_names_another_s_process_stops_nothing(page, folder):
     (folder / "forged/.campaign").mkdir(parents=True)
     (folder / "forged/.campaign/lock").write_text(f"{os.getpid()} {os.uname().nodename}\n")
     before = signal.getsignal(signal.SIGINT)
-    assert "holds no campaign" in page.ask("stop", folder="forged")["error"]
+    assert page.ask("stop", folder="forged")["error"]["code"] == "no-campaign"
     assert signal.getsignal(signal.SIGINT) == before
 
 
@@ -339,15 +345,59 @@ def test_a_campaign_by_the_clock_that_was_stopped_says_so(done, page):
     begin(page, "by the clock", seconds=600)
     watched(page, "by the clock", 0)
     page.ask("stop", folder="by the clock")
-    assert watch(page, "by the clock")["stopped"] and not done["stopped"]
+    assert (watch(page, "by the clock")["status"], done["status"]) == ("stopped", "done")
 
 
-def test_what_the_studio_s_process_said_no_longer_counts_after_one_of_a_terminal(tmp_path):
-    said, lock = tmp_path / MEMORY / SAID, tmp_path / MEMORY / "lock"
-    said.parent.mkdir()
-    lock.touch()
-    said.write_text("interrupted; go on\n")
-    assert _said(tmp_path) == ["interrupted; go on"]
-    later = said.stat().st_mtime_ns + 10**9
-    os.utime(lock, ns=(later, later))
-    assert _said(tmp_path) == []
+@pytest.fixture
+def stored(tmp_path):
+    """A campaign's folder, of which no process is doing anything."""
+    config = configure(
+        controller="turn-right", motion="swept", families=("trap",), examples=8, seed=1, fixed_map=None, time_step=None
+    )
+    ledger.begin(config, tmp_path / "c", ledger.Goal(units=2)).folder.close()
+    return tmp_path / "c"
+
+
+def give_up(out):
+    """Has a command that writes there end with an error."""
+    with raises(OutputError, "worker-died"), ledger.errors_recorded(out):
+        raise OutputError("worker-died", "a worker of {out} died", "give fewer --workers", at_terminal=True, out=out)
+
+
+def test_why_a_campaign_gave_up_is_read_from_its_record_with_paths_in_the_folder(stored):
+    give_up(stored)
+    error = campaign_state(stored, "c", stored.parent)["error"]
+    assert (error["code"], error["facts"]) == ("worker-died", {"out": "c"})
+    assert (error["problem"], error["terminal"]) == ("a worker of c died", True)
+
+
+def test_a_campaign_that_begins_again_has_not_given_up(stored):
+    give_up(stored)
+    ledger.resume(stored).folder.close()
+    assert campaign_state(stored, "c")["error"] is None
+
+
+def test_what_was_refused_after_a_campaign_was_done_says_nothing_of_it(stored):
+    summary = {"version": 1, "status": "done", "controller": "turn-right", "motion": "swept", "seed": 1}
+    summary |= {"units": 2, "worlds": 3, "steps": 4, "seconds": 0.5}
+    (stored / MEMORY / "summary.json").write_text(json.dumps(summary))
+    give_up(stored)
+    state = campaign_state(stored, "c")
+    assert (state["status"], state["error"]) == ("done", None)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"templates": {"problem": "{out:>1000000000}", "remedy": ""}}, {"templates": {"problem": "{out.x}", "remedy": ""}},
+     {"facts": []}, {"version": 2}, {"templates": 3}, {"templates": {"problem": "{nothing}", "remedy": ""}}],
+)  # fmt: skip
+def test_a_record_that_no_campaign_wrote_is_passed_over(stored, changes):
+    give_up(stored)
+    file = stored / MEMORY / "error.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | changes))
+    assert ledger.read_error(stored) is None
+
+
+def test_a_folder_without_a_campaign_gets_no_record(tmp_path):
+    give_up(tmp_path)
+    assert list(tmp_path.iterdir()) == []

@@ -6,8 +6,9 @@ import pytest
 
 from fuzz.studio import Folder
 from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
 from worldgen import generate
-from worldgen.errors import WorldgenError
+from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.grid_file import read_world, write_world
 from worldgen.interop import FORMATS
 
@@ -165,24 +166,26 @@ def test_a_row_of_a_scenario_is_chosen_of_dropped_files_and_of_the_folder_s(answ
     assert said[1]["world"]["start"][0] == 0.25 != said[0]["world"]["start"][0]
 
 
-def test_a_row_that_is_not_there_and_a_format_that_is_not_known_are_refused_with_the_page_s_way_out(answers, tmp_path):
+def test_a_row_that_is_not_there_and_a_format_that_is_not_known_are_refused_by_their_names(answers, tmp_path):
     main, scenario = scenario_in(tmp_path)
     (tmp_path / "b.bin").write_bytes(b"junk")
-    for files, more, words in (
-        ((main, scenario), {"row": 4}, "^a.map.scen: has no row 4; it has rows 1 to 3"),
-        ((main,), {"row": 1}, "a row is one of a scenario; bring the .scen file together with its map"),
-        ((scenario,), {}, "a scenario file has no map; give the .map file, and this one with it$"),
-        ((tmp_path / "b.bin",), {}, "say which in Options of the import$"),
+    for files, more, code, source in (
+        ((main, scenario), {"row": 4}, "out-of-range", "a.map.scen"),
+        ((scenario,), {}, "no-map-found", "a.map.scen"),
+        ((tmp_path / "b.bin",), {}, "unknown-format", "b.bin"),
     ):
-        with pytest.raises(WorldgenError, match=words):
+        with raises(FormatError, code) as caught:
             answers.bring(dropped(*files) | more, print)
+        assert caught.value.source == source
+    with raises(InvalidParameter, "no-scenario"):
+        answers.bring(dropped(main) | {"row": 1}, print)
 
 
 def test_a_map_without_what_it_names_and_two_maps_at_once_are_refused_in_a_sentence(answers, folder, tmp_path):
     by_command(tmp_path / "out", folder / "w.grid", "ros")
-    with pytest.raises(WorldgenError, match=r"^out.yaml:1: image 'out.pgm' is not there; put it beside out.yaml"):
+    with raises(WorldgenError, "no-such-file", key="image", name="'out.pgm'", map="out.yaml"):
         answers.bring(dropped(tmp_path / "out/out.yaml"), print)
-    with pytest.raises(WorldgenError, match=r"fire.grid, w.grid are 2 maps; drop one"):
+    with raises(WorldgenError, "several-maps", names="fire.grid, w.grid", count=2):
         answers.bring(dropped(folder / "fire.grid", folder / "w.grid"), print)
 
 

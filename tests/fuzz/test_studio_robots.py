@@ -56,7 +56,8 @@ def test_a_robot_s_own_option_counts_more_than_that_of_all(gate):
 def test_what_is_wrong_with_one_robot_s_options_is_told_and_the_others_drive(gate):
     with page_of(gate) as page:
         wrong, right = run(page, ["thesis-1+slop=0.3", "thesis-1"])
-    assert "slop" in wrong["error"] and right["digest"] == digest("thesis-1")
+    assert (wrong["error"]["code"], wrong["error"]["facts"]["name"]) == ("unknown-name", "slop")
+    assert right["digest"] == digest("thesis-1")
 
 
 @pytest.mark.parametrize(

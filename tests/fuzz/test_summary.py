@@ -27,7 +27,7 @@ def of_a_compiled_one():
 
 
 def test_the_share_of_a_python_class_is_in_the_summary(of_a_class):
-    assert 0.0 < summary_of(*of_a_class)["controller_share"] < 1.0
+    assert 0.0 < summary_of(*of_a_class, "done")["controller_share"] < 1.0
 
 
 def test_the_share_of_a_python_class_is_in_words(of_a_class):
@@ -35,7 +35,7 @@ def test_the_share_of_a_python_class_is_in_words(of_a_class):
 
 
 def test_a_compiled_controller_has_no_share(of_a_compiled_one):
-    assert "controller_share" not in summary_of(*of_a_compiled_one)
+    assert "controller_share" not in summary_of(*of_a_compiled_one, "done")
     assert times_in_words(*of_a_compiled_one).count("%") == 0
 
 

@@ -10,12 +10,13 @@ const { makeForm } = await studio("campaign_form");
 const { Model, emptyWorld } = await studio("model");
 
 const RUNNING = {
-  folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, fault: "", stopped: false,
+  folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, error: null, status: "running",
   goal: { units: 4, seconds: null }, units: 2, sitting: null, archive: null, failures: 5,
   met: { "loop-a": 17, "stalled-b": 4, "tunnel-c": 2 }, known: { "stalled-b": 4 },
   lanes: [{ lane: "native", units: 1, worlds: 800, failures: 9, classes: 1 }, { lane: "trap", units: 1, worlds: 100, failures: 14, classes: 2 }],
 };
-const DONE = { ...RUNNING, running: false, units: 4 };
+const DONE = { ...RUNNING, running: false, units: 4, status: "done" };
+const REFUSED = { code: "scheduler-lost", problem: "the scheduler is gone", remedy: "", terminal: false, opens: "", facts: {}, line: null, source: null };
 const A = { class: "loop-a", width: 9, height: 3, solid: 21, verdict: "loop" };
 const SLID = { class: "loop-z", width: 7, height: 3, solid: 19, verdict: "loop" };
 
@@ -72,8 +73,8 @@ test("how it stands is said: done, stopped, given up, stopping", () => {
     return line().split("turn-right")[0];
   };
   assert.deepEqual(
-    [DONE, { ...DONE, units: 3 }, { ...DONE, stopped: true }, { ...DONE, fault: "no memory" }].map((state) => words(state)),
-    ["Done", "Stopped", "Stopped", "Gave up"],
+    [DONE, { ...DONE, units: 3 }, { ...DONE, status: "stopped" }, { ...DONE, status: "running" }, { ...DONE, error: REFUSED }].map((state) => words(state)),
+    ["Done", "Stopped", "Stopped", "Stopped", "Gave up"],
   );
   assert.equal(words(RUNNING, "mine"), "Stopping");
 });
@@ -131,10 +132,10 @@ test("one that never begins can be stopped, once", () => {
   assert.deepEqual([done, button.textContent], [["halt mine"], "Stop"]);
 });
 
-const both = { thesis: false, lattice: true, fault: "", named: false, motion: "swept", also: "" };
+const both = { thesis: false, lattice: true, fault: null, named: false, motion: "swept", also: "" };
 const option = { help: "What it does, or ./file.py:name.", default: 60 };
 const OFFERED = {
-  controllers: [{ ...both, name: "turn-right" }, { ...both, name: "bug1" }, { ...both, name: "./my robots/mine.py:Robot", fault: "gone" }, { ...both, name: "thesis-1", thesis: true, lattice: false, motion: "stepped" }],
+  controllers: [{ ...both, name: "turn-right" }, { ...both, name: "bug1" }, { ...both, name: "./my robots/mine.py:Robot", fault: REFUSED }, { ...both, name: "thesis-1", thesis: true, lattice: false, motion: "stepped" }],
   motions: [{ name: "swept", thesis: false, about: "exact" }, { name: "stepped", thesis: true, about: "the thesis's" }],
   lanes: ["native", "archive"], families: [{ name: "maze" }, { name: "trap" }], cores: 2, known: "known", time_step: 0.015,
   options: Object.fromEntries(["--examples", "--epoch", "--oracle", "--detour", "--vary", "--shrink", "--baseline", "--database"].map((name) => [name, option])),

@@ -4,7 +4,8 @@ import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { studio } from "./pages.mjs";
 
-const { Ended, Refused, makeConnection } = await studio("connection");
+const { Ended, makeConnection } = await studio("connection");
+const { Refused } = await studio("refusals");
 
 const sockets = [];
 const waits = [];
@@ -45,7 +46,7 @@ async function connected() {
   const told = { begun: [], lost: [] };
   const connection = makeConnection((said) => told.begun.push(said), (...given) => told.lost.push(given), Promise.resolve());
   await new Promise((done) => setImmediate(done));
-  sockets.at(-1).say({ protocol: 1, folder: "/here" });
+  sockets.at(-1).say({ protocol: 2, folder: "/here" });
   return { connection, told, socket: sockets.at(-1) };
 }
 
@@ -79,9 +80,9 @@ test("parts come before the answer, each once", async () => {
 test("what the server objects to is told in its words, and what was replaced has ended", async () => {
   const { connection, socket } = await connected();
   const asked = [connection.ask("save"), connection.ask("decide")];
-  socket.say({ id: socket.sent[0].id, error: "the disk is full" });
+  socket.say({ id: socket.sent[0].id, error: { code: "disk-refuses", problem: "the disk is full", remedy: "make room", terminal: false, opens: "", facts: { file: "w.grid" }, line: null, source: null } });
   socket.say({ id: socket.sent[1].id, ended: true });
-  await assert.rejects(asked[0], (error) => error instanceof Refused && error.message === "the disk is full");
+  await assert.rejects(asked[0], (error) => error instanceof Refused && error.message === "the disk is full; make room" && error.code === "disk-refuses" && error.facts.file === "w.grid");
   await assert.rejects(asked[1], Ended);
 });
 

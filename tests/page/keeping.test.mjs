@@ -164,13 +164,14 @@ test("the oldest of what tabs have left makes room, and no more of it than is ne
 });
 
 test("the proof is told in words, with what a robot needs", () => {
-  assert.deepEqual(proofWords(null), { words: "…", kind: "waiting" });
+  assert.deepEqual(proofWords(null), { head: "", words: "…", kind: "waiting" });
   assert.deepEqual(proofWords({ result: "reachable", length: 4.5678, duration: 2.2839, clearance: 0.123456 }), {
-    words: "✓ reachable: 4.57 m, 2.28 s; clearance of the way that is shown 0.1235 m",
+    head: "✓ reachable:",
+    words: " 4.57 m, 2.28 s; clearance of the way that is shown 0.1235 m",
     kind: "good",
   });
-  const cut = { result: "blocked", cut: [], reason: "a ring of 40 cells, so and so" };
-  assert.deepEqual(proofWords(cut), { words: "✗ blocked: a ring of 40 wall cells, every gap too narrow for this robot, parts the start from the target", kind: "bad" });
-  assert.deepEqual(proofWords({ result: "undecided", reason: "too large" }), { words: "? undecided: too large", kind: "waiting" });
+  const cut = { result: "blocked", cut: [], ring: 40, reason: "a ring of cells, so and so" };
+  assert.deepEqual(proofWords(cut), { head: "✗ blocked:", words: " a ring of 40 wall cells, every gap too narrow for this robot, parts the start from the target", kind: "bad" });
+  assert.deepEqual(proofWords({ result: "undecided", reason: "too large" }), { head: "? undecided:", words: " too large", kind: "waiting" });
   assert.equal(proofWords({ error: "no world" }).kind, "bad");
 });

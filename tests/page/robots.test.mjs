@@ -8,17 +8,17 @@ import { tick, type } from "./stand_in.mjs";
 const { makeRobots } = await studio("robots");
 const { makeSettings } = await studio("settings");
 const { sizePart } = await studio("size_form");
-const { Refused } = await studio("connection");
+const { Refused } = await studio("refusals");
 const { Model, emptyWorld } = await studio("model");
 
-const both = { thesis: true, lattice: true, fault: "", named: false, motion: "swept" };
+const both = { thesis: true, lattice: true, fault: null, named: false, motion: "swept" };
 const CONTROLLERS = [
   { ...both, name: "thesis-1", also: "turn-right", lattice: false, motion: "stepped" },
   { ...both, name: "thesis-2", also: "turn-left", lattice: false, motion: "stepped" },
   { ...both, name: "turn-left", also: "thesis-2" },
   { ...both, name: "turn-right", also: "thesis-1" },
   { ...both, name: "bug1", also: "", thesis: false },
-  { ...both, name: "mine", also: "", thesis: false, fault: "no such file", named: true },
+  { ...both, name: "mine", also: "", thesis: false, fault: { code: "no-such-file", problem: "no such file" }, named: true },
 ];
 const angle = { name: "turn_angle", group: "Behaviours", kind: "float", unit: "rad", default: Math.PI / 2, low: 0, high: Math.PI, choices: [], help: "Angle of a turn, rad, 0 to pi." };
 const OPTIONS = [

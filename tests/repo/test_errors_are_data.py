@@ -8,11 +8,14 @@ from pathlib import Path
 
 import pytest
 
-PACKAGES = ("worldgen", "worldgen_plugins")
+PACKAGES = ("worldgen", "worldgen_plugins", "sim", "fuzz")
 ROOT = Path(__file__).parents[2]
 BASE = "WorldgenError"
 KEBAB = "[a-z0-9]+(-[a-z0-9]+)*"
 IN_FILES = {"FormatError", "NotAGrid"}
+OPTION = r"(?<![\w-])--(?!flag\b)[a-z][a-z-]*"  # --flag stands for an option of a user's program
+COMMAND = r"`worldgen [a-z-]+|(?<![\w`./])worldgen (?:fuzz|run|replay|studio|verify|show|import)\b"
+OF_A_TERMINAL = f"{OPTION}|{COMMAND}"
 PLACES = {"line", "source"}  # of an error in a file: keywords that are not facts
 
 
@@ -33,7 +36,7 @@ def _messages() -> list[tuple[str, ast.Call]]:
     bases = {
         node.name: {ast.unparse(base) for base in node.bases} for _, node in nodes if isinstance(node, ast.ClassDef)
     }
-    made = {"Message", BASE}
+    made = {"Message", "Note", BASE}
     while more := {name for name, above in bases.items() if above & made} - made:
         made |= more
     return [
@@ -82,6 +85,12 @@ def _faults() -> Iterator[str]:
             for problem in problems or ()
             if (option := re.search(r"(?<![\w-])--[a-z][\w-]*", problem))
         )
+        if not any(keyword.arg == "at_terminal" for keyword in call.keywords):
+            yield from (
+                f"{place}: a remedy names {named[0]!r}, so say at_terminal=True"
+                for remedy in remedies or ()
+                if (named := re.search(OF_A_TERMINAL, remedy))
+            )
         if problems is None or remedies is None or any(keyword.arg is None for keyword in call.keywords):
             continue
         no_facts = {"at_terminal"} | (PLACES if ast.unparse(call.func) in IN_FILES else set())
@@ -107,6 +116,7 @@ def test_the_packages_raise_errors_that_this_file_sees():
         'InvalidParameter("too-small", "size={size} is below {low}", size=size)',
         'InvalidParameter("too-small", "the size is too small", size=size)',
         'InvalidParameter("too-small", "--size is too small")',
+        'InvalidParameter("too-small", "the size is too small", "give --size 10")',
     ],
 )
 def test_a_message_that_breaks_the_rules_is_seen(monkeypatch, written):

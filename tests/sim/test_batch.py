@@ -11,6 +11,7 @@ from sim import CompiledController, RobotOptions, RunOptions, simulate, simulate
 from sim.batch import VERDICTS
 from sim.controllers import CONTROLLERS
 from sim.lattice_run import LatticeRun
+from tests.helpers.raising import raises
 from tests.sim.test_episode import GoToTarget, arena, cup
 from worldgen import CellState, Event, InvalidParameter, InvalidWorld, Pose, Timeline, generate
 
@@ -84,19 +85,19 @@ def test_results_print_themselves_and_convert():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error", "message"),
+    ("arguments", "error", "expected"),
     [
-        ({"worlds": []}, InvalidParameter, "nothing to run"),
-        ({"seeds": 0}, InvalidParameter, "nothing to run"),
-        ({"starts": []}, InvalidParameter, "nothing to run"),
-        ({"controllers": "turn-lft"}, InvalidParameter, "turn-lft"),
-        ({"seed": 3}, InvalidParameter, "seeds=5"),
-        ({"slipp": 3}, InvalidParameter, "slipp"),
-        ({"starts": [Pose(0.0, 0.0, 0.0)]}, InvalidWorld, "overlaps a wall"),
+        ({"worlds": []}, InvalidParameter, {"code": "nothing-given"}),
+        ({"seeds": 0}, InvalidParameter, {"code": "nothing-given"}),
+        ({"starts": []}, InvalidParameter, {"code": "nothing-given"}),
+        ({"controllers": "turn-lft"}, InvalidParameter, {"code": "unknown-name", "name": "turn-lft"}),
+        ({"seed": 3}, InvalidParameter, {"code": "seed-for-many-runs"}),
+        ({"slipp": 3}, InvalidParameter, {"code": "unknown-name", "name": "slipp"}),
+        ({"starts": [Pose(0.0, 0.0, 0.0)]}, InvalidWorld, {"code": "start-in-wall"}),
     ],
 )
-def test_bad_input_gets_a_sentence(arguments, error, message):
-    with pytest.raises(error, match=message):
+def test_bad_input_gets_a_sentence(arguments, error, expected):
+    with raises(error, **expected):
         simulate_many(**{"worlds": arena(), "controllers": "turn-left", **arguments})
 
 

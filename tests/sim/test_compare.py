@@ -19,6 +19,7 @@ from sim.comparison_report import as_csv, as_text
 from sim.controllers import names_in
 from sim.published import agreement, read_figures
 from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
 from tests.sim.test_thesis_options import hall
 from tests.sim.test_thesis_vectors import VECTORS, world_of
 from worldgen import FormatError, InvalidParameter, InvalidWorld, Pose, read_world, write_world
@@ -130,35 +131,35 @@ def test_switches_that_draw_random_numbers_make_a_controller_random():
 
 def test_a_world_without_room_is_named():
     outside = NamedWorld("cramped", replace(EMPTY.world, start=Pose(0.05, 0.05, 0.0)))
-    with pytest.raises(InvalidWorld, match="cramped"):
+    with raises(InvalidWorld, "start-in-wall", world="cramped"):
         compare([outside], scenarios("thesis-1"))
 
 
 def test_what_cannot_run_is_refused_before_the_first_run():
     told = []
-    with pytest.raises(InvalidParameter, match="thesis-9"):
+    with raises(InvalidParameter, "unknown-name", name="thesis-9"):
         compare([EMPTY], scenarios("thesis-1", "thesis-9"), progress=told.append)
     assert not told
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("text", "expected"),
     [
-        ("", "names no column 'world'"),
-        ("world,controller\n", "names no column 'time'"),
-        (TABLE + "a,b\n", "2 fields under a header of 3"),
-        (TABLE + "a,,1\n", "world or controller is empty"),
-        (TABLE + "a,thesis-1,soon\n", "'soon' is no number of seconds"),
-        (TABLE + "a,thesis-1,-1\n", "'-1' is no number of seconds"),
-        (TABLE + "a,thesis-1,0\n", "'0' is no number of seconds, above 0"),
-        (TABLE + "a,thesis-1,1e308\n", "up to 1e"),
-        (TABLE + 'a,thesis-1,"1\n', "no CSV"),
-        ("world,controller,time,verdict\na,b,1,lost\n", "verdict 'lost' is none of"),
-        ("world,controller,time,verdict\na,b,,reached\n", "reached, but no time"),
+        ("", {"code": "columns-missing", "column": "world"}),
+        ("world,controller\n", {"code": "columns-missing", "column": "time"}),
+        (TABLE + "a,b\n", {"code": "wrong-count", "count": 2, "wanted": 3}),
+        (TABLE + "a,,1\n", {"code": "empty-name"}),
+        (TABLE + "a,thesis-1,soon\n", {"code": "not-a-number", "name": "time", "value": "soon"}),
+        (TABLE + "a,thesis-1,-1\n", {"code": "not-a-number", "name": "time", "value": "-1"}),
+        (TABLE + "a,thesis-1,0\n", {"code": "not-a-number", "name": "time", "value": "0"}),
+        (TABLE + "a,thesis-1,1e308\n", {"code": "not-a-number", "name": "time"}),
+        (TABLE + 'a,thesis-1,"1\n', {"code": "invalid-csv"}),
+        ("world,controller,time,verdict\na,b,1,lost\n", {"code": "unknown-name", "verdict": "lost"}),
+        ("world,controller,time,verdict\na,b,,reached\n", {"code": "time-missing"}),
     ],
 )
-def test_a_table_that_cannot_be_read_is_named_with_its_line(text, message):
-    with pytest.raises(FormatError, match=message) as raised:
+def test_a_table_that_cannot_be_read_is_named_with_its_line(text, expected):
+    with raises(FormatError, **expected) as raised:
         read_figures(text, "old.csv")
     assert "old.csv" in str(raised.value)
 

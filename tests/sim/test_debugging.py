@@ -13,6 +13,7 @@ from sim.controllers.program import WantsMemory
 from sim.episode import simulate
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate, write_world
 
 SERVE = """
@@ -144,5 +145,5 @@ def test_a_program_without_cmd_gets_the_hint_that_it_needs(name, words, tmp_path
 
 
 def test_an_option_of_programs_behind_another_controller_gets_the_hint_that_it_needs():
-    with pytest.raises(InvalidParameter, match=r"cmd\+memory=4G:\./robot"):
+    with raises(InvalidParameter, "option-misplaced", name="memory", controller="./robot"):
         Scenario.parse("./robot+memory=4G")

@@ -9,6 +9,7 @@ from sim.controllers.library.mapper import mapper, mapper_small, mapping
 from tests.helpers.command_line import worldgen
 from tests.helpers.drawn_worlds import drawn
 from tests.helpers.interpreted import Interpreted
+from tests.helpers.raising import raises
 from worldgen import InvalidParameter, Target, generate
 
 
@@ -71,7 +72,7 @@ def test_a_map_of_a_size_of_one_s_own_takes_a_number_for_each_dozen_of_nodes():
     "size", [{"side": 4}, {"side": 5000}, {"side": 20, "pitch": 0.0}, {"side": 20, "no_room": -1.0}], ids=str
 )
 def test_a_map_that_cannot_be_is_refused(size):
-    with pytest.raises(InvalidParameter, match=r"outside 8 to 1024 nodes|not above 0|0 to 10 times"):
+    with raises(InvalidParameter, "out-of-range"):
         mapping("bad", **size)
 
 

@@ -15,6 +15,7 @@ from sim.commands.new_controller import new_controller
 from sim.controllers import CONTROLLERS
 from sim.shared_object import include_folder
 from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
 from worldgen import InvalidParameter, OutputError, Pose, Target, World, generate
 
 BUILT = ("c", "cpp")
@@ -87,20 +88,20 @@ def test_a_program_may_be_given_any_file_name_blanks_included(tmp_path):
 
 @pytest.mark.parametrize("name", ["", "2fast", "a b", "class", "match", "../x", "ü", 65 * "x"])
 def test_a_name_that_python_would_not_take_is_refused(name, tmp_path):
-    with pytest.raises(InvalidParameter, match="is no name for a controller"):
+    with raises(InvalidParameter, "not-a-controller-name"):
         make(name, "--out", tmp_path)
 
 
 def test_a_file_that_is_there_is_left_alone_without_force(tmp_path):
     (tmp_path / "mine.py").write_text("precious")
-    with pytest.raises(OutputError, match="is there already; give --force"):
+    with raises(OutputError, "file-exists"):
         make("mine", "--out", tmp_path)
     make("mine", "--out", tmp_path, "--force")
     assert "class Mine" in (tmp_path / "mine.py").read_text()
 
 
 def test_a_place_that_is_no_folder_and_no_python_file_is_refused(tmp_path):
-    with pytest.raises(OutputError, match=r"make the folder, or name a \.py file"):
+    with raises(OutputError, "no-place-for-file", suffix=".py"):
         make("mine", "--kind", "compiled", "--out", tmp_path / "robots")
 
 

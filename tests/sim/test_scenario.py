@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim import RobotOptions, RunOptions, Scenario, ThesisOptions, simulate
+from tests.helpers.raising import raises
 from worldgen import InvalidParameter, generate
 
 STEPPED = {"motion": "stepped"}
@@ -70,24 +71,24 @@ def test_a_label_reads_back(switches, time_step):
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("text", "expected"),
     [
-        ("", "names no controller"),
-        ("thesis-1+nosie", "did you mean 'noise'"),
-        ("thesis-1+noise=maybe", "neither true nor false"),
-        ("thesis-1+slip", "needs a value"),
-        ("thesis-1+slip=much", "no number; write one like 0.0"),
-        ("thesis-3+draws=0.5:x", "no list of numbers; write one like 0.25:0.5"),
-        ("thesis-3+draws=0.5:1.0", "outside \\[0, 1\\)"),
-        ("thesis-1+slip=1.5", "slip=1.5 is outside 0 to 1"),
-        ("thesis-1+slip=nan", "slip=nan is outside 0 to 1"),
-        ("thesis-1+arbiter=A9", "arbiter='A9' is not one of A0"),
-        ("thesis-1+time_step=soon", "time_step='soon' is no number"),
-        ("thesis-1+map_scale=0", "map_scale=0 is outside 1 to 100 cells"),
+        ("", {"code": "empty-name"}),
+        ("thesis-1+nosie", {"code": "unknown-name", "name": "nosie"}),
+        ("thesis-1+noise=maybe", {"code": "not-a-truth-value", "name": "noise"}),
+        ("thesis-1+slip", {"code": "option-needs-value", "name": "slip"}),
+        ("thesis-1+slip=much", {"code": "not-a-number", "name": "slip", "kind": "number"}),
+        ("thesis-3+draws=0.5:x", {"code": "not-a-number", "name": "draws", "kind": "list of numbers"}),
+        ("thesis-3+draws=0.5:1.0", {"code": "out-of-range"}),
+        ("thesis-1+slip=1.5", {"code": "out-of-range", "name": "slip", "value": 1.5, "high": 1}),
+        ("thesis-1+slip=nan", {"code": "out-of-range", "name": "slip", "high": 1}),
+        ("thesis-1+arbiter=A9", {"code": "unknown-name", "name": "arbiter", "value": "A9"}),
+        ("thesis-1+time_step=soon", {"code": "not-a-number", "text": "soon"}),
+        ("thesis-1+map_scale=0", {"code": "out-of-range", "name": "map_scale", "low": 1, "high": 100}),
     ],
 )
-def test_a_wrong_variation_gets_a_sentence(text, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_a_wrong_variation_gets_a_sentence(text, expected):
+    with raises(InvalidParameter, **expected):
         Scenario.parse(text, **STEPPED)
 
 
@@ -99,5 +100,5 @@ def test_a_failure_file_stores_only_what_was_switched():
 
 
 def test_switches_of_the_thesis_mean_nothing_to_another_motion_model():
-    with pytest.raises(InvalidParameter, match="'noise' means nothing to motion 'swept'; take --motion stepped"):
+    with raises(InvalidParameter, "option-without-effect", option="noise", motion="swept", where="stepped"):
         simulate(generate("trap", seed=1), "thesis-1", motion="swept", noise=True)

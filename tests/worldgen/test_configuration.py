@@ -204,7 +204,7 @@ def test_a_quiet_command_still_prints_errors_and_the_drawn_seed(tmp_path):
 
 def test_a_hidden_package_is_an_error_even_if_quiet(monkeypatch, capsys):
     def hidden():
-        raise InvalidParameter("./numpy.py hides the package numpy; rename it")
+        raise InvalidParameter("hidden-package", "./numpy.py hides the package numpy", "rename it")
 
     monkeypatch.setattr(main, "check_hidden", hidden)
     monkeypatch.setattr(output, "is_quiet", lambda: True)

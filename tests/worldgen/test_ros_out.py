@@ -82,7 +82,7 @@ def test_a_failed_export_takes_back_what_it_wrote_and_nothing_of_another_program
     def write_but_not_the_first(path, data, **options):
         if path == first:
             first.write_bytes(b"mine")
-            raise OutputError("it is there")
+            raise OutputError("file-exists", "it is there")
         path.write_bytes(data)
 
     monkeypatch.setattr("worldgen.interop.exporting.write_bytes", write_but_not_the_first)

@@ -301,7 +301,7 @@ def test_what_force_began_goes_on_as_the_message_says(whole, tmp_path, monkeypat
 
 
 def full():
-    raise OutputError("No space left on device")
+    raise OutputError("unwritable", "No space left on device")
 
 
 def test_a_file_that_an_archive_has_twice_is_found(whole, tmp_path):

@@ -73,7 +73,7 @@ def endless(rng, *, size: int = 12) -> World:
 
 def wordy(rng, *, size: int = 12) -> World:
     if size != 12:
-        raise InvalidParameter("one line\nand another")
+        raise InvalidParameter("odd", "one line\nand another")
     return room(rng)
 
 

@@ -119,7 +119,11 @@ def folder_maps(
             passed_over += 1
     if not files:
         raise InvalidParameter(
-            "no-map-found", "{paths!l}: holds no map", "`worldgen formats` lists what a map can be", paths=list(paths)
+            "no-map-found",
+            "{paths!l}: holds no map",
+            "`worldgen formats` lists what a map can be",
+            at_terminal=True,
+            paths=list(paths),
         )
     by_map = {name: tuple(found) for name, found in scenarios.items()}
     named_files = tuple((name, path) for path, name in files.items())

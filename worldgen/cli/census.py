@@ -150,6 +150,7 @@ def _check_folder(folder: Path, *, force: bool) -> None:
             "folder-not-empty",
             "{folder} is not empty",
             "give --force to write into it, or another folder",
+            at_terminal=True,
             folder=folder,
         )
 

@@ -104,6 +104,7 @@ def _make(
             "is-a-file",
             "{path} is one file",
             "say with --out where to make the set, or give --check to compare",
+            at_terminal=True,
             path=path,
         )
     try:

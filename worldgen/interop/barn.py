@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from worldgen.errors import Note
 from worldgen.interop.boxes import closing_boxes
 from worldgen.interop.foreign_map import FLOOR_ROBOT
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal, decimal_text
@@ -72,7 +73,15 @@ def write_barn(world: World, destination: Destination) -> Exported:
         "posts are round: between them, and at walls' corners, there is more room than in the world's square cells",
     ]
     if len(posts) > _MANY:
-        notes.append(f"{len(posts)} posts: Gazebo takes long to load them; --to sdf has fewer, larger boxes")
+        notes.append(
+            Note(
+                "many-posts",
+                "{count} posts: Gazebo takes long to load them",
+                "--to sdf has fewer, larger boxes",
+                at_terminal=True,
+                count=len(posts),
+            )
+        )
     return Exported({destination.name: ("\n".join(lines) + "\n").encode()}, notes=tuple(notes))
 
 

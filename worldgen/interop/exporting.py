@@ -80,6 +80,7 @@ def export_world(
             "world-changes",
             "the world changes {changes} times, and {format} files stand still",
             "give --at 0 for the cells at that time, or another format",
+            at_terminal=True,
             changes=len(world.timeline),
             format=known.name,
         )
@@ -177,12 +178,18 @@ def guess_format(file: str) -> str:
             "ambiguous-format",
             "{file}: files of several formats end so: {known!l}",
             "say which with --to",
+            at_terminal=True,
             file=file,
             known=list(found),
         )
     names = ", ".join(known.name for known in writable)
     raise InvalidParameter(
-        "unknown-suffix", "{file}: no format's files end so", "say which with --to: {known}", file=file, known=names
+        "unknown-suffix",
+        "{file}: no format's files end so",
+        "say which with --to: {known}",
+        at_terminal=True,
+        file=file,
+        known=names,
     )
 
 

@@ -48,6 +48,7 @@ class GridLines:
                 "cells of {cell_size:g} m around ({x:g}, {y:g}) m need more than the "
                 "{bits} bits that a coordinate has here",
                 "give --origin 0,0",
+                at_terminal=True,
                 cell_size=world.cell_size,
                 x=destination.origin[0],
                 y=destination.origin[1],

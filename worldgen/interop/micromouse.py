@@ -146,10 +146,11 @@ def _line(walls: npt.NDArray[np.bool_], row: int, marks: dict[tuple[int, int], s
 def _check(world: World) -> None:
     if world.width % 2 == 0 or world.height % 2 == 0 or min(world.width, world.height) < 3:
         raise InvalidWorld(
-            "wrong-size",
+            "not-a-micromouse-maze",
             "{width} x {height} cells; a micromouse maze of n squares has 2 n + 1 cells a "
             "side, with the walls between them",
             "`worldgen maze --size 17 --radius 0.04` makes such a maze",
+            at_terminal=True,
             width=world.width,
             height=world.height,
         )

@@ -16,7 +16,7 @@ from typing import NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, Message
+from worldgen.errors import FormatError, Message, Note
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import GRID_AGENT, ForeignMap, check_sides, digest, read_bounded, unix_text
 from worldgen.interop.format import Destination, Exported, Format
@@ -91,7 +91,13 @@ def _with_only_problem(found: ForeignMap, path: Path) -> ForeignMap:
             problem = read_scenario(beside, 1, width, height, found.cell_size)
         except (FormatError, OSError) as error:
             return replace(found, warnings=(f"{name} beside the map was passed over: {error}",))
-        note = f"start and goal are those of {name}, whose only problem is for this map; --seed looks for other places"
+        note = Note(
+            "scenario-beside-used",
+            "start and goal are those of {file}, whose only problem is for this map",
+            "--seed looks for other places",
+            at_terminal=True,
+            file=name,
+        )
         radius = float(SCENARIO_RADIUS * exact(found.cell_size))
         return replace(found, start=problem.start, target=problem.goal, robot_radius=radius, notes=(note,))
     return found

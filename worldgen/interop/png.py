@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError, InvalidParameter
+from worldgen.errors import FormatError, InvalidParameter, Note
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import CELL_SIZES, ForeignMap, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format, decimal
@@ -54,7 +54,15 @@ def read_picture(
             f"{_WHITE} are solid; +threshold=N says otherwise"
         )
     if own_size is None and not cell_size:
-        notes.append(f"the picture has no scale; a pixel is taken as {DEFAULT_CELL_SIZE:g} m; --cell-size says another")
+        notes.append(
+            Note(
+                "no-scale",
+                "the picture has no scale; a pixel is taken as {cell_size:g} m",
+                "--cell-size says another",
+                at_terminal=True,
+                cell_size=DEFAULT_CELL_SIZE,
+            )
+        )
     for ending in (".yaml", ".yml"):
         if own_size is None and path.with_suffix(ending).is_file():
             notes.append(f"{path.with_suffix(ending).name} beside it may be the map that says scale and origin")
@@ -113,6 +121,7 @@ def write_png(world: World, destination: Destination) -> Exported:
             "wrong-suffix",
             "{name} is no name of a PNG",
             "end it in .png, or write a .yaml with a .pgm by --to ros",
+            at_terminal=True,
             name=destination.name,
         )
     text = {_MARK: "1", "resolution": decimal(world.cell_size)}

@@ -61,6 +61,7 @@ def find_format(path: Path, name: str | None = None) -> Format:
             "no-map-found",
             "a scenario file has no map",
             "give the .map file, and this one with --scen",
+            at_terminal=True,
             source=str(path),
         )
     for written in map(FORMATS.get, FORMATS.entry_points()):
@@ -84,11 +85,14 @@ def _unknown(suffix: str) -> Message:
     written = [name for name in sorted(FORMATS.entry_points()) if _is_only_written(name, suffix)]
     if written:
         problem = "ends in {suffix}, and {formats} is written, not read"
-        return Message("only-written", problem, _WAY_OUT, suffix=suffix, formats=" and ".join(written))
+        return Message(
+            "only-written", problem, _WAY_OUT, at_terminal=True, suffix=suffix, formats=" and ".join(written)
+        )
     return Message(
         "unknown-format",
         "is no map that is known",
         "`worldgen formats` lists those that are; if it is one, say which with --from",
+        at_terminal=True,
     )
 
 
@@ -103,6 +107,7 @@ def _only(found: list[Format], path: Path) -> Format:
             "ambiguous-format",
             "might be of several formats: {known!l}",
             "say which with --from",
+            at_terminal=True,
             known=[known.name for known in found],
             source=str(path),
         )

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from worldgen.errors import FormatError
+from worldgen.errors import FormatError, Note
 from worldgen.interop.foreign_map import ForeignMap, digest, read_bounded
 from worldgen.interop.java_stream import Ints, read_ints, stream_bytes
 from worldgen.lattice import UNIT, lattice_to_metres
@@ -152,14 +152,22 @@ def _explain(
         return (*notes, _THROUGH_NOISE), ()
     neither = int(np.count_nonzero((values != plain) & (values != noisy)))
     return notes, (
-        "the values are neither squared distances to the target nor what the noise filter makes of these in one go "
-        f"({neither} cells fit neither); walls and target are kept, and export --to thesis will write the plain map",
+        Note(
+            "signal-unknown",
+            "the values are neither squared distances to the target nor what the noise filter makes of these in one go "
+            "({cells} cells fit neither)",
+            "walls and target are kept, and export --to thesis will write the plain map",
+            at_terminal=True,
+            cells=neither,
+        ),
     )
 
 
-_THROUGH_NOISE = (
-    "the map has been through the noise filter, which a world has no room for: run it with thesis-1+noise; "
-    "export --to thesis filters it again"
+_THROUGH_NOISE = Note(
+    "noise-filtered",
+    "the map has been through the noise filter, which a world has no room for: run it with thesis-1+noise",
+    "export --to thesis filters it again",
+    at_terminal=True,
 )
 
 

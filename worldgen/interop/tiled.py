@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from worldgen.errors import Note
 from worldgen.family import check_between
 from worldgen.interop.foreign_map import CELL_SIZES, GRID_AGENT, ForeignMap, check_sides, digest, read_bounded
 from worldgen.interop.format import HELD, Destination, Exported, Format
@@ -70,7 +71,15 @@ def read_tiled(path: Path, *, layer: str = "", cell_size: float = 0.0) -> Foreig
     check_between("cell_size", size, *CELL_SIZES, "m")
     notes = [f"solid is where layer {walls_layer['name']!r} has a tile"]
     if not cell_size and "cell_size" not in said:
-        notes.append(f"the map has no scale; a tile is taken as {size:g} m; --cell-size says another")
+        notes.append(
+            Note(
+                "no-scale",
+                "the map has no scale; a tile is taken as {cell_size:g} m",
+                "--cell-size says another",
+                at_terminal=True,
+                cell_size=size,
+            )
+        )
     scale = exact(size) / checked_number(parsed, "tilewidth", source)
     start, target = first_object(layers, _STARTS), first_object(layers, _TARGETS)
     params: dict[str, Value] = {

@@ -144,11 +144,12 @@ def tile_layer(layers: list[Part], name: str, source: str) -> Part:
         found = [layer for layer in tiles if layer["name"].lower() in _COMMON_NAMES][:1] or tiles
     if len(found) != 1:
         raise FormatError(
-            "unknown-name" if name else "ambiguous-layer",
+            "layer-missing" if name else "ambiguous-layer",
             "there is no layer {name!q}; layers of tiles: {known!l:none}"
             if name
             else "the layer of walls cannot be told; layers of tiles: {known!l:none}",
             "say one with --from tiled+layer=NAME",
+            at_terminal=True,
             name=name,
             known=[quote(layer["name"]) for layer in tiles[:20]],
             source=source,

@@ -43,6 +43,7 @@ def _place(entry: Entry, place: str) -> str:
             "unknown-name",
             "the set is of family {family!r}, which is none of {known!l}",
             "say where it is: --family ./file.py:name",
+            at_terminal=True,
             family=place,
             known=list(FAMILIES.names()),
         )

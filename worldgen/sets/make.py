@@ -187,7 +187,11 @@ def _fill(work: _Work, out: Path, force: bool, progress: Progress | None) -> Set
             resumed = store.resume(old)
             if len(old.entries) == work.count == resumed and isinstance(store, FolderStore):
                 raise OutputError(
-                    "set-finished", "{out} holds this set already, finished", "give --force to make it anew", out=out
+                    "set-finished",
+                    "{out} holds this set already, finished",
+                    "give --force to make it anew",
+                    at_terminal=True,
+                    out=out,
                 )
         _write_all(work, store, resumed, old, started=old is not None and not force, progress=progress)
         store.finish()
@@ -242,6 +246,7 @@ def _other(old: Manifest, wanted: Header, out: Path) -> OutputError:
         + (" where {wish}" if held.wish else "")
         + (", by worldgen {worldgen}" if held.worldgen != wanted.worldgen else ""),
         "name another place, or give --force to replace it",
+        at_terminal=True,
         out=out,
         made=len(old.entries),
         count=held.count,

@@ -96,7 +96,10 @@ def make_all(jobs: Iterable[Job], workers: int = 1) -> Iterator[Made]:
         except BrokenProcessPool as error:
             end_workers(pool)
             raise GenerationFailed(
-                "worker-died", "a worker process died, perhaps for want of memory", "give fewer with --workers"
+                "worker-died",
+                "a worker process died, perhaps for want of memory",
+                "give fewer with --workers",
+                at_terminal=True,
             ) from error
         except BaseException:
             end_workers(pool)

@@ -102,6 +102,7 @@ class FolderStore:
                     "folder-not-empty",
                     "{folder} holds other files: {file}" + (" and {more} more" if len(others) > 1 else ""),
                     "a set has a folder to itself: name another, or give --force to overwrite files of the same names",
+                    at_terminal=True,
                     folder=self._folder,
                     file=others[0],
                     more=len(others) - 1,
@@ -141,7 +142,11 @@ class FolderStore:
         same = hashlib.sha256(data).hexdigest() == entry.sha256
         if data and not same and not force:
             raise OutputError(
-                "other-content", "{file} has other content than the set's", "move it away, or give --force", file=file
+                "other-content",
+                "{file} has other content than the set's",
+                "move it away, or give --force",
+                at_terminal=True,
+                file=file,
             )
         return same
 
@@ -156,6 +161,7 @@ class FolderStore:
                     "other-content",
                     "{file} has other content than the set's",
                     "move it away, or give --force",
+                    at_terminal=True,
                     file=file,
                 )
         self.put(name, data)
@@ -205,6 +211,7 @@ class ArchiveStore:
                 "file-exists",
                 "{archive} is there already",
                 "give --force to replace it, or another name",
+                at_terminal=True,
                 archive=self._archive,
             )
         if found is None and not force and self._part.exists() and any(self._part.iterdir()):
@@ -212,6 +219,7 @@ class ArchiveStore:
                 "file-exists",
                 "{part} is in the way and is no unfinished set",
                 "move it away, or give --force",
+                at_terminal=True,
                 part=self._part,
             )
         return found

@@ -6,9 +6,10 @@ import { makeFailurePanel } from "./campaign_failure.js";
 import { makeForm } from "./campaign_form.js";
 import { makeStatus } from "./campaign_status.js";
 import { makeWall } from "./campaign_wall.js";
-import { Ended, Refused } from "./connection.js";
+import { Ended } from "./connection.js";
 import { showTabs } from "./fields.js";
 import { keep, keptOf } from "./kept.js";
+import { Refused, refusalWords } from "./refusals.js";
 
 const CHOSEN = "folder"; // under which the browser keeps which one was looked at last
 const LOOKING = "Looking through the opened folder …";
@@ -120,7 +121,7 @@ async function list(campaign) {
   campaign.isListed = true;
   campaign.form.refresh();
   showFolders(campaign);
-  return answer.faults.join(" ");
+  return answer.faults.map(refusalWords).join(" ");
 }
 
 function showFolders({ parts, folder, folders, states }) {

@@ -4,6 +4,7 @@ import { el, plural, verdictDot } from "/player/dom.js";
 import { drawSmall } from "/player/map.js";
 import { copied } from "./clipboard.js";
 import { openFile } from "./files.js";
+import { refusalWords } from "./refusals.js";
 
 export function makeFailurePanel(campaign) {
   const element = el("div", { id: "failure-panel" }, el("p", { class: "quiet" }, "Choose a picture."));
@@ -48,7 +49,7 @@ function show(panel, failure) {
     const look = await panel.campaign.look(failure);
     if (panel.failure !== failure) return;
     panel.look = look;
-    words.textContent = [look.words, ...look.notes].join("; ");
+    words.textContent = [look.error ? refusalWords(look.error) : look.words, ...look.notes].join("; ");
     redraw(panel);
   });
 }

@@ -3,10 +3,11 @@
 import { choice, el } from "/player/dom.js";
 import { makeMore } from "./campaign_more.js";
 import { copied } from "./clipboard.js";
-import { Ended, Refused } from "./connection.js";
+import { Ended } from "./connection.js";
 import { isGood, labelled, motionField, number } from "./fields.js";
 import { keep, keptOf } from "./kept.js";
 import { messageOf } from "./model.js";
+import { Refused } from "./refusals.js";
 
 const MOST = { seconds: 604_800, units: 1_000_000 };
 const KEPT = "campaign-form"; // under which the browser keeps what was chosen

@@ -2,6 +2,7 @@
 
 import { rangeOf } from "/player/archive.js";
 import { el, grouped, plural, verdictDot } from "/player/dom.js";
+import { refusalWords } from "./refusals.js";
 
 const SPAN = 10_000; // ms over which the present speed is taken
 
@@ -54,10 +55,10 @@ function show(status, state) {
   if (!state || status.state?.folder !== state.folder) Object.assign(status, { past: [], lanes: new Map() });
   status.state = state;
   for (const part of [parts.line, parts.bar, parts.best, parts.tables]) part.hidden = !state;
-  parts.fault.hidden = !(state && state.fault);
+  parts.fault.hidden = !(state && state.error);
   showActions(status);
   if (!state) return;
-  parts.fault.textContent = state.fault;
+  parts.fault.textContent = state.error ? refusalWords(state.error) : "";
   parts.bar.value = share(state);
   parts.bar.hidden = !state.running;
   showFailures(status);
@@ -134,9 +135,10 @@ function line(status, classes) {
   ];
 }
 
-function stands({ goal, units, fault, stopped }) {
-  if (fault) return "Gave up";
-  return stopped || (goal.units && units < goal.units) ? "Stopped" : "Done";
+// A process that was killed has left "running".
+function stands({ goal, units, error, status }) {
+  if (error || status === "failed") return "Gave up";
+  return status === "stopped" || status === "running" || (goal.units && units < goal.units) ? "Stopped" : "Done";
 }
 
 function goalWords({ goal, units, running, sitting }) {

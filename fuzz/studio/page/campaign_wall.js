@@ -2,8 +2,9 @@
 
 import { choice, el, grouped, plural, verdictDot } from "/player/dom.js";
 import { drawSmall } from "/player/map.js";
-import { Ended, Refused } from "./connection.js";
+import { Ended } from "./connection.js";
 import { Recent } from "./recent.js";
+import { Refused, refusalWords } from "./refusals.js";
 
 const AT_ONCE = 3; // pictures that are asked for at a time
 const LOOKS = 400; // pictures that are kept, some 50 kB each
@@ -73,7 +74,7 @@ function show(wall, answer) {
 // What could not be read: three of them in words, the others as a number.
 function faultWords(faults) {
   const more = faults.length - 3;
-  return [...faults.slice(0, 3), more > 0 ? `And ${plural(more, "more file")} cannot be read.` : ""].join(" ").trim();
+  return [...faults.slice(0, 3).map(refusalWords), more > 0 ? `And ${plural(more, "more file")} cannot be read.` : ""].join(" ").trim();
 }
 
 function sorted(failures, by) {

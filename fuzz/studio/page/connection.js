@@ -1,8 +1,10 @@
 // The connection to the server: questions and answers by number; it comes back by itself when it was gone.
 
+import { Refused } from "./refusals.js";
+
 const FIRST_WAIT = 300; // ms before the first attempt to come back
 const LONGEST_WAIT = 3000;
-const PROTOCOL = 1; // that this page speaks
+const PROTOCOL = 2; // that this page speaks
 const FULL = 4000; // the code with which the server closes a connection too many; the reason is a sentence
 const TOO_LARGE = 1009;
 const LARGEST = 32 * 2 ** 20; // bytes of a message
@@ -35,9 +37,6 @@ function newestToken() {
 
 /** What was asked in vain: it was stopped, a newer question has replaced it, or the connection is gone. */
 export class Ended extends Error {}
-
-/** What the server objects to, in its own words. */
-export class Refused extends Error {}
 
 /* A connection.
      begun(begins)       called each time the connection is there

@@ -289,13 +289,12 @@ function showPlace(draw, parts, point) {
   const place = point
     ? `${mark && `${mark} · `}cell ${Math.floor(point[0])}, ${Math.floor(point[1])} · ${(point[0] * side).toFixed(3)}, ${(point[1] * side).toFixed(3)} m`
     : `${world.width} x ${world.height} cells, ${grouped(draw.studio.model.solid)} solid${changes} · ${(world.width * side).toFixed(2)} x ${(world.height * side).toFixed(2)} m`;
-  const { words, kind } = proofWords(draw.board.proof);
+  const { head, words, kind } = proofWords(draw.board.proof);
   parts.where.textContent = place;
-  if (parts.proof.textContent === words) return; // a screen reader says it once
-  const [, head, rest] = words.match(/^([^:]*:?)(.*)$/s);
+  if (parts.proof.textContent === head + words) return; // a screen reader says it once
   parts.proof.className = `proof ${kind}`;
-  parts.proof.title = words;
-  parts.proof.replaceChildren(el("b", {}, head), rest);
+  parts.proof.title = head + words;
+  parts.proof.replaceChildren(el("b", {}, head), words);
 }
 
 // Below the board; what stands there is also what a screen reader says of the board.

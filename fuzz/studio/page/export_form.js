@@ -3,9 +3,9 @@
 import { bytesOf } from "/player/decode.js";
 import { choice, el } from "/player/dom.js";
 import { keep } from "/player/saving.js";
-import { Refused } from "./connection.js";
 import { checkOptions, labelled, optionFields } from "./fields.js";
 import { messageOf } from "./model.js";
+import { Refused } from "./refusals.js";
 
 /* The form.
      trying    does something that the server may refuse, and shows what it says
@@ -119,7 +119,7 @@ async function overwriting(name, write) {
   try {
     return await write(false);
   } catch (error) {
-    if (!(error instanceof Refused) || !error.message.includes("there already")) throw error;
+    if (!(error instanceof Refused) || error.code !== "file-exists") throw error;
     return confirm(`${name}, or a file beside it, is there already. Overwrite?`) ? write(true) : null;
   }
 }

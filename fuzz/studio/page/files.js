@@ -1,11 +1,12 @@
 // The files of the opened folder: open, save, import, export.
 
 import { el, grouped, plural } from "/player/dom.js";
-import { Ended, Refused } from "./connection.js";
+import { Ended } from "./connection.js";
 import { makeExport } from "./export_form.js";
 import { labelled } from "./fields.js";
 import { makeImport } from "./import_form.js";
 import { messageOf } from "./model.js";
+import { Refused } from "./refusals.js";
 
 export function makeFiles(studio) {
   const parts = {
@@ -100,8 +101,8 @@ export async function saveAs(studio, files, name) {
   try {
     answer = await studio.connection.ask("save", { ...message, overwrite: false });
   } catch (error) {
-    const changed = error.message.includes("has changed since");
-    if (!(error instanceof Refused) || !(changed || error.message.includes("there already"))) throw error;
+    const changed = error.code === "file-changed";
+    if (!(error instanceof Refused) || !(changed || error.code === "file-exists")) throw error;
     const why = changed ? "was changed by another program since it was opened here" : "is there already";
     if (!confirm(`${full} ${why}. Overwrite it?`)) return `${full} is as it was.`;
     answer = await studio.connection.ask("save", { ...message, overwrite: true });

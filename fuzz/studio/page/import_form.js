@@ -1,8 +1,8 @@
 // Imports maps of other programs: files of this computer or of the folder, and how they are to be read.
 
 import { choice, el } from "/player/dom.js";
-import { Refused } from "./connection.js";
 import { checkOptions, isGood, labelled, number, optionFields } from "./fields.js";
+import { Refused } from "./refusals.js";
 
 const LARGEST_DROP = 16 * 2 ** 20; // bytes
 const AS_FOUND = ""; // the format that the server recognises
@@ -136,7 +136,7 @@ async function ask(form, parts) {
   try {
     answer = await form.studio.connection.ask("bring", message);
   } catch (error) {
-    if (error.message.includes("Options of the import")) parts.more.open = true;
+    if (error.opens === "import") parts.more.open = true;
     throw error;
   }
   form.studio.show(answer, "", answer.main);

@@ -1,8 +1,9 @@
 // The generator: a family, its parameters, a seed; the dice take the next one.
 
 import { choice, el } from "/player/dom.js";
-import { Ended, Refused } from "./connection.js";
+import { Ended } from "./connection.js";
 import { faultOf, firstFault, labelled, parameterField, words } from "./fields.js";
+import { Refused } from "./refusals.js";
 
 const OF_THE_ROBOT = ["cell_size", "robot_radius", "robot_speed"];
 

@@ -6,8 +6,9 @@ import { el, say } from "/player/dom.js";
 import { besideIn } from "/player/pair.js";
 import { sceneOf, showInstruments, showRobots } from "/player/robots.js";
 import { keep } from "/player/saving.js";
-import { Ended, Refused } from "./connection.js";
+import { Ended } from "./connection.js";
 import { messageOf } from "./model.js";
+import { Refused, refusalWords } from "./refusals.js";
 import { makeRobots } from "./robots.js";
 
 const SLOW = 1500; // ms after which one wants to know what takes so long
@@ -155,6 +156,7 @@ function take(play, part, message) {
     return;
   }
   play.ran = true;
+  if (part.error) part.error = refusalWords(part.error);
   play.runs.push(part);
   showStale(play, false);
   say(play.runs.map((one) => `${one.name}: ${one.error || one.words}`).join(". "));

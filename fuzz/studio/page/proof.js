@@ -1,8 +1,9 @@
 // Whether the target can be reached, asked of the server while one draws: the newest world counts.
 
 import { numbersOf } from "/player/decode.js";
-import { Ended, Refused } from "./connection.js";
+import { Ended } from "./connection.js";
 import { messageOf } from "./model.js";
+import { Refused } from "./refusals.js";
 
 const SOON = 60; // ms after the last change
 const LATER = 500; // ms of quiet before the widest robot is asked for
@@ -17,23 +18,24 @@ export const LOOKING = Symbol("looking");
 /** Whether the widest robot is only looked for when it is asked for: it takes up to a minute. */
 export const isWidestByHand = ({ cells, events }) => cells.length > LARGEST_WIDEST && !events;
 
-const RING = "a ring of $1 wall cells, every gap too narrow for this robot, parts the start from the target";
+const ring = (cells) => `a ring of ${cells} wall cells, every gap too narrow for this robot, parts the start from the target`;
 
-/** The proof in words, and whether it is good news. */
+/** The proof in words, of which `head` comes first and is bold, and whether it is good news. */
 export function proofWords(proof) {
-  if (!proof) return { words: "…", kind: "waiting" };
-  if (proof === DECIDING) return { words: "deciding …", kind: "waiting" };
-  if (proof === DECIDING_LONG) return { words: "deciding …: a large world takes some seconds; draw on meanwhile", kind: "waiting" };
-  if (proof.error) return { words: proof.error, kind: "bad" };
+  if (!proof) return { head: "", words: "…", kind: "waiting" };
+  if (proof === DECIDING) return { head: "deciding …", words: "", kind: "waiting" };
+  if (proof === DECIDING_LONG) return { head: "deciding …:", words: " a large world takes some seconds; draw on meanwhile", kind: "waiting" };
+  if (proof.error) return { head: "", words: proof.error, kind: "bad" };
   if (proof.result === "reachable") {
     return {
-      words: `✓ reachable: ${proof.length.toFixed(2)} m, ${proof.duration.toFixed(2)} s; clearance of the way that is shown ${proof.clearance.toPrecision(4)} m`,
+      head: "✓ reachable:",
+      words: ` ${proof.length.toFixed(2)} m, ${proof.duration.toFixed(2)} s; clearance of the way that is shown ${proof.clearance.toPrecision(4)} m`,
       kind: "good",
     };
   }
   const mark = proof.result === "blocked" ? "✗ blocked" : "? undecided";
-  const reason = proof.cut ? proof.reason.replace(/^a ring of (\d+) cells, .*$/, RING) : proof.reason;
-  return { words: `${mark}: ${reason}`, kind: proof.result === "blocked" ? "bad" : "waiting" };
+  const reason = proof.ring ? ring(proof.ring) : proof.reason;
+  return { head: `${mark}:`, words: ` ${reason}`, kind: proof.result === "blocked" ? "bad" : "waiting" };
 }
 
 /** What the thesis's robot reads in each cell, or the reason why it reads nothing. */

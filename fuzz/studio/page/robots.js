@@ -1,9 +1,10 @@
 // The panel that says which robots drive, and how.
 
 import { breakable, el, plural } from "/player/dom.js";
-import { Ended, Refused } from "./connection.js";
+import { Ended } from "./connection.js";
 import { isGood, labelled, motionField, number } from "./fields.js";
 import { messageOf } from "./model.js";
+import { Refused } from "./refusals.js";
 import { makeSettings } from "./settings.js";
 
 const MOST = 6; // robots at once

@@ -3,7 +3,7 @@
 import { byId, el, keyButton, say } from "/player/dom.js";
 import { followSystem } from "/player/theme.js";
 import { makeCampaign } from "./campaign.js";
-import { Ended, Refused, makeConnection, shareToken, takeToken } from "./connection.js";
+import { Ended, makeConnection, shareToken, takeToken } from "./connection.js";
 import { findDraft, keepDraft, lendDraft, openedBefore, reclaimDraft, takeOver } from "./drafts.js";
 import { makeDraw } from "./draw.js";
 import { openFile, saveAs } from "./files.js";
@@ -12,6 +12,7 @@ import { Model, emptyWorld, worldOf } from "./model.js";
 import { makePlay } from "./play.js";
 import { listenToBoard } from "./pointer.js";
 import { makeProver } from "./proof.js";
+import { Refused, refusalWords } from "./refusals.js";
 
 const PAGES = { draw: ["Draw", "1"], play: ["Play", "2"], campaign: ["Campaign", "3"] };
 const SIDE = 40; // cells of the world that one begins with
@@ -196,8 +197,8 @@ async function hello(told) {
 
 // What is wrong with controllers that were named at the start: no list shows them.
 function unusable(controllers) {
-  const faults = controllers.map(({ fault }) => fault).filter((fault) => fault !== "");
-  return faults.map((fault) => `Named at the start, but cannot run: ${fault}.`);
+  const faults = controllers.map(({ fault }) => fault).filter((fault) => fault !== null);
+  return faults.map((fault) => `Named at the start, but cannot run: ${refusalWords(fault)}.`);
 }
 
 function lost(forbidden, why) {

@@ -1,10 +1,11 @@
 // The panel of the world: its size, its robot, start and target, and how wide a robot passes.
 
 import { el } from "/player/dom.js";
-import { Ended, Refused } from "./connection.js";
+import { Ended } from "./connection.js";
 import { isGood, labelled, number, words } from "./fields.js";
 import { messageOf, round } from "./model.js";
 import { LOOKING, isWidestByHand } from "./proof.js";
+import { Refused } from "./refusals.js";
 import { sizePart } from "./size_form.js";
 
 const LENGTH = { low: 0.0001, high: 10_000 }; // m, and m/s

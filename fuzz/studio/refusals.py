@@ -1,0 +1,141 @@
+"""Errors as the page gets them: their code and facts, the problem in words, and a way out that the page has.
+
+The library's remedies are for the command line's users. What they do by options is done on the page with fields and
+buttons, so the page has remedies of its own, by the error's code.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from worldgen.errors import FormatError, Message, Note, WorldgenError
+from worldgen.plain_text import quote
+
+__all__ = ["IMPORT_OPTIONS", "REMEDIES", "hide", "note_in_words", "our_fault", "refusal"]
+
+_ANOTHER_FOLDER = "name another folder"
+
+REMEDIES: Mapping[str, str] = {
+    "ambiguous-format": "say which in Options of the import",
+    "another-campaign": f"choose it above and go on, or {_ANOTHER_FOLDER}",
+    "campaign-is-further": f"give {{units}} units or more, or {_ANOTHER_FOLDER}",
+    "first-steps-too-slow": "give more seconds, or run it as a program, whose steps have a deadline",
+    "file-exists": "overwrite it, or give another name",
+    "folder-holds-worlds": _ANOTHER_FOLDER,
+    "invalid-campaign": _ANOTHER_FOLDER,
+    "lane-needs-keep-going": "take another motion model than stepped+keep_going, or another family",
+    "many-posts": "export as sdf has fewer, larger boxes",
+    "motion-is-the-thesis-robots": "take the motion model swept or endpoint for other controllers",
+    "no-campaign": "Begin begins one",
+    "ambiguous-layer": "name one in Options of the import, layer",
+    "layer-missing": "name one in Options of the import, layer",
+    "no-map-found": "give the .map file, and this one with it",
+    "no-scale": "Cell size, under World, says another",
+    "noise-filtered": "export as thesis filters it again",
+    "not-a-micromouse-maze": "Generate makes mazes of any size",
+    "no-failure": "open it on the page Play, and choose a controller there",
+    "not-native": "take the motion model swept or endpoint",
+    "only-written": "give the file that it was made from, or say in Options of the import what else it is",
+    "option-without-effect": "take the motion model {where}, or leave it out",
+    "run-too-long": "give fewer steps",
+    "scenario-beside-used": "Seed of places looks for other places",
+    "signal-unknown": "walls and target are kept, and export as thesis will write the plain map",
+    "signal-everywhere": "ask it without, or with the motion model swept",
+    "step-too-long": "give a shorter time step",
+    "step-too-short": "give a longer time step",
+    "takes-no-number": "write {name}",
+    "too-many-digits": "give the origin 0,0 under Options of the format",
+    "too-slow": "give more seconds, or smaller worlds",
+    "unknown-format": "Options of the import lists those that are; if it is one, say which there",
+    "world-changes": "give the time 0 under Options of the format for the cells at that time, or another format",
+    "wrong-suffix": "end it in .png, or write a .yaml with a .pgm by exporting as ros",
+}
+"""By code, the page's way out in place of one that needs a terminal; a template that the error's facts fill."""
+
+IMPORT_OPTIONS = frozenset({"ambiguous-format", "ambiguous-layer", "layer-missing", "only-written", "unknown-format"})
+"""Codes whose way out is in the options of the import, which the page then opens."""
+
+_FIELDS = {"--vary": "Vary"}  # facts that name an option, as the page calls the field
+_LONGEST = 2_000  # characters of a fact; what is longer quotes a file
+
+
+def refusal(error: WorldgenError | Message, folder: Path | None = None) -> dict[str, Any]:
+    """Return an error as the page gets it; ``docs/studio-protocol.md`` describes the parts.
+
+    Args:
+        error: The library's.
+        folder: The opened folder; paths in it are shown relative to it.
+    """
+    message = hide(error if isinstance(error, Message) else error.message, folder)
+    own = REMEDIES.get(message.code) if message.at_terminal else None
+    line = source = None
+    if isinstance(error, FormatError):
+        line = error.line
+        source = None if error.source is None else _hidden(error.source, folder)
+    return {
+        "code": message.code,
+        "problem": message.problem,
+        "remedy": message.remedy if own is None else message.word(own),
+        "terminal": message.at_terminal and own is None,
+        "opens": "import" if message.code in IMPORT_OPTIONS else "",
+        "facts": {name: _json(value) for name, value in message.facts.items()},
+        "line": line,
+        "source": source,
+    }
+
+
+def note_in_words(note: str) -> str:
+    """Return a note of an import or an export with a way out that the page has."""
+    if not isinstance(note, Note):
+        return note
+    told = refusal(note.message)
+    return "; ".join(filter(None, (told["problem"], told["remedy"]))) + (" (at a terminal)" if told["terminal"] else "")
+
+
+def our_fault(error: Exception) -> Message:
+    """Return what to say of an error that no input should cause."""
+    return Message(
+        "our-fault",
+        "a fault of our own, not of your input: {kind}: {said}",
+        kind=type(error).__name__,
+        said=str(error),
+    )
+
+
+def hide(message: Message, folder: Path | None) -> Message:
+    """Return a message whose facts have no path of a folder: what is in it goes by its name there."""
+    facts = {name: _hidden(value, folder) for name, value in message.facts.items()}
+    if "option" in facts:
+        facts["option"] = _FIELDS.get(facts["option"], facts["option"])
+    return message.replaced(facts)
+
+
+def _hidden(value: Any, folder: Path | None) -> Any:
+    if isinstance(value, list | tuple):
+        return [_hidden(item, folder) for item in value]
+    if not isinstance(value, str):
+        return value
+    root = None if folder is None or str(folder) == folder.anchor else str(folder)
+    if root is not None and value == root:
+        return "the opened folder"
+    if root is not None:
+        value = value.removeprefix(f"{root}{os.sep}")
+    return value if len(value) <= _LONGEST else f"{value[:_LONGEST]}..."
+
+
+def _json(value: Any) -> Any:
+    """Return a fact that a browser can read: no infinity, and nothing but JSON's types."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, list | tuple):
+        return [_json(item) for item in value]
+    try:
+        json.dumps(value, allow_nan=False)
+    except (TypeError, ValueError, RecursionError):
+        return quote(value)
+    return value
