@@ -6,7 +6,8 @@ not counted. Start-up is what the clock on the wall shows, compilation not count
 
 - ``worlds``: million cells a second of a layout alone, and of ``generate``: layout, proof and world.
 - ``proofs``: seconds to decide one world of the largest of ``--sizes``, and to check the certificate.
-- ``batch``: microseconds for each of many worlds of 30 x 30 cells, without and with its witness.
+- ``batch``: microseconds for each of many worlds of 30 x 30 cells, without and with its witness; and the same with a wall
+  across, without and with the cut that proves it.
 - ``files``: seconds to write and read a world of the largest size.
 - ``start``: seconds from the command line.
 
@@ -27,6 +28,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -161,9 +163,23 @@ def _batch(rounds: int) -> dict[str, Any]:
         one: dict[str, float] = {}
         one["decided"] = _best(functools.partial(decide_many, worlds, certificate=False), rounds) / BATCH * 1e6
         one["with witness"] = _best(functools.partial(decide_many, worlds), rounds) / BATCH * 1e6
+        walled = [_walled(world) for world in worlds]
+        one["blocked"] = _best(functools.partial(decide_many, walled, certificate=False), rounds) / BATCH * 1e6
+        one["with cut"] = _best(functools.partial(decide_many, walled), rounds) / BATCH * 1e6
         one["scipy labels"] = _best(lambda worlds=worlds: [_scipy_labels(world) for world in worlds], 1) / BATCH * 1e6
         result[name] = one
     return result
+
+
+def _walled(world: World) -> World:
+    """The world with a wall halfway between start and target, across all of it."""
+    walls = world.walls.copy()
+    (from_row, from_column), (to_row, to_column) = _cell(world, world.start), _cell(world, world.target)
+    if abs(to_row - from_row) > abs(to_column - from_column):
+        walls[(from_row + to_row) // 2] = True
+    else:
+        walls[:, (from_column + to_column) // 2] = True
+    return replace(world, walls=walls)
 
 
 def _files(side: int, rounds: int) -> dict[str, Any]:

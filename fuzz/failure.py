@@ -76,7 +76,7 @@ def failure_id(failure: World) -> str:
 
 def certified(world: World) -> World | None:
     """The world with a fresh witness, or ``None`` if its target is not provably reachable."""
-    decision = decide(world)
+    decision = decide(world, cut=False)
     return replace(world, certificate=decision.certificate) if decision.result == REACHABLE else None
 
 
@@ -87,7 +87,7 @@ def walled_off(world: World) -> World | None:
     target where the robot has no room is not walled off but in a slot: that is not what is looked for.
     """
     at_target = replace(world, start=Pose(world.target.x, world.target.y, 0.0), certificate=None, failure=None)
-    if decide(at_target).result != REACHABLE:
+    if decide(at_target, certificate=False).result != REACHABLE:
         return None
     decision = decide(_with_whole_cell(world))
     return replace(world, certificate=decision.certificate) if decision.result == BLOCKED else None

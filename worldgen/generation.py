@@ -40,7 +40,7 @@ def generate(name: str | Family, seed: int = 0, **params: Value) -> World:
     margin = float(cast("float", complete.get(MARGIN, 0.0)))
     for attempt in range(MAX_ATTEMPTS):
         world = made_by.build(stream_for(seed, made_by.name, attempt), **complete)
-        decision = decide(world, margin=margin)
+        decision = decide(world, margin=margin, cut=False)
         if decision.result == REACHABLE:
             provenance = Provenance(made_by.name, made_by.version, seed, complete)
             return replace(world, certificate=decision.certificate, provenance=provenance)

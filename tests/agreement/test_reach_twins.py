@@ -12,18 +12,23 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 from tests.helpers.drawn_worlds import RADII, still_worlds, tight_worlds
-from tests.reference.worldgen import coarse, cut, graph_search, paths
+from tests.reference.worldgen import chains, coarse, graph_search, paths
 from tests.reference.worldgen import rasters as reference_rasters
+from tests.reference.worldgen.chains import linked_offsets
 from worldgen._core import ffi, lib
 from worldgen.ccall import check, pointer
-from worldgen.lattice import UNIT
+from worldgen.lattice import UNIT, radius_in_cells
 from worldgen.reach import check_certificate, lattice_graph, path, prove
 from worldgen.reach.coarse import walk_squares
-from worldgen.reach.cut import _Links, find_chain, linked_offsets, rim_cells
-from worldgen.reach.disc import parts
+from worldgen.reach.cut import find_chain, rim_cells
+from worldgen.reach.disc import Disc, beyond, parts, target_disc
+from worldgen.reach.disc import _chain_lines as chain_lines
+from worldgen.reach.disc import _inside as is_inside
+from worldgen.reach.disc import _is_away as is_away
 from worldgen.reach.lattice_graph import Graph, build_graph, find_path, flood, neighbour_shifts
 from worldgen.reach.path import clearance_sq, shorten
 from worldgen.reach.prove import decide, decide_many
+from worldgen.reach.target_poses import deciding_poses, plain_poses
 from worldgen.reach.walls import Walls, segment_box_sq
 from worldgen.world import Pose, Target, World
 
@@ -34,7 +39,9 @@ radii = st.sampled_from(RADII).map(lambda radius: Fraction(str(radius)))
 def by_reference(world):
     """The decision, made by the reference."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(prove, "ask_still", lambda *_: None)
+        patch.setattr(prove, "ask_still", lambda *_, **__: None)
+        patch.setattr(prove, "find_chain", chain_of_reference)
+        patch.setattr(prove, "deciding_poses", plain_poses)
         patch.setattr(prove, "build_graph", reference_rasters.build_graph)
         patch.setattr(prove, "find_path", graph_search.find_path)
         patch.setattr(prove, "shorten", paths.shorten)
@@ -196,7 +203,7 @@ def chain_exists(world, radius, points):
     for (x, y), (dx, dy) in itertools.product(cells, half):
         if (x + dx, y + dy) in number:
             a, b = number[x, y], number[x + dx, y + dy]
-            bit = parts([(x, y), (x + dx, y + dy), (x + dx, -99), (x, -99)], *points)
+            bit = parts(np.array([(x, y), (x + dx, y + dy), (x + dx, -2), (x, -2)]), *points)
             links += [(2 * a, 2 * b + bit), (2 * a + 1, 2 * b + 1 - bit)]
     joined = sparse.coo_matrix((np.ones(len(links)), np.array(links).reshape(-1, 2).T), shape=(2 * len(cells),) * 2)
     part = csgraph.connected_components(joined, directed=False)[1].reshape(-1, 2)
@@ -215,25 +222,100 @@ def test_a_chain_is_found_exactly_where_a_look_at_every_link_finds_one(world):
         assert (find_chain(world.walls, radius, points[0], points[1:]) is not None) == expected
 
 
-@given(still_worlds(), st.booleans(), st.integers(2, 40), st.sampled_from([1, 2]))
-def test_a_walk_over_links_is_that_of_the_reference(world, thorough, limit, targets):
-    radius = Fraction(str(world.robot_radius))
-    places = [(round(UNIT * end.x), round(UNIT * end.y)) for end in (world.start, world.target)]
-    links = _Links(world.walls, radius, places[0], places[1:] * targets)
-    states = len(links.cells) << links.bits
-    layer = len(links.cells) + 1
-    graph = (links.rank, links.place, links.rows.ravel(), links.slot, links.begins, links.ends, links.odd)
-    before = [-1] * states
-    order = [0] * states
-    chain = [0] * states
-    work = (*(array.tolist() for array in graph), before, order, list(range(layer << links.bits)), chain)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("worldgen.reach.cut._PORTION", 7)
-        for source in np.flatnonzero(links.slot >= 0)[:2].tolist():
-            if before[source << links.bits] < 0:
-                found, looked = cut.odd_walk(*work, links.bits, source, limit, thorough)
-                assert links.search(source, limit, thorough=thorough) == (chain[:found], looked)
-                assert links.before.tolist() == before
+def chain_of_reference(solid, radius, start, targets):
+    found = chains.find_chain(solid, radius, start, targets)
+    return None if found is None else np.array(found, np.int64)
+
+
+def clear_lattice_poses(world):
+    walls = Walls(world.walls, Fraction(str(world.robot_radius)))
+    poses = itertools.product(*(range(UNIT // 2, UNIT * side, UNIT) for side in (world.width, world.height)))
+    return walls, [pose for pose in poses if walls.is_clear(pose, pose)]
+
+
+@given(still_worlds(), st.integers(0, 99), st.integers(0, 99))
+def test_a_chain_is_that_of_the_reference_cell_by_cell(world, first, last):
+    walls, poses = clear_lattice_poses(world)
+    assume(poses)
+    ends = poses[first % len(poses)], [poses[last % len(poses)]]
+    found = find_chain(walls.solid, walls.radius, *ends)
+    expected = chain_of_reference(walls.solid, walls.radius, *ends)
+    assert np.array_equal(found, expected) if found is not None else expected is None
+
+
+@given(still_worlds(), st.integers(0, 99))
+def test_a_chain_around_several_poses_is_that_of_the_reference(world, first):
+    walls, poses = clear_lattice_poses(world)
+    assume(poses)
+    start = poses[first % len(poses)]
+    apart = [pose for pose in poses if find_chain(walls.solid, walls.radius, start, [pose]) is not None]
+    assume(len(apart) > 1)
+    ends = start, [apart[0], apart[-1]]
+    found = find_chain(walls.solid, walls.radius, *ends)
+    expected = chain_of_reference(walls.solid, walls.radius, *ends)
+    assert np.array_equal(found, expected) if found is not None else expected is None
+
+
+def test_a_chain_past_a_pose_that_is_no_lattice_point_is_that_of_the_reference():
+    walls = np.zeros((7, 9), bool)
+    walls[:, 4] = True
+    for radius in (Fraction(7072, 10**4), Fraction(1, 10**30)):
+        ends = (Fraction(5120, 3), 3600), [(Fraction(20480, 3), Fraction(11111, 3))]
+        expected = chain_of_reference(walls, radius, *ends)
+        assert find_chain(walls, radius, *ends).tolist() == expected.tolist()
+
+
+def test_a_search_for_a_chain_in_small_portions_finds_the_same_one(monkeypatch):
+    walls = np.random.default_rng(3).random((30, 30)) < 0.4
+    walls[:3, :3] = walls[-3:, -3:] = False
+    ends = (1536, 1536), [(29184, 29184)]
+    whole = find_chain(walls, Fraction(7, 10), *ends)
+    monkeypatch.setattr("worldgen.reach.cut._PORTION", 7)
+    assert find_chain(walls, Fraction(7, 10), *ends).tolist() == whole.tolist()
+
+
+@given(tight_worlds())
+def test_the_poses_that_decide_are_those_that_fractions_find(world):
+    walls, disc = Walls(world.walls, radius_in_cells(world)), target_disc(world)
+    poses = deciding_poses(walls, disc)
+    expected = list(dict.fromkeys(plain_poses(walls, disc)))
+    assert list(dict.fromkeys(poses)) == expected
+
+
+@given(still_worlds())
+def test_a_chain_parts_the_same_poses_in_c_and_in_fractions(world):
+    walls, disc = Walls(world.walls, radius_in_cells(world)), target_disc(world)
+    chain = np.array([(-1, -1), (-1, 2), (2, 3), (3, -1)], np.int64)
+    poses = deciding_poses(walls, disc)
+    lines = chain_lines(chain)
+    start = (Fraction(UNIT, 3), UNIT)
+    expected = [i for i, pose in enumerate(poses) if is_inside(lines, start) == is_inside(lines, pose)]
+    assert poses.first_unparted(chain, start) == (expected or [len(poses)])[0]
+
+
+@given(tight_worlds())
+def test_without_certificates_the_answer_is_the_same_and_no_cut_is_made(world):
+    bare = decide(world, certificate=False)
+    assert bare.result == decide(world).result
+    assert bare.certificate is None
+
+
+def test_an_answer_without_its_cut_still_has_its_witness():
+    open_world = World(np.zeros((5, 5), bool), Pose(0.15, 0.15), Target(0.35, 0.35, 0.05))
+    assert decide(open_world, cut=False) == decide(open_world)
+
+
+places = st.integers(0, 6000).map(lambda n: Fraction(n * UNIT, 1000)) | st.integers(0, 12).map(lambda n: n * UNIT // 2)
+widths = st.sampled_from([Fraction(0), Fraction(UNIT), Fraction(UNIT * 2, 3), Fraction(10**30 * UNIT + 1, 10**30)])
+
+
+@given(st.tuples(places, places), places, places, widths | places)
+def test_a_disc_is_beyond_a_ring_in_c_where_fractions_say_so(start, x, y, radius):
+    ring = np.array([(1, 1), (1, 4), (3, 5), (5, 4), (4, 0)])
+    lines = chain_lines(ring)
+    parted = is_inside(lines, start) != is_inside(lines, (x, y))
+    expected = parted and all(is_away(line, (x, y), radius) for line in lines)
+    assert beyond(ring, start, Disc(x, y, radius)) == expected
 
 
 @given(worlds=st.lists(still_worlds(), min_size=1, max_size=4))

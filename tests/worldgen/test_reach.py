@@ -13,10 +13,11 @@ from scipy import ndimage
 
 from tests.helpers.drawn_worlds import drawn, still_worlds, tight_worlds
 from tests.helpers.grid_strategies import worlds_with_everything
+from tests.reference.worldgen.chains import linked_offsets
 from worldgen.errors import InvalidParameter
 from worldgen.lattice import radius_in_cells
 from worldgen.reach import BLOCKED, REACHABLE, check_certificate, decide
-from worldgen.reach.cut import find_chain, linked_offsets
+from worldgen.reach.cut import find_chain
 from worldgen.reach.walls import segment_box_sq
 from worldgen.world import Pose, Target, World
 

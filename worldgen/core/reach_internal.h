@@ -49,6 +49,15 @@ typedef struct WgPiece {
     int64_t qy;
 } WgPiece;
 
+// A pose to any precision, half cells.
+typedef struct WgFinePose {
+    int64_t x;               // rounded down
+    int64_t y;               // rounded down
+    const uint32_t *rest_x;  // (limbs,) what that left off, as digits to the base 2^32, the highest first
+    const uint32_t *rest_y;  // (limbs,)
+    int64_t limbs;
+} WgFinePose;
+
 // What a scan of a piece found.
 typedef struct WgScan {
     int64_t least;      // least whole square of a distance, lu^2

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "parted.h"
+#include "wide.h"
 #include "reach_internal.h"
 
 enum {
@@ -33,7 +35,10 @@ typedef struct Work {
     int64_t source_count;
     int64_t ends[MOST_LINKS];
     int64_t end_count;
+    int64_t *spare;  // clear nodes in the target's disc
+    int64_t spare_count;
     bool sure;
+    bool knows_spare;
 } Work;
 
 static bool is_clear(Work *work, int64_t x, int64_t y)
@@ -70,10 +75,57 @@ static int64_t list_links(Work *work, const WgDisc *disc, int64_t x, int64_t y, 
     return count;
 }
 
-// Whether an end is joined to a source.
+// Whether a node is in the target's disc.
+static bool is_in_target(Work *work, int64_t i, int64_t j)
+{
+    const WgTarget *target = &work->asked->target;
+    double across = (double)i / 2.0 - target->centre_x;
+    double up = (double)j / 2.0 - target->centre_y;
+    double apart = sqrt(across * across + up * up);
+    if (fabs(apart - target->disc_radius) > 1e-9 * (1.0 + target->disc_radius)) {
+        return apart < target->disc_radius;
+    }
+    // Otherwise only whole numbers tell.
+    if (target->scale == 0 || target->radius < 0) {
+        work->knows_spare = false;
+        return false;
+    }
+    WgInt128 radius = 2 * (WgInt128)target->radius;
+    WgInt128 dx = (WgInt128)i * target->scale - 2 * (WgInt128)target->x;
+    WgInt128 dy = (WgInt128)j * target->scale - 2 * (WgInt128)target->y;
+    return dx * dx + dy * dy <= radius * radius;
+}
+
+// Lists the clear nodes in the target's disc.
+static WgStatus list_spare(Work *work)
+{
+    const WgGraph *graph = &work->graph;
+    const WgTarget *target = &work->asked->target;
+    int64_t rows = graph->nodes / graph->stride;
+    int64_t low_x = wg_max(0, (int64_t)floor(2.0 * (target->centre_x - target->disc_radius)) - 1);
+    int64_t low_y = wg_max(0, (int64_t)floor(2.0 * (target->centre_y - target->disc_radius)) - 1);
+    int64_t high_x = wg_min(graph->stride, (int64_t)ceil(2.0 * (target->centre_x + target->disc_radius)) + 2);
+    int64_t high_y = wg_min(rows, (int64_t)ceil(2.0 * (target->centre_y + target->disc_radius)) + 2);
+    int64_t room = wg_max(0, high_x - low_x) * wg_max(0, high_y - low_y);
+    work->spare = malloc((size_t)(room + 1) * sizeof *work->spare);
+    if (work->spare == NULL) {
+        return WG_OUT_OF_MEMORY;
+    }
+    for (int64_t j = low_y; j < high_y; j++) {
+        for (int64_t i = low_x; i < high_x; i++) {
+            if (graph->clear[j * graph->stride + i] != 0 && is_in_target(work, i, j)) {
+                work->spare[work->spare_count++] = j * graph->stride + i;
+            }
+        }
+    }
+    return WG_OK;
+}
+
+// Whether an end, or else a spare one, is joined to a source.
 static WgStatus look(Work *work, bool *joined)
 {
     const WgGraph *graph = &work->graph;
+    free(work->seen);
     work->seen = calloc((size_t)graph->nodes, 1);
     if (work->seen == NULL) {
         return WG_OUT_OF_MEMORY;
@@ -84,6 +136,9 @@ static WgStatus look(Work *work, bool *joined)
     for (int64_t i = 0; i < work->end_count; i++) {
         *joined = *joined || work->seen[work->ends[i]] != 0;
     }
+    for (int64_t i = 0; i < work->spare_count; i++) {
+        *joined = *joined || work->seen[work->spare[i]] != 0;
+    }
     return status;
 }
 
@@ -91,8 +146,11 @@ static WgStatus look(Work *work, bool *joined)
 static WgStatus search_path(Work *work, bool *found)
 {
     *found = false;
-    WgStatus status = wg_search_new(&work->graph, work->sources, work->source_count, work->ends, work->end_count,
-                                    NULL, 0, work->asked->toward_x, work->asked->toward_y, NULL, 0, &work->search);
+    wg_search_free(work->search);
+    work->search = NULL;
+    WgStatus status =
+        wg_search_new(&work->graph, work->sources, work->source_count, work->ends, work->end_count, work->spare,
+                      work->spare_count, work->asked->toward_x, work->asked->toward_y, NULL, 0, &work->search);
     if (status != WG_OK) {
         return status;
     }
@@ -104,9 +162,83 @@ static WgStatus search_path(Work *work, bool *found)
         if (status != WG_OK || !joined) {
             return status;
         }
+        // Spare ends are looked for where no other can be reached, so the first one will do.
+        if (work->spare_count > 0) {
+            wg_search_be_content(work->search);
+        }
         status = wg_search_advance(work->search, work->graph.nodes, &progress);
     }
     *found = status == WG_OK && progress == WG_FOUND;
+    return status;
+}
+
+// Looks for a path to the goal, and then to any clear node of the target; wants the path or only to know of it.
+static WgStatus find_way(Work *work, bool *found)
+{
+    *found = false;
+    if (work->source_count == 0) {
+        return WG_OK;
+    }
+    WgStatus status = WG_OK;
+    bool wants_path = work->asked->wants_path != 0;
+    if (work->end_count > 0) {
+        status = wants_path ? search_path(work, found) : look(work, found);
+    }
+    if (status != WG_OK || *found) {
+        return status;
+    }
+    status = list_spare(work);
+    if (status != WG_OK || work->spare_count == 0 || !work->knows_spare) {
+        return status;
+    }
+    return wants_path ? search_path(work, found) : look(work, found);
+}
+
+static WgFinePose fine_pose(int64_t x, int64_t y, uint32_t rest[2])
+{
+    int64_t column = wg_floor_div(x, HALF);
+    int64_t row = wg_floor_div(y, HALF);
+    rest[0] = (uint32_t)(x - column * HALF) << 23;
+    rest[1] = (uint32_t)(y - row * HALF) << 23;
+    return (WgFinePose){column, row, rest, rest + 1, 1};
+}
+
+enum { MOST_AT_ONCE = 64 };  // poses whose chains are looked for together
+
+// Whether chains part the start from each of the poses that decide for the target.
+static WgStatus look_for_chains(Work *work, bool *parted)
+{
+    const WgStill *asked = work->asked;
+    WgFinePose poses[MOST_AT_ONCE + 1];
+    uint32_t rests[2 * (MOST_AT_ONCE + 1)];
+    poses[0] = fine_pose(asked->start_x, asked->start_y, rests);
+    *parted = false;
+
+    // Where the robot may be anywhere in the target, all of it is as the goal is.
+    WgPiece goal = {asked->goal_x, asked->goal_y, asked->goal_x, asked->goal_y};
+    if (asked->goal_clear != 0 && wg_sweep(&work->walls, goal, &asked->both) == WG_CLEAR) {
+        poses[1] = fine_pose(asked->goal_x, asked->goal_y, rests + 2);
+        return wg_all_parted(&work->walls, asked->limit, poses, 2, parted);
+    }
+    WgPoses *listed_poses;
+    WgListed listed;
+    WgStatus status = wg_poses_new(&work->walls, &asked->target, &listed_poses, &listed);
+    if (status != WG_OK || listed != WG_LISTED) {
+        return status;
+    }
+    *parted = true;
+    int64_t count = wg_poses_count(listed_poses);
+    for (int64_t begin = 0; begin < count && *parted && status == WG_OK; begin += MOST_AT_ONCE) {
+        int64_t now = wg_min(count - begin, MOST_AT_ONCE);
+        for (int64_t i = 0; i < now; i++) {
+            int64_t x;
+            int64_t y;
+            wg_poses_round(listed_poses, begin + i, &x, &y);
+            poses[i + 1] = fine_pose(x, y, rests + 2 * (i + 1));
+        }
+        status = wg_all_parted(&work->walls, asked->limit, poses, now + 1, parted);
+    }
+    wg_poses_free(listed_poses);
     return status;
 }
 
@@ -166,9 +298,16 @@ static WgStatus straighten(Work *work, WgStill *still)
         x[i + 1] = work->nodes[i] % work->graph.stride * HALF;
         y[i + 1] = work->nodes[i] / work->graph.stride * HALF;
     }
-    x[room - 1] = still->goal_x;
-    y[room - 1] = still->goal_y;
-    int64_t count = merge_straight(x, y, room);
+    // From a spare end there is nowhere to go.
+    int64_t count = length + 1;
+    for (int64_t i = 0; i < work->end_count && count < room; i++) {
+        if (work->nodes[length - 1] == work->ends[i]) {
+            x[count] = still->goal_x;
+            y[count] = still->goal_y;
+            count++;
+        }
+    }
+    count = merge_straight(x, y, count);
 
     memset(whole, 1, (size_t)room);
     int64_t state[5] = {0, 1, 2, 1, WG_UNSURE};
@@ -258,9 +397,15 @@ static void convert(Work *work, WgStill *still)
     }
 }
 
-// Finds the path, and says in ``still`` what was found.
+// Finds the path or that there is none, and says so in ``still``.
 static WgStatus decide(Work *work, WgStill *still)
 {
+    WgPiece start = {still->start_x, still->start_y, still->start_x, still->start_y};
+    if (wg_sweep(&work->walls, start, &still->start_disc) != WG_CLEAR) {
+        bool covered = wg_sweep(&work->walls, start, &still->start_core) == WG_MEETS;
+        still->outcome = covered ? WG_START_COVERED : WG_OPEN;
+        return WG_OK;
+    }
     int64_t height = work->walls.height;
     int64_t width = work->walls.width;
     WgGraph *graph = &work->graph;
@@ -274,20 +419,33 @@ static WgStatus decide(Work *work, WgStill *still)
     graph->middle = work->rasters + graph->nodes;
     WgStatus status = wg_disc_rasters(work->walls.solid, height, width, 2, still->clear_from, work->rasters,
                                       work->rasters + graph->nodes);
-    if (status != WG_OK || !is_clear(work, still->start_x, still->start_y) ||
-        !is_clear(work, still->goal_x, still->goal_y)) {
+    if (status != WG_OK) {
         return status;
     }
+    still->goal_clear = still->has_goal != 0 && is_clear(work, still->goal_x, still->goal_y);
     work->source_count = list_links(work, &still->disc, still->start_x, still->start_y, work->sources);
-    work->end_count = list_links(work, &still->goal_disc, still->goal_x, still->goal_y, work->ends);
-    if (!work->sure || work->source_count == 0 || work->end_count == 0) {
+    if (still->goal_clear != 0) {
+        work->end_count = list_links(work, &still->goal_disc, still->goal_x, still->goal_y, work->ends);
+    }
+    if (!work->sure) {
         return WG_OK;
     }
 
     // Without the path, it is enough to know that there is one.
     bool found;
-    status = still->wants_path != 0 ? search_path(work, &found) : look(work, &found);
-    if (status != WG_OK || !found) {
+    status = find_way(work, &found);
+    if (status != WG_OK) {
+        return status;
+    }
+    if (!found) {
+        bool parted = false;
+        if (!work->knows_spare) {
+            return WG_OK;
+        }
+        if (still->wants_cut == 0 && still->limit > 0 && still->target.scale > 0) {
+            status = look_for_chains(work, &parted);
+        }
+        still->outcome = parted ? WG_PARTED : WG_NO_PATH;
         return status;
     }
     if (still->wants_path != 0) {
@@ -300,13 +458,14 @@ static WgStatus decide(Work *work, WgStill *still)
         }
         convert(work, still);
     }
-    still->reachable = work->sure;
+    still->outcome = work->sure ? WG_REACHED : WG_OPEN;
     return WG_OK;
 }
 
 WgStatus wg_still_decide(const WgWalls *walls, WgStill *still)
 {
-    still->reachable = 0;
+    still->outcome = WG_OPEN;
+    still->goal_clear = 0;
     still->points = NULL;
     still->metres = NULL;
     if (walls->height < 1 || walls->width < 1 || walls->height > 20000 || walls->width > 20000) {
@@ -317,7 +476,14 @@ WgStatus wg_still_decide(const WgWalls *walls, WgStill *still)
     bool inside = still->start_x >= 0 && still->start_x <= right && still->start_y >= 0 && still->start_y <= top &&
                   still->goal_x >= 0 && still->goal_x <= right && still->goal_y >= 0 && still->goal_y <= top;
     const WgPace *pace = &still->pace;
-    if (!inside || still->disc.reach < 0 || still->disc.reach > top + right || pace->metre_under < 1 ||
+    const WgTarget *target = &still->target;
+    int64_t longest = (int64_t)1 << 62;
+    bool has_sane_target = target->scale >= 0 && target->scale < longest && wg_abs(target->x) < longest &&
+                           wg_abs(target->y) < longest && target->reach < longest && target->radius < longest && target->disc_radius >= 0.0 && target->disc_radius <= 40000.0 &&
+                           target->centre_x >= -1.0 && target->centre_x <= 20001.0 && target->centre_y >= -1.0 &&
+                           target->centre_y <= 20001.0 && still->both.reach <= INT32_MAX && still->start_disc.reach <= INT32_MAX &&
+                           still->start_core.reach >= 0 && still->start_core.reach <= INT32_MAX;
+    if (!inside || !has_sane_target || still->disc.reach < 0 || pace->metre_under < 1 ||
         pace->metre_under >= (int64_t)WHOLE || pace->metre_over < 1 || pace->tick_under < 1 ||
         pace->tick_over < 1 || pace->ticks < 1 || pace->ticks >= (int64_t)WHOLE) {
         return WG_BAD_VALUE;
@@ -325,14 +491,20 @@ WgStatus wg_still_decide(const WgWalls *walls, WgStill *still)
     if (walls->height * walls->width > MOST_CELLS) {
         return WG_OK;
     }
-    Work work = {.asked = still, .walls = *walls, .sure = true};
+    // Such a disc has no room anywhere.
+    if (still->disc.reach > top + right) {
+        still->outcome = WG_START_COVERED;
+        return WG_OK;
+    }
+    Work work = {.asked = still, .walls = *walls, .sure = true, .knows_spare = true};
     WgStatus status = decide(&work, still);
     free(work.rasters);
     free(work.seen);
     free(work.nodes);
     free(work.kept);
+    free(work.spare);
     wg_search_free(work.search);
-    if (still->reachable == 0) {
+    if (still->outcome != WG_REACHED) {
         wg_still_free(still);
     }
     return status;

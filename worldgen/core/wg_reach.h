@@ -125,6 +125,64 @@ WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, 
 WgStatus wg_sweep_least(const WgWalls *walls, const int64_t *x, const int64_t *y, int64_t count, int64_t reach,
                         int64_t *sides, int64_t *lengths_sq, int64_t *found, int64_t *least);
 
+// target_poses.c
+
+// A robot, and the target's disc.
+typedef struct WgTarget {
+    int64_t scale;   // the first four lengths are in 1/scale cell
+    int64_t x;       // of the disc's centre
+    int64_t y;
+    int64_t reach;   // the robot's radius
+    int64_t radius;  // the disc's; -1 if it is no multiple of 1/scale
+    double centre_x;     // the same as floats, cells
+    double centre_y;
+    double robot_radius;
+    double disc_radius;
+} WgTarget;
+
+// The clear poses of a disc that decide for all of them.
+typedef struct WgPoses WgPoses;
+
+// What a list of poses is worth.
+typedef enum WgListed {
+    WG_LISTED = 0,
+    WG_TOO_MANY = 1,  // thousands of corners are near the disc
+    WG_TOO_LONG = 2,  // the numbers have too many digits
+} WgListed;
+
+// Which lines or circles meet at a pose.
+typedef enum WgPoseKind {
+    WG_PLAIN = 0,      // lines: its coordinates are whole
+    WG_ON_RAY = 1,     // the circle around a corner, and the ray from there through the centre
+    WG_ON_ROW = 2,     // this circle and a line y = ...
+    WG_ON_COLUMN = 3,  // this circle and a line x = ...
+    WG_BETWEEN = 4,    // the circles around two corners
+} WgPoseKind;
+
+// A pose, for who works it out to any precision.
+typedef struct WgPoseOf {
+    int64_t kind;   // a WgPoseKind
+    int64_t x;      // of the corner, cells; for lines of the pose, 1/scale cell
+    int64_t y;
+    int64_t dx;     // the other corner's x less this one's
+    int64_t dy;
+    int64_t level;  // of the line with the circle, 1/scale cell
+    int64_t side;   // 1 or -1: which of two points
+} WgPoseOf;
+
+// Lists the poses. made gets them for wg_poses_free, listed whether that was possible. The walls must outlive the call.
+WgStatus wg_poses_new(const WgWalls *walls, const WgTarget *target, WgPoses **made, WgListed *listed);
+
+int64_t wg_poses_count(const WgPoses *poses);
+
+// Describes one of them; index is below their number.
+void wg_poses_describe(const WgPoses *poses, int64_t index, WgPoseOf *described);
+
+// The first pose, from ``begin`` on, around which a chain winds as often as ``winds`` says; their number if none is.
+int64_t wg_poses_next(const WgPoses *poses, const int64_t *cells, int64_t count, int64_t winds, int64_t begin);
+
+void wg_poses_free(WgPoses *poses);
+
 // still.c
 
 // How lattice units become metres and ticks: fractions of whole numbers.
@@ -136,30 +194,48 @@ typedef struct WgPace {
     int64_t ticks;        // of a second, less than 2^53
 } WgPace;
 
+// What a decision came to.
+typedef enum WgOutcome {
+    WG_OPEN = 0,           // nothing is known
+    WG_REACHED = 1,        // there is a path
+    WG_START_COVERED = 2,  // the start is nearer than the radius to a cell
+    WG_NO_PATH = 3,        // the start is clear, and no path over half cells leads to the target
+    WG_PARTED = 4,         // and chains of cells part the start from all of the target
+} WgOutcome;
+
 // A question about a still world, and its answer.
 typedef struct WgStill {
-    int64_t start_x;  // lu
+    int64_t start_x;  // lu; the start, rounded
     int64_t start_y;
-    int64_t goal_x;  // a point in the target's disc, lu
+    int64_t has_goal;  // 0 if no lattice point next to the target's centre is in the target
+    int64_t goal_x;    // this point, lu
     int64_t goal_y;
     int64_t toward_x;  // node over half cells that the search leans to
     int64_t toward_y;
     int64_t clear_from;  // least squared distance, in quarters of a cell, at which the disc is clear
+    int64_t limit;       // least squared gap, cells, that stops no disc; 0 if poses in lu are too coarse to tell
     WgDisc disc;
+    WgDisc start_disc;  // if it is clear at start_x, start_y, the disc is clear at the start itself and on the way there
+    WgDisc start_core;  // if it is not, the disc is not clear at the start
     WgDisc goal_disc;  // on the way to the goal: a touch smaller
+    WgDisc both;       // as wide as robot and target together
+    WgTarget target;   // its scale is 0 if the numbers have too many digits
     WgPace pace;
     int64_t wants_path;  // 0 if it is enough to know that there is one
+    int64_t wants_cut;   // 0 if it is enough to know whether there is one
 
-    int64_t reachable;  // 1 if there is a path; 0 says nothing
-    int64_t count;      // of its points
-    int64_t room;       // of each part of the following
-    int64_t *points;    // (4 room,) x, y in lu; then sides and squared lengths, as from wg_sweep_least
-    double *metres;     // (3 room,) x, y in m; then times in s
-    int64_t least;      // least whole square of the distance to a solid cell, lu^2
-    int64_t corners;    // number of sides
+    int64_t outcome;     // a WgOutcome
+    int64_t goal_clear;  // 1 if the robot may be at the goal
+    int64_t count;       // of the path's points
+    int64_t room;        // of each part of the following
+    int64_t *points;     // (4 room,) x, y in lu; then sides and squared lengths, as from wg_sweep_least
+    double *metres;      // (3 room,) x, y in m; then times in s
+    int64_t least;       // least whole square of the distance to a solid cell, lu^2
+    int64_t corners;     // number of sides
 } WgStill;
 
-// Looks for a path over half cells, from a lattice pose to another.
+// Looks for a path over half cells, from a lattice pose to the target; and without one, for chains, unless the cut
+// itself is wanted.
 WgStatus wg_still_decide(const WgWalls *walls, WgStill *still);
 
 // Releases what an answer holds.
@@ -252,41 +328,43 @@ void wg_spread_free(WgSpread *spread);
 
 // cut.c
 
-// A walk over cells and links with bits, from (source, no bit) to (source, all bits). All arrays must outlive it.
-typedef struct WgOddWalk {
-    int64_t cells;
-    int64_t bits;           // 1 to 8
-    const int32_t *rank;    // how many cells are before a place of the raster
-    const int64_t *place;   // (cells,) where in the raster a cell is
-    int64_t row_count;      // rows of linked cells around a cell
-    const int64_t *rows;    // (row_count, 2) what to add to a place, and how far to either side the row is linked
-    const int64_t *slot;    // (cells,) number of a cell whose links are listed, else -1
-    const int64_t *begins;  // (slots + 1,) where its links begin
-    const int64_t *ends;    // (links,) cells
-    const uint8_t *odd;     // (links,) bits
-    int32_t *before;        // (cells << bits,) at first -1; the state before a state
-    int32_t *order;         // (cells << bits,) states in the order in which they are seen
-    int32_t *skip;          // ((cells + 1) << bits,) at first 0, 1, 2, ...; leads to the next cell that was not seen
-    int32_t *chain;         // (cells << bits,) gets the cells found, the last one first
+// A search for a cut: a closed chain of solid cells, each gap below the disc's diameter, that parts poses.
+typedef struct WgCutSearch WgCutSearch;
 
-    // The walk's own.
-    int64_t source;
-    int64_t head;
-    int64_t tail;
-    int64_t level_end;
-    int64_t depth;
-    int64_t looked;  // looks at rows and cells
-    int64_t found;   // cells in the chain
-} WgOddWalk;
-
-WgStatus wg_odd_walk_begin(WgOddWalk *walk, int64_t source);
-
-// Goes on with about ``most`` looks.
+// Begins a search. Nothing that is given has to outlive the call.
 //
-// limit:      links of which the chain has fewer.
-// thorough:   1 to go on to all that can be reached, and to leave ``before`` and ``skip`` as they are; else they are in
-//             the end as they were.
-WgStatus wg_odd_walk_advance(WgOddWalk *walk, int64_t limit, int64_t thorough, int64_t most, WgProgress *progress);
+// limit:      least squared gap, cells, that stops no disc.
+// targets:    1 to 6 poses that the chain parts from the start.
+// poses:      (1 + targets, 2) start and targets: x, y in half cells, rounded down.
+// limbs:      at least 1.
+// rest:       (1 + targets, 2, limbs) what the rounding left off: digits to the base 2^32, the highest first.
+// made:       gets the search, for wg_cut_search_free.
+WgStatus wg_cut_search_new(const WgWalls *walls, int64_t limit, int64_t targets, const int64_t *poses, int64_t limbs,
+                           const uint32_t *rest, WgCutSearch **made);
+
+// Goes on with about ``most`` looks at rows and cells.
+WgStatus wg_cut_search_advance(WgCutSearch *search, int64_t most, WgProgress *progress);
+
+// Number of cells in the chain that was found; 0 if nothing parts the poses.
+int64_t wg_cut_length(const WgCutSearch *search);
+
+// These cells, in chain order: ix, iy of each.
+void wg_cut_cells(const WgCutSearch *search, int64_t *cells);
+
+void wg_cut_search_free(WgCutSearch *search);
+
+// How often, 0 for even and 1 for odd, a chain winds around a pose, and whether its line is farther away than a radius.
+// Lengths are multiples of 1/scale half cell, less than 2^59; scale times a chain's coordinates too.
+//
+// cells:      (count, 2) ix, iy in chain order, -2 to 20,001.
+// radius:     -1 if it is no multiple.
+// rough:      the same as a float.
+// away:       gets 1 or 0; -1 if floats cannot tell, and there is nothing better.
+WgStatus wg_chain_around(const int64_t *cells, int64_t count, int64_t scale, int64_t x, int64_t y, int64_t radius,
+                         double rough, int64_t *winds, int64_t *away);
+
+// The widest gap between neighbours of a closed chain, cells squared.
+int64_t wg_chain_gap_sq(const int64_t *cells, int64_t count);
 
 // coarse.c
 

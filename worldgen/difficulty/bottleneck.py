@@ -23,8 +23,8 @@ from worldgen.difficulty.nodes import Bools
 from worldgen.difficulty.way import Ints
 from worldgen.lattice import UNIT, exact, in_cells
 from worldgen.reach import REACHABLE, decide
-from worldgen.reach.cut import find_chain, rim_cells
-from worldgen.reach.disc import parts, target_disc
+from worldgen.reach.cut import Chain, find_chain, rim_cells
+from worldgen.reach.disc import target_disc
 from worldgen.reach.target_poses import deciding_poses
 from worldgen.reach.walls import Walls
 from worldgen.timeline import Timeline
@@ -90,15 +90,23 @@ class _Question:
         walls = Walls(self.solid, exactly)
         if not walls.is_clear(start, start):
             return False
-        left = deciding_poses(walls, self.disc)
-        if left is None:  # thousands of corners lie near a large target
+        poses = deciding_poses(walls, self.disc)
+        if poses is None:  # thousands of corners lie near a large target
             still = replace(self.world, walls=self.solid, timeline=Timeline(), certificate=None)
-            return decide(still, radius=radius * self.world.cell_size).result == REACHABLE
-        while left:
-            chain = find_chain(self.solid, exactly, start, left[:1])
-            if chain is None:
+            metres = radius * self.world.cell_size
+            return decide(still, radius=metres, certificate=False).result == REACHABLE
+        chains: list[Chain] = []
+        index = 0
+        while index < len(poses):
+            unparted = max((poses.first_unparted(chain, start, index) for chain in chains), default=index)
+            if unparted > index:
+                index = unparted
+                continue
+            found = find_chain(self.solid, exactly, start, [poses[index]])
+            if found is None:
                 return True
-            left = [pose for pose in left[1:] if not parts(chain, start, pose)]
+            chains.append(found)
+            index += 1
         return False
 
 

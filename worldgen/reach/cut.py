@@ -3,13 +3,12 @@
 Two cells are linked when their gap is below 2 r. Each link carries a bit: whether its line (centre, closest
 point, closest point, centre) crosses the ray from the start upwards, xor the same for the target. A cycle
 whose bits add up to an odd number parts start from target, and there is one exactly if the two lie in
-different components of the clear poses (docs/reachability.md). A breadth-first search over (cell, bit) tells whether
-there is one, and then finds a short one. It strikes out each cell that it has seen from its row, so that it never
-looks at a cell twice: of a wide disc's thousands of links from each cell, it follows those to new cells only.
+different components of the clear poses (docs/reachability.md). A breadth-first search over (cell, bit) in C tells
+whether there is one, and then finds a short one.
 
 Several targets get a bit each; then only a cycle all of whose bits are odd parts the start from them all.
 
-Lengths are whole numbers of 1/1024 cell, or of a finer unit where a target is no multiple of that and a link passes it
+Poses are whole numbers of 1/1024 cell, or of a finer unit where a target is no multiple of that and a link passes it
 closely, so every crossing is decided exactly.
 """
 
@@ -19,7 +18,6 @@ import functools
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -27,19 +25,19 @@ import numpy.typing as npt
 from worldgen._core import ffi, lib
 from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import UNIT
-from worldgen.reach.walls import Cell, ExactPoint, Point
+from worldgen.reach.walls import ExactPoint
 
-__all__ = ["MOST_TARGETS", "find_chain", "linked_offsets", "rim_cells"]
+__all__ = ["MOST_TARGETS", "Chain", "find_chain", "link_limit", "refinement", "rim_cells"]
 
 MOST_TARGETS = 6
-"""Poses that a chain is sought for at once; no more than a byte has bits."""
+"""Poses that a chain is sought for at once."""
 
-_FINE_BITS = 10  # by which the unit may be finer before coordinates outgrow 64-bit products
-_STARTS = 24  # cells from which a short cycle is sought
-_WORK = 20_000_000  # looks at rows and cells that those searches may take: 0.1 s
 _PORTION = 20_000_000  # looks between two looks at Ctrl-C
+_HALF_BITS = 9  # half a cell is so many doublings of 1/1024 cell
+_LIMB_BITS = 32
 
-Ints = npt.NDArray[np.int64]
+Chain = npt.NDArray[np.int64]
+"""(n, 2) cells ix, iy in chain order; -1 and the grid's sides stand for the cells just outside."""
 
 
 def find_chain(
@@ -47,185 +45,66 @@ def find_chain(
     radius: Fraction,
     start: ExactPoint,
     targets: Sequence[ExactPoint],
-) -> list[Cell] | None:
-    """A chain of cells that parts one clear pose from others for a disc of ``radius`` cells, or None if there is none.
+) -> Chain | None:
+    """Return a chain of cells that parts one clear pose from others, or None if there is none.
 
     Args:
         solid: (height, width) bool.
-        radius: cells.
+        radius: Of the disc, cells.
         start: A clear pose, 1/1024 cell.
         targets: One other, or up to :data:`MOST_TARGETS`, of which each can be parted from the start.
-
-    Returns:
-        Cells (ix, iy) in chain order; -1 and the grid's sides stand for the cells just outside.
     """
-    links = _Links(solid, radius, start, targets)
-    if links.bits > 1:
-        return _short_cycle(links, np.ones(len(links.cells), np.bool_))
-    has_odd = links.in_odd_cycles()
-    return _short_cycle(links, has_odd) if has_odd.any() else None
-
-
-def linked_offsets(radius: Fraction) -> list[Cell]:
-    """Every (dx, dy) between two cells whose gap is below ``2 * radius`` cells.
-
-    The first half has no two offsets that are each other's reverse.
-    """
-    limit = math.ceil((2 * radius) ** 2)  # gap squared is whole: gap < 2 r means gap squared < limit
-    reach = math.isqrt(limit - 1) + 1
-    span = range(-reach, reach + 1)
-    found = [
-        (dx, dy)
-        for dx in span
-        for dy in span
-        if (dx, dy) != (0, 0) and max(abs(dx) - 1, 0) ** 2 + max(abs(dy) - 1, 0) ** 2 < limit
-    ]
-    return found[len(found) // 2 :] + found[: len(found) // 2]
-
-
-class _Links:
-    """The cells of the rim, their links, and the bits of those.
-
-    Attributes:
-        cells: (n, 2) int64, (ix, iy) of the solid cells that touch a free one, the ring outside included; by rows.
-        rank: How many cells lie before a place of the flat raster, which is wide enough for every offset.
-        place: (n,) where in that raster a cell is.
-        rows: (m, 2) what to add to a place for the row of an offset, and how far to either side that row is linked.
-        bits: How many targets there are.
-        slot: (n,) number of each cell that has a link across a ray, else -1.
-        begins: (k + 1,) where in ``ends`` the links of such a cell begin.
-        ends: (l,) the cells that they lead to.
-        odd: (l,) uint8, their bits, one for each target; links of all other cells have none.
-    """
-
-    def __init__(
-        self,
-        solid: npt.NDArray[np.bool_],
-        radius: Fraction,
-        start: ExactPoint,
-        targets: Sequence[ExactPoint],
-    ) -> None:
-        fine = 1 if all(value == int(value) for point in (start, *targets) for value in point) else _fineness(radius)
-        self.unit, self.bits = UNIT * fine, len(targets)
-        self.points: list[Point] = [(round(x * fine), round(y * fine)) for x, y in (start, *targets)]
-        self.offsets = np.array(linked_offsets(radius), np.int64)
-        reach = int(self.offsets.max())
-        rim = np.pad(rim_cells(solid), reach)
-        stride = rim.shape[1]
-        rows, columns = np.nonzero(rim)
-        self.cells: Ints = np.stack([columns, rows], axis=1) - (reach + 1)
-        self.place: Ints = rows * stride + columns
-        self.rank = np.zeros(rim.size + 1, np.int32)
-        np.cumsum(rim.ravel(), dtype=np.int32, out=self.rank[1:])
-        heights = np.arange(-reach, reach + 1)
-        wide = [int(self.offsets[self.offsets[:, 1] == height, 0].max()) for height in heights]
-        self.rows: Ints = np.stack([heights * stride, np.array(wide, np.int64)], axis=1)
-        self._list_crossing(reach)
-
-    def _list_crossing(self, reach: int) -> None:
-        """Sets ``slot``, ``begins``, ``ends`` and ``odd``."""
-        near = np.zeros(len(self.cells), np.bool_)
-        for x, y in self.points:
-            beside, above = np.abs(self.cells[:, 0] - x // self.unit), self.cells[:, 1] - y // self.unit
-            near |= (beside <= reach + 1) & (above >= -reach - 1)
-        chosen = np.flatnonzero(near)
-        row = self.place[chosen, None] + self.rows[:, 0]
-        first = self.rank[row - self.rows[:, 1]].ravel()
-        count = self.rank[row + self.rows[:, 1] + 1].ravel() - first
-        begins = np.repeat(chosen, count.reshape(len(chosen), -1).sum(axis=1))
-        ends = np.arange(count.sum()) + np.repeat(first - np.cumsum(count) + count, count)
-        begins, ends = begins[begins != ends], ends[begins != ends]
-        odd = self._link_bits(self.cells[begins], self.cells[ends])
-        crossing = np.zeros(len(self.cells), np.bool_)
-        crossing[begins[odd > 0]] = True
-        kept = crossing[begins]
-        self.ends, self.odd = ends[kept], odd[kept]
-        self.slot: Ints = np.where(crossing, np.cumsum(crossing) - 1, -1)
-        self.begins = np.searchsorted(begins[kept], [*np.flatnonzero(crossing).tolist(), len(self.cells)])
-
-    def search(self, source: int, limit: int, *, thorough: bool = False) -> tuple[list[int], int]:
-        """Return the shortest cycle through a cell whose bits are all odd, of fewer than ``limit`` links; and the work.
-
-        A thorough search goes on to all that it can reach, and leaves ``before`` and the rows as they are.
-        """
-        walk, progress = self._walk, ffi.new("WgProgress *")
-        check(lib.wg_odd_walk_begin(walk, source))
+    whole, limbs, rest = _digits(radius, (start, *targets))
+    held = np.ascontiguousarray(solid)
+    walls = ffi.new("WgWalls *", (pointer(ffi, held, np.bool_), *held.shape))
+    made = ffi.new("WgCutSearch **")
+    progress = ffi.new("WgProgress *")
+    check(lib.wg_cut_search_new(walls, link_limit(radius), len(targets), whole, limbs, rest, made))
+    try:
         while True:
-            check(lib.wg_odd_walk_advance(walk, limit, thorough, _PORTION, progress))
+            check(lib.wg_cut_search_advance(made[0], _PORTION, progress))
             if progress[0] != lib.WG_GOING:
-                return ffi.unpack(walk.chain, walk.found), walk.looked
+                break
+        if progress[0] != lib.WG_FOUND:
+            return None
+        cells = np.empty((lib.wg_cut_length(made[0]), 2), np.int64)
+        lib.wg_cut_cells(made[0], writable(ffi, cells, np.int64))
+    finally:
+        lib.wg_cut_search_free(made[0])
+    return cells
 
-    @functools.cached_property
-    def _walk(self) -> Any:
-        """What C searches on."""
-        states = len(self.cells) << self.bits
-        layer = len(self.cells) + 1
-        self.before = np.full(states, -1, np.int32)
-        order = np.empty(states, np.int32)
-        chain = np.empty(states, np.int32)
-        skip = np.arange(layer << self.bits, dtype=np.int32)
-        self._held = (order, chain, skip)  # C has their addresses only
-        fields = {
-            "cells": len(self.cells),
-            "bits": self.bits,
-            "row_count": len(self.rows),
-            "rank": pointer(ffi, self.rank, np.int32),
-            "odd": pointer(ffi, self.odd, np.uint8),
-            **{
-                name: pointer(ffi, getattr(self, name), np.int64)
-                for name in ("place", "rows", "slot", "begins", "ends")
-            },
-            **{
-                name: writable(ffi, array, np.int32)
-                for name, array in (("before", self.before), ("order", order), ("skip", skip), ("chain", chain))
-            },
-        }
-        return ffi.new("WgOddWalk *", fields)
 
-    def in_odd_cycles(self) -> npt.NDArray[np.bool_]:
-        """(n,) whether a cell has a link across a ray, and is joined to a cycle whose bits add up to an odd number."""
-        sources = np.nonzero(self.slot >= 0)[0].tolist()
-        has_odd = np.zeros(len(self.cells), np.bool_)
-        if sources:
-            _ = self._walk
-            for source in sources:
-                if self.before[2 * source] < 0 and self.before[2 * source + 1] < 0:
-                    self.search(source, 2 * len(self.cells), thorough=True)
-            seen = self.before.reshape(-1, 2) >= 0
-            has_odd[sources] = seen[sources].all(axis=1)
-            del self._walk
-        return has_odd
+def _digits(radius: Fraction, points: Sequence[ExactPoint]) -> tuple[list[int], int, list[int]]:
+    """Return points in half cells, rounded down; and the number and the digits of what that left off."""
+    values = [value for point in points for value in point]
+    finer = 0 if all(value == int(value) for value in values) else refinement(radius)
+    bits = _HALF_BITS + finer
+    limbs = -(-bits // _LIMB_BITS)
+    whole = []
+    rest = []
+    for value in values:
+        units = round(value * (1 << finer))
+        whole.append(units >> bits)
+        left = (units & ((1 << bits) - 1)) << (limbs * _LIMB_BITS - bits)
+        rest += [left >> (_LIMB_BITS * place) & 0xFFFFFFFF for place in reversed(range(limbs))]
+    return whole, limbs, rest
 
-    def is_odd(self, cells: Ints) -> npt.NDArray[np.bool_]:
-        """For each cell of a closed chain, whether its link to the next has bit 1."""
-        return self._link_bits(cells, np.roll(cells, -1, axis=0)) > 0
 
-    def _link_bits(self, begins: Ints, ends: Ints) -> npt.NDArray[np.uint8]:
-        """(n,) the bits of links between cells, (n, 2) each."""
-        bits = np.zeros(len(begins), np.uint8)
-        astride = np.zeros(len(begins), np.bool_)  # few links are; the others need no arithmetic
-        for x, _ in self.points:
-            low, high = np.minimum(begins[:, 0], ends[:, 0]), np.maximum(begins[:, 0], ends[:, 0])
-            astride |= (low <= x // self.unit) & (high >= x // self.unit)
-        (x, y), (to_x, to_y) = begins[astride].T, ends[astride].T
-        bits[astride] = self._crossing_bits(x, y, to_x - x, to_y - y)
-        return bits
+@functools.lru_cache(maxsize=256)
+def link_limit(radius: Fraction) -> int:
+    """Return the least squared gap, cells, at which a disc passes: gaps squared are whole."""
+    return math.ceil((2 * radius) ** 2)
 
-    def _crossing_bits(self, x: Ints, y: Ints, dx: Ints, dy: Ints) -> npt.NDArray[np.uint8]:
-        """The bits of links from cells (x, y) to cells (x + dx, y + dy)."""
-        if self.unit > UNIT << _FINE_BITS:  # products of coordinates need more than 64 bits
-            x, y, dx, dy = (array.astype(object) for array in (x, y, dx, dy))
-        unit, half = self.unit, self.unit // 2
-        ax, ay = unit * x + half, unit * y + half
-        dx_, dy_ = ax + unit * dx, ay + unit * dy
-        bx, cx = ax + half * np.sign(dx), dx_ - half * np.sign(dx)
-        by, cy = ay + half * np.sign(dy), dy_ - half * np.sign(dy)
-        together = np.zeros(x.shape, np.uint8)
-        all_bits = (1 << self.bits) - 1
-        for px, py, qx, qy in ((ax, ay, bx, by), (bx, by, cx, cy), (cx, cy, dx_, dy_)):
-            for point, bit in zip(self.points, (all_bits, *(1 << k for k in range(self.bits))), strict=True):
-                together ^= _crosses(px, py, qx, qy, *point) * np.uint8(bit)
-        return together
+
+@functools.lru_cache(maxsize=256)
+def refinement(radius: Fraction) -> int:
+    """Return how often 1/1024 cell has to be halved for a rounded clear pose to stay on its side of each link.
+
+    A clear pose is farther from a link than the radius less half its gap.
+    """
+    widest_sq = link_limit(radius) - 1
+    least = (radius**2 - Fraction(widest_sq, 4)) / (2 * radius)
+    return max(0, math.ceil(1 / (least * UNIT)) - 1).bit_length()
 
 
 def rim_cells(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
@@ -235,63 +114,3 @@ def rim_cells(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     rows = free[:-2] | free[1:-1] | free[2:]
     rim: npt.NDArray[np.bool_] = wide[1:-1, 1:-1] & (rows[:, :-2] | rows[:, 1:-1] | rows[:, 2:])
     return rim
-
-
-def _fineness(radius: Fraction) -> int:
-    """How much finer than 1/1024 cell the unit must be for a rounded clear pose to stay on its side of each link.
-
-    A clear pose is farther from a link than the radius less half its gap.
-    """
-    widest_sq = math.ceil(4 * radius**2) - 1
-    least = (radius**2 - Fraction(widest_sq, 4)) / (2 * radius)
-    return int(1 << max(0, math.ceil(1 / (least * UNIT)) - 1).bit_length())
-
-
-def _crosses(px: Ints, py: Ints, qx: Ints, qy: Ints, sx: int, sy: int) -> npt.NDArray[np.uint8]:
-    """1 where segment pq crosses the ray from s upwards; points level with s count as left of it."""
-    astride = (px <= sx) != (qx <= sx)
-    above = (py - sy) * (qx - px) + (qy - py) * (sx - px)
-    crossing: npt.NDArray[np.uint8] = (astride & (np.sign(above) == np.sign(qx - px))).astype(np.uint8)
-    return crossing
-
-
-def _short_cycle(links: _Links, has_odd: npt.NDArray[np.bool_]) -> list[Cell] | None:
-    """The shortest odd cycle through one of a few cells at the rays."""
-    sources = np.nonzero(has_odd & (links.slot >= 0))[0]
-    x, y = (UNIT * links.cells[sources] + UNIT // 2).T
-    near = [(x - px * UNIT // links.unit) ** 2 + (y - py * UNIT // links.unit) ** 2 for px, py in links.points]
-    sources = sources[np.argsort(np.min(near, axis=0), kind="stable")]
-    few = np.unique(np.linspace(0, len(sources) - 1, _STARTS).astype(np.int64))
-    chosen = sources[few] if links.bits == 1 else np.concatenate([sources[few], np.delete(sources, few)])
-    size = len(links.cells) << links.bits
-    work = (10 if links.bits > 1 else 1) * _WORK
-    best: list[int] = []
-    for source in chosen.tolist():
-        chain, looked = links.search(source, len(best) or size)
-        if chain and (not best or len(chain) < len(best)):
-            best = chain
-        work -= looked
-        if work < 0 and (best or links.bits > 1):
-            break
-    if links.bits > 1:
-        return [tuple(cell) for cell in links.cells[best].tolist()] or None
-    return _simple(links, best)
-
-
-def _simple(links: _Links, chain: Sequence[int]) -> list[Cell]:
-    """Splits a closed chain at cells that it visits twice, and keeps an odd part each time."""
-    cells = links.cells[np.array(chain, np.int64)]
-    odd = links.is_odd(cells)
-    kept: list[tuple[Cell, bool]] = []  # cell, and the sum of bits from it to the next kept one
-    where: dict[Cell, int] = {}
-    for cell, bit in zip(map(tuple, cells.tolist()), odd.tolist(), strict=True):
-        if cell in where:
-            loop = kept[where[cell] :]
-            if sum(piece[1] for piece in loop) % 2:
-                return [piece[0] for piece in loop]
-            for piece in loop:
-                del where[piece[0]]
-            del kept[len(kept) - len(loop) :]
-        where[cell] = len(kept)
-        kept.append((cell, bit))
-    return [piece[0] for piece in kept]

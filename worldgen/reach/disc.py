@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
+import numpy as np
+
+from worldgen._core import ffi, lib
+from worldgen.ccall import check, pointer
 from worldgen.lattice import UNIT, in_cells
-from worldgen.reach.walls import Cell, ExactPoint, Point
+from worldgen.reach.cut import Chain
+from worldgen.reach.walls import ExactPoint, Number, Point
 from worldgen.world import World
 
-__all__ = ["Disc", "beyond", "chain_lines", "parts", "target_disc"]
+__all__ = ["Disc", "beyond", "disc_of", "lattice_centre", "parts", "target_disc", "widest_gap_sq", "winds_around"]
+
+_HALF = UNIT // 2
+_ROUNDED = Fraction(1, 2)
+_FINEST = 2**32  # parts of 1/1024 cell; C compares what is no finer
 
 
 class Disc(NamedTuple):
@@ -29,18 +39,69 @@ class Disc(NamedTuple):
 def target_disc(world: World) -> Disc:
     """The target as the world's decimals say it."""
     target = world.target
-    return _disc(target.x, target.y, target.radius, world.cell_size)
+    return disc_of(target.x, target.y, target.radius, world.cell_size)
 
 
 @functools.lru_cache(maxsize=1024)
-def _disc(x: float, y: float, radius: float, cell_size: float) -> Disc:
+def disc_of(x: float, y: float, radius: float, cell_size: float) -> Disc:
+    """Return a target's disc; all in m."""
     return Disc(*(in_cells(value, cell_size) * UNIT for value in (x, y, radius)))
 
 
-def chain_lines(chain: Sequence[Cell]) -> list[tuple[Point, Point]]:
+def lattice_centre(disc: Disc) -> Point | None:
+    """Return the lattice pose nearest to a disc's centre, if it is in the disc; halves go up."""
+    centre = (math.floor(disc.x + _ROUNDED), math.floor(disc.y + _ROUNDED))
+    return centre if disc.holds(centre) else None
+
+
+def beyond(chain: Chain, start: ExactPoint, disc: Disc) -> bool:
+    """Return True if a chain parts a pose from a whole disc, as its line keeps out of the disc."""
+    winds, away = _around(chain, (disc.x, disc.y), disc.radius)
+    return away and winds != winds_around(chain, start)
+
+
+def parts(chain: Chain, start: ExactPoint, pose: ExactPoint) -> bool:
+    """Return True if a chain winds round one of two poses an odd number of times, round the other an even number."""
+    return winds_around(chain, start) != winds_around(chain, pose)
+
+
+def winds_around(chain: Chain, pose: ExactPoint) -> bool:
+    """Return True if a chain winds round a pose an odd number of times."""
+    return _around(chain, pose, 0)[0]
+
+
+def widest_gap_sq(chain: Chain) -> int:
+    """Return the square of the widest gap between two neighbours of a closed chain, cells."""
+    gap_sq: int = lib.wg_chain_gap_sq(pointer(ffi, chain, np.int64), len(chain))
+    return gap_sq
+
+
+def _around(chain: Chain, pose: ExactPoint, radius: Number) -> tuple[bool, bool]:
+    """Return whether a chain winds round a pose an odd number of times, and keeps farther away than a radius."""
+    scale = math.lcm(pose[0].denominator, pose[1].denominator)
+    finer = math.lcm(scale, radius.denominator)
+    fits = finer <= _FINEST
+    scale = finer if fits else scale
+    if scale <= _FINEST:
+        x, y = (value.numerator * (scale // value.denominator) for value in pose)
+        reach = radius.numerator * (scale // radius.denominator) if fits else -1
+        winds = ffi.new("int64_t *")
+        away = ffi.new("int64_t *")
+        cells = pointer(ffi, chain, np.int64)
+        rough = float(radius * scale)
+        check(lib.wg_chain_around(cells, len(chain), _HALF * scale, x, y, reach, rough, winds, away))
+        if away[0] >= 0:
+            return bool(winds[0]), bool(away[0])
+    lines = _chain_lines(chain)  # C has no room for these numbers
+    return _inside(lines, pose), all(_is_away(line, pose, radius) for line in lines)
+
+
+def _chain_lines(chain: Chain) -> list[tuple[Point, Point]]:
     """The closed line of a chain: each cell's centre, closest point, closest point, next centre."""
-    half, corners = UNIT // 2, []
-    for (ax, ay), (bx, by) in zip(chain, [*chain[1:], *chain[:1]], strict=True):
+    half = _HALF
+    corners: list[Point] = []
+    cells = chain.tolist()
+    for (ax, ay), (bx, by) in zip(cells, [*cells[1:], *cells[:1]], strict=True):
         sx, sy = (bx > ax) - (bx < ax), (by > ay) - (by < ay)
         centre = (UNIT * ax + half, UNIT * ay + half)
         corners += [
@@ -60,25 +121,11 @@ def _inside(lines: Sequence[tuple[Point, Point]], p: ExactPoint) -> bool:
     return odd
 
 
-def parts(chain: Sequence[Cell], start: ExactPoint, pose: ExactPoint) -> bool:
-    """Whether a chain winds round one of two poses an odd number of times, and round the other an even number."""
-    lines = chain_lines(chain)
-    return _inside(lines, start) != _inside(lines, pose)
-
-
-def beyond(chain: Sequence[Cell], start: ExactPoint, disc: Disc) -> bool:
-    """Whether a chain parts a pose from a whole disc, as its line keeps out of the disc."""
-    # Whole numbers where they are whole, for fractions are slow.
-    disc = Disc(*(value.numerator if value.denominator == 1 else value for value in disc))  # type: ignore[arg-type]
-    centre = (disc.x, disc.y)
-    return parts(chain, start, centre) and all(_away(line, disc) for line in chain_lines(chain))
-
-
-def _away(line: tuple[Point, Point], disc: Disc) -> bool:
-    """Whether a segment is farther from a disc's centre than its radius."""
+def _is_away(line: tuple[Point, Point], pose: ExactPoint, radius: Number) -> bool:
+    """Return True if a segment is farther from a pose than a radius."""
     (px, py), (qx, qy) = line
-    ex, ey, ux, uy = qx - px, qy - py, disc.x - px, disc.y - py
+    ex, ey, ux, uy = qx - px, qy - py, pose[0] - px, pose[1] - py
     along, length_sq = ex * ux + ey * uy, ex * ex + ey * ey
     if 0 < along < length_sq:
-        return (ex * uy - ey * ux) ** 2 > disc.radius**2 * length_sq
-    return not disc.holds((px, py)) and not disc.holds((qx, qy))
+        return (ex * uy - ey * ux) ** 2 > radius**2 * length_sq
+    return ux**2 + uy**2 > radius**2 < (pose[0] - qx) ** 2 + (pose[1] - qy) ** 2

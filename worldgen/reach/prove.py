@@ -15,17 +15,17 @@ from worldgen._core import lib
 from worldgen.ccall import check
 from worldgen.lattice import UNIT, exact, in_cells, lattice_units, metres_to_lattice
 from worldgen.reach.coarse import FROM_CELLS, coarse_way
-from worldgen.reach.cut import MOST_TARGETS, find_chain
+from worldgen.reach.cut import MOST_TARGETS, Chain, find_chain
 from worldgen.reach.decision import BLOCKED, REACHABLE, UNDECIDED, Decision, check_margin, check_radius
-from worldgen.reach.disc import Disc, beyond, parts, target_disc
+from worldgen.reach.disc import Disc, beyond, lattice_centre, target_disc, widest_gap_sq
 from worldgen.reach.lattice_graph import Graph, build_graph, find_path, nodes_within
 from worldgen.reach.path import make_witness, root_up, shorten
 from worldgen.reach.pinch import bridges
 from worldgen.reach.spans import ChangingWalls, Spans
-from worldgen.reach.still import ROUNDING, ask_still, witness_of
+from worldgen.reach.still import ROUNDING, ask_still, points_of, witness_of
 from worldgen.reach.target_poses import deciding_poses
 from worldgen.reach.timed import find_timed_path, make_timed_witness, shorten_timed
-from worldgen.reach.walls import Cell, ExactPoint, Point, Walls
+from worldgen.reach.walls import Cell, ExactPoint, Walls
 from worldgen.timeline import Timeline
 from worldgen.world import Cut, Witness, World
 
@@ -35,10 +35,18 @@ _FINER = (4, 8, 16)  # nodes per cell side where half cells neither find a path 
 _MOST_NODES = 40_000_000  # a finer graph than this is not searched: about 1 GB
 _MOST_TIMED_NODES = 4_000_000  # likewise in time
 _NOT_ASKED = "a path was found; its witness was not asked for"
+_CUT_NOT_ASKED = "the start is covered, or chains of cells part it from the target; the cut was not asked for"
 _NONE = np.zeros(0, np.int64)
 
 
-def decide(world: World, *, radius: float | None = None, margin: float = 0.0, certificate: bool = True) -> Decision:
+def decide(
+    world: World,
+    *,
+    radius: float | None = None,
+    margin: float = 0.0,
+    certificate: bool = True,
+    cut: bool = True,
+) -> Decision:
     """Whether a disc can get from the start to the target.
 
     Args:
@@ -46,8 +54,9 @@ def decide(world: World, *, radius: float | None = None, margin: float = 0.0, ce
         radius: Radius of the disc, m; the robot's where left out.
         margin: s. The witness of a world that changes holds too when the robot first waits at the start for any time
             up to this long, and then does everything so much later.
-        certificate: Whether the witness of a still world is wanted. Without it, small worlds take half the time: the
-            path is found all the same, but not straightened and measured.
+        certificate: Whether the proof is wanted, if the world is still. Without it, small worlds take a fraction of
+            the time: that there is a path or a cut is shown all the same, but neither is made.
+        cut: Whether the proof is wanted if it is a cut, too.
 
     Raises:
         InvalidParameter: If the radius is not a finite number above 0, or the margin not one from 0 on.
@@ -59,7 +68,7 @@ def decide(world: World, *, radius: float | None = None, margin: float = 0.0, ce
         with np.errstate(all="ignore"):  # event times near the largest float
             if world.is_dynamic:
                 return _decide_changing(world, radius, margin)
-            return _Question(world, radius).answer(certificate=certificate)
+            return _Question(world, radius).answer(certificate=certificate, cut=certificate and cut)
     except OverflowError:
         return Decision(UNDECIDED, None, "lengths, speed and times are too far apart for numbers to hold them")
 
@@ -70,7 +79,7 @@ def decide_many(worlds: Sequence[World], *, radius: float | None = None, certifi
     Args:
         worlds: Any worlds.
         radius: Radius of the disc, m; each world's robot's where left out.
-        certificate: Whether the witnesses of still worlds are wanted.
+        certificate: Whether the proofs of still worlds are wanted.
 
     Raises:
         InvalidParameter: If the radius is not a finite number above 0.
@@ -95,7 +104,7 @@ def _decide_changing(world: World, radius: float, margin: float) -> Decision:
             reason = f"a timed path of {witness.length:.4g} m arrives after {witness.duration:.4g} s"
             return Decision(REACHABLE, witness, reason)
         if k == 2:
-            for_ever = _Question(replace(still, walls=spans.always), radius).answer()
+            for_ever = _Question(replace(still, walls=spans.always), radius).answer(certificate=False)
             if for_ever.result == BLOCKED:
                 return for_ever
     untouched = _Question(replace(still, walls=spans.ever), radius).answer()
@@ -116,6 +125,7 @@ class _Question:
         exact_start: The start as the world's decimals say it, lu.
         disc: The target.
         goal: A clear pose in the target's disc, if one is known.
+        wants_cut: Whether a cut is to be made.
     """
 
     world: World
@@ -134,6 +144,7 @@ class _Question:
         )
         self.disc: Disc = target_disc(world)
         self.goal: ExactPoint | None = None
+        self.wants_cut = True
 
     @functools.cached_property
     def goal_walls(self) -> Walls:
@@ -154,22 +165,24 @@ class _Question:
             return 0 <= column < columns and 0 <= row < rows and bool(self._halves.clear[row, column])
         return self.walls.is_clear(point, point)
 
-    def answer(self, *, certificate: bool = True) -> Decision:
-        """The decision, with its witness if that is asked for; a cut comes with it always."""
-        answer = self._at_once(certificate)
+    def answer(self, *, certificate: bool = True, cut: bool = True) -> Decision:
+        """Return the decision, with its witness or its cut where that is wanted."""
+        self.wants_cut = cut
+        answer, has_path = self._at_once(certificate)
         if answer is not None:
             return answer
-        bad_start = self.judge_start()
-        if bad_start is not None:
-            return bad_start
-        centre = self._centre()
-        if centre is not None and self._is_clear(centre):
-            self.goal = centre
-        found = self._coarse_way() or self._path(2)
+        if has_path is None:
+            bad_start = self.judge_start()
+            if bad_start is not None:
+                return bad_start
+            centre = lattice_centre(self.disc)
+            if centre is not None and self._is_clear(centre):
+                self.goal = centre
+        found = [] if has_path is False else self._coarse_way() or self._path(2)
         if not found:
-            cut = self._cut()
-            if cut is not None:
-                return cut
+            blocked = self._cut()
+            if blocked is not None:
+                return blocked
             found = self._path_off_graph() or self._path_through_pinches()
         if not found:
             reason = "there is a way, only just wide enough for the disc, and no path along it was found"
@@ -181,36 +194,40 @@ class _Question:
             points.insert(0, self.exact_start)
         return _reached(make_witness(self.walls, points, self.world.cell_size, self.world.robot_speed))
 
-    def _centre(self) -> Point | None:
-        """Return the lattice pose nearest to the target's centre, if it is in the target."""
-        target, cell_size = self.world.target, self.world.cell_size
-        centre = (metres_to_lattice(target.x, cell_size), metres_to_lattice(target.y, cell_size))
-        in_the_middle = centre[0] == self.disc.x and centre[1] == self.disc.y  # mostly, and quicker to see
-        return centre if in_the_middle or self.disc.holds(centre) else None
+    def _at_once(self, certificate: bool) -> tuple[Decision | None, bool | None]:
+        """Return the decision about a small world, in one call of C.
 
-    def _at_once(self, certificate: bool) -> Decision | None:
-        """Return the decision about a small world whose poses are on the lattice, in one call; None if it is open."""
+        If that leaves it open, return instead whether half cells have a path; None if nothing is known.
+        """
         world = self.world
-        if self.start != self.exact_start or world.walls.size > FROM_CELLS:
-            return None
-        if 2 * self.walls.radius > min(world.walls.shape):  # nothing is clear, and C takes no such disc
-            return None
-        goal = self._centre()
-        asked = ask_still(self.walls.radius, world.cell_size, world.robot_speed)
-        if goal is None or asked is None:
-            return None
-        (asked.start_x, asked.start_y), (asked.goal_x, asked.goal_y) = self.start, goal
-        asked.toward_x, asked.toward_y = _nearest_node(self.disc, UNIT // 2)
+        if world.walls.size > FROM_CELLS:
+            return None, None
+        rounded = self.start != self.exact_start
+        asked = ask_still(world, self.radius, rounded=rounded)
+        if asked is None:
+            return None, None
+        asked.start_x, asked.start_y = self.start
         asked.wants_path = certificate
+        asked.wants_cut = self.wants_cut
         check(lib.wg_still_decide(self.walls.described, asked))
-        if not asked.reachable:
-            return None
-        if not certificate:
-            return Decision(REACHABLE, None, _NOT_ASKED)
-        try:
-            return _reached(witness_of(asked, world.cell_size))
-        finally:
-            lib.wg_still_free(asked)
+        outcome = asked.outcome
+        if outcome == lib.WG_REACHED:
+            if not certificate:
+                return Decision(REACHABLE, None, _NOT_ASKED), True
+            try:
+                if not rounded:
+                    return _reached(witness_of(asked, world.cell_size)), True
+                points = [self.exact_start, *points_of(asked)]
+                return _reached(make_witness(self.walls, points, world.cell_size, world.robot_speed)), True
+            finally:
+                lib.wg_still_free(asked)
+        if outcome == lib.WG_PARTED:
+            return Decision(BLOCKED, None, _CUT_NOT_ASKED), False
+        if outcome == lib.WG_START_COVERED:
+            return self._covered_start(), False
+        if asked.goal_clear:
+            self.goal = (asked.goal_x, asked.goal_y)
+        return None, False if outcome == lib.WG_NO_PATH else None
 
     def _coarse_way(self) -> list[ExactPoint]:
         if self.goal is None or self.world.walls.size <= FROM_CELLS:
@@ -220,12 +237,18 @@ class _Question:
     def judge_start(self) -> Decision | None:
         """The decision, if the start settles it."""
         if not self._is_clear(self.exact_start):
-            cell, distance_sq = self.walls.nearest(self.exact_start)
-            reason = f"the start is nearer than the radius to cell {cell}"
-            return Decision(BLOCKED, self._make_cut([cell], Fraction(distance_sq) / UNIT**2), reason)
+            return self._covered_start()
         if self.exact_start != self.start and not self.walls.is_clear(self.exact_start, self.start):
             self.start = self.exact_start  # it touches a wall, and would not once it is rounded
         return None
+
+    def _covered_start(self) -> Decision:
+        """Return the decision where a cell is too near to the start."""
+        if not self.wants_cut:
+            return Decision(BLOCKED, None, _CUT_NOT_ASKED)
+        cell, distance_sq = self.walls.nearest(self.exact_start)
+        reason = f"the start is nearer than the radius to cell {cell}"
+        return self._blocked(cell, Fraction(distance_sq) / UNIT**2, reason)
 
     def _path(self, k: int, *, pinched: bool = False, cornered: bool = False) -> list[ExactPoint]:
         """Points from the start to the target over one graph; empty if it has no such path.
@@ -302,46 +325,58 @@ class _Question:
         if poses is None:
             reason = "the target's disc is too large to look at all of its poses; give a smaller one"
             return Decision(UNDECIDED, None, reason)
-        if not poses:
+        if not len(poses):
             cell, _ = self.walls.nearest((self.disc.x, self.disc.y))
-            return Decision(BLOCKED, self._make_cut([cell], None), "no pose in the target's disc is clear")
-        parted = poses[:1]
+            return self._blocked(cell, None, "no pose in the target's disc is clear")
+        parted = [poses[0]]
         while len(parted) <= MOST_TARGETS:
             chain = self._chain(parted)
             if chain is None:
                 break
-            left = [pose for pose in poses if not parts(chain, self.start, pose)]
-            if not left:
+            first = poses.first_unparted(chain, self.start)
+            if first == len(poses):
                 return self._ringed(chain)
-            if self._chain(left[:1]) is None:
-                self.goal = left[0]
+            left = poses[first]
+            if self._chain([left]) is None:
+                self.goal = left
                 return None
-            parted.append(left[0])
+            parted.append(left)
         if len(parted) == 1:
             self.goal = parted[0]
             return None
         return Decision(UNDECIDED, None, "each pose in the target's disc is walled off, and no single ring was found")
 
-    def _ringed(self, chain: list[Cell]) -> Decision:
+    def _ringed(self, chain: Chain) -> Decision:
         reason = f"a ring of {len(chain)} cells, every gap narrower than the disc, parts start and target"
-        return Decision(BLOCKED, self._make_cut(chain, self._stopped_sq(chain)), reason)
+        return self._blocked(chain, self._stopped_sq(chain), reason)
 
-    def _chain(self, poses: Sequence[ExactPoint]) -> list[Cell] | None:
+    def _chain(self, poses: Sequence[ExactPoint]) -> Chain | None:
         return find_chain(self.world.walls, self.walls.radius, self.start, poses)
 
-    def _stopped_sq(self, chain: list[Cell]) -> Fraction | None:
+    def _stopped_sq(self, chain: Chain) -> Fraction | None:
         """Squared radius, cells, above which a chain stops every disc; None if that is known of the robot's only."""
-        if not beyond(chain, self.start, self.disc):
-            return None
-        return Fraction(max(_gap_sq(a, b) for a, b in zip(chain, [*chain[1:], chain[0]], strict=True)), 4)
+        return Fraction(widest_gap_sq(chain), 4) if beyond(chain, self.start, self.disc) else None
 
-    def _make_cut(self, chain: Sequence[Cell], stopped_sq: Fraction | None) -> Cut:
-        """The cut with what it stops: every disc whose squared radius, in cells, is above ``stopped_sq``."""
-        cell_size = exact(self.world.cell_size)
+    def _blocked(self, chain: Chain | Cell, stopped_sq: Fraction | None, reason: str) -> Decision:
+        """Return the decision, and the cut with what it stops if that is wanted.
+
+        Args:
+            chain: The chain, or the only cell.
+            stopped_sq: Every disc is stopped whose squared radius, in cells, is above it.
+            reason: What the decision says.
+        """
+        if not self.wants_cut:
+            return Decision(BLOCKED, None, reason)
         clearance = math.nextafter(self.radius, 0.0)
         if stopped_sq is not None:
-            clearance = min(clearance, root_up(stopped_sq * cell_size**2))
-        return Cut(np.array(chain, np.int64), clearance)
+            clearance = min(clearance, _root_in_metres(stopped_sq, self.world.cell_size))
+        cells = np.array([chain], np.int64) if isinstance(chain, tuple) else chain
+        return Decision(BLOCKED, Cut(cells, clearance), reason)
+
+
+@functools.lru_cache(maxsize=1024)
+def _root_in_metres(square: Fraction, cell_size: float) -> float:
+    return root_up(square * exact(cell_size) ** 2)
 
 
 def _reached(witness: Witness) -> Decision:
@@ -352,10 +387,6 @@ def _reached(witness: Witness) -> Decision:
 @functools.lru_cache(maxsize=1024)
 def _nearest_node(disc: Disc, unit: int) -> tuple[int, int]:
     return round(disc.x / unit), round(disc.y / unit)
-
-
-def _gap_sq(a: Cell, b: Cell) -> int:
-    return max(abs(a[0] - b[0]) - 1, 0) ** 2 + max(abs(a[1] - b[1]) - 1, 0) ** 2
 
 
 def _links(walls: Walls, graph: Graph, point: ExactPoint) -> list[int]:

@@ -3,31 +3,38 @@
 Every connected part of the clear poses in the disc has one that is nearest to the disc's centre. That one is the
 centre itself, or the foot of a perpendicular from it on the edge of one cell's neighbourhood, or it lies on the edges
 of two neighbourhoods at once (docs/reachability.md). Such edges are straight lines and arcs, so each coordinate is
-a + b * sqrt(m) with fractions a, b and m, and every comparison is one of fractions.
+a + b * sqrt(m) with fractions a, b and m, and every comparison is exact. C makes them; fractions do
+where lengths have so many digits that C has no room for their products.
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from worldgen._core import ffi, lib
+from worldgen.ccall import check, pointer
 from worldgen.lattice import UNIT
-from worldgen.reach.cut import rim_cells
-from worldgen.reach.disc import Disc
+from worldgen.reach.cut import Chain, rim_cells
+from worldgen.reach.disc import Disc, winds_around
 from worldgen.reach.walls import Cell, ExactPoint, Walls
 
-__all__ = ["deciding_poses"]
+__all__ = ["DecidingPoses", "deciding_poses", "described_target"]
 
 _SLACK = 1e-6  # cells; floats are wrong by far less where they choose what is looked at exactly
 _BITS = 160  # after the point, of a root: far finer than the distance of any clear pose from any cut
 _MOST = 3_000  # corners of cells near the disc; with more it is too large to look at each pose
 _WORK = 100_000_000  # likewise, pairs of a pose and a cell
+
+_LONGEST = 2**61  # parts of a cell, and lengths in these; C has room for no more
+_LARGEST = 20_000  # cells; so is any grid that C takes
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -50,16 +57,102 @@ class _Edges(NamedTuple):
     corners: list[Cell]
 
 
-def deciding_poses(walls: Walls, disc: Disc) -> list[ExactPoint] | None:
-    """Clear poses in a disc, at least one in each connected part of its clear poses.
+class DecidingPoses(Protocol):
+    """Clear poses in a disc, at least one in each connected part of its clear poses."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int) -> ExactPoint:
+        """Return a pose, lu; what is irrational is wrong by less than 2**-140."""
+
+    def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
+        """Return the first pose, from an index on, that a chain does not part from the start; their number if none."""
+
+
+def deciding_poses(walls: Walls, disc: Disc) -> DecidingPoses | None:
+    """Return the poses of a disc that decide for all of it; None if there is too much to look at.
 
     Args:
         walls: The walls with the robot's radius.
         disc: The target's disc.
-
-    Returns:
-        Points, lu; what is irrational is wrong by less than 2**-140. None if there is too much to look at.
     """
+    target = described_target(walls.radius, disc)
+    if target is None or not target.scale:
+        return plain_poses(walls, disc)
+    made = ffi.new("WgPoses **")
+    listed = ffi.new("WgListed *")
+    check(lib.wg_poses_new(walls.described, target, made, listed))
+    if listed[0] == lib.WG_TOO_LONG:
+        return plain_poses(walls, disc)
+    return None if listed[0] == lib.WG_TOO_MANY else _PosesOfC(made[0], target.scale, walls.radius, disc)
+
+
+@functools.lru_cache(maxsize=1024)
+def described_target(radius: Fraction, disc: Disc) -> Any:
+    """Return a robot's radius, cells, and a target's disc as C reads them; None if they are too large.
+
+    Its scale is 0 if the numbers have too many digits.
+    """
+    x, y, reach = (value / UNIT for value in disc)
+    if radius > _LARGEST or reach > _LARGEST or max(abs(x), abs(y)) > _LARGEST:
+        return None
+    floats = (float(x), float(y), float(radius), float(reach))
+    made = ffi.new("WgTarget *", (0, 0, 0, 0, -1, *floats))
+    for values in ((x, y, radius, reach), (x, y, radius)):
+        scale = math.lcm(*(value.denominator for value in values))
+        whole = [value.numerator * (scale // value.denominator) for value in values]
+        if max(scale, *whole) < _LONGEST:
+            # Without the last one, C takes the disc's radius as a float.
+            made.x, made.y, made.reach, made.radius = whole if len(whole) == len(floats) else (*whole, -1)
+            made.scale = scale
+            break
+    return made
+
+
+class _PosesOfC:
+    """Poses that C holds."""
+
+    def __init__(self, poses: Any, scale: int, radius: Fraction, disc: Disc) -> None:
+        self._poses = ffi.gc(poses, lib.wg_poses_free)
+        self._scale, self._radius, self._disc = scale, radius, disc
+
+    def __len__(self) -> int:
+        return int(lib.wg_poses_count(self._poses))
+
+    def __getitem__(self, index: int) -> ExactPoint:
+        if not 0 <= index < len(self):
+            raise IndexError(f"there are {len(self)} poses, and {index} is none of them")
+        found = ffi.new("WgPoseOf *")
+        lib.wg_poses_describe(self._poses, index, found)
+        return _point(self._pose(found))
+
+    def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
+        cells = pointer(ffi, chain, np.int64)
+        return int(lib.wg_poses_next(self._poses, cells, len(chain), winds_around(chain, start), begin))
+
+    def _pose(self, found: Any) -> _Pose:
+        """Return the pose in fractions of a cell."""
+        corner = (found.x, found.y)
+        if found.kind == lib.WG_PLAIN:
+            return _Pose(Fraction(found.x, self._scale), Fraction(found.y, self._scale))
+        if found.kind == lib.WG_ON_RAY:
+            return _on_ray((self._disc.x / UNIT, self._disc.y / UNIT), corner, self._radius)
+        if found.kind == lib.WG_BETWEEN:
+            return _between(corner, found.dx, found.dy, found.side, self._radius)
+        meet = _on_row if found.kind == lib.WG_ON_ROW else _on_column
+        return meet(corner, Fraction(found.level, self._scale), found.side, self._radius)
+
+
+class _PlainPoses(list[ExactPoint]):
+    """Poses in fractions."""
+
+    def first_unparted(self, chain: Chain, start: ExactPoint, begin: int = 0) -> int:
+        odd = winds_around(chain, start)
+        return next((i for i in range(begin, len(self)) if winds_around(chain, self[i]) == odd), len(self))
+
+
+def plain_poses(walls: Walls, disc: Disc) -> _PlainPoses | None:
+    """Return what :func:`deciding_poses` does, in fractions however long."""
     x, y, radius = disc.x / UNIT, disc.y / UNIT, disc.radius / UNIT
     edges = _edges(walls, float(x), float(y), float(radius))
     if len(edges.corners) > _MOST:
@@ -72,9 +165,7 @@ def deciding_poses(walls: Walls, disc: Disc) -> list[ExactPoint] | None:
         return None
     kept = kept[_almost_clear(walls, at[kept])]
     exact = (poses[index] for index in kept.tolist())
-    return list(
-        dict.fromkeys(_point(pose) for pose in exact if _in_disc(pose, x, y, radius) and _is_clear(walls, pose))
-    )
+    return _PlainPoses(_point(pose) for pose in exact if _in_disc(pose, x, y, radius) and _is_clear(walls, pose))
 
 
 def _edges(walls: Walls, x: float, y: float, radius: float) -> _Edges:
@@ -101,22 +192,44 @@ def _candidates(edges: _Edges, centre: tuple[Fraction, Fraction], radius: Fracti
     yield from (_Pose(column, y) for column in edges.columns)
     yield from (_Pose(column, row) for column in edges.columns for row in edges.rows)
     for qx, qy in edges.corners:
-        away_sq = (x - qx) ** 2 + (y - qy) ** 2
-        if away_sq:
-            share = radius / away_sq
-            yield _Pose(Fraction(qx), Fraction(qy), share * (x - qx), share * (y - qy), away_sq)
+        if (x, y) != (qx, qy):
+            yield _on_ray(centre, (qx, qy), radius)
         for row in edges.rows:
             if (row - qy) ** 2 <= radius**2:
-                yield from (_Pose(Fraction(qx), row, side, Fraction(0), radius**2 - (row - qy) ** 2) for side in _SIDES)
+                yield from (_on_row((qx, qy), row, side, radius) for side in _SIDES)
         for column in edges.columns:
             if (column - qx) ** 2 <= radius**2:
-                yield from (
-                    _Pose(column, Fraction(qy), Fraction(0), side, radius**2 - (column - qx) ** 2) for side in _SIDES
-                )
+                yield from (_on_column((qx, qy), column, side, radius) for side in _SIDES)
     yield from _between_corners(edges.corners, radius)
 
 
-_SIDES = (Fraction(1), Fraction(-1))
+_SIDES = (1, -1)
+
+
+def _on_ray(centre: tuple[Fraction, Fraction], corner: Cell, radius: Fraction) -> _Pose:
+    """The point of the circle round a corner that is nearest to a centre."""
+    qx, qy = corner
+    dx, dy = centre[0] - qx, centre[1] - qy
+    away_sq = dx**2 + dy**2
+    share = radius / away_sq
+    return _Pose(Fraction(qx), Fraction(qy), share * dx, share * dy, away_sq)
+
+
+def _on_row(corner: Cell, row: Fraction, side: int, radius: Fraction) -> _Pose:
+    """Where a line y = row meets the circle round a corner, on one side."""
+    return _Pose(Fraction(corner[0]), row, Fraction(side), Fraction(0), radius**2 - (row - corner[1]) ** 2)
+
+
+def _on_column(corner: Cell, column: Fraction, side: int, radius: Fraction) -> _Pose:
+    """Where a line x = column meets the circle round a corner, on one side."""
+    return _Pose(column, Fraction(corner[1]), Fraction(0), Fraction(side), radius**2 - (column - corner[0]) ** 2)
+
+
+def _between(corner: Cell, dx: int, dy: int, side: int, radius: Fraction) -> _Pose:
+    """Where the circles round two corners meet, on one side."""
+    square = radius**2 / (dx * dx + dy * dy) - Fraction(1, 4)
+    middle = (corner[0] + Fraction(dx, 2), corner[1] + Fraction(dy, 2))
+    return _Pose(*middle, Fraction(-dy * side), Fraction(dx * side), square)
 
 
 def _between_corners(corners: list[Cell], radius: Fraction) -> Iterator[_Pose]:
@@ -132,9 +245,7 @@ def _between_corners(corners: list[Cell], radius: Fraction) -> Iterator[_Pose]:
     for px, py in corners:
         for dx, dy in offsets:
             if (px + dx, py + dy) in known:
-                square = radius**2 / (dx * dx + dy * dy) - Fraction(1, 4)
-                middle = (px + Fraction(dx, 2), py + Fraction(dy, 2))
-                yield from (_Pose(*middle, -dy * side, dx * side, square) for side in _SIDES)
+                yield from (_between((px, py), dx, dy, side, radius) for side in _SIDES)
 
 
 def _approximate(pose: _Pose) -> tuple[float, float]:

@@ -63,8 +63,12 @@ class Walls:
         self.solid = solid
         self.height, self.width = solid.shape
         self.radius = radius
-        self.radius_sq = _in_units_sq(radius)
         self._stride = self.width + 2
+
+    @functools.cached_property
+    def radius_sq(self) -> Fraction:
+        """Square of the radius, lu."""
+        return _in_units_sq(self.radius)
 
     @functools.cached_property
     def described(self) -> Any:

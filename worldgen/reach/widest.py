@@ -33,7 +33,7 @@ def widest_disc(world: World) -> float:
         middle = low + (high - low) / 2
         if middle in (low, high) or high < _LEAST * world.cell_size:
             return low
-        if decide(world, radius=middle).result == REACHABLE:
+        if decide(world, radius=middle, certificate=False).result == REACHABLE:
             low = middle
         else:
             high = middle
