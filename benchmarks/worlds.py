@@ -260,7 +260,7 @@ def _markdown(result: dict[str, Any]) -> str:
         f"Proofs at {side} x {side} cells, s; in brackets the peer's time over ours:",
         _table(["world", "answer", "proof", "check", *PEERS], proofs),
         "Microseconds for a world of 30 x 30 cells:",
-        _table(["family", "decided", "with witness", "scipy labels"], batch),
+        _table(["family", "decided", "with witness", "blocked", "with cut", "scipy labels"], batch),
         f"Files of {side} x {side} cells, s:",
         _table(["world", *list(next(iter(result["files"].values())))[1:]], files),
         "Start-up, s:",

@@ -95,17 +95,16 @@ static WgStatus list_cells(WgLinks *links, const WgWalls *walls)
         free(flat);
         return WG_OUT_OF_MEMORY;
     }
+    // Every place is written where the next cell goes, so that nothing has to be guessed about the walls.
     int32_t count = 0;
     int64_t place = 0;
     for (int64_t iy = -1 - reach; place < size; iy++) {
         for (int64_t ix = -1 - reach; ix < walls->width + 1 + reach; ix++) {
             links->rank[place] = count;
-            if (flat[place] != 0) {
-                links->column[count] = (int32_t)ix;
-                links->row[count] = (int32_t)iy;
-                links->place[count] = (int32_t)place;
-                count++;
-            }
+            links->column[count] = (int32_t)ix;
+            links->row[count] = (int32_t)iy;
+            links->place[count] = (int32_t)place;
+            count += flat[place];
             place++;
         }
     }
@@ -151,13 +150,12 @@ static bool make_room(WgLinks *links, int64_t used)
     return true;
 }
 
-// Whether a link of a cell may cross the ray from some pose.
-static bool is_near_a_ray(const WgLinks *links, const WgFinePose *poses, int64_t count, int64_t cell)
+// Whether a link of a cell may cross the ray from some pose: it has to be beside the ray and not all below.
+static bool is_near_a_ray(const WgLinks *links, const int64_t *columns, const int64_t *rows, int64_t count, int64_t cell)
 {
     for (int64_t k = 0; k < count; k++) {
-        int64_t beside = wg_abs(links->column[cell] - wg_floor_div(poses[k].x, 2));
-        int64_t above = links->row[cell] - wg_floor_div(poses[k].y, 2);
-        if (beside <= links->reach + 1 && above >= -links->reach - 1) {
+        int64_t beside = wg_abs(links->column[cell] - columns[k]);
+        if (beside <= links->reach + 1 && links->row[cell] >= rows[k] - links->reach - 1) {
             return true;
         }
     }
@@ -214,10 +212,16 @@ WgStatus wg_links_make(WgLinks *links, const WgWalls *walls, int64_t limit, cons
     if (links->begins == NULL || !lay_out_rows(links, limit)) {
         return WG_OUT_OF_MEMORY;
     }
+    int64_t columns[MOST_POSES];
+    int64_t rows[MOST_POSES];
+    for (int64_t k = 0; k < count; k++) {
+        columns[k] = wg_floor_div(poses[k].x, 2);
+        rows[k] = wg_floor_div(poses[k].y, 2);
+    }
     int64_t used = 0;
     for (int64_t cell = 0; cell < links->cells; cell++) {
         links->slot[cell] = -1;
-        if (is_near_a_ray(links, poses, count, cell) && !list_links_of(links, poses, count, cell, &used)) {
+        if (is_near_a_ray(links, columns, rows, count, cell) && !list_links_of(links, poses, count, cell, &used)) {
             return WG_OUT_OF_MEMORY;
         }
     }
