@@ -192,7 +192,7 @@ def _candidates(edges: _Edges, centre: tuple[Fraction, Fraction], radius: Fracti
     yield from (_Pose(column, y) for column in edges.columns)
     yield from (_Pose(column, row) for column in edges.columns for row in edges.rows)
     for qx, qy in edges.corners:
-        if (x, y) != (qx, qy):
+        if x != qx or y != qy:
             yield _on_ray(centre, (qx, qy), radius)
         for row in edges.rows:
             if (row - qy) ** 2 <= radius**2:
