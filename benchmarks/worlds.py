@@ -6,8 +6,8 @@ not counted. Start-up is what the clock on the wall shows, compilation not count
 
 - ``worlds``: million cells a second of a layout alone, and of ``generate``: layout, proof and world.
 - ``proofs``: seconds to decide one world of the largest of ``--sizes``, and to check the certificate.
-- ``batch``: microseconds for each of many worlds of 30 x 30 cells, without and with its witness; and the same with a wall
-  across, without and with the cut that proves it.
+- ``batch``: microseconds for each of many worlds of 30 x 30 cells, without and with its witness; and the same with a
+  wall across, without and with the cut that proves it.
 - ``files``: seconds to write and read a world of the largest size.
 - ``start``: seconds from the command line.
 
