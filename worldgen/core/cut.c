@@ -50,16 +50,6 @@ struct WgCutSearch {
     int64_t length;
 };
 
-// Which entry of a row is the next one that was not seen, from ``v`` on; halves the way there for later.
-static inline int64_t next_unseen(int32_t *skip, int64_t v)
-{
-    while (skip[v] != v) {
-        skip[v] = skip[skip[v]];
-        v = skip[v];
-    }
-    return v;
-}
-
 static inline void see(const WgLinks *links, Walk *walk, int64_t cell, int64_t layer, int64_t from)
 {
     int64_t state = (cell << links->bits) + layer;
@@ -92,7 +82,7 @@ static void follow_rows(const WgLinks *links, Walk *walk, int64_t state, int64_t
         int64_t v = base + links->rank[at - links->wide[row]];
         walk->looked++;
         while (v < last) {
-            v = next_unseen(walk->skip, v);
+            v = wg_next_unseen(walk->skip, v);
             if (v >= last) {
                 break;
             }

@@ -19,15 +19,6 @@ typedef struct Groups {
     int32_t *waiting;
 } Groups;
 
-static int32_t next_unseen(int32_t *skip, int32_t v)
-{
-    while (skip[v] != v) {
-        skip[v] = skip[skip[v]];
-        v = skip[v];
-    }
-    return v;
-}
-
 // Unites the cells that links without bits join, from one of them on.
 static void unite_plain(const WgLinks *links, Groups *groups, int32_t first)
 {
@@ -39,12 +30,12 @@ static void unite_plain(const WgLinks *links, Groups *groups, int32_t first)
         for (int64_t row = 0; row <= 2 * links->reach; row++) {
             int64_t at = links->place[cell] + links->shift[row];
             int32_t last = links->rank[at + links->wide[row] + 1];
-            int32_t v = next_unseen(groups->skip, links->rank[at - links->wide[row]]);
+            int64_t v = wg_next_unseen(groups->skip, links->rank[at - links->wide[row]]);
             while (v < last) {
-                groups->skip[v] = v + 1;
+                groups->skip[v] = (int32_t)(v + 1);
                 groups->parent[v] = first;
-                groups->waiting[count++] = v;
-                v = next_unseen(groups->skip, v + 1);
+                groups->waiting[count++] = (int32_t)v;
+                v = wg_next_unseen(groups->skip, v + 1);
             }
         }
     }

@@ -38,6 +38,34 @@ static inline int64_t wg_cell_of(int64_t lu)
     return wg_floor_div(lu, WG_UNIT);
 }
 
+// Whether a cell is solid; all cells outside the grid are.
+static inline bool wg_is_solid(const WgWalls *walls, int64_t ix, int64_t iy)
+{
+    bool inside = ix >= 0 && iy >= 0 && ix < walls->width && iy < walls->height;
+    return !inside || walls->solid[iy * walls->width + ix] != 0;
+}
+
+// What each of eight steps adds to a node's number, four along the axes first; and where the middles of the others are.
+static inline void wg_eight_steps(int64_t stride, int64_t shifts[8], int64_t corners[8])
+{
+    const int64_t steps[8] = {1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, 1 - stride};
+    const int64_t middles[8] = {0, 0, 0, 0, 0, -stride - 1, -1, -stride};
+    for (int step = 0; step < 8; step++) {
+        shifts[step] = steps[step];
+        corners[step] = middles[step];
+    }
+}
+
+// Which entry of a list is the next one that is its own, from ``v`` on; halves the way there for later.
+static inline int64_t wg_next_unseen(int32_t *skip, int64_t v)
+{
+    while (skip[v] != v) {
+        skip[v] = skip[skip[v]];
+        v = skip[v];
+    }
+    return v;
+}
+
 // Rounds a root down; the square is less than 2^62.
 int64_t wg_root_floor(int64_t square);
 

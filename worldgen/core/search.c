@@ -263,10 +263,7 @@ WgStatus wg_search_new(const WgGraph *graph, const int64_t *sources, int64_t sou
     search->graph = *graph;
     search->toward_x = toward_x;
     search->toward_y = toward_y;
-    const int64_t shifts[8] = {1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, 1 - stride};
-    const int64_t corners[8] = {0, 0, 0, 0, 0, -stride - 1, -1, -stride};
-    memcpy(search->shifts, shifts, sizeof shifts);
-    memcpy(search->corners, corners, sizeof corners);
+    wg_eight_steps(stride, search->shifts, search->corners);
     search->unused = NO_NODE;
     search->end = NO_NODE;
     search->content = end_count == 0;

@@ -73,12 +73,6 @@ static inline void look_at_straight(Scan *scan, int64_t x0, int64_t y0)
     scan->least = wg_min(scan->least, dx * dx + dy * dy);
 }
 
-static inline bool is_solid(const WgWalls *walls, int64_t ix, int64_t iy)
-{
-    bool inside = ix >= 0 && iy >= 0 && ix < walls->width && iy < walls->height;
-    return !inside || walls->solid[iy * walls->width + ix] != 0;
-}
-
 static WgScan scan_piece(const WgWalls *walls, WgPiece piece, Bound bound)
 {
     if (piece.py > piece.qy) {
@@ -109,7 +103,7 @@ static WgScan scan_piece(const WgWalls *walls, WgPiece piece, Bound bound)
         }
         int64_t end = wg_min(walls->width, wg_cell_of(high + 1 + reach) + 1);
         for (int64_t ix = wg_max(-1, wg_cell_of(low - 1 - reach) - 1); ix <= end; ix++) {
-            if (!is_solid(walls, ix, iy)) {
+            if (!wg_is_solid(walls, ix, iy)) {
                 continue;
             }
             if (slanted) {

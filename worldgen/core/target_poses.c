@@ -61,20 +61,14 @@ typedef struct Edges {
     int64_t corner_count;
 } Edges;
 
-static inline bool is_solid(const WgWalls *walls, int64_t ix, int64_t iy)
-{
-    bool inside = ix >= 0 && iy >= 0 && ix < walls->width && iy < walls->height;
-    return !inside || walls->solid[iy * walls->width + ix] != 0;
-}
-
 static bool is_on_rim(const WgWalls *walls, int64_t ix, int64_t iy)
 {
-    if (!is_solid(walls, ix, iy)) {
+    if (!wg_is_solid(walls, ix, iy)) {
         return false;
     }
     for (int64_t dy = -1; dy <= 1; dy++) {
         for (int64_t dx = -1; dx <= 1; dx++) {
-            if (!is_solid(walls, ix + dx, iy + dy)) {
+            if (!wg_is_solid(walls, ix + dx, iy + dy)) {
                 return true;
             }
         }
@@ -304,7 +298,7 @@ static bool is_clear(const WgPoses *poses, const ExactPose *pose)
             double dx = fmax(fmax((double)ix - pose->x, pose->x - (double)ix - 1.0), 0.0);
             double apart_sq = dx * dx + dy * dy;
             if (apart_sq > radius_sq + DOUBT * (1.0 + radius_sq) ||
-                !is_solid(&poses->walls, poses->base_x + ix, poses->base_y + iy)) {
+                !wg_is_solid(&poses->walls, poses->base_x + ix, poses->base_y + iy)) {
                 continue;
             }
             if (apart_sq < radius_sq - DOUBT * (1.0 + radius_sq) || is_nearer(poses, pose, ix, iy)) {

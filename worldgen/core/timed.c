@@ -48,12 +48,7 @@ WgStatus wg_timed_new(const WgTimed *asked, const int64_t *begun, int64_t begun_
         return WG_OUT_OF_MEMORY;
     }
     search->asked = *asked;
-    const int64_t shifts[8] = {1, -1, stride, -stride, stride + 1, -stride - 1, stride - 1, 1 - stride};
-    const int64_t corners[8] = {0, 0, 0, 0, 0, -stride - 1, -1, -stride};
-    for (int i = 0; i < 8; i++) {
-        search->shifts[i] = shifts[i];
-        search->corners[i] = corners[i];
-    }
+    wg_eight_steps(stride, search->shifts, search->corners);
     for (int64_t i = 0; i < begun_count; i++) {
         int64_t state = begun[2 * i];
         int64_t arrival = begun[2 * i + 1];
