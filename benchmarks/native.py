@@ -4,14 +4,16 @@
 into that document. All rates are per second of one core's processor time, compilation left out.
 
 ``lane``: units of the lane ``native`` as a campaign does them: scenes drawn, simulated, looked at; what it reports
-proved, judged by its oracle and classified. ``looks``: the same without the proofs. ``alone``: the simulator's step
-without all that, one long run in the maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of the same
-scenes through the library. ``features``: the lane in which Hypothesis draws feature layouts, one example a world.
+proved, judged by its oracle and classified. ``looks``: the same without the proofs. ``bare``: the simulator's step in
+the worlds of the same scenes, with everything ready before the clock starts: what the lane could be at most.
+``alone``: one long run in the maze of :mod:`benchmarks.simulator`. ``simulate_many``: the worlds of the same scenes
+through the library. ``features``: the lane in which Hypothesis draws feature layouts, one example a world.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import time
 from collections.abc import Callable
@@ -27,16 +29,20 @@ from benchmarks.simulator import maze
 from benchmarks.worlds import documented
 from fuzz.config import CampaignConfig
 from fuzz.lanes.native import scenes
-from fuzz.native import evaluate
+from fuzz.native import Looks, evaluate
 from fuzz.unit import run_unit
 from sim import RunOptions, simulate_many
+from sim._core import lib
+from sim.controllers import CONTROLLERS, CompiledController
 from sim.episode import prepare
+from sim.lattice_core import Driver, Episode
+from sim.lattice_run import LatticeRun
 from sim.scenario import Scenario
 from worldgen.random_streams import RandomStream
 
-__all__ = ["CONTROLLERS", "Row", "measure"]
+__all__ = ["NAMES", "Row", "measure"]
 
-CONTROLLERS = ("benchmarks.simulator:BOUNCER", "turn-right", "turn-left", "wall-left", "vfh")
+NAMES = ("benchmarks.simulator:BOUNCER", "turn-right", "turn-left", "wall-left", "vfh")
 ALONE_STEPS = 300_000
 LOOKS = 4_000  # scenes
 SAME_WORLDS = 300  # of simulate_many
@@ -50,6 +56,7 @@ class Row:
     Args:
         controller: Name.
         alone: Steps of the simulator alone.
+        bare: Steps of the simulator alone, in the worlds of the first looks.
         looks_steps: Steps of first looks.
         looks_worlds: Their worlds.
         lane_steps: Steps of whole units of the lane ``native``.
@@ -64,6 +71,7 @@ class Row:
 
     controller: str
     alone: float
+    bare: float
     looks_steps: float
     looks_worlds: float
     lane_steps: float
@@ -74,6 +82,11 @@ class Row:
     features_steps: float
     features_worlds: float
     features_classes: int
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """The rates of first looks and of whole units, as shares of the bare step's."""
+        return {"looks_share": self.looks_steps / self.bare, "lane_share": self.lane_steps / self.bare}
 
 
 def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
@@ -103,8 +116,26 @@ def _alone(scenario: Scenario, rounds: int) -> float:
     return ALONE_STEPS / median(taken)
 
 
-def _looks(scenario: Scenario, rounds: int) -> tuple[float, float, float, float]:
-    """Steps and worlds a second of first looks, and of ``simulate_many`` in the same worlds."""
+def _bare(scenario: Scenario, looks: Looks) -> float:
+    """Steps a second of the runs of first looks: nothing but the step and its search for recurrences."""
+    controller = CONTROLLERS.get(scenario.controller)
+    assert isinstance(controller, CompiledController)
+    steps = 0
+    taken = 0.0
+    for n in np.flatnonzero(looks.ran).tolist():
+        world = looks.world(n)
+        run = LatticeRun(world, controller, looks.scenario_of(n).options(world, int(looks.budget[n])))
+        run.settings.steps = int(looks.budget[n])
+        run.settings.digest = 0
+        run.settings.find_loop = lib.WG_SEEK_LOOP if run.can_loop else lib.WG_NO_LOOP
+        episode = Episode(run.arena(), run.settings, Driver(controller, controller.memory))
+        taken += _timed(functools.partial(episode.run, run.settings.steps))[1]
+        steps += int(episode.report.steps)
+    return steps / taken
+
+
+def _looks(scenario: Scenario, rounds: int) -> tuple[float, float, float, float, float]:
+    """Bare steps a second; steps and worlds of first looks, and of ``simulate_many`` in the same worlds."""
     drawn, seeds = scenes(RandomStream(3), LOOKS), np.arange(LOOKS, dtype=np.uint64)
     evaluate(drawn[:50], scenario, seeds[:50], 0.015)
     done = [_timed(lambda: evaluate(drawn, scenario, seeds, 0.015)) for _ in range(rounds)]
@@ -113,6 +144,7 @@ def _looks(scenario: Scenario, rounds: int) -> tuple[float, float, float, float]
     simulate_many(worlds[:1], scenario.controller, steps=10, workers=1)
     runs, taken = _timed(lambda: simulate_many(worlds, scenario.controller, steps=4000, workers=1))
     return (
+        median(_bare(scenario, looks) for _ in range(rounds)),
         looks.simulated / seconds,
         int(looks.ran.sum()) / seconds,
         float(runs.steps.sum()) / taken,
@@ -125,24 +157,25 @@ def measure(controllers: tuple[str, ...], rounds: int, budget: float) -> list[Ro
     rows = []
     for name in controllers:
         scenario = Scenario(name)
-        looks_steps, looks_worlds, many_steps, many_worlds = _looks(scenario, rounds)
+        bare, looks_steps, looks_worlds, many_steps, many_worlds = _looks(scenario, rounds)
         native, features = _units(scenario, "native", budget), _units(scenario, "features", budget)
         alone = _alone(scenario, rounds)
-        rows.append(Row(name, alone, looks_steps, looks_worlds, *native, many_steps, many_worlds, *features))
+        rows.append(Row(name, alone, bare, looks_steps, looks_worlds, *native, many_steps, many_worlds, *features))
     return rows
 
 
 def _markdown(rows: list[Row]) -> str:
     lines = [
-        "| controller | alone | looks | lane | lane / alone | simulate_many | features | worlds | features | classes "
-        "| features |",
-        "| --- |" + " ---: |" * 10,
+        "| controller | alone | bare | looks | looks / bare | lane | lane / bare | simulate_many | features | worlds "
+        "| features | classes | features |",
+        "| --- |" + " ---: |" * 12,
     ]
     for row in rows:
-        steps = (row.alone, row.looks_steps, row.lane_steps)
         others = (row.many_steps, row.features_steps)
-        cells = [row.controller.rpartition(":")[2].lower(), *(f"{rate / 1e6:.2f}" for rate in steps)]
-        cells += [f"{row.lane_steps / row.alone:.2f}", *(f"{rate / 1e6:.2f}" for rate in others)]
+        cells = [row.controller.rpartition(":")[2].lower(), f"{row.alone / 1e6:.2f}", f"{row.bare / 1e6:.2f}"]
+        for rate, share in zip((row.looks_steps, row.lane_steps), row.shares.values(), strict=True):
+            cells += [f"{rate / 1e6:.2f}", f"{share:.2f}"]
+        cells += [f"{rate / 1e6:.2f}" for rate in others]
         cells += [f"{rate:,.0f}" for rate in (row.lane_worlds, row.features_worlds)]
         cells += [str(row.lane_classes), str(row.features_classes)]
         lines.append(f"| {' | '.join(cells)} |")
@@ -153,7 +186,7 @@ def main() -> None:
     """Runs all and prints the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--controllers", default=",".join(CONTROLLERS), help="names, with commas between")
+    parser.add_argument("--controllers", default=",".join(NAMES), help="names, with commas between")
     parser.add_argument("--rounds", type=int, default=3, help="of what is not a lane; the median counts (default 3)")
     parser.add_argument("--seconds", type=float, default=10.0, help="of the processor for each lane (default 10)")
     parser.add_argument("--document", type=Path, help="put the table into this document too")
@@ -162,7 +195,7 @@ def main() -> None:
     table = _markdown(rows)
     if arguments.document is not None:
         arguments.document.write_text(documented(arguments.document.read_text(), table, MARKS))
-    click.echo(json.dumps({"rows": [asdict(row) for row in rows]}) if arguments.json else table)
+    click.echo(json.dumps({"rows": [asdict(row) | row.shares for row in rows]}) if arguments.json else table)
 
 
 if __name__ == "__main__":
