@@ -20,10 +20,10 @@ import pytest
 import fuzz.ledger.folder
 from fuzz.campaign import Campaign, Shrinking
 from fuzz.config import CampaignConfig
-from fuzz.crews import Alone
+from fuzz.crews import Alone, WorkersLost
 from fuzz.deadline import Deadline
 from fuzz.lanes.native import Pace
-from fuzz.ledger import CampaignFolder, Goal, begin, resume, setup_of, stored_seed
+from fuzz.ledger import CampaignFolder, Goal, begin, read_error, resume, setup_of, stored_seed
 from fuzz.ledger.setup import config_of, digest_of_sources
 from fuzz.session import CampaignSession
 from fuzz.summary import units_in_words
@@ -31,6 +31,7 @@ from fuzz.unit import run_unit
 from fuzz.variation import Variation
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
+from tests.helpers.raising import raises
 from tests.helpers.tiers import some
 from worldgen import generate
 from worldgen.errors import FormatError, OutputError
@@ -380,16 +381,18 @@ def test_a_failure_that_is_not_whole_is_found_and_shrunk_again(part, spoil, copi
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "differences"),
     [
-        ({"seed": 6}, "seed is 5, not 6; worldgen fuzz --resume .* goes on with that one, --force begins anew"),
-        ({"scenario": Scenario("turn-left")}, "scenario is .*turn-right.*, not .*turn-left"),
-        ({"examples": 13, "epoch": 2}, "epoch is 1, not 2, examples is 4, not 13"),
+        ({"seed": 6}, ["seed is 5, not 6"]),
+        ({"scenario": Scenario("turn-left")}, ["scenario is .*turn-right.*, not .*turn-left.*"]),
+        ({"examples": 13, "epoch": 2}, ["epoch is 1, not 2", "examples is 4, not 13"]),
     ],
 )
-def test_another_campaign_is_refused_with_what_differs(change, message, copied):
-    with pytest.raises(OutputError, match=f"holds another campaign: {message}"):
+def test_another_campaign_is_refused_with_what_differs(change, differences, copied):
+    with raises(OutputError, "another-campaign", out=str(copied)) as caught:
         begin(replace(CONFIG, **change), copied, Goal(units=UNITS))
+    found = caught.value.facts["differences"]
+    assert len(found) == len(differences) and all(map(re.fullmatch, differences, found))
 
 
 def test_a_controller_that_was_changed_is_noticed(tmp_path):
@@ -398,8 +401,10 @@ def test_a_controller_that_was_changed_is_noticed(tmp_path):
     config = replace(CONFIG, scenario=Scenario(f"{file}:Sits"), examples=2)
     run(begin(config, tmp_path / "out", Goal(units=1)))
     file.write_text(file.read_text() + "# changed\n")
-    with pytest.raises(OutputError, match=r"controller .*mine.py:Sits was [0-9a-f]{16} and is [0-9a-f]{16}; resume it"):
+    with raises(OutputError, "another-campaign") as caught:
         resume(tmp_path / "out")
+    (difference,) = caught.value.facts["differences"]
+    assert re.fullmatch(r"controller .*mine.py:Sits was [0-9a-f]{16} and is [0-9a-f]{16}", difference)
 
 
 def test_a_campaign_that_did_nothing_makes_room_for_another(tmp_path):
@@ -434,7 +439,7 @@ def test_what_a_campaign_is_cannot_be_changed_when_it_is_resumed(copied):
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"version": 2}', '{"version": 1, "configuration": 5}', "[" * 100_000])
 def test_a_configuration_that_cannot_be_read_is_refused_in_one_sentence(text, copied):
     (copied / ".campaign" / "campaign.json").write_text(text)
-    with pytest.raises(FormatError, match="is no campaign's configuration"):
+    with raises(FormatError, "invalid-campaign"):
         resume(copied)
 
 
@@ -448,8 +453,9 @@ def test_a_configuration_that_cannot_be_read_is_refused_in_one_sentence(text, co
 def test_a_configuration_with_a_strange_value_is_refused_in_one_sentence(here, strange, said, copied):
     file = copied / ".campaign" / "campaign.json"
     file.write_text(file.read_text().replace(here, strange))
-    with pytest.raises(FormatError, match=f"configuration cannot be read: {said}"):
+    with raises(FormatError, "invalid-campaign") as caught:
         resume(copied)
+    assert said in caught.value.facts["reason"]
     stored_seed(copied)  # without an error
 
 
@@ -467,11 +473,29 @@ def test_a_folder_is_free_again_when_its_writer_is_killed(copied):
     )
     process = subprocess.Popen([sys.executable, "-c", f"{script}; print(flush=True); time.sleep(600)"], stdout=-1)
     process.stdout.readline()
-    with pytest.raises(OutputError, match="another worldgen fuzz is writing"):
+    with raises(OutputError, "campaign-is-running", out=str(copied)):
         CampaignFolder(copied)
     process.kill()
     process.communicate()
     CampaignFolder(copied).close()
+
+
+class Lost(Alone):
+    """Workers that are gone as soon as they are asked for something."""
+
+    def submit(self, work, /, *args, **kwargs):
+        raise WorkersLost("worker-died", "a worker process died")
+
+
+def test_a_campaign_says_in_its_folder_whether_it_was_done_or_failed(copied):
+    def status():
+        return json.loads((copied / ".campaign/summary.json").read_text())["status"]
+
+    CampaignSession(begin(CONFIG, copied, Goal(units=UNITS)), Alone(), quiet=True).run()
+    assert status() == "done"
+    with raises(OutputError, "broken-off"):
+        CampaignSession(resume(copied, Goal(units=UNITS + 1)), Lost(), quiet=True).run()
+    assert status() == "failed"
 
 
 @pytest.mark.gate
@@ -488,6 +512,7 @@ def test_a_full_disk_stops_a_campaign_in_one_sentence_and_with_room_it_goes_on(w
     monkeypatch.setattr(fuzz.ledger.folder, "write_bytes", full)
     result = worldgen(*FUZZ, "--units", UNITS, "--out", tmp_path)
     assert result.code == 2 and "No space left on device; what is there is whole: make room, and" in result.err
+    assert read_error(tmp_path).code == "broken-off"
     monkeypatch.undo()
     assert worldgen("fuzz", "--resume", tmp_path, "--workers", 1, "--json").code == 1
     assert left_in(tmp_path) == left_in(whole)
