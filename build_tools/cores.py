@@ -36,13 +36,22 @@ FLAGS = (
     "-fvisibility=hidden",
     # A fused multiply-add rounds once where two operations round twice: results would depend on the machine.
     "-ffp-contract=off",
+    # Internal functions assert what their callers have made sure of; builds with sanitizers check it.
+    "-DNDEBUG",
     # sqrt() needs no errno; results are the same, and it becomes one instruction.
     "-fno-math-errno",
 )
 # For developers only: a compiler that we have not seen may warn of something new.
 STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Werror")
 # The process that loads such a module must have loaded the sanitizer before; .ci/run shows how.
-SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer", "-g", "-O1")
+SANITIZE = (
+    "-fsanitize=address,undefined",
+    "-fno-sanitize-recover=all",
+    "-fno-omit-frame-pointer",
+    "-g",
+    "-O1",
+    "-UNDEBUG",
+)
 # What cffi generates keeps to no such rules. Its Python.h is ours, which declares the stable ABI.
 _STABLE_ABI = "build_tools/stable_abi"
 BINDING = ("-w", "-DPy_LIMITED_API=0x030B0000", f"-I{ROOT / _STABLE_ABI}")

@@ -176,7 +176,8 @@ static void measure(const WgArena *arena, const WgSettings *settings, const WgSt
     double lengths[PORTION];
     double shares[PORTION];
     double longest = settings->beam_range;
-    int64_t most = wg_ceil(wg_lower(longest, (double)MOST_CELLS * WG_UNIT) / WG_UNIT) + 2;
+    const double unit = WG_UNIT;
+    int64_t most = wg_ceil(wg_lower(longest, (double)MOST_CELLS * unit) / unit) + 2;
 
     for (int64_t k = 0; k < count; k++) {
         headings[k] = state->heading + arena->spread[first + k];

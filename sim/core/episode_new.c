@@ -116,7 +116,7 @@ void wg_robot_begin(WgRobot *robot, const WgSettings *settings, const WgControll
     state->x = settings->start_x;
     state->y = settings->start_y;
     state->heading = settings->start_heading;
-    state->speed = wg_whole_speed(settings->start_speed * settings->speed * WG_SPEED_UNIT);
+    state->speed = wg_whole_speed(settings->start_speed * settings->speed * (double)WG_SPEED_UNIT);
     state->draws = 0;
     if (controller->memory_size > 0) {
         memcpy(robot->body->memory, controller->memory, (size_t)controller->memory_size * sizeof(double));

@@ -62,16 +62,17 @@ static double contact_with_corner(double radius_sq, double mx, double my, double
 // left, low: the cell's corner.
 static void touch_cell(double left, double low, double radius, double dx, double dy, double graze, Contact *best)
 {
+    const double side = WG_UNIT;
     // Its faces, moved out by the radius, against the centre.
     if (dx != 0.0) {
-        double t = dx > 0.0 ? (left - radius) / dx : (left + WG_UNIT + radius) / dx;
-        if (-1e-9 <= t && t < best->time && low <= t * dy && t * dy <= low + WG_UNIT) {
+        double t = dx > 0.0 ? (left - radius) / dx : (left + side + radius) / dx;
+        if (-1e-9 <= t && t < best->time && low <= t * dy && t * dy <= low + side) {
             *best = (Contact){wg_higher(t, 0.0), {-dx, 0.0}};
         }
     }
     if (dy != 0.0) {
-        double t = dy > 0.0 ? (low - radius) / dy : (low + WG_UNIT + radius) / dy;
-        if (-1e-9 <= t && t < best->time && left <= t * dx && t * dx <= left + WG_UNIT) {
+        double t = dy > 0.0 ? (low - radius) / dy : (low + side + radius) / dy;
+        if (-1e-9 <= t && t < best->time && left <= t * dx && t * dx <= left + side) {
             *best = (Contact){wg_higher(t, 0.0), {0.0, -dy}};
         }
     }

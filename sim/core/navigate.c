@@ -258,7 +258,7 @@ static void act(WgCrew *crew, int64_t robot, double turn, double speed, const Wg
     told->reward[robot] = reward_of(crew, robot, touched);
     told->terminated[robot] = report->ending != WG_LIMIT;
     told->reached[robot] = report->ending == WG_REACHED;
-    told->truncated[robot] = crew->rules->limit > 0.0 && (double)crew->elapsed[robot] >= crew->rules->limit;
+    told->truncated[robot] = crew->rules->limit > 0 && crew->elapsed[robot] >= crew->rules->limit;
     crew->over[robot] = told->terminated[robot] | told->truncated[robot];
     if (crew->over[robot] != 0 && crew->rules->autoreset == WG_SAME_STEP) {
         memcpy(told->last + robot * crew->size, observation, (size_t)crew->size * sizeof *observation);

@@ -23,7 +23,7 @@ static inline double wg_sine(const int64_t *headings, int64_t heading)
 static inline int64_t wg_beam_heading(int64_t heading, int64_t beam, int64_t beams, double field)
 {
     if (field >= (double)WG_TURN) {
-        return heading + wg_floor((double)beam * WG_TURN / (double)beams + 0.5);
+        return heading + wg_floor((double)beam * (double)WG_TURN / (double)beams + 0.5);
     }
     if (beams == 1) {
         return heading;

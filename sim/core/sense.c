@@ -5,7 +5,7 @@
 #include "fdlibm.h"
 #include "rays.h"
 
-static const double PER_RADIAN = WG_TURN / (2.0 * 3.141592653589793);
+static const double PER_RADIAN = (double)WG_TURN / (2.0 * 3.141592653589793);
 
 // Where a signal may be read: the middle of a cell, or the target in its own.
 typedef struct Place {

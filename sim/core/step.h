@@ -293,7 +293,7 @@ static inline int64_t wg_commanded_turn(const WgSettings *settings, const WgComm
 static inline int64_t wg_commanded_speed(const WgSettings *settings, const WgCommand *command)
 {
     double speed = wg_clamp(command->speed, -settings->top_speed, settings->top_speed);
-    return wg_whole_speed(speed * settings->speed * WG_SPEED_UNIT);
+    return wg_whole_speed(speed * settings->speed * (double)WG_SPEED_UNIT);
 }
 
 // Applies a command: the turn now, the speed in the next step; clamps both, refuses nan and infinities.

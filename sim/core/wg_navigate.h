@@ -29,7 +29,7 @@ enum {
 // When the next episode begins: in the step after the last one, in the same step, or when the caller says so.
 enum { WG_NEXT_STEP = 0, WG_SAME_STEP = 1, WG_NO_AUTORESET = 2 };
 
-// What decides numbers of observations, commands and rewards. As (11,) float64 in Python.
+// What decides numbers of observations, commands and rewards.
 typedef struct WgRules {
     double extent;      // m: what counts as 1 in distances
     double beam_range;  // m: what counts as 1 in range beams
@@ -40,8 +40,8 @@ typedef struct WgRules {
     double contact;     // for a step in which a wall stopped or bent the move
     double reached;
     double burned;
-    double limit;       // steps until an episode is cut off; 0: never
-    double autoreset;   // WG_NEXT_STEP, ...
+    int64_t limit;      // steps until an episode is cut off; 0: never
+    int64_t autoreset;  // WG_NEXT_STEP, ...
 } WgRules;
 
 // A world that robots may be in.

@@ -193,6 +193,18 @@ def test_a_slanting_distance_that_equals_the_radius_is_clear_but_only_fractions_
     assert shorten(of, [p, (q[0], p[1]), q]) == [p, q]
 
 
+@pytest.mark.parametrize(
+    "state", [(0, 1, 2, 2), (1, 1, 2, 1), (0, 0, 2, 1), (0, 3, 4, 1), (0, 1, 0, 1), (3, 4, 5, 1), (-1, 1, 2, 1)]
+)
+def test_a_state_in_which_corners_would_be_kept_beyond_their_room_is_refused(state):
+    of = Walls(np.zeros((5, 5), bool), Fraction(1))
+    points = np.array([UNIT, 2 * UNIT, 3 * UNIT])
+    kept = np.zeros(3, np.int64)
+    arrays = [pointer(ffi, array, np.int64) for array in (points, points, np.array([*state, lib.WG_UNSURE]), kept)]
+    status = lib.wg_shorten(of.described, of.disc, *arrays[:2], b"\1\1\1", 3, 6, *arrays[2:], ffi.new("int64_t *"))
+    assert status == lib.WG_BAD_VALUE
+
+
 def chain_exists(world, radius, points):
     """Whether a cycle of links winds round one of two poses: every link looked at, over (cell, bit)."""
     rows, columns = np.nonzero(rim_cells(world.walls))

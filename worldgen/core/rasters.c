@@ -20,6 +20,7 @@ typedef struct DiscRows {
     DiscRow *rows;
     int64_t *begins;  // (2 k^2 + 1,)
     int64_t pad;      // how far any of them is away, and one
+    int64_t longest;  // the most cells of any
 } DiscRows;
 
 int64_t wg_root_floor(int64_t square)
@@ -47,6 +48,7 @@ static bool list_rows(DiscRows *all, int64_t k, int64_t limit)
     }
     int64_t count = 0;
     all->pad = 0;
+    all->longest = 0;
     for (int64_t kind = 0; kind < kinds; kind++) {
         all->begins[kind] = count;
         int64_t b = 2 * (kind / (2 * k)) + kind % 2;
@@ -58,6 +60,7 @@ static bool list_rows(DiscRows *all, int64_t k, int64_t limit)
             int64_t low = -((across + m - a) / m);
             int64_t high = (across + a) / m;
             all->rows[count++] = (DiscRow){up, low, high - low + 1};
+            all->longest = wg_max(all->longest, high - low + 1);
             all->pad = wg_max(all->pad, wg_max(wg_max(wg_abs(up), -low), high + 1));
         }
     }
@@ -122,18 +125,14 @@ WgStatus wg_disc_rasters(const uint8_t *solid, int64_t height, int64_t width, in
     if (limit < 1 || limit > 4 * k * k * MOST_SIDE * MOST_SIDE) {
         return WG_BAD_VALUE;
     }
-    DiscRows all = {NULL, NULL, 0};
+    DiscRows all = {NULL, NULL, 0, 0};
     WgStatus status = WG_OUT_OF_MEMORY;
     void *gaps = NULL;
     uint8_t *lines = NULL;
     if (!list_rows(&all, k, limit)) {
         goto end;
     }
-    int64_t longest = 0;
-    for (int64_t row = 0; row < all.begins[2 * k * k]; row++) {
-        longest = wg_max(longest, all.rows[row].count);
-    }
-    bool narrow = longest <= 255;
+    bool narrow = all.longest <= 255;
     int64_t wide = width + 2 * all.pad;
     int64_t room = width + 1;
     gaps = calloc((size_t)(wide * (height + 2 * all.pad)), narrow ? sizeof(uint8_t) : sizeof(uint16_t));

@@ -155,7 +155,11 @@ WgStatus wg_shorten(const WgWalls *walls, const WgDisc *disc, const int64_t *x, 
     int64_t far = state[2];
     int64_t found = state[3];
     WgAnswer answer = (WgAnswer)state[4];
-    if (at < 0 || seen < 0 || far < 0 || found < 1 || found > count || at >= count) {
+    // No more corners are kept than were passed, so that those to come have room; and all looking is ahead.
+    if (at < 0 || at >= count || found < 1 || found > at + 1 || seen <= at || far <= at) {
+        return WG_BAD_VALUE;
+    }
+    if (at < count - 1 && seen >= count) {
         return WG_BAD_VALUE;
     }
     while (at < count - 1) {

@@ -2,6 +2,7 @@
 //
 // What it leaves open (nothing was found, or only fractions could tell) its caller asks step by step.
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,13 +63,15 @@ static int64_t list_links(Work *work, const WgDisc *disc, int64_t x, int64_t y, 
     int64_t rows = graph->nodes / graph->stride;
     for (int64_t j = wg_max(y / HALF - 1, 0); j < wg_min(y / HALF + 3, rows); j++) {
         for (int64_t i = wg_max(x / HALF - 1, 0); i < wg_min(x / HALF + 3, graph->stride); i++) {
-            if (graph->clear[j * graph->stride + i] == 0) {
+            int64_t node = j * graph->stride + i;
+            assert(node < graph->nodes);
+            if (graph->clear[node] == 0) {
                 continue;
             }
             WgAnswer answer = wg_sweep(&work->walls, (WgPiece){x, y, i * HALF, j * HALF}, disc);
             work->sure = work->sure && answer != WG_UNSURE;
             if (answer == WG_CLEAR) {
-                nodes[count++] = j * graph->stride + i;
+                nodes[count++] = node;
             }
         }
     }
@@ -316,6 +319,7 @@ static WgStatus straighten(Work *work, WgStill *still)
                                  wg_max(1, wg_min(PATIENCE, MOST_TESTS / count)), state, work->kept, &done);
     free(whole);
     work->sure = work->sure && done != 0;
+    assert(state[3] >= 1 && state[3] <= count && count <= room);
     for (int64_t i = 0; i < state[3]; i++) {
         x[i] = x[work->kept[i]];
         y[i] = y[work->kept[i]];

@@ -2,6 +2,7 @@
 
 #include "maze.h"
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,6 +109,7 @@ static WgStatus check_connected(int8_t *board, int64_t stride, int64_t root, int
         for (int64_t direction = 0; direction < 4; direction++) {
             int64_t beyond = queue[head] + wg_maze_step(direction, stride);
             if (board[beyond] == WG_FREE) {
+                assert(tail < chambers);
                 board[beyond] = WG_ROOT;
                 queue[tail++] = (int32_t)beyond;
             }

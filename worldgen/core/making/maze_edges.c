@@ -9,6 +9,7 @@
 
 #include "maze.h"
 
+#include <assert.h>
 #include <stdbool.h>
 
 enum { EDGES_A_CALL = 1 << 20, CHAMBERS_A_CALL = 1 << 18 };  // some tenths of a second
@@ -202,6 +203,7 @@ void wg_maze_growing_tree(Growth *growth)
         if (maze->again == 0 && newest <= rule && rule < oldest) {
             entry = head;
         } else if (maze->again != 0 || rule >= oldest) {
+            assert(tail > head);  // chambers are left, and all are connected
             uint64_t length = (uint64_t)(tail - head);
             uint64_t scaled = (word >> 32) * length;
             entry = head + (int64_t)(scaled >> 32);

@@ -1,5 +1,6 @@
 // How many paths lead from a place: the parts of the ring around it that reach its outer circle.
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -56,6 +57,7 @@ static bool ring_make(Ring *ring, int64_t size)
         ring->offsets = offsets;
         ring->room = most;
     }
+    assert(ring->offsets != NULL);
     ring->count = 0;
     ring->size = size;
     ring->outer_sq = outer * outer;
@@ -131,6 +133,7 @@ static bool flood_part(Search *search, int64_t place, int64_t size, int64_t begi
         leads_on = leads_on || squared_between(search, place, node) >= 4 * size;
         for (int direction = 0; direction < 8; direction++) {
             int64_t other = node + search->steps[direction];
+            assert(other >= 0 && other < search->size);  // the nodes of the rim are not clear
             if (mark[other] == stamp + IN_RING && step_is_clear(search, node, direction)) {
                 mark[other] = stamp + IN_PART;
                 queue[tail] = (int32_t)other;
