@@ -63,7 +63,8 @@ def stopping_when(is_over: Callable[[], bool], clock: Callable[[], float] = time
     uses SIGALRM itself, nor by another clock than the system's.
 
     Args:
-        is_over: Returns True when there is no more time.
+        is_over: Returns True when there is no more time. A signal asks it too, in the middle of anything, so it must
+            not wait for a lock.
         clock: Seconds, by which slow steps are told from fast ones.
     """
     token = _watch.set(_Watch(is_over, clock))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import time
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
-from multiprocessing.synchronize import Event
 
 from fuzz.features import LAYOUT_BYTES, decode_world
 from fuzz.find.layout import Layout
@@ -344,7 +344,7 @@ class Find:
     def _in_parallel(self) -> Generator[_Work]:
         """Results in order of unit numbers, so that they do not depend on the workers."""
         context = get_context("spawn")
-        stop = context.Event()
+        stop = context.RawValue(ctypes.c_bool, False)
         pool = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_worker_start, initargs=(stop,))
         waiting: list[Future[_Work]] = []
         number = 0
@@ -365,19 +365,18 @@ class Find:
             finally:
                 _end(pool, waiting, stop)
 
-    def _result(self, unit: Future[_Work], stop: Event, listen: Callable[[], None]) -> _Work:
+    def _result(self, unit: Future[_Work], stop: ctypes.c_bool, listen: Callable[[], None]) -> _Work:
         """Waits for a unit; tells all to stop when the time is over."""
         while not unit.done():
             listen()
-            if self._late() and not stop.is_set():
-                stop.set()
-            wait([unit], LISTEN if stop.is_set() else min(LISTEN, max(self._end - time.monotonic(), 0.0)))
+            stop.value = stop.value or self._late()
+            wait([unit], LISTEN if stop.value else min(LISTEN, max(self._end - time.monotonic(), 0.0)))
         return unit.result()
 
 
-def _handed_in(waiting: list[Future[_Work]], stop: Event) -> Iterator[_Work]:
+def _handed_in(waiting: list[Future[_Work]], stop: ctypes.c_bool) -> Iterator[_Work]:
     """What the units under way have, from those that answer."""
-    stop.set()
+    stop.value = True
     under_way = [unit for unit in waiting if not unit.cancel()]
     wait(under_way, _GRACE)
     waiting.clear()
@@ -386,9 +385,9 @@ def _handed_in(waiting: list[Future[_Work]], stop: Event) -> Iterator[_Work]:
             yield unit.result()
 
 
-def _end(pool: ProcessPoolExecutor, waiting: list[Future[_Work]], stop: Event) -> None:
+def _end(pool: ProcessPoolExecutor, waiting: list[Future[_Work]], stop: ctypes.c_bool) -> None:
     """Ends the processes, once those that answer have ended their units."""
-    stop.set()
+    stop.value = True
     wait([unit for unit in waiting if not unit.cancel()], _GRACE)
     end_workers(pool)
 
@@ -396,14 +395,18 @@ def _end(pool: ProcessPoolExecutor, waiting: list[Future[_Work]], stop: Event) -
 class _Worker:
     """What a worker process knows."""
 
-    stop: Event | None = None
+    stop: ctypes.c_bool | None = None  # an Event has a lock, and a signal may ask between taking it and its release
 
 
-def _worker_start(stop: Event) -> None:
+def _worker_start(stop: ctypes.c_bool) -> None:
     begin_deaf()  # the driver decides when a search ends
     _Worker.stop = stop
 
 
 def _worker_unit(config: FindConfig, number: int) -> _Work:
-    unit = _Unit(config, number, _never if _Worker.stop is None else _Worker.stop.is_set)
+    unit = _Unit(config, number, _worker_stopped)
     return unit.run(), unit.tried
+
+
+def _worker_stopped() -> bool:
+    return _Worker.stop is not None and _Worker.stop.value

@@ -1,18 +1,22 @@
 """find as typed: what it claims is so, equal seeds find equal worlds, options do as they say, Ctrl-C loses nothing."""
 
+import ctypes
 import json
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from itertools import count
+from multiprocessing import get_context
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from fuzz.find import search
 from tests.helpers.command_line import worldgen
 from worldgen import generate, read_world
 
@@ -321,6 +325,27 @@ def test_ctrl_c_writes_the_nearest_until_then_and_leaves_no_process(workers, tmp
     assert "off by" in process.stderr.readline()
     assert f"wrote {path}" in interrupted(process)
     assert worldgen("verify", path).code == 0
+
+
+def test_a_signal_may_ask_a_worker_whether_to_stop_while_it_asks_itself(monkeypatch):
+    answers = []
+
+    def ask_again(_frame, _event, _arg):
+        sys.settrace(None)  # as within a signal's handler, which is not interrupted by itself
+        answers.append(search._worker_stopped())
+        sys.settrace(ask_again)
+        return ask_again
+
+    def ask():
+        sys.settrace(ask_again)
+        answers.append(search._worker_stopped())
+        sys.settrace(None)
+
+    monkeypatch.setattr(search._Worker, "stop", get_context("spawn").RawValue(ctypes.c_bool, True))
+    asking = threading.Thread(target=ask, daemon=True)
+    asking.start()
+    asking.join(60)
+    assert not asking.is_alive() and len(answers) > 2 and all(answers)
 
 
 @pytest.mark.nightly
