@@ -30,13 +30,15 @@ import numpy as np
 
 from benchmarks.searchers import SEARCHERS, lanes
 from fuzz.config import CampaignConfig
-from fuzz.failure import certified, failure_of, replay
+from fuzz.failure import Failure
 from fuzz.faults import FAULTS, Fault
+from fuzz.judging import failure_of, replay
+from fuzz.proofs import certified
 from fuzz.result import UnitResult
 from fuzz.shrink import shrink
 from sim.episode import simulate
 from sim.evidence import evidence_table
-from sim.run_options import RunOptions, step_budget
+from sim.run_options import step_budget
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
@@ -122,16 +124,14 @@ def controller_name(fault: Fault) -> str:
     return f"fuzz.faults:{fault.name.replace('-', '_')}{fault.variations}"
 
 
-def tells(fault: Fault, world: World) -> bool:
+def tells(fault: Fault, failure: Failure) -> bool:
     """Whether the controller without the fault arrives in the world of a failure."""
-    record = world.failure
-    if record is None or fault.base is None:
+    if fault.base is None:
         return False
-    options = RunOptions.of(record.motion, record.seed, record.parameters)
-    return simulate(replace(world, failure=None), fault.base, options).verdict == Verdict.REACHED
+    return simulate(failure.world, fault.base, failure.options).verdict == Verdict.REACHED
 
 
-def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Row, World | None]:
+def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Row, Failure | None]:
     """One search for one fault, and the failure that tells, shrunk."""
     scenario = Scenario.parse(controller_name(fault))
     config = CampaignConfig(scenario, seed=seed, time_steps=(scenario.time_step,), examples=EXAMPLES)
@@ -140,7 +140,7 @@ def look_for(fault: Fault, searcher: str, seed: int, limits: Limits) -> tuple[Ro
     cpu, wall, worlds, steps, found = time.process_time(), time.monotonic(), 0, 0, None
     for result in _units(searcher, config):
         worlds, steps = worlds + result.worlds, steps + result.steps
-        found = next((world for world in result.failures.values() if shows(fault, world)), None)
+        found = next((one for one in result.failures.values() if shows(fault, one)), None)
         spent = time.process_time() - cpu
         if found or steps >= limits.steps or spent >= limits.seconds:
             break
@@ -165,26 +165,25 @@ def _units(searcher: str, config: CampaignConfig) -> Iterator[UnitResult]:
         yield result
 
 
-def shows(fault: Fault, world: World) -> bool:
+def shows(fault: Fault, failure: Failure) -> bool:
     """Whether a failure shows the fault, and comes again."""
-    record = world.failure
-    return record is not None and record.verdict == fault.expected and tells(fault, world) and replay(world).confirmed
+    return failure.verdict == fault.expected and tells(fault, failure) and replay(failure).confirmed
 
 
-def _shrunk(row: Row, fault: Fault, found: World) -> tuple[Row, World]:
+def _shrunk(row: Row, fault: Fault, found: Failure) -> tuple[Row, Failure]:
     """The row and the world of a find after shrinking; as it was found where that fails."""
     begun = time.process_time()
     try:
-        small = shrink(found, seconds=_SHRINK_SECONDS).world
+        small = shrink(found, seconds=_SHRINK_SECONDS).failure
     except WorldgenError:
-        return replace(row, solid_cells=(found.solid_cells,) * 2, cells=(found.walls.size,) * 2), found
+        return replace(row, solid_cells=(found.world.solid_cells,) * 2, cells=(found.world.walls.size,) * 2), found
     spent = time.process_time() - begun
-    details = small.failure.details if small.failure else {}
+    details = small.record.details
     row = replace(
         row,
         kind=str(details.get("class", "")),
-        solid_cells=(found.solid_cells, small.solid_cells),
-        cells=(found.walls.size, small.walls.size),
+        solid_cells=(found.world.solid_cells, small.world.solid_cells),
+        cells=(found.world.walls.size, small.world.walls.size),
         shrink_seconds=round(spent, 4),
         one_minimal=bool(details.get("one_minimal")),
         removable=removable_cells(small),
@@ -193,38 +192,32 @@ def _shrunk(row: Row, fault: Fault, found: World) -> tuple[Row, World]:
     return row, small
 
 
-def removable_cells(failure: World) -> int:
+def removable_cells(failure: Failure) -> int:
     """How many of a failure's solid cells can go, each by itself, by brute force; shares no code with the shrinker."""
     found = 0
-    for iy, ix in np.argwhere(failure.walls):
-        walls = failure.walls.copy()
+    for iy, ix in np.argwhere(failure.world.walls):
+        walls = failure.world.walls.copy()
         walls[iy, ix] = False
-        found += _fails_likewise(
-            failure, replace(failure, walls=walls, certificate=None, provenance=None, failure=None)
-        )
+        found += _fails_likewise(failure, replace(failure.world, walls=walls, certificate=None, provenance=None))
     return found
 
 
-def _fails_likewise(failure: World, candidate: World) -> bool:
+def _fails_likewise(failure: Failure, candidate: World) -> bool:
     """Whether a reachable world fails in the manner that shrinking kept."""
-    record, proved = failure.failure, certified(candidate)
-    if record is None or proved is None:
+    record, options = failure.record, failure.options
+    proved = certified(candidate)
+    if proved is None:
         return False
-    options = RunOptions.of(record.motion, record.seed, record.parameters)
     if record.verdict in (Verdict.STALLED, Verdict.TIMEOUT):
         options = replace(options, steps=step_budget(proved, options.time_step))
     if record.details.get("kept") == "class":
-        other = failure_of(proved, Scenario.of(record.controller, options), steps=options.steps)
-        return other is not None and _kind(other) == _kind(failure)
+        other = failure_of(proved, failure.scenario, steps=options.steps)
+        return other is not None and other.bucket == failure.bucket
     episode = simulate(proved, record.controller, options)
     manner = "kind" if record.verdict == Verdict.STALLED else "cause"
     return episode.verdict == record.verdict and evidence_table(episode.evidence).get(manner) == record.evidence.get(
         manner
     )
-
-
-def _kind(failure: World) -> str:
-    return str(failure.failure.details.get("class", "")) if failure.failure else ""
 
 
 @dataclass(frozen=True)
@@ -255,8 +248,8 @@ def alarms(controller: str, searcher: str, worlds: int, folder: Path | None = No
         for result in _units(searcher, config) if most else ():
             met += result.met
             looked[-1] += result.worlds
-            for kind, world in result.failures.items() if folder else ():
-                write_world(world, folder / f"{controller}-{searcher}-{kind}.grid", force=True)
+            for kind, failure in result.failures.items() if folder else ():
+                failure.write(folder / f"{controller}-{searcher}-{kind}.grid", force=True)
             if looked[-1] >= most:
                 break
     return Alarm(controller, searcher, sum(looked), looked[1], dict(met))

@@ -23,8 +23,8 @@ from itertools import count
 
 from fuzz.config import CampaignConfig
 from fuzz.door import Door
-from fuzz.failure import certified
 from fuzz.features import LAYOUT_BYTES, decode_world
+from fuzz.proofs import certified
 from fuzz.result import Memory, UnitResult
 from fuzz.unit import run_unit
 from sim.controllers import CONTROLLERS

@@ -25,15 +25,16 @@ import click
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.database import InMemoryExampleDatabase
 
-from fuzz.failure import certified, failure_of
+from fuzz.failure import Failure
 from fuzz.features import LAYOUT_BYTES, decode_world
+from fuzz.judging import failure_of
+from fuzz.proofs import certified
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
 from fuzz.strategies import layouts
 from sim.scenario import Scenario
 from worldgen.errors import WorldgenError
 from worldgen.random_streams import RandomStream
-from worldgen.world import World
 
 __all__ = ["CASES", "Found", "failures_of", "measure", "tables"]
 
@@ -53,7 +54,7 @@ class Found:
     """A failure and the layout that it was drawn from."""
 
     data: bytes
-    world: World
+    failure: Failure
     scenario: Scenario
 
 
@@ -98,13 +99,13 @@ def failures_of(controller: str, motion: str, time_step: float, most: int) -> li
         data = b"".join(stream.next64().to_bytes(8, "little") for _ in range(LAYOUT_BYTES // 8))
         scenario = Scenario(controller, motion, time_step, seed=number)
         failure = _failure(data, scenario)
-        if failure is not None and failure.failure is not None:
-            by_verdict.setdefault(failure.failure.verdict, []).append(Found(data, failure, scenario))
+        if failure is not None:
+            by_verdict.setdefault(failure.verdict, []).append(Found(data, failure, scenario))
     ranked = sorted((rank, verdict) for verdict, found in by_verdict.items() for rank in range(len(found)))
     return [by_verdict[verdict][rank] for rank, verdict in ranked[:most]]
 
 
-def _failure(data: bytes, scenario: Scenario) -> World | None:
+def _failure(data: bytes, scenario: Scenario) -> Failure | None:
     world = certified(decode_world(data))
     try:
         return None if world is None else failure_of(world, scenario, fewest_steps=_PROOF_STEPS)
@@ -112,7 +113,7 @@ def _failure(data: bytes, scenario: Scenario) -> World | None:
         return None
 
 
-def measure(found: list[Found], reduce: Callable[[Found], World]) -> Row:
+def measure(found: list[Found], reduce: Callable[[Found], Failure]) -> Row:
     """Shrinks each failure and looks, apart from the clock, whether the result is 1-minimal."""
     row = Row([], [], [], 0)
     minimal = 0
@@ -120,20 +121,20 @@ def measure(found: list[Found], reduce: Callable[[Found], World]) -> Row:
         began = time.process_time()
         small = reduce(one)
         row.milliseconds.append((time.process_time() - began) * 1000)
-        row.solid.append(small.solid_cells)
-        row.cells.append(small.walls.size)
-        minimal += not removable(small, StillFails.of(small))
+        row.solid.append(small.world.solid_cells)
+        row.cells.append(small.world.walls.size)
+        minimal += not removable(small.world, StillFails.of(small))
     return replace(row, minimal=minimal)
 
 
-def by_passes(found: Found) -> World:
+def by_passes(found: Found) -> Failure:
     """The shrinker of this program."""
-    return shrink(found.world).world
+    return shrink(found.failure).failure
 
 
-def by_hypothesis(found: Found) -> World:
+def by_hypothesis(found: Found) -> Failure:
     """What Hypothesis makes of the layout's bytes, with the same exact judge."""
-    still_fails, best = StillFails.of(found.world), found.data
+    still_fails, best = StillFails.of(found.failure), found.data
 
     @settings(
         database=InMemoryExampleDatabase(), phases=[Phase.reuse, Phase.shrink], deadline=None, derandomize=False,
@@ -153,7 +154,7 @@ def by_hypothesis(found: Found) -> World:
         arrives()
     proved = certified(decode_world(best))
     small = None if proved is None else failure_of(proved, found.scenario, steps=still_fails.proof_budget)
-    return found.world if small is None else small
+    return found.failure if small is None else small
 
 
 class _Fails(Exception):
@@ -162,7 +163,7 @@ class _Fails(Exception):
 
 def tables(each: int, hypothesis: int) -> dict[str, Any]:
     """Every case by every way, and all cases together."""
-    ways: dict[str, Callable[[Found], World]] = {"passes": by_passes}
+    ways: dict[str, Callable[[Found], Failure]] = {"passes": by_passes}
     if hypothesis:
         ways["hypothesis"] = by_hypothesis
     rows: list[dict[str, Any]] = []

@@ -4,6 +4,7 @@ Contents, each imported when it is first used:
     worlds, feature_worlds, family_worlds: Hypothesis strategies for worlds with a witness.
     scenarios: a strategy for worlds together with what runs in them.
     Campaign, CampaignConfig: a budgeted search.
+    Failure: a world and what went wrong in it, as a file holds it.
     failure_of, replay, Replay: failures and their confirmation.
     Shrunk: what ``fuzz.shrink.shrink`` returns, the smallest world that still fails.
 
@@ -20,7 +21,8 @@ from sim.containment import contain
 if TYPE_CHECKING:
     from fuzz.campaign import Campaign
     from fuzz.config import CampaignConfig
-    from fuzz.failure import Replay, failure_of, replay
+    from fuzz.failure import Failure
+    from fuzz.judging import Replay, failure_of, replay
     from fuzz.shrink.run import Shrunk
     from fuzz.strategies import family_worlds, feature_worlds, scenarios, worlds
 
@@ -29,16 +31,26 @@ contain()  # whatever a campaign, a replay or a shrinking runs may crash
 _HOME = {
     "campaign": ("Campaign",),
     "config": ("CampaignConfig",),
-    "failure": ("Replay", "failure_of", "replay"),
+    "failure": ("Failure",),
+    "judging": ("Replay", "failure_of", "replay"),
     "strategies": ("family_worlds", "feature_worlds", "scenarios", "worlds"),
 }
 _MODULE = {name: f"fuzz.{module}" for module, names in _HOME.items() for name in names}
 _MODULE |= {"Shrunk": "fuzz.shrink.run"}
 
 __all__ = [
-    "Campaign", "CampaignConfig", "Replay", "Shrunk", "failure_of", "family_worlds", "feature_worlds", "replay",
-    "scenarios", "worlds",
-]  # fmt: skip
+    "Campaign",
+    "CampaignConfig",
+    "Failure",
+    "Replay",
+    "Shrunk",
+    "failure_of",
+    "family_worlds",
+    "feature_worlds",
+    "replay",
+    "scenarios",
+    "worlds",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
 from fuzz.asked import objection_in_words
-from fuzz.failure import Replay, certificate_fault, replay
-from fuzz.fixed import fixed
+from fuzz.failure import Failure
+from fuzz.fixed import is_fixed
+from fuzz.judging import Replay, replay
+from fuzz.proofs import certificate_fault
 from sim.episode import Episode
-from sim.evidence import evidence_table
+from sim.evidence import BurnedEvidence, Evidence, FaultEvidence, LoopEvidence, WallEvidence
 from sim.verdict import Verdict
 from worldgen.errors import WorldgenError
-from worldgen.world import Cut, FailureRecord, Value, World
 
 __all__ = ["Answer", "State", "answer", "summary_in_words"]
 
@@ -51,38 +51,38 @@ class Answer:
     episode: Episode | None
 
 
-def answer(world: World, controller: str | None = None) -> Answer:
+def answer(failure: Failure, controller: str | None = None) -> Answer:
     """Run a stored failure again and say how it stands.
 
     A run that is not as it was stored gets the budget of the failure or that of the witness, whichever is longer: a
     robot that is merely late with the stored steps arrives.
 
     Args:
-        world: A failure.
+        failure: From its file.
         controller: Instead of the one that the file names.
 
     Raises:
-        InvalidParameter: If the world holds no failure.
+        InvalidParameter: If its record names options that are unknown here.
     """
-    outcome = replay(world, controller)
-    record = world.failure
-    if record is None or outcome.episode is None:
+    outcome = replay(failure, controller)
+    record = failure.record
+    if outcome.episode is None:
         return Answer(State.UNPROVED, f"cannot be run: {outcome.reason}", outcome, None)
-    was = _in_short(record.verdict, record.evidence)
+    was = _in_short(record.verdict, failure.evidence) + objection_in_words(failure.oracle, failure.objection)
     if outcome.confirmed:
         same = "the same, bit for bit" if outcome.episode.trace_digest == record.trace_digest else "still fails alike"
         return Answer(State.SAME, f"{same}: {was}", outcome, outcome.episode)
-    fault = certificate_fault(world)
+    fault = certificate_fault(failure.world)
     if fault:
         return Answer(State.UNPROVED, f"the file proves nothing: {fault}", outcome, outcome.episode)
     try:
-        now = fixed(world, controller)
+        now = is_fixed(failure, controller)
     except WorldgenError as error:
         return Answer(State.UNPROVED, f"cannot be run: {error}", outcome, None)
     episode = now.seen.episode or outcome.episode
     if not now.reason:
-        return Answer(State.ARRIVES, f"{_mended(world, episode)} (was: {was})", outcome, episode)
-    return Answer(State.FAILS, f"still fails: {_how(record, episode, was, now.reason, outcome)}", outcome, episode)
+        return Answer(State.ARRIVES, f"{_mended(failure, episode)} (was: {was})", outcome, episode)
+    return Answer(State.FAILS, f"still fails: {_how(failure, episode, was, now.reason, outcome)}", outcome, episode)
 
 
 def summary_in_words(states: list[State]) -> str:
@@ -100,31 +100,33 @@ def summary_in_words(states: list[State]) -> str:
     return f"{counts[State.SAME]} of {len(states)} confirmed" + (f"; {', '.join(others)}" if others else "")
 
 
-def _mended(world: World, episode: Episode) -> str:
-    if isinstance(world.certificate, Cut):
+def _mended(failure: Failure, episode: Episode) -> str:
+    if failure.is_breach:
         return f"stays out now, {episode.verdict} after {episode.time:.6g} s"
     return f"arrives now in {episode.time:.6g} s"
 
 
-def _how(record: FailureRecord, episode: Episode, was: str, wrong: str, outcome: Replay) -> str:
+def _how(failure: Failure, episode: Episode, was: str, wrong: str, outcome: Replay) -> str:
     """Return how a failure fails now, and how it did."""
     if episode.verdict == Verdict.REACHED:  # an oracle still objects
         return wrong
-    now = _in_short(episode.verdict, evidence_table(episode.evidence))
+    now = _in_short(episode.verdict, episode.evidence)
     if now == was:
         return f"{now}, on another path; {outcome.reason}"
-    if episode.verdict == record.verdict == Verdict.LOOP:
-        return f"{now} (was {record.evidence.get('period')})"
+    if episode.verdict == Verdict.LOOP and isinstance(failure.evidence, LoopEvidence):
+        return f"{now} (was {failure.evidence.period})"
     return f"{now} (was: {was})"
 
 
-def _in_short(verdict: str, evidence: Mapping[str, Value]) -> str:
+def _in_short(verdict: str, evidence: Evidence | None) -> str:
     """Return a verdict with the fact that tells two of its kind apart at a glance."""
-    objection = objection_in_words(evidence)
-    if verdict == Verdict.LOOP:
-        return f"loop, period {evidence.get('period')}{objection}"
-    if verdict in (Verdict.TUNNEL, Verdict.OVERLAP, Verdict.BURNED, Verdict.HANG):
-        return f"{verdict} in step {evidence.get('step')}{objection}"
-    if verdict in (Verdict.CRASH, Verdict.INVALID_COMMAND):
-        return f"{verdict}, {evidence.get('error')}"
-    return f"{verdict}{objection}"
+    match evidence:
+        case LoopEvidence(period=period):
+            return f"loop, period {period}"
+        case WallEvidence(step=step) | BurnedEvidence(step=step):
+            return f"{verdict} in step {step}"
+        case FaultEvidence(step=step) if verdict == Verdict.HANG:
+            return f"{verdict} in step {step}"
+        case FaultEvidence(error=error):
+            return f"{verdict}, {error}"
+    return verdict

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, TypeVar
@@ -13,6 +13,7 @@ from fuzz.boundary import with_boundaries
 from fuzz.config import CampaignConfig
 from fuzz.crews import Crew, crew_of
 from fuzz.deadline import TO_HAND_IN, Deadline
+from fuzz.failure import Failure
 from fuzz.ledger import Ledger
 from fuzz.ledger.entry import Done
 from fuzz.result import Memory, UnitResult
@@ -22,9 +23,7 @@ from fuzz.unit import run_unit
 from sim.effort import Effort
 from sim.stopping import OutOfTime, check_time, stopping_when
 from worldgen.errors import WorldgenError
-from worldgen.grid_file import dumps
 from worldgen.workers import LISTEN
-from worldgen.world import Value, World
 
 __all__ = [
     "Campaign",
@@ -34,7 +33,6 @@ __all__ = [
     "Progress",
     "Shrinking",
     "UnitDone",
-    "is_shrunk",
     "shrunk_or_same",
 ]
 
@@ -66,12 +64,12 @@ class Found:
 
     Args:
         kind: Its class.
-        world: The failure.
+        failure: The failure, shrunk.
         replaces: Whether the class had one already.
     """
 
     kind: str
-    world: World
+    failure: Failure
     replaces: bool
 
 
@@ -95,7 +93,7 @@ class Find:
     unit: int
     lane: str
     kind: str
-    failure: World
+    failure: Failure
     worlds: int
     steps: int
     seconds: float
@@ -135,7 +133,7 @@ class CampaignState:
     verdicts: Counter[str] = field(default_factory=Counter)
     met: Counter[str] = field(default_factory=Counter)
     known: Counter[str] = field(default_factory=Counter)
-    best: dict[str, World] = field(default_factory=dict)
+    best: dict[str, Failure] = field(default_factory=dict)
     memory: Memory = field(default_factory=Memory)
     finds: list[Find] = field(default_factory=list)
 
@@ -158,12 +156,12 @@ class Shrinking:
     """What shrinking came to.
 
     Args:
-        world: The failure.
+        failure: The failure.
         complete: Whether shrinking ended by itself, and not by the clock.
         effort: Where its time went.
     """
 
-    world: World
+    failure: Failure
     complete: bool = True
     effort: Effort = field(default_factory=Effort)
 
@@ -178,7 +176,7 @@ class _Job:
         before: How many failures of its class have their turn before it.
     """
 
-    failure: World
+    failure: Failure
     kept: str = "verdict"
     before: int = 0
 
@@ -211,7 +209,7 @@ class Campaign:
         workers: int = 1,
         crew: Crew | None = None,
         ledger: Ledger | None = None,
-        is_known: Callable[[World], bool] = lambda _: False,
+        is_known: Callable[[Failure], bool] = lambda _: False,
         began: float | None = None,
         own: float = 0.0,
     ) -> None:
@@ -221,8 +219,8 @@ class Campaign:
         self._crew: Crew = crew or crew_of(workers)
         self._ledger = ledger or Ledger()
         self._schedule = Schedule(None if units is not None else seconds, shrinks=config.shrink, began=began, own=own)
-        self._candidates: dict[str, list[World]] = {}  # by class, those that are shrunk
-        self._known_ones: dict[str, list[World]] = {}  # likewise, those that would be were their class no known one
+        self._candidates: dict[str, list[Failure]] = {}  # by class, those that are shrunk
+        self._known_ones: dict[str, list[Failure]] = {}  # likewise, those that would be were their class no known one
         self._kept_whole: set[str] = set()  # classes that are shrunk once more, keeping the class
         # What cut units met is kept and shown. What later units know and what is stored of them depends on whole ones
         # alone, or a campaign would go on to something else than one that nobody stopped.
@@ -243,10 +241,10 @@ class Campaign:
         """Return True once what the first units need is loaded, and the time has begun."""
         return self._schedule.is_ready
 
-    def pending(self) -> dict[str, World]:
+    def pending(self) -> dict[str, Failure]:
         """Failures by class that are proved but not shrunk yet; of use after an interruption, or when time is up."""
         best = self.state.best
-        return {kind: min(worlds, key=_size) for kind, worlds in self._candidates.items() if kind not in best}
+        return {kind: min(found, key=_size) for kind, found in self._candidates.items() if kind not in best}
 
     def run(self) -> Generator[Progress, None, None]:
         """Does the campaign, or what is left of it.
@@ -432,7 +430,7 @@ class Campaign:
         state.verdicts += result.verdicts
         state.met += result.met
         jobs = []
-        kept: dict[str, World] = {}
+        kept: dict[str, Failure] = {}
         for kind, failure in sorted(result.failures.items()):
             is_known = self._is_known(failure)
             candidates = self._known_ones if is_known else self._candidates
@@ -477,8 +475,8 @@ class Campaign:
         """The same of classes whose first world has slid, while others wait: they come before second worlds."""
         if not self.config.shrink:
             return []
-        waiting = {class_of(job.failure) for job in self._jobs if not job.before}
-        waiting |= {class_of(job.failure) for job, _ in self._shrinks}
+        waiting = {job.failure.bucket for job in self._jobs if not job.before}
+        waiting |= {job.failure.bucket for job, _ in self._shrinks}
         return self._whole(kind for kind in self._candidates.keys() - waiting if kind not in self.state.best)
 
     def _whole(self, kinds: Iterable[str]) -> list[_Job]:
@@ -491,16 +489,16 @@ class Campaign:
         for job, under in [one for one in self._shrinks if one[1].future.done()]:
             self._shrinks.remove((job, under))
             result = under.future.result()
-            shrunk = result.world
+            shrunk = result.failure
             self.state.effort += result.effort
             if under.seconds is None and result.complete:
                 self._ledger.save_shrunk(job.failure, job.kept, shrunk)
             self.state.times |= self._schedule.times()
-            if not result.complete and not is_shrunk(shrunk):  # no time was left for it
+            if not result.complete and not shrunk.is_shrunk:  # no time was left for it
                 continue
             if self._is_known(shrunk):  # it slid there from a class that is news, which has its turn in the end
                 continue
-            kind = class_of(shrunk)
+            kind = shrunk.bucket
             before = self.state.best.get(kind)
             if before is None or _size(shrunk) < _size(before):
                 self.state.best[kind] = shrunk
@@ -508,7 +506,7 @@ class Campaign:
 
 
 def shrunk_or_same(
-    failure: World, kept: str = "verdict", *, seconds: float | None = None, end: float = math.inf
+    failure: Failure, kept: str = "verdict", *, seconds: float | None = None, end: float = math.inf
 ) -> Shrinking:
     """The failure shrunk, with where it begins; as it was if it does not hold by shrinking's own terms.
 
@@ -522,35 +520,21 @@ def shrunk_or_same(
     return replace(_shrunk_or_same(failure, kept, seconds, end), effort=began.since())
 
 
-def _shrunk_or_same(failure: World, kept: str, seconds: float | None, end: float) -> Shrinking:
+def _shrunk_or_same(failure: Failure, kept: str, seconds: float | None, end: float) -> Shrinking:
     try:
         with stopping_when(Deadline(end, end).to_begin_is_over):
             check_time()
             made = shrink(failure, keep=kept, seconds=seconds)
             if not made.complete:
-                return Shrinking(made.world, complete=False)
+                return Shrinking(made.failure, complete=False)
             try:
-                return Shrinking(with_boundaries(made.world, failure))
+                return Shrinking(with_boundaries(made.failure, failure))
             except OutOfTime:  # it is shrunk and proved all the same; a later sitting measures where it begins
-                return Shrinking(made.world, complete=False)
+                return Shrinking(made.failure, complete=False)
     except OutOfTime:
         return Shrinking(failure, complete=False)
     except WorldgenError:
         return Shrinking(failure)
-
-
-def class_of(failure: World) -> str:
-    """A failure's class."""
-    return str(_details(failure).get("class", ""))
-
-
-def is_shrunk(failure: World) -> bool:
-    """Return True if a failure was shrunk, and not only found."""
-    return "shrunk_from" in _details(failure)
-
-
-def _details(failure: World) -> Mapping[str, Value]:
-    return failure.failure.details if failure.failure else {}
 
 
 def _finished(result: T) -> Future[T]:
@@ -568,5 +552,6 @@ def _by_size(job: _Job) -> tuple[int, int, tuple[int, int, bytes]]:
     return min(job.before, 1), int(job.kept == "class"), _size(job.failure)
 
 
-def _size(world: World) -> tuple[int, int, bytes]:
-    return world.solid_cells, world.width * world.height, dumps(world)
+def _size(failure: Failure) -> tuple[int, int, bytes]:
+    world = failure.world
+    return world.solid_cells, world.width * world.height, failure.dumps()

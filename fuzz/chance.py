@@ -6,16 +6,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from fuzz.failure import seeds_that_fail
+from fuzz.failure import regardless_of_walls
 from fuzz.oracles.chance import object_to_chance
 from sim.chance import explore, why_not_explored
 from sim.controllers import CONTROLLERS, CompiledController
-from sim.episode import simulate
+from sim.episode import prepare, simulate
 from sim.run_options import RunOptions
 from sim.scenario import Scenario
+from sim.verdict import Verdict
+from worldgen.intervals import interval_95
 from worldgen.world import Cut, Value, World
 
-__all__ = ["MOST_STATES", "Chance", "chance_details", "chance_of", "in_words"]
+__all__ = ["MOST_STATES", "Chance", "chance_details", "chance_of", "in_words", "seeds_that_fail", "share_that_fails"]
 
 MOST_STATES = 100_000
 """States that are looked at before only seeds are counted; a few seconds."""
@@ -106,7 +108,7 @@ def in_words(found: Chance, seeds: Mapping[str, Value]) -> str:
 
     Args:
         found: The answer.
-        seeds: Of :func:`fuzz.failure.share_that_fails`, where it is undecided.
+        seeds: Of :func:`share_that_fails`, where it is undecided.
     """
     if found.chance == "undecided":
         failing = seeds.get("failing_seeds")
@@ -119,3 +121,40 @@ def in_words(found: Chance, seeds: Mapping[str, Value]) -> str:
         drawn = f" with the draws {' '.join(map(str, found.draws))}" if found.draws else ""
         lost = f", the soonest after {found.lost_after} steps{drawn}"
     return f"{_WORDS[found.chance]}{lost} ({found.states} states looked at)"
+
+
+def seeds_that_fail(world: World, scenario: Scenario, count: int = 40) -> dict[str, Value]:
+    """For a run with randomness: how many of ``count`` seeds do not arrive, and what that shows.
+
+    The controller may draw random numbers, or the simulator, for slip or a noisy sensor.
+
+    Returns:
+        Of :func:`share_that_fails`; empty for a run without randomness, and for what is not compiled.
+    """
+    controller = CONTROLLERS.get(scenario.controller)
+    if not (isinstance(controller, CompiledController) and (controller.randomised or scenario.random)):
+        return {}
+    return share_that_fails(world, scenario, count)
+
+
+def share_that_fails(world: World, scenario: Scenario, count: int) -> dict[str, Value]:
+    """How many of ``count`` seeds do not arrive, and what that shows.
+
+    Where the target is walled off, it is the seeds with which the robot does arrive, regardless of walls.
+
+    Returns:
+        ``failing_seeds`` as [k, n] and ``failing_share_at_least``, the lower end of the two-sided 95 % interval.
+
+    Source: Charles Clopper and Egon Pearson, "The use of confidence or fiducial limits illustrated in the
+    case of the binomial", Biometrika 1934.
+    """
+    controller = CONTROLLERS.get(scenario.controller)
+    options, sealed = scenario.options(world), isinstance(world.certificate, Cut)
+    options = regardless_of_walls(options) if sealed else options
+    failing = 0
+    for seed in range(count):
+        run = prepare(world, controller, replace(options, seed=seed))
+        arrives = run.run(options.steps, find_loop=False, record=False, digest=False).ending == Verdict.REACHED
+        failing += arrives == sealed
+    least, _ = interval_95(failing, count)
+    return {"failing_seeds": [failing, count], "failing_share_at_least": round(least, 4)}

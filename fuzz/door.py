@@ -10,7 +10,9 @@ from fuzz.asked import Asked, Trial
 from fuzz.config import CampaignConfig
 from fuzz.crash_bucket import crash_bucket
 from fuzz.deadline import NO_DEADLINE, Deadline
-from fuzz.failure import certified, failure_by, failure_of, walled_off
+from fuzz.failure import Failure
+from fuzz.judging import failure_by, failure_of
+from fuzz.proofs import certified, walled_off
 from fuzz.result import UnitResult
 from sim.controllers import CONTROLLERS, ProcessController
 from sim.outcome import LIMIT, Outcome
@@ -130,13 +132,13 @@ class Door:
         self._failed[verdict, cause] += 1
         return self._failed[verdict, cause] <= (_PROVE_HANGS_AT_MOST if verdict == Verdict.HANG else _PROVE_AT_MOST)
 
-    def _keep(self, failure: World | None) -> str:
-        if failure is None or failure.failure is None:
+    def _keep(self, failure: Failure | None) -> str:
+        if failure is None:
             return ""
-        kind = str(failure.failure.details["class"])
+        kind = failure.bucket
         self.result.met[kind] += 1
         before = self.result.failures.get(kind)
-        if before is None or failure.solid_cells < before.solid_cells:
+        if before is None or failure.world.solid_cells < before.world.solid_cells:
             self.result.failures[kind] = failure
         return kind
 

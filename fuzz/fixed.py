@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from fuzz.asked import asked_by, objection_in_words
-from fuzz.failure import certificate_fault, certified, judge, judge_asked, scenario_of
+from fuzz.asked import Asked, objection_in_words
+from fuzz.failure import Failure
+from fuzz.judging import judge, judge_asked
+from fuzz.proofs import certificate_fault, certified
 from sim.controllers.contract import check_contract
 from sim.episode import Episode
 from sim.run_options import RunOptions, step_budget
 from sim.scenario import Scenario
 from sim.verdict import UNENDED, Verdict
 from sim.words import evidence_in_words
-from worldgen.errors import InvalidParameter, InvalidWorld
+from worldgen.errors import InvalidWorld
 from worldgen.world import Cut, World
 
-__all__ = ["Checked", "Seen", "fixed", "who_drives"]
+__all__ = ["Checked", "Seen", "arrives", "is_fixed", "who_drives"]
 
 
 @dataclass(frozen=True)
@@ -50,50 +52,36 @@ class Checked:
     seen: Seen
 
 
-def fixed(world: World, controller: str | None = None) -> Checked:
-    """Run a world, or that of a stored failure, and say why it is not fixed, if it is not.
+def is_fixed(failure: Failure, controller: str | None = None) -> Checked:
+    """Run a stored failure's world again and say why it is not fixed, if it is not.
 
     Args:
-        world: With a failure's record or without.
-        controller: Instead of the one that the record names; a world without a failure needs one.
+        failure: From its file.
+        controller: Instead of the one that the record names.
 
     Raises:
-        InvalidParameter: If a name is unknown, or the world holds no failure and no controller is named.
-        InvalidWorld: If it holds no failure and its target cannot be reached.
+        InvalidParameter: If a name is unknown.
     """
-    asked = asked_by(world.failure.evidence) if world.failure else None
-    world, scenario, options = _what_runs(world, controller)
-    fault = certificate_fault(world)
-    if fault:
-        return Checked(f"the file proves nothing: {fault}; make the failure again", Seen(world))
-    episode, wrong = judge(world, scenario.controller, options)
-    check_contract(scenario.controller, episode.evidence, episode.steps)
-    seen = Seen(world, scenario, options, episode)
-    ended = f"{who_drives(scenario)}: {episode.verdict}{evidence_in_words(episode)}"
-    if isinstance(world.certificate, Cut):
-        return Checked("" if episode.verdict in UNENDED else f"{ended}, where the target is walled off", seen)
-    if episode.verdict == Verdict.REACHED and asked is not None and not wrong:
-        said = judge_asked(world, scenario.controller, options, asked)[1]
-        words = "" if said is None else objection_in_words({"oracle": asked.text, "objection": said})
-        return Checked(f"{ended}{words}" if words else "", seen)
-    if episode.verdict == Verdict.REACHED:
-        return Checked(f"{ended}, but {wrong}" if wrong else "", seen)
-    return Checked(f"{ended}, though the target can be reached", seen)
+    failure = failure.driven_by(controller)
+    world, stored = failure.world, failure.options
+    options = replace(stored, steps=max(stored.steps, step_budget(world, stored.time_step)))
+    asked = None if failure.oracle is None else Asked.parse(failure.oracle)
+    checked, wrong = _checked(world, failure.scenario, options, failure.expectations)
+    episode = checked.seen.episode
+    if asked is None or wrong or checked.reason or episode is None or episode.verdict != Verdict.REACHED:
+        return checked
+    said = judge_asked(world, failure.record.controller, options, asked)[1]
+    words = "" if said is None else _ended(failure.scenario, episode) + objection_in_words(asked.text, said)
+    return Checked(words, checked.seen)
 
 
-def _what_runs(world: World, controller: str | None) -> tuple[World, Scenario, RunOptions]:
-    """The world without its record, what is to run in it, and with which budget."""
-    if world.failure is not None:
-        record, stored = scenario_of(world)
-        options = replace(stored, steps=max(stored.steps, step_budget(world, stored.time_step)))
-        return replace(world, failure=None), Scenario.of(controller or record.controller, options), options
-    if controller is None:
-        raise InvalidParameter(
-            "no-failure",
-            "this world holds no failure, so it names no controller",
-            "give --worldgen-controller",
-            at_terminal=True,
-        )
+def arrives(world: World, controller: str) -> Checked:
+    """Run a controller in a world without a failure, and say why it does not arrive, if it does not.
+
+    Raises:
+        InvalidParameter: If a name is unknown.
+        InvalidWorld: If the target cannot be reached.
+    """
     proved = world if world.certificate is not None else certified(world)
     if proved is None:
         raise InvalidWorld(
@@ -103,7 +91,30 @@ def _what_runs(world: World, controller: str | None) -> tuple[World, Scenario, R
             at_terminal=True,
         )
     scenario = Scenario.parse(controller)
-    return proved, scenario, scenario.options(proved)
+    expected = UNENDED if isinstance(proved.certificate, Cut) else (Verdict.REACHED,)
+    return _checked(proved, scenario, scenario.options(proved), expected)[0]
+
+
+def _checked(
+    world: World, scenario: Scenario, options: RunOptions, expected: tuple[Verdict, ...]
+) -> tuple[Checked, str]:
+    """The outcome of a run against the verdicts that are right there, and what is wrong with its own verdict."""
+    fault = certificate_fault(world)
+    if fault:
+        return Checked(f"the file proves nothing: {fault}; make the failure again", Seen(world)), ""
+    episode, wrong = judge(world, scenario.controller, options)
+    check_contract(scenario.controller, episode.evidence, episode.steps)
+    seen = Seen(world, scenario, options, episode)
+    ended = _ended(scenario, episode)
+    if episode.verdict not in expected:
+        what = "the target is walled off" if Verdict.REACHED not in expected else "the target can be reached"
+        joined = ", where" if Verdict.REACHED not in expected else ", though"
+        return Checked(f"{ended}{joined} {what}", seen), wrong
+    return Checked(f"{ended}, but {wrong}" if wrong and Verdict.REACHED in expected else "", seen), wrong
+
+
+def _ended(scenario: Scenario, episode: Episode) -> str:
+    return f"{who_drives(scenario)}: {episode.verdict}{evidence_in_words(episode)}"
 
 
 def who_drives(scenario: Scenario) -> str:

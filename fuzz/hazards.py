@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from fuzz.failure import Failure
 from sim.controllers import CONTROLLERS, Controller
 from sim.controllers.base import DEFAULT_SENSES, robot_for, wants_world
 from sim.robot_options import RobotOptions
 from sim.scenario import Scenario
 from sim.verdict import Verdict
 from worldgen.timeline import CellState
-from worldgen.world import Value, World
+from worldgen.world import Value
 
 __all__ = ["HAZARD", "can_sense", "hazard_details", "is_unsensed"]
 
@@ -53,6 +54,6 @@ def hazard_details(verdict: str, kind: str, scenario: Scenario) -> dict[str, Val
     return {} if can_sense(controller, scenario.robot, state, how) else {HAZARD: _UNSENSED}
 
 
-def is_unsensed(failure: World) -> bool:
+def is_unsensed(failure: Failure) -> bool:
     """Return True if a failure is one of a hazard that its controller cannot sense."""
-    return failure.failure is not None and failure.failure.details.get(HAZARD) == _UNSENSED
+    return failure.record.details.get(HAZARD) == _UNSENSED

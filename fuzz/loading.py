@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fuzz.config import CampaignConfig
-from fuzz.failure import certified
+from fuzz.proofs import certified
 from sim.effort import Effort
 from sim.try_out import EMPTY_ARENA, try_out
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fuzz.answer import State, answer
-from fuzz.failure import failure_of, scenario_of
-from fuzz.fixed import Checked, Seen, fixed, who_drives
+from fuzz.failure import Failure
+from fuzz.fixed import Checked, Seen, arrives, is_fixed, who_drives
+from fuzz.judging import failure_of
 from sim.controllers.contract import check_contract
 from sim.episode import Episode, simulate
 from sim.picture import trail_of
@@ -58,7 +59,7 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
     """
     world = read_world(path)
     if expect == CONFIRMED:
-        return _confirmed(path, world, controller)
+        return _confirmed(path, Failure.of(world), controller)
     if expect != FIXED:
         raise InvalidParameter(
             "unknown-name",
@@ -71,16 +72,40 @@ def check(path: Path, expect: str = FIXED, controller: str | None = None) -> Che
     return fixed(world, controller)
 
 
-def _confirmed(path: Path, world: World, controller: str | None) -> Checked:
-    record, options = scenario_of(world)
-    now = answer(world, controller)
-    name = controller or record.controller
-    again = f"worldgen replay {shlex.quote(_near(path))}" + (f" --controller {shlex.quote(name)}" if controller else "")
-    seen = Seen(world, Scenario.of(name, options), options, now.episode, again)
+def fixed(world: World, controller: str | None = None) -> Checked:
+    """Run a world, or that of a stored failure, and say why it is not fixed, if it is not.
+
+    Args:
+        world: From its file, with a failure's record or without.
+        controller: Instead of the one that the record names; a world without a failure needs one.
+
+    Raises:
+        InvalidParameter: If a name is unknown, or the world holds no failure and no controller is named.
+        InvalidWorld: If it holds no failure and its target cannot be reached.
+    """
+    failure = Failure.found_in(world)
+    if failure is not None:
+        return is_fixed(failure, controller)
+    if controller is None:
+        raise InvalidParameter(
+            "no-failure",
+            "this world holds no failure, so it names no controller",
+            "give --worldgen-controller",
+            at_terminal=True,
+        )
+    return arrives(world, controller)
+
+
+def _confirmed(path: Path, failure: Failure, controller: str | None) -> Checked:
+    now = answer(failure, controller)
+    again = failure.replay_command(Path(_near(path)), controller)
+    driven = failure.driven_by(controller)
+    seen = Seen(failure.world, driven.scenario, failure.options, now.episode, again)
     if now.state is State.SAME:
         return Checked("", seen)
     hint = "; expect it to be fixed" if now.state is State.ARRIVES else ""
-    return Checked(f"{name} under {record.motion}: not confirmed: {now.words}{hint}", seen)
+    name = driven.record.controller
+    return Checked(f"{name} under {failure.record.motion}: not confirmed: {now.words}{hint}", seen)
 
 
 def run(world: World, controller: str, seed: int = 0) -> tuple[Seen, Episode]:
@@ -134,7 +159,7 @@ def _keep(seen: Seen, path: Path) -> str:
         failure = failure_of(seen.world, seen.scenario, steps=seen.options.steps)
     except WorldgenError:  # such as a run too long to be recorded
         failure = None
-    write_world(failure or seen.world, path, force=True)
+    write_world(seen.world if failure is None else failure.stored, path, force=True)
     if failure is not None:
         return f"worldgen replay {file}"
     label = seen.scenario.label(RunOptions.motion, RunOptions.time_step)

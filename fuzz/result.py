@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from fuzz.failure import Failure
 from sim.effort import Effort
-from worldgen.world import World
 
 __all__ = ["Elite", "LaneYield", "Memory", "UnitResult"]
 
@@ -49,7 +49,7 @@ class UnitResult:
     worlds: int = 0
     steps: int = 0
     verdicts: Counter[str] = field(default_factory=Counter)
-    failures: dict[str, World] = field(default_factory=dict)
+    failures: dict[str, Failure] = field(default_factory=dict)
     met: Counter[str] = field(default_factory=Counter)
     elites: dict[tuple[int, ...], Elite] = field(default_factory=dict)
     cut: bool = False
@@ -87,7 +87,7 @@ class Memory:
     """
 
     lanes: Mapping[str, LaneYield] = field(default_factory=dict)
-    failures: Mapping[str, World] = field(default_factory=dict)
+    failures: Mapping[str, Failure] = field(default_factory=dict)
     elites: Mapping[tuple[int, ...], Elite] = field(default_factory=dict)
 
     def after(self, result: UnitResult) -> Memory:
@@ -101,14 +101,14 @@ class Memory:
             failures=had.failures + result.met.total(),
             classes=had.classes + len(result.failures.keys() - self.failures.keys()),
         )
-        smaller = {kind: world for kind, world in result.failures.items() if self.is_news(kind, world)}
+        smaller = {kind: one for kind, one in result.failures.items() if self.is_news(kind, one)}
         better = {cell: elite for cell, elite in result.elites.items() if self.is_better(cell, elite)}
         return Memory({**self.lanes, result.lane: lane}, {**self.failures, **smaller}, {**self.elites, **better})
 
-    def is_news(self, kind: str, failure: World) -> bool:
+    def is_news(self, kind: str, failure: Failure) -> bool:
         """Whether a failure is the first of its class, or smaller than those known."""
         before = self.failures.get(kind)
-        return before is None or failure.solid_cells < before.solid_cells
+        return before is None or failure.world.solid_cells < before.world.solid_cells
 
     def is_better(self, cell: tuple[int, ...], elite: Elite) -> bool:
         """Whether a cell of the archive is empty, or holds less."""

@@ -12,16 +12,17 @@ from typing import Any
 import click
 
 from fuzz.asked import Asked, Trial
-from fuzz.campaign import Campaign, Found, Progress, UnitDone, is_shrunk
+from fuzz.campaign import Campaign, Found, Progress, UnitDone
 from fuzz.ci import NO_OUTPUTS, Finding, Outputs, Report
 from fuzz.config import CampaignConfig
 from fuzz.corpus import Baseline
 from fuzz.crews import Crew, WorkersLost
-from fuzz.failure import certified
+from fuzz.failure import Failure
 from fuzz.hazards import is_unsensed
 from fuzz.lanes import check_lane
 from fuzz.lanes.names import DATABASE, TIME_STEPS
 from fuzz.ledger import Sitting, record_error
+from fuzz.proofs import certified
 from fuzz.summary import (
     controller_share,
     lanes_in_words,
@@ -30,7 +31,7 @@ from fuzz.summary import (
     units_in_words,
     whole_time,
 )
-from fuzz.telling import describe, replay_line
+from fuzz.telling import describe
 from fuzz.variation import Variation
 from sim.motion import MOTIONS
 from sim.run_options import RunOptions
@@ -40,7 +41,6 @@ from sim.try_out import EMPTY_ARENA, try_out
 from sim.verdict import Verdict
 from worldgen.cli.output import emit_json, note, shown
 from worldgen.errors import InvalidParameter, OutputError, WorldgenError
-from worldgen.grid_file import dumps
 from worldgen.plain_text import counted
 from worldgen.progress import working
 from worldgen.workers import ctrl_c_kept
@@ -231,12 +231,12 @@ class CampaignSession:
     def _way_on(self) -> str:
         return f"worldgen fuzz --resume {shlex.quote(str(self._out))} goes on"
 
-    def _failing(self) -> dict[str, World]:
+    def _failing(self) -> dict[str, Failure]:
         """By class, what makes the exit code 1."""
         best = self._campaign.state.best
         return best if self._count_hazards else {kind: one for kind, one in best.items() if not is_unsensed(one)}
 
-    def _hazards(self) -> dict[str, World]:
+    def _hazards(self) -> dict[str, Failure]:
         """By class, what burned the robot though its controller could not have known better."""
         failing = self._failing()
         return {kind: one for kind, one in self._campaign.state.best.items() if kind not in failing}
@@ -312,7 +312,7 @@ class CampaignSession:
         self._goes_on = False
         if self._campaign.units is not None:
             self._folder.remove_failures_but([self._path(kind).name for kind in self._campaign.state.best])
-        late = sum(not is_shrunk(world) for world in {**self._campaign.state.best, **self._save_pending()}.values())
+        late = sum(not one.is_shrunk for one in {**self._campaign.state.best, **self._save_pending()}.values())
         if late and self._config.shrink:
             self._say_late(late)
 
@@ -337,7 +337,7 @@ class CampaignSession:
         if not state.until:
             return "the first units are under way"
         failed = sum(count for verdict, count in state.verdicts.items() if verdict not in _NO_FAILURE)
-        shrunk = sum(is_shrunk(world) for world in state.best.values())
+        shrunk = sum(one.is_shrunk for one in state.best.values())
         to_shrink = f", {shrunk} shrunk" if self._config.shrink and state.best else ""
         classes = counted(len(state.best.keys() | self._campaign.pending().keys()), "class", "classes")
         return f"{counted(state.worlds, 'world')}, {failed} failed, {classes}{to_shrink}"
@@ -353,7 +353,7 @@ class CampaignSession:
     def _save(self, at_least_after: float = 0.0) -> None:
         """Writes the failures that are new, and from time to time what reports read."""
         for kind in sorted(self._unsaved):
-            data = dumps(self._campaign.state.best[kind])
+            data = self._campaign.state.best[kind].dumps()
             path = self._path(kind)
             if not path.is_file() or path.read_bytes() != data:  # when it was first seen stays
                 self._folder.write_failure(path.name, data)
@@ -362,7 +362,7 @@ class CampaignSession:
             self._folder.save_summary(self._summary())
             self._summarised = time.monotonic()
 
-    def _save_pending(self) -> dict[str, World]:
+    def _save_pending(self) -> dict[str, Failure]:
         """What was proved but not shrunk yet is kept as it is; nothing where not even the earlier is gone through."""
         if self._goes_on:
             return {}
@@ -381,12 +381,12 @@ class CampaignSession:
             lists = {"failures": self._listed(self._failing()), "hazards": self._listed(hazards)}
             emit_json(self._summary() | lists)
             return
-        for kind, world in sorted(self._failing().items()):
-            click.echo(describe(world, self._path(kind), met=state.met))
+        for kind, failure in sorted(self._failing().items()):
+            click.echo(describe(failure, self._path(kind), met=state.met))
         if hazards:
             click.echo(f"hazards it cannot sense: {counted(len(hazards), 'class', 'classes')}\n")
-        for kind, world in sorted(hazards.items()):
-            click.echo(describe(world, self._path(kind), met=state.met))
+        for kind, failure in sorted(hazards.items()):
+            click.echo(describe(failure, self._path(kind), met=state.met))
         click.echo(lanes_in_words(state))
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in state.verdicts.most_common())
         click.echo(
@@ -422,20 +422,20 @@ class CampaignSession:
         numbers = {"seed": self._config.seed, "units": state.units, "worlds": state.worlds, "steps": state.steps}
         facts |= {name: str(number) for name, number in numbers.items()} | {"seconds": f"{state.seconds:.1f}"}
         failing = self._failing()
-        new = [Finding.of(world, self._path(kind), "new" if kind in failing else "hazard") for kind, world in best]
-        known = sorted((key[2], path, world) for key, (path, world) in self._baseline.failures.items())
-        met = [Finding.of(world, path, "known") for kind, path, world in known if state.known[kind]]
+        new = [Finding.of(one, self._path(kind), "new" if kind in failing else "hazard") for kind, one in best]
+        stored = sorted(self._baseline.failures.items(), key=lambda item: (item[0][2], item[1][0]))
+        met = [Finding.of(one, path, "known") for key, (path, one) in stored if state.known[key[2]]]
         return Report("fuzz", (*new, *met), facts)
 
-    def _listed(self, failures: Mapping[str, World]) -> list[dict[str, object]]:
+    def _listed(self, failures: Mapping[str, Failure]) -> list[dict[str, object]]:
         return [
             {
                 "file": str(self._path(kind)),
-                "verdict": world.failure.verdict if world.failure else "",
+                "verdict": failure.verdict,
                 "class": kind,
-                "solid_cells": world.solid_cells,
-                "shrunk": is_shrunk(world),
-                "replay": replay_line(self._path(kind)),
+                "solid_cells": failure.world.solid_cells,
+                "shrunk": failure.is_shrunk,
+                "replay": failure.replay_command(self._path(kind)),
             }
-            for kind, world in sorted(failures.items())
+            for kind, failure in sorted(failures.items())
         ]

@@ -6,7 +6,6 @@ from typing import Any
 
 from fuzz.campaign import CampaignState
 from fuzz.config import CampaignConfig
-from fuzz.failure import failure_id
 from fuzz.lanes.archive import archive_table
 from sim.controllers import CONTROLLERS, CompiledController, ProcessController
 from worldgen.plain_text import aligned, counted
@@ -52,11 +51,11 @@ def summary_of(config: CampaignConfig, state: CampaignState, status: str) -> dic
                 "unit": find.unit,
                 "lane": find.lane,
                 "class": find.kind,
-                "solid_cells": find.failure.solid_cells,
+                "solid_cells": find.failure.world.solid_cells,
                 "worlds": find.worlds,
                 "steps": find.steps,
                 "seconds": round(find.seconds, 3),
-                "file": f".campaign/failures/{failure_id(find.failure)}.grid",
+                "file": f".campaign/failures/{find.failure.id}.grid",
             }
             for find in state.finds
         ],

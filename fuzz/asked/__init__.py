@@ -7,11 +7,11 @@ evidence, or ``None``. It is found by its entry point in ``worldgen.oracles``, a
 Contents:
     Trial: what an oracle judges: a world, a run in it, and the way to run it again.
     Asked: an oracle as ``--oracle NAME`` or ``--oracle NAME=NUMBER`` asks for it.
-    asked_by, objection_in_words: the oracle that made a failure's record, and what it said.
+    objection_in_words: what an oracle said.
     ORACLES: finds oracles by name.
 """
 
-from fuzz.asked.asking import ORACLES, Asked, asked_by, objection_in_words
+from fuzz.asked.asking import ORACLES, Asked, objection_in_words
 from fuzz.asked.trial import Trial
 
-__all__ = ["ORACLES", "Asked", "Trial", "asked_by", "objection_in_words"]
+__all__ = ["ORACLES", "Asked", "Trial", "objection_in_words"]

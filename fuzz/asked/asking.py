@@ -19,7 +19,7 @@ from worldgen.errors import InvalidParameter, WorldgenError
 from worldgen.registry import Registry, user_code
 from worldgen.world import Value
 
-__all__ = ["ORACLES", "Asked", "asked_by", "objection_in_words"]
+__all__ = ["ORACLES", "Asked", "objection_in_words"]
 
 Oracle = Callable[..., Any]
 
@@ -148,23 +148,12 @@ class Asked:
         return {name: _plain_value(one) for name, one in answer.items()}
 
 
-def asked_by(evidence: Mapping[str, Value]) -> Asked | None:
-    """The oracle that a failure's evidence names; ``None`` of a failure by its verdict.
-
-    Raises:
-        InvalidParameter: If it cannot be found here.
-    """
-    return Asked.parse(str(evidence["oracle"])) if "oracle" in evidence else None
-
-
-def objection_in_words(evidence: Mapping[str, Value]) -> str:
-    """The oracle's objection, to stand behind a failure's verdict; empty of a failure by its verdict."""
-    if "oracle" not in evidence:
+def objection_in_words(oracle: str | None, objection: Mapping[str, Value]) -> str:
+    """The oracle's objection, to stand behind a failure's verdict; empty without an oracle."""
+    if oracle is None:
         return ""
-    said = evidence.get("objection")
-    facts = said.items() if isinstance(said, dict) else ()
-    words = ", ".join(f"{name} {value}" for name, value in facts if name not in ("kind", "repeatable"))
-    return f", but oracle {evidence['oracle']} objects: {words or 'it does'}"
+    words = ", ".join(f"{name} {value}" for name, value in objection.items() if name not in ("kind", "repeatable"))
+    return f", but oracle {oracle} objects: {words or 'it does'}"
 
 
 def _plain(name: str) -> str:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from fuzz.boundary.axes import AXES, Axis, Subject
 from fuzz.boundary.search import Boundary, Looks, nearest_boundary
-from fuzz.failure import scenario_of
+from fuzz.failure import Failure
 from sim.controllers import CONTROLLERS, CompiledController
 from sim.scenario import Scenario
-from worldgen.world import Cut, Value, World
+from worldgen.world import Value
 
 __all__ = ["boundaries_in_words", "is_bounded", "subject_of", "with_boundaries"]
 
@@ -22,16 +20,14 @@ def is_bounded(scenario: Scenario) -> bool:
     return not (scenario.random or (isinstance(controller, CompiledController) and controller.randomised))
 
 
-def subject_of(failure: World) -> Subject | None:
+def subject_of(failure: Failure) -> Subject | None:
     """What can be varied of a failure; ``None`` if it is not one of not arriving, or hangs on chance."""
-    record, options = scenario_of(failure)
-    if "oracle" in record.evidence or isinstance(failure.certificate, Cut):
+    if failure.oracle is not None or failure.is_breach:
         return None
-    scenario = Scenario.of(record.controller, options)
-    return Subject(failure, scenario) if is_bounded(scenario) else None
+    return Subject(failure.world, failure.scenario) if is_bounded(failure.scenario) else None
 
 
-def with_boundaries(failure: World, found: World) -> World:
+def with_boundaries(failure: Failure, found: Failure) -> Failure:
     """The failure with a record of where it begins, in this world.
 
     Compiled controllers are run at other radii, speeds and time steps; others, whose runs take long, only along the
@@ -41,15 +37,14 @@ def with_boundaries(failure: World, found: World) -> World:
         failure: Whose record is completed.
         found: The failure as it was found.
     """
-    record, subject = failure.failure, subject_of(failure)
-    if record is None or subject is None:
+    subject = subject_of(failure)
+    if subject is None:
         return failure
     axes = [axis for axis, _, _ in _recorded(found)]
-    if isinstance(CONTROLLERS.get(record.controller), CompiledController):
+    if isinstance(CONTROLLERS.get(failure.record.controller), CompiledController):
         axes += [AXES[name] for name in _MEASURED if AXES[name] not in axes]
     begins: list[Value] = [boundary.record() for axis in axes if (boundary := _boundary(subject, axis)) is not None]
-    details = {**record.details, "boundaries": begins} if begins else record.details
-    return replace(failure, failure=replace(record, details=details))
+    return failure.noting(boundaries=begins) if begins else failure
 
 
 def _boundary(subject: Subject, axis: Axis) -> Boundary | None:
@@ -57,9 +52,9 @@ def _boundary(subject: Subject, axis: Axis) -> Boundary | None:
     return None if start is None else nearest_boundary(Looks(subject, axis), start)
 
 
-def _recorded(failure: World) -> list[tuple[Axis, float, float]]:
+def _recorded(failure: Failure) -> list[tuple[Axis, float, float]]:
     """Axes with the values that fail and pass, as far as a record, which may be a stranger's, makes sense."""
-    said = failure.failure.details.get("boundaries") if failure.failure else None
+    said = failure.record.details.get("boundaries")
     found = []
     for one in said if isinstance(said, list) else []:
         if not isinstance(one, dict):
@@ -70,7 +65,7 @@ def _recorded(failure: World) -> list[tuple[Axis, float, float]]:
     return found
 
 
-def boundaries_in_words(failure: World) -> str:
+def boundaries_in_words(failure: Failure) -> str:
     """Where a failure begins, in words; empty where its record says nothing of it."""
     said = [f"{axis.name} {fails:g} {axis.unit} ({passes:g} passes)" for axis, fails, passes in _recorded(failure)]
     return f"begins at {', '.join(said)}" if said else ""

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from fuzz.failure import scenario_of
-from fuzz.telling import replay_line, run_to_draw
-from sim.evidence import fault_evidence
+from fuzz.failure import Failure
+from fuzz.telling import run_to_draw
 from sim.picture import trail_of
-from sim.scenario import Scenario
 from sim.stopping import OutOfTime
 from sim.words import frames_in_words
 from worldgen.errors import WorldgenError
 from worldgen.grid_file.writer import world_digest
 from worldgen.plain_text import counted, shown, shown_lines
 from worldgen.render import draw_terminal
-from worldgen.world import World
 
 __all__ = ["Finding", "Report", "State"]
 
@@ -63,49 +59,43 @@ class Finding:
     frames: str = ""
 
     @classmethod
-    def of(cls, world: World, file: Path, state: State, reason: str = "", controller: str | None = None) -> Finding:
+    def of(cls, failure: Failure, file: Path, state: State, reason: str = "", controller: str | None = None) -> Finding:
         """Describes a failure; its controller is run for the picture.
 
         Args:
-            world: The failure.
+            failure: From its file.
             file: Where it lies.
             state: See above.
             reason: Why it is not confirmed.
             controller: Instead of the one that the file names.
-
-        Raises:
-            InvalidParameter: If the world holds no failure.
         """
-        record, options = scenario_of(world)
-        replay = replay_line(file)
-        if controller is not None:
-            record = replace(record, controller=controller)
-            replay += f" --controller {shlex.quote(controller)}"
-        who = Scenario.of(record.controller, options).label(record.motion, options.time_step)
+        replay = failure.replay_command(file, controller)
+        failure = failure.driven_by(controller)
+        world, record = failure.world, failure.record
         try:
-            episode, words = run_to_draw(replace(world, failure=record))
+            episode, words = run_to_draw(failure)
             trail = trail_of(episode, world)
             frames = frames_in_words(episode.evidence)
         except WorldgenError as error:
             words, trail, frames = f", but it cannot be run here: {error}", None, ""
         except OutOfTime:  # its controller is slow, and the time for pictures over
-            words, trail, frames = "", None, frames_in_words(fault_evidence(record.evidence))
+            words, trail, frames = "", None, frames_in_words(failure.evidence)
         said = reason if state == "not confirmed" else f"{record.verdict}{words}"
-        picture = draw_terminal(replace(world, failure=None), trail=trail, color=False).rstrip("\n")
+        picture = draw_terminal(world, trail=trail, color=False).rstrip("\n")
         if len(picture) > _MOST_PICTURE:
             picture = f"(a map of {world.width} x {world.height} cells is too large for a picture here)"
         return cls(
             state,
             file,
             controller=record.controller,
-            who=shown(f"{who} under {record.motion}"),
+            who=shown(failure.who),
             verdict=shown(record.verdict),
-            kind=shown(record.details.get("class", record.verdict)),
+            kind=shown(failure.bucket),
             what=shown(said),
             frames=shown_lines(frames),
             size=f"{world.width} x {world.height} cells, {world.solid_cells} solid",
             picture=shown_lines(picture),
-            world_id=world_digest(world),
+            world_id=world_digest(failure.stored),
             seed=record.seed,
             replay=shown(replay),
         )

@@ -73,7 +73,7 @@ def boundary(
 
 def _subject(path: Path, controller: str | None, motion: str, time_step: float | None, seed: int) -> Subject:
     from fuzz.boundary import Subject
-    from fuzz.failure import scenario_of
+    from fuzz.failure import Failure
     from sim.run_options import RunOptions
     from sim.scenario import Scenario
     from sim.try_out import try_out
@@ -85,10 +85,10 @@ def _subject(path: Path, controller: str | None, motion: str, time_step: float |
         scenario = Scenario.parse(controller, motion=motion, time_step=step, seed=seed)
         try_out(scenario)
         return Subject(world, scenario)
-    if world.failure is None:
+    failure = Failure.found_in(world)
+    if failure is None:
         raise click.UsageError(f"{path} holds no failure that names a controller; give --controller NAME")
-    record, options = scenario_of(world)
-    return Subject(world, Scenario.of(record.controller, options))
+    return Subject(failure.world, failure.scenario)
 
 
 def _scanned(axis: Axis, start: int) -> range:

@@ -32,8 +32,8 @@ def chance(
     Looks at every state that some draws lead to; if there are too many, counts the seeds that do not arrive. Exit code
     0 if the robot arrives with probability one, or with every seed; 1 if not.
     """
-    from fuzz.chance import MOST_STATES, chance_of, in_words
-    from fuzz.failure import scenario_of, share_that_fails
+    from fuzz.chance import MOST_STATES, chance_of, in_words, share_that_fails
+    from fuzz.failure import Failure
     from sim.run_options import RunOptions
     from sim.scenario import Scenario
     from worldgen.grid_file import read_world
@@ -43,9 +43,8 @@ def chance(
         scenario = Scenario.parse(controller, time_step=RunOptions.time_step if time_step is None else time_step)
     elif time_step is not None:
         raise click.UsageError("--time-step needs --controller; a failure's file names its own step")
-    elif world.failure is not None:
-        record, options = scenario_of(world)
-        scenario = Scenario.of(record.controller, options)
+    elif (failure := Failure.found_in(world)) is not None:
+        scenario = failure.scenario
     else:
         raise click.UsageError("give --controller; only a failure's file names its own")
     with working(f"looking at every draw of {scenario.label()}") as work:

@@ -80,10 +80,10 @@ def show(paths: tuple[Path, ...], png: Path | None, as_json: bool, force: bool, 
     Runs the controllers that the files name.
     """
     from fuzz.corpus import contact_sheet
+    from fuzz.failure import Failure
     from fuzz.telling import describe
     from worldgen.errors import WorldgenError
     from worldgen.files import check_output
-    from worldgen.grid_file import read_world
 
     entries = _read(paths, patterns).entries
     if png is not None:
@@ -95,9 +95,9 @@ def show(paths: tuple[Path, ...], png: Path | None, as_json: bool, force: bool, 
     if as_json or png is not None:
         return
     for entry in entries:
-        world = read_world(entry.path)
+        failure = Failure.read(entry.path)
         try:
-            click.echo(describe(world, entry.path))
+            click.echo(describe(failure, entry.path))
         except WorldgenError as error:
             click.echo(f"{shown(entry.path)}: {shown(entry.facts.kind)}, {entry.facts.size_in_words()}")
             note(f"  {entry.facts.controller} cannot be run here: {error}")
@@ -240,10 +240,8 @@ def _read(paths: Sequence[Path], patterns: dict[str, tuple[str, ...]]) -> Corpus
 
 
 def _json(entry: Entry) -> dict[str, Any]:
-    from fuzz.telling import replay_line
-
     row = entry.as_dict()
-    return row | {"first_seen": row["first_seen"] or None, "replay": replay_line(entry.path)}
+    return row | {"first_seen": row["first_seen"] or None, "replay": entry.replay_command}
 
 
 def _row(entry: Entry) -> list[str]:

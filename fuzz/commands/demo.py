@@ -91,19 +91,21 @@ def _world_and_run(out: Path, controller: str) -> None:
 
 
 def _replay_and_draw(folder: Path) -> list[dict[str, object]]:
-    from fuzz.failure import replay
+    from fuzz.failure import Failure
+    from fuzz.judging import replay
     from fuzz.telling import run_to_draw
     from sim.picture import trail_of
     from worldgen.cli.output import write_bytes
-    from worldgen.grid_file import read_world
     from worldgen.render import draw_png
 
     _say(f"worldgen replay {folder}")
     replayed: list[dict[str, object]] = []
     for path in sorted(folder.glob("*.grid")):
-        world, picture = read_world(path), path.with_suffix(".png")
-        again, episode = replay(world), run_to_draw(world)[0]
-        write_bytes(picture, draw_png(world, trail=trail_of(episode, world), title=path.stem), force=True)
+        failure = Failure.read(path)
+        picture = path.with_suffix(".png")
+        again = replay(failure)
+        trail = trail_of(run_to_draw(failure)[0], failure.world)
+        write_bytes(picture, draw_png(failure.stored, trail=trail, title=path.stem), force=True)
         said = "confirmed" if again.confirmed else f"not confirmed: {again.reason}"
         note(f"{path.name}: {again.verdict} {said}; drawn in {picture}")
         replayed.append({"file": str(path), "verdict": again.verdict, "confirmed": again.confirmed})

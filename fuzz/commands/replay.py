@@ -43,6 +43,7 @@ def replay(
     from fuzz.answer import State as Now
     from fuzz.answer import answer, summary_in_words
     from fuzz.ci import Finding, Outputs, Report, State
+    from fuzz.failure import Failure
     from fuzz.telling import describe
     from sim.transcript import transcribed
     from sim.words import frames_in_words
@@ -56,7 +57,8 @@ def replay(
     states: list[Now] = []
     without = 0
     for path, world in read_worlds(paths):
-        if world.failure is None:
+        failure = Failure.found_in(world)
+        if failure is None:
             note(f"{shown(path)}: this world holds no failure; worldgen run simulates it")
             without += 1
             continue
@@ -64,10 +66,10 @@ def replay(
             raise click.UsageError(f"--transcript {transcript} holds one failure; give replay one file")
         with (
             working("replaying") as work,
-            transcribed(controller or world.failure.controller, transcript, force=force),
+            transcribed(controller or failure.record.controller, transcript, force=force),
         ):
             work.say(f"{path}, failure {len(results) + 1}")
-            now = answer(world, controller)
+            now = answer(failure, controller)
         outcome = now.replay
         states.append(now.state)
         results.append(
@@ -82,12 +84,12 @@ def replay(
         if not as_json:
             click.echo(f"{shown(path)}: {shown(now.words)}")
             if with_picture and outcome.confirmed:
-                click.echo(describe(world, path))
+                click.echo(describe(failure, path))
             elif now.episode is not None:
                 click.echo(shown_lines(frames_in_words(now.episode.evidence)), nl=False)
         if reports:
             state: State = "confirmed" if outcome.confirmed else "not confirmed"
-            findings.append(Finding.of(world, path, state, now.words, controller))
+            findings.append(Finding.of(failure, path, state, now.words, controller))
     reports.write(Report("replay", tuple(findings)))
     confirmed = sum(bool(result["confirmed"]) for result in results)
     if as_json:

@@ -12,6 +12,7 @@ from worldgen.cli.output import emit_json, force_option, json_option, named_also
 from worldgen.progress import working
 
 if TYPE_CHECKING:
+    from fuzz.failure import Failure
     from fuzz.shrink import Shrunk
     from worldgen.world import World
 
@@ -70,21 +71,21 @@ def shrink(
     Frees cells, drops rows, columns and events, simplifies start, robot and numbers, until nothing more can go, and
     checks that independently. Ctrl-C keeps the best so far.
     """
+    from fuzz.failure import Failure
     from fuzz.shrink import snippet
     from fuzz.telling import describe
     from worldgen.files import check_output
-    from worldgen.grid_file import read_world, write_world
 
     if as_snippet and as_json:
         raise click.UsageError("--snippet and --json both say what is printed; give one of them")
     target = out or path.with_name(f"{path.name.removesuffix('.gz').removesuffix('.grid')}.shrunk.grid")
     check_output(target, force)
-    result = _watched(read_world(path), seconds, keep)
-    write_world(result.world, target, force=force)
+    result = _watched(Failure.read(path), seconds, keep)
+    result.failure.write(target, force=force)
     if as_json:
         emit_json(_summary(result, target))
         return
-    click.echo(snippet(result.world) if as_snippet else describe(result.world, target), nl=not as_snippet)
+    click.echo(snippet(result.failure) if as_snippet else describe(result.failure, target), nl=not as_snippet)
     state = "1-minimal" if not result.left else f"not 1-minimal: {result.left[0]}"
     note(f"wrote {target}: {result.before} -> {result.after} solid cells, {state}, {result.simulations} runs")
     if result.interrupted:
@@ -92,12 +93,12 @@ def shrink(
         raise SystemExit(130)
 
 
-def _watched(failure: World, seconds: float | None, keep: str) -> Shrunk:
+def _watched(failure: Failure, seconds: float | None, keep: str) -> Shrunk:
     """Shrink, and say how far that is."""
     from fuzz.shrink import shrink as shrink_failure
 
     with working("shrinking") as work:
-        work.say(_size(failure))
+        work.say(_size(failure.world))
         return shrink_failure(
             failure, seconds=seconds, progress=lambda world: work.say(_size(world)), keep_on_interrupt=True, keep=keep
         )
@@ -112,8 +113,8 @@ def _summary(result: Shrunk, target: Path) -> dict[str, object]:
         "file": str(target),
         "solid_cells_before": result.before,
         "solid_cells": result.after,
-        "width": result.world.width,
-        "height": result.world.height,
+        "width": result.failure.world.width,
+        "height": result.failure.world.height,
         "simulations": result.simulations,
         "kept": result.kept,
         "one_minimal": not result.left,

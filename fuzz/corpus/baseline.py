@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fuzz.asked import asked_by
+from fuzz.asked import Asked
 from fuzz.corpus.entry import Entry, Facts
 from fuzz.crash_bucket import has_facts
-from fuzz.failure import certificate_fault, failure_by, failure_of, scenario_of
+from fuzz.failure import Failure
+from fuzz.judging import failure_by, failure_of
+from fuzz.proofs import certificate_fault
 from sim.controllers import in_plain_place
-from sim.evidence import fault_evidence
+from sim.evidence import FaultEvidence
 from sim.scenario import Scenario
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import WorldgenError
-from worldgen.grid_file import read_world
 from worldgen.plain_text import shown
-from worldgen.world import FailureRecord, World
 
 __all__ = ["Baseline"]
 
@@ -30,10 +30,10 @@ class Baseline:
     """Failures whose classes are known.
 
     Args:
-        failures: By controller, motion model and class: the first file of it, and what its world is.
+        failures: By controller, motion model and class: the first file of it, and the failure as it is now.
     """
 
-    failures: Mapping[_Key, tuple[Path, World]] = field(default_factory=dict)
+    failures: Mapping[_Key, tuple[Path, Failure]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, entries: Iterable[Entry], scenario: Scenario, say: Callable[[str], None]) -> Baseline:
@@ -48,24 +48,22 @@ class Baseline:
         Raises:
             FormatError: If a file can no longer be read.
         """
-        failures: dict[_Key, tuple[Path, World]] = {}
+        failures: dict[_Key, tuple[Path, Failure]] = {}
         others: set[str] = set()
         is_any_ours = False
         for entry in entries:
-            world = read_world(entry.path)
-            record, _ = scenario_of(world)
+            failure = Failure.read(entry.path)
+            record = failure.record
             if _who(record.controller, record.motion) != _who(scenario.controller, scenario.motion):
                 others.add(f"{record.controller} under {record.motion}")
                 continue
             is_any_ours = True
-            now, reason = _failure_now(world)
+            now, reason = _failure_now(failure)
             if now is None:
                 say(f"{entry.path}: {reason}, so its class {entry.facts.kind} is not known")
                 continue
             facts = Facts.of(now, str(entry.path))
-            if facts is None or now.failure is None:
-                continue
-            known = facts.kind == entry.facts.kind or _is_known(record, now.failure)
+            known = facts.kind == entry.facts.kind or _is_known(failure, now)
             if facts.kind != entry.facts.kind:
                 unknown = "" if known else ", which is not known"
                 say(f"{entry.path}: stored as {entry.facts.kind}, its class is {facts.kind} now{unknown}")
@@ -78,10 +76,9 @@ class Baseline:
             )
         return cls(failures)
 
-    def has(self, failure: World) -> bool:
+    def has(self, failure: Failure) -> bool:
         """Whether a failure is of a class that is known."""
-        facts = Facts.of(failure, "the failure")
-        return facts is not None and _key(facts) in self.failures
+        return _key(Facts.of(failure, "the failure")) in self.failures
 
 
 def _who(controller: str, motion: str) -> tuple[str, str]:
@@ -93,7 +90,7 @@ def _key(facts: Facts) -> _Key:
     return (*_who(facts.controller, facts.motion), facts.kind)
 
 
-def _is_known(stored: FailureRecord, now: FailureRecord) -> bool:
+def _is_known(stored: Failure, now: Failure) -> bool:
     """Return whether a failure whose class is another today is still the one that was stored.
 
     A robot that loops in another manner is. A controller that crashes, hangs or commands nonsense is not: that is a
@@ -102,23 +99,28 @@ def _is_known(stored: FailureRecord, now: FailureRecord) -> bool:
     """
     if now.verdict not in BY_THE_CONTROLLER:
         return True
-    return not has_facts(fault_evidence(stored.evidence)) and _crash(stored) == _crash(now)
+    return not has_facts(_crash_evidence(stored)) and _crash(stored) == _crash(now)
 
 
-def _crash(record: FailureRecord) -> tuple[object, ...]:
-    return record.verdict, record.trace_digest, record.evidence.get("error"), record.evidence.get("step")
+def _crash(failure: Failure) -> tuple[object, ...]:
+    evidence = _crash_evidence(failure)
+    return failure.verdict, failure.record.trace_digest, evidence.error, evidence.step
 
 
-def _failure_now(world: World) -> tuple[World | None, str]:
+def _crash_evidence(failure: Failure) -> FaultEvidence:
+    return failure.evidence if isinstance(failure.evidence, FaultEvidence) else FaultEvidence()
+
+
+def _failure_now(failure: Failure) -> tuple[Failure | None, str]:
     """The failure with a record of what happens today, or ``None`` and why there is none."""
-    record, options = scenario_of(world)
-    scenario = Scenario.of(record.controller, options)
-    fault = certificate_fault(world)
+    fault = certificate_fault(failure.world)
     if fault:
         return None, fault
     try:
-        asked = asked_by(record.evidence)
-        now = failure_of(world, scenario, steps=options.steps) if asked is None else failure_by(world, scenario, asked)
+        if failure.oracle is None:
+            now = failure_of(failure.world, failure.scenario, steps=failure.options.steps)
+        else:
+            now = failure_by(failure.world, failure.scenario, Asked.parse(failure.oracle))
     except WorldgenError as error:
         return None, f"cannot be run here ({error})"
     return now, "does not fail any more"

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+import shlex
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from fuzz.failure import scenario_of
+from fuzz.failure import Failure
 from sim.controllers import in_plain_place
-from sim.run_options import RunOptions
-from sim.scenario import Scenario
 from worldgen.errors import FormatError, InvalidParameter
-from worldgen.grid_file import dumps
 from worldgen.world import World
 
 __all__ = ["Entry", "Facts"]
@@ -46,36 +44,40 @@ class Facts:
     digest: str
 
     @classmethod
-    def of(cls, world: World, source: str) -> Facts | None:
-        """The facts of a failure, ``None`` of a world without one.
+    def of(cls, failure: Failure, source: str) -> Facts:
+        """Return the facts of a failure.
 
         Args:
-            world: From a file.
+            failure: From a file.
             source: The file's name for the message.
 
         Raises:
             FormatError: If its record names options that are unknown here.
         """
-        if world.failure is None:
-            return None
+        world, record = failure.world, failure.record
         try:
-            record, options = scenario_of(world)
+            controller = failure.label
         except InvalidParameter as error:
             raise FormatError(
                 "invalid-record", "the failure's record does not fit: {reason}", reason=str(error), source=source
             ) from error
-        digest = hashlib.sha256(dumps(world)).hexdigest()
         return cls(
-            controller=_label(record.controller, options),
+            controller=controller,
             motion=record.motion,
-            kind=str(record.details.get("class", record.verdict)),
+            kind=failure.bucket,
             verdict=record.verdict,
             width=world.width,
             height=world.height,
             solid=world.solid_cells,
             events=len(world.timeline),
-            digest=digest,
+            digest=hashlib.sha256(failure.dumps()).hexdigest(),
         )
+
+    @classmethod
+    def in_world(cls, world: World, source: str) -> Facts | None:
+        """Return the facts of the failure that a world's file holds; ``None`` if it holds none."""
+        failure = Failure.found_in(world)
+        return None if failure is None else cls.of(failure, source)
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -122,6 +124,11 @@ class Entry:
         except (OSError, OverflowError, ValueError):  # a file system's date that is none
             return ""
 
+    @property
+    def replay_command(self) -> str:
+        """The command that shows the failure again."""
+        return f"worldgen replay {shlex.quote(str(self.path))}"
+
     def as_dict(self) -> dict[str, Any]:
         """One row of a table: names of columns and their values."""
         facts = asdict(self.facts)
@@ -129,8 +136,3 @@ class Entry:
         row |= {("class" if name == "kind" else name): value for name, value in facts.items()}
         row["first_seen"] = self.first_seen
         return row
-
-
-def _label(controller: str, options: RunOptions) -> str:
-    """The controller as a user would write it; the time step is part of what a search draws, not of the robot."""
-    return Scenario.of(controller, options).label(options.motion, options.time_step)

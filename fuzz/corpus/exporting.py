@@ -13,10 +13,10 @@ from typing import Any
 from fuzz.corpus.entry import Entry, Facts
 from fuzz.corpus.names import name_of
 from fuzz.corpus.pictures import draw_failure
+from fuzz.failure import Failure
 from worldgen.archives import ENDINGS, is_archive, writer_for
 from worldgen.errors import InvalidParameter, OutputError
 from worldgen.files import check_output, write_bytes
-from worldgen.grid_file import dumps, read_world
 from worldgen.installation import pip_install
 
 __all__ = ["TABLE", "export"]
@@ -67,9 +67,9 @@ def _archive(entries: Sequence[Entry], out: Path) -> bytes:
     archive = writer_for(out, stream)
     rows = []
     for name, entry in _named(entries):
-        world, picture = read_world(entry.path), f"pictures/{name}.png"
-        archive.add(f"{name}.grid", dumps(world))
-        archive.add(picture, draw_failure(entry, world))
+        failure, picture = Failure.read(entry.path), f"pictures/{name}.png"
+        archive.add(f"{name}.grid", failure.dumps())
+        archive.add(picture, draw_failure(entry, failure))
         row = entry.as_dict() | {"file": f"{name}.grid", "picture": picture}
         rows.append(row)
     archive.add(TABLE, _table(rows, (*_COLUMNS, "picture")))
@@ -101,8 +101,8 @@ def _parquet(entries: Sequence[Entry], _out: Path) -> bytes:
     arrow, parquet = _pyarrow()
     rows = []
     for entry in entries:
-        world = read_world(entry.path)
-        rows.append(entry.as_dict() | {"grid": dumps(world), "picture": draw_failure(entry, world)})
+        failure = Failure.read(entry.path)
+        rows.append(entry.as_dict() | {"grid": failure.dumps(), "picture": draw_failure(entry, failure)})
     kinds = {"width": arrow.int64(), "height": arrow.int64(), "solid": arrow.int64(), "events": arrow.int64()}
     kinds |= {"grid": arrow.binary(), "picture": arrow.binary()}
     columns = (*_COLUMNS, "first_seen", "grid", "picture")

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from fuzz.corpus.entry import Entry
 from fuzz.corpus.names import name_of
+from fuzz.failure import Failure
 from worldgen.errors import OutputError
 from worldgen.files import write_bytes
-from worldgen.grid_file import dumps, read_world
 from worldgen.world_files import files_in
 
 __all__ = ["merge", "smallest"]
@@ -41,7 +41,7 @@ def merge(entries: Iterable[Entry], out: Path, *, force: bool = False) -> dict[P
     """
     entries = list(entries)
     chosen = {out / f"{name_of(entry.facts)}.grid": entry for entry in smallest(entries).values()}
-    texts = {path: dumps(read_world(entry.path)) for path, entry in chosen.items()}
+    texts = {path: Failure.read(entry.path).dumps() for path, entry in chosen.items()}
     if not force:
         _refuse_others(out, texts)
     first: dict[tuple[str, str, str], int] = {}

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fuzz.corpus.entry import Entry
-from fuzz.failure import regardless_of_walls, scenario_of
+from fuzz.failure import Failure
 from sim.controllers.process import is_process_name
-from sim.episode import simulate
 from sim.picture import trail_of
 from worldgen.errors import InvalidParameter, WorldgenError
-from worldgen.grid_file import read_world
 from worldgen.render import Trail, draw_png
 from worldgen.render.sheet import Panel, draw_sheet
-from worldgen.world import Cut, World
 
 __all__ = ["contact_sheet", "draw_failure"]
 
@@ -21,11 +18,11 @@ _PIXELS = 480  # longer side of a map; at 900 a picture takes 250 kB
 _MOST = 200  # panels: a sheet of five columns and 16,000 px height
 
 
-def draw_failure(entry: Entry, world: World) -> bytes:
+def draw_failure(entry: Entry, failure: Failure) -> bytes:
     """A failure as the bytes of a PNG file."""
     facts = entry.facts
     title = f"{facts.controller}, {facts.motion}: {facts.kind}"
-    return draw_png(world, trail=_trail(world), title=title, pixels=_PIXELS)
+    return draw_png(failure.stored, trail=_trail(failure), title=title, pixels=_PIXELS)
 
 
 def contact_sheet(entries: Sequence[Entry]) -> bytes:
@@ -50,17 +47,14 @@ def contact_sheet(entries: Sequence[Entry]) -> bytes:
 
 
 def _panel(entry: Entry) -> Panel:
-    world, facts = read_world(entry.path), entry.facts
+    failure, facts = Failure.read(entry.path), entry.facts
     name = facts.controller if is_process_name(facts.controller) else facts.controller.rpartition("/")[2]
-    return Panel(world, facts.kind, (_trail(world),), (f"{name}, {facts.motion}",))
+    return Panel(failure.stored, facts.kind, (_trail(failure),), (f"{name}, {facts.motion}",))
 
 
-def _trail(world: World) -> Trail | None:
+def _trail(failure: Failure) -> Trail | None:
     """The robot's way as it is now; ``None`` where its controller cannot be run."""
-    record, options = scenario_of(world)
-    if isinstance(world.certificate, Cut):
-        options = regardless_of_walls(options)
     try:
-        return trail_of(simulate(world, record.controller, options, record=True), world)
+        return trail_of(failure.run(through_walls=failure.is_breach), failure.world)
     except WorldgenError:
         return None

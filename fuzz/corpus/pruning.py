@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from fuzz.corpus.entry import Entry
-from fuzz.failure import replay
+from fuzz.failure import Failure
+from fuzz.judging import replay
 from sim.verdict import BY_THE_CONTROLLER
 from worldgen.errors import OutputError
-from worldgen.grid_file import read_world
 
 __all__ = ["Judgement", "judge_all", "remove"]
 
@@ -49,7 +49,7 @@ def judge_all(entries: Iterable[Entry]) -> Iterator[Judgement]:
 
 
 def _judge(entry: Entry) -> Judgement:
-    shown = replay(read_world(entry.path))
+    shown = replay(Failure.read(entry.path))
     if shown.confirmed:
         return Judgement(entry, True)
     if shown.verdict in BY_THE_CONTROLLER:  # as a program does whose files are not here

@@ -87,7 +87,7 @@ def _found(path: Path) -> Iterator[tuple[Path, Facts | None, int | None]]:
         for member in members(path):
             if is_world_file(member.name):
                 place = path / member.name
-                yield place, Facts.of(unpack_world(member, str(place)), str(place)), None
+                yield place, Facts.in_world(unpack_world(member, str(place)), str(place)), None
     else:
         yield path, *_read_file(path, None)
 
@@ -111,7 +111,7 @@ def _read_file(file: Path, index: Index | None) -> tuple[Facts | None, int]:
     known, facts = index.get(digest) if index is not None else (False, None)
     if not known:
         packed = Member(file.name, len(data), lambda limit: data if len(data) <= limit else None)
-        facts = Facts.of(unpack_world(packed, str(file)), str(file))
+        facts = Facts.in_world(unpack_world(packed, str(file)), str(file))
         if index is not None:
             index.put(digest, facts)
     return facts, seen

@@ -9,9 +9,9 @@ A drawn scenario that fails and of which no such values are found brings the fai
 from __future__ import annotations
 
 from fuzz.boundary import AXES, Axis, Look, Looks, Subject, nearest_boundary, subject_of
-from fuzz.failure import certified
 from fuzz.features import LAYOUT_BYTES, decode_world
 from fuzz.lanes.task import Task
+from fuzz.proofs import certified
 from sim.stopping import OutOfTime, check_time
 from worldgen.errors import GenerationFailed
 from worldgen.generation import generate

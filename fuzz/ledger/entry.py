@@ -9,10 +9,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fuzz.failure import ID_DIGITS
+from fuzz.failure import ID_DIGITS, Failure
 from fuzz.ledger.setup import digest_of
 from fuzz.result import Elite, UnitResult
-from worldgen.world import World
 
 __all__ = ["Done", "read_entry", "write_entry"]
 
@@ -58,7 +57,7 @@ def write_entry(unit: int, done: Done, setup: str, failures: Mapping[str, str]) 
     return (json.dumps({**entry, "digest": digest_of([setup, entry])}) + "\n").encode()
 
 
-def read_entry(text: str, unit: int, setup: str, failure: Callable[[str], World]) -> Done:
+def read_entry(text: str, unit: int, setup: str, failure: Callable[[str], Failure]) -> Done:
     """The unit that an entry tells of.
 
     Args:

@@ -18,15 +18,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from fuzz.failure import ID_DIGITS, failure_id
+from fuzz.failure import ID_DIGITS, Failure
 from fuzz.ledger.entry import Done, read_entry, write_entry
 from fuzz.ledger.last_error import forget_error
 from fuzz.ledger.setup import Setup
 from worldgen.errors import FormatError, OutputError, WorldgenError
 from worldgen.files import read_text, write_bytes
-from worldgen.grid_file import dumps, loads
+from worldgen.grid_file import loads
 from worldgen.locks import lock, sign
-from worldgen.world import World
 
 __all__ = ["CampaignFolder", "Ledger"]
 
@@ -64,11 +63,11 @@ class Ledger:
         """Return how long earlier sittings took, as far as that is known."""
         return 0.0
 
-    def shrunk(self, failure: World, kept: str) -> World | None:
+    def shrunk(self, failure: Failure, kept: str) -> Failure | None:
         """What a failure was shrunk to before; ``None`` if it is to be shrunk."""
         return None
 
-    def save_shrunk(self, failure: World, kept: str, shrunk: World) -> None:
+    def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
         """Keeps what a failure was shrunk to."""
 
 
@@ -198,24 +197,24 @@ class CampaignFolder(Ledger):
         """
         names: dict[str, str] = {}
         for kind, failure in done.result.failures.items():
-            names[kind] = failure_id(failure)
-            self._save(f"failures/{names[kind]}.grid", dumps(failure))
+            names[kind] = failure.id
+            self._save(f"failures/{names[kind]}.grid", failure.dumps())
         file = self._cut_file(unit) if done.result.cut else self._unit_file(unit)
         write_bytes(file, write_entry(unit, done, self._setup, names), force=True)
         if not done.result.cut:
             self._cut_file(unit).unlink(missing_ok=True)
 
-    def shrunk(self, failure: World, kept: str) -> World | None:
+    def shrunk(self, failure: Failure, kept: str) -> Failure | None:
         """What a failure was shrunk to before; ``None`` if it is to be shrunk, or the file is not whole."""
-        file = self._shrunk.get(f"{failure_id(failure)}-{kept}")
+        file = self._shrunk.get(f"{failure.id}-{kept}")
         if file is None:
             return None
         try:
-            return _whole_world(file, file.stem.rpartition("-")[2])
+            return _whole_failure(file, file.stem.rpartition("-")[2])
         except (ValueError, WorldgenError):
             return None
 
-    def save_shrunk(self, failure: World, kept: str, shrunk: World) -> None:
+    def save_shrunk(self, failure: Failure, kept: str, shrunk: Failure) -> None:
         """Keeps what a failure was shrunk to.
 
         Args:
@@ -226,8 +225,8 @@ class CampaignFolder(Ledger):
         Raises:
             OutputError: If it cannot be written.
         """
-        data = dumps(shrunk)
-        self._save(f"shrunk/{failure_id(failure)}-{kept}-{_content_name(data)}.grid", data)
+        data = shrunk.dumps()
+        self._save(f"shrunk/{failure.id}-{kept}-{_content_name(data)}.grid", data)
 
     def written(self) -> dict[str, str]:
         """Names of the failures that this campaign wrote into its folder, with a digest of each one's content."""
@@ -293,15 +292,15 @@ class CampaignFolder(Ledger):
     def _cut_file(self, unit: int) -> Path:
         return self._path / "units" / f"{unit:06}{_CUT}"
 
-    def _failure(self, name: str) -> World:
-        return _whole_world(self._path / "failures" / f"{name}.grid", name)
+    def _failure(self, name: str) -> Failure:
+        return _whole_failure(self._path / "failures" / f"{name}.grid", name)
 
     def _save(self, name: str, data: bytes) -> None:
         write_bytes(self._path / name, data, force=True)
 
 
-def _whole_world(file: Path, content: str) -> World:
-    """The world in a file that is named by its content.
+def _whole_failure(file: Path, content: str) -> Failure:
+    """The failure in a file that is named by its content.
 
     Raises:
         ValueError: If the content is another; as FormatError if it cannot be read.
@@ -309,7 +308,7 @@ def _whole_world(file: Path, content: str) -> World:
     data = read_text(file).encode()
     if _content_name(data) != content:
         raise ValueError("the file was changed")
-    return loads(data, str(file))
+    return Failure.of(loads(data, str(file)))
 
 
 @contextlib.contextmanager

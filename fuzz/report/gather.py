@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzz.corpus import Entry, read_corpus
-from fuzz.failure import Replay, replay
+from fuzz.failure import Failure
+from fuzz.judging import Replay, replay
 from fuzz.report.summary import MEMORY, Summary, read_summary
 from fuzz.telling import run_to_draw
 from sim.episode import Episode
@@ -15,9 +16,8 @@ from worldgen.archives import Member, archive_in, members
 from worldgen.errors import FormatError, InvalidParameter, WorldgenError
 from worldgen.grid_file.disk import expansion_limit, unpack_world
 from worldgen.grid_file.schema import MAX_FILE_BYTES
-from worldgen.world import World
 
-__all__ = ["MOST_FAILURES", "Failure", "Seen", "Subject", "gather", "look_at"]
+__all__ = ["MOST_FAILURES", "Reported", "Seen", "Subject", "gather", "look_at"]
 
 MOST_FAILURES = 1_000  # of a report: 10 to 50 MB, about what a browser opens without complaint
 
@@ -29,7 +29,7 @@ class Seen:
     Args:
         name: The file's own name.
         data: Its bytes, as they are.
-        world: What it holds.
+        failure: What it holds.
         replay: Whether verdict, evidence and certificate are as recorded.
         shown: The run to draw: of a breach the one that walls do not end. ``None`` where it cannot be run.
         words: What happened, to stand behind the verdict; empty where the replay is not confirmed.
@@ -37,15 +37,15 @@ class Seen:
 
     name: str
     data: bytes
-    world: World
+    failure: Failure
     replay: Replay
     shown: Episode | None
     words: str
 
 
 @dataclass(frozen=True, eq=False)
-class Failure:
-    """A failure of a corpus.
+class Reported:
+    """A failure of a corpus, and what is to be said of it.
 
     Args:
         entry: Its place and its facts.
@@ -116,7 +116,7 @@ def _distinct(entries: Iterable[Entry]) -> list[Entry]:
     return sorted(chosen.values(), key=lambda entry: (entry.facts.key, entry.facts.order))
 
 
-def look_at(entry: Entry, campaigns: Sequence[Summary]) -> Failure:
+def look_at(entry: Entry, campaigns: Sequence[Summary]) -> Reported:
     """Reads a failure, and what it was before shrinking, and runs both again.
 
     Raises:
@@ -125,28 +125,30 @@ def look_at(entry: Entry, campaigns: Sequence[Summary]) -> Failure:
     around = [k for k, summary in enumerate(campaigns) if summary.folder in entry.path.parents]
     campaign = max(around, key=lambda k: len(campaigns[k].folder.parts), default=-1)
     seen = _seen(entry.path)
-    original = _original(seen.world, campaigns[campaign].folder) if around else None
-    return Failure(entry, seen, original, campaign)
+    original = _original(seen.failure, campaigns[campaign].folder) if around else None
+    return Reported(entry, seen, original, campaign)
 
 
-def _original(world: World, folder: Path) -> Seen | None:
+def _original(failure: Failure, folder: Path) -> Seen | None:
     """The failure as found, where the record names it and the campaign still has it."""
-    name = world.failure.details.get("original") if world.failure else None
-    if not isinstance(name, str) or not name.isalnum():
+    if failure.original is None:
         return None
-    path = folder / MEMORY / "failures" / f"{name}.grid"
+    path = folder / MEMORY / "failures" / f"{failure.original}.grid"
     return _seen(path) if path.is_file() else None
 
 
 def _seen(path: Path) -> Seen:
     data = _bytes_of(path)
-    world = unpack_world(Member(path.name, len(data), lambda limit: data if len(data) <= limit else None), str(path))
-    found = replay(world)
+    packed = Member(path.name, len(data), lambda limit: data if len(data) <= limit else None)
+    failure = Failure.found_in(unpack_world(packed, str(path)))
+    if failure is None:
+        raise FormatError("file-changed", "held a failure a moment ago", "do not change it meanwhile", source=str(path))
+    found = replay(failure)
     try:
-        shown, words = run_to_draw(world)
+        shown, words = run_to_draw(failure)
     except WorldgenError:
-        return Seen(path.name, data, world, found, None, "")
-    return Seen(path.name, data, world, found, shown, words if found.confirmed else "")
+        return Seen(path.name, data, failure, found, None, "")
+    return Seen(path.name, data, failure, found, shown, words if found.confirmed else "")
 
 
 def _bytes_of(path: Path) -> bytes:

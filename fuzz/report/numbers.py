@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import TypeAlias
 
 from fuzz.boundary import boundaries_in_words
-from fuzz.report.gather import Failure, Seen
+from fuzz.report.gather import Reported, Seen
 from fuzz.report.summary import Summary
 from fuzz.telling import seeds_in_words
 from sim.evidence import LoopEvidence
 from worldgen.plain_text import counted, value_in_words
-from worldgen.world import Cut, FailureRecord, Value, Witness, World
+from worldgen.world import Cut, Value, Witness, World
 
 __all__ = ["Group", "groups"]
 
@@ -25,22 +25,24 @@ _SAID = (
 _KEPT = {"verdict": "kept verdict and cause", "class": "kept the class"}
 
 
-def groups(failure: Failure, record: FailureRecord, campaigns: list[Summary]) -> list[Group]:
+def groups(reported: Reported, campaigns: list[Summary]) -> list[Group]:
     """Everything that is known of a failure, as rows of name and value under headings."""
-    campaign = campaigns[failure.campaign] if failure.campaign >= 0 else None
+    campaign = campaigns[reported.campaign] if reported.campaign >= 0 else None
+    record = reported.seen.failure.record
     found = [
-        ("Failure", _of_the_failure(failure, record)),
-        ("Run", _of_the_run(failure.seen, record)),
-        ("World", _of_the_world(failure.seen.world)),
-        ("Search", _of_the_search(failure, record, campaign)),
+        ("Failure", _of_the_failure(reported)),
+        ("Run", _of_the_run(reported.seen)),
+        ("World", _of_the_world(reported.seen.failure.world)),
+        ("Search", _of_the_search(reported, campaign)),
         ("Options", [(name, value_in_words(value)) for name, value in record.parameters.items()]),
         ("Evidence", [(name, value_in_words(value)) for name, value in record.evidence.items()]),
     ]
     return [group for group in found if group[1]]
 
 
-def _of_the_failure(failure: Failure, record: FailureRecord) -> list[Row]:
-    facts, seen = failure.entry.facts, failure.seen
+def _of_the_failure(reported: Reported) -> list[Row]:
+    facts, seen = reported.entry.facts, reported.seen
+    record = seen.failure.record
     rows = [
         ("verdict", record.verdict),
         ("class", facts.kind),
@@ -49,7 +51,7 @@ def _of_the_failure(failure: Failure, record: FailureRecord) -> list[Row]:
         ("seed of the run", str(record.seed)),
         ("replayed for this report", _replayed(seen)),
     ]
-    seeds = seeds_in_words(seen.world)
+    seeds = seeds_in_words(seen.failure)
     if seeds:
         least = record.details.get("failing_share_at_least")
         bound = f"; with 95 % confidence at least {least:.1%} of all" if isinstance(least, float) else ""
@@ -57,7 +59,7 @@ def _of_the_failure(failure: Failure, record: FailureRecord) -> list[Row]:
     if "chance" in record.details:
         states = f", over {value_in_words(record.details['states'])} states" if "states" in record.details else ""
         rows.append(("exact answer", f"{value_in_words(record.details['chance'])}{states}"))
-    begins = boundaries_in_words(seen.world)
+    begins = boundaries_in_words(seen.failure)
     if begins:
         rows.append(("boundary", begins))
     minimal = record.details.get("one_minimal")
@@ -72,7 +74,7 @@ def _replayed(seen: Seen) -> str:
     return f"not confirmed: {seen.replay.reason}"
 
 
-def _of_the_run(seen: Seen, record: FailureRecord) -> list[Row]:
+def _of_the_run(seen: Seen) -> list[Row]:
     episode, rows = seen.replay.episode, []
     if episode is not None:
         rows += [
@@ -80,7 +82,7 @@ def _of_the_run(seen: Seen, record: FailureRecord) -> list[Row]:
             ("way driven", f"{episode.path_length:.4g} m"),
             ("contacts", str(episode.collisions)),
         ]
-        witness = seen.world.certificate
+        witness = seen.failure.world.certificate
         if isinstance(witness, Witness) and witness.length > 0:
             rows.append(("way over witness", f"{episode.path_length / witness.length:.3g}"))
         loop = episode.evidence
@@ -88,7 +90,7 @@ def _of_the_run(seen: Seen, record: FailureRecord) -> list[Row]:
             step = episode.time / episode.steps
             rows.append(("loop entered", f"step {loop.entry:,} ({loop.entry * step:.6g} s)"))
             rows.append(("period", f"{loop.period:,} steps ({loop.period * step:.6g} s)"))
-    return [*rows, ("trace digest", record.trace_digest)]
+    return [*rows, ("trace digest", seen.failure.record.trace_digest)]
 
 
 def _of_the_world(world: World) -> list[Row]:
@@ -112,13 +114,13 @@ def _of_the_world(world: World) -> list[Row]:
     return rows
 
 
-def _of_the_search(failure: Failure, record: FailureRecord, campaign: Summary | None) -> list[Row]:
-    details = record.details
+def _of_the_search(reported: Reported, campaign: Summary | None) -> list[Row]:
+    details = reported.seen.failure.record.details
     rows = []
     if "found_by" in details:
         rows.append(("found by lane", value_in_words(details["found_by"])))
     if campaign is not None:
-        kind = failure.entry.facts.kind
+        kind = reported.entry.facts.kind
         if kind in campaign.met:
             rows.append(("class met", counted(campaign.met[kind], "time")))
         first = next((find for find in campaign.found if find.kind == kind), None)

@@ -14,13 +14,9 @@ from fuzz.player import drawn_run, drawn_world, one_file, sensors_of
 from fuzz.report.gather import Seen, Subject, gather, look_at
 from fuzz.report.numbers import groups
 from fuzz.report.summary import Summary
-from fuzz.telling import replay_line
 from sim.controllers import CONTROLLERS
-from sim.run_options import RunOptions
-from worldgen.errors import FormatError
 from worldgen.files import check_output, write_bytes
 from worldgen.plain_text import counted
-from worldgen.world import FailureRecord
 
 __all__ = ["write_report"]
 
@@ -83,13 +79,10 @@ def _heading(subject: Subject) -> str:
 
 def _failure(entry: Entry, campaigns: list[Summary]) -> dict[str, Any]:
     """A failure as the page's script wants it."""
-    failure = look_at(entry, campaigns)
-    seen, facts, record = failure.seen, entry.facts, failure.seen.world.failure
-    if record is None:
-        raise FormatError(
-            "file-changed", "held a failure a moment ago", "do not change it meanwhile", source=str(entry.path)
-        )
-    met = campaigns[failure.campaign].met.get(facts.kind) if failure.campaign >= 0 else None
+    reported = look_at(entry, campaigns)
+    seen, facts = reported.seen, entry.facts
+    record = seen.failure.record
+    met = campaigns[reported.campaign].met.get(facts.kind) if reported.campaign >= 0 else None
     return {
         "id": facts.digest[:_ID_DIGITS],
         "kind": facts.kind,
@@ -101,46 +94,37 @@ def _failure(entry: Entry, campaigns: list[Summary]) -> dict[str, Any]:
         "cells": facts.width * facts.height,
         "met": met,
         "lane": str(record.details.get("found_by", "")),
-        "campaign": failure.campaign,
+        "campaign": reported.campaign,
         "confirmed": seen.replay.confirmed,
         "words": f"{record.verdict}{seen.words}",
         "reason": seen.replay.reason,
         "path": str(entry.path),
-        "replay": replay_line(entry.path),
-        "groups": groups(failure, record, campaigns),
-        "now": _drawn(seen, record),
-        "before": None if failure.original is None else _drawn(failure.original, failure.original.world.failure),
+        "replay": entry.replay_command,
+        "groups": groups(reported, campaigns),
+        "now": _drawn(seen),
+        "before": None if reported.original is None else _drawn(reported.original),
     }
 
 
-def _drawn(seen: Seen, record: FailureRecord | None) -> dict[str, Any]:
+def _drawn(seen: Seen) -> dict[str, Any]:
     """A world with its run and its file."""
-    world = seen.world
+    failure, world = seen.failure, seen.failure.world
+    run = sensors = None
+    if seen.shown is not None:
+        controller = CONTROLLERS.get(failure.record.controller)
+        run = drawn_run(seen.shown, world.cell_size, seen.replay.episode, controller=controller)
+        sensors = sensors_of(controller, failure.options, world.cell_size)
     return {
         "name": seen.name,
         "file": base64.b64encode(seen.data).decode("ascii"),
         "size": f"{world.width} x {world.height}",
         "solid": world.solid_cells,
         "events": len(world.timeline),
-        "kind": str(record.details.get("class", record.verdict)) if record else "",
-        "world": drawn_world(world),
-        "run": _run(seen, record),
-        "sensors": _sensors(record, world.cell_size) if record and seen.shown is not None else None,
+        "kind": failure.bucket,
+        "world": drawn_world(failure.stored),
+        "run": run,
+        "sensors": sensors,
     }
-
-
-def _run(seen: Seen, record: FailureRecord | None) -> dict[str, Any] | None:
-    """The run, with its controller's memory."""
-    if seen.shown is None:
-        return None
-    controller = CONTROLLERS.get(record.controller) if record else None
-    return drawn_run(seen.shown, seen.world.cell_size, seen.replay.episode, controller=controller)
-
-
-def _sensors(record: FailureRecord, side: float) -> dict[str, Any]:
-    """What of the robot's sensors is drawn."""
-    options = RunOptions.of(record.motion, record.seed, record.parameters)
-    return sensors_of(CONTROLLERS.get(record.controller), options, side)
 
 
 def _campaign(summary: Summary) -> dict[str, Any]:

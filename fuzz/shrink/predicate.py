@@ -5,19 +5,21 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass, replace
 
-from fuzz.asked import Asked, Trial, asked_by
+from fuzz.asked import Asked, Trial
 from fuzz.crash_bucket import crash_bucket, has_facts
-from fuzz.failure import certified, judge, regardless_of_walls, scenario_of, walled_off
+from fuzz.failure import Failure, regardless_of_walls
+from fuzz.judging import judge
+from fuzz.proofs import certified, walled_off
 from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS, Controller
 from sim.episode import prepare, simulate
-from sim.evidence import BudgetEvidence, FaultEvidence, fault_evidence
+from sim.evidence import BudgetEvidence, Evidence, FaultEvidence, WallEvidence
 from sim.outcome import Outcome
 from sim.run_options import FEWEST_STEPS, RunOptions
 from sim.scenario import Scenario
 from sim.verdict import BY_THE_CONTROLLER, FAILURES, UNENDED, Verdict
 from worldgen.errors import InvalidParameter, InvalidWorld
-from worldgen.world import Cut, FailureRecord, World
+from worldgen.world import World
 
 __all__ = ["StillFails"]
 
@@ -25,8 +27,16 @@ _PROVED_BY_THE_RUN = tuple(verdict for verdict in FAILURES if verdict not in (Ve
 _SHOWN_BY_ITS_END = tuple(verdict for verdict in FAILURES if verdict not in UNENDED)
 
 
-def _kept_class(record: FailureRecord) -> bool:
-    return record.details.get("kept") == "class" and "class" in record.details
+def _manner_of(evidence: Evidence | None) -> str:
+    """What a shrunk failure keeps beside its verdict; empty where anything will do."""
+    match evidence:
+        case WallEvidence(cause=cause):
+            return cause or ""
+        case BudgetEvidence(kind=kind):
+            return kind or ""
+        case FaultEvidence() as fault if has_facts(fault):
+            return crash_bucket(fault)
+    return ""
 
 
 @dataclass
@@ -54,30 +64,26 @@ class StillFails:
     simulations: int = 0
 
     @classmethod
-    def of(cls, failure: World, budget: int | None = None, *, kind: str | None = None) -> StillFails:
+    def of(cls, failure: Failure, budget: int | None = None, *, kind: str | None = None) -> StillFails:
         """The predicate that keeps what a failure's record says.
 
         Args:
-            failure: A world with a failure record.
+            failure: What is shrunk.
             budget: See above; the record's own where left out.
             kind: See above; where left out, the record's class if the record says that it was kept.
         """
-        record, options = scenario_of(failure)
-        manner = record.evidence.get("kind" if record.verdict == Verdict.STALLED else "cause", "")
-        crash = fault_evidence(record.evidence)
-        if record.verdict == Verdict.CRASH and has_facts(crash):
-            manner = crash_bucket(crash)
-        asked, said = asked_by(record.evidence), record.evidence.get("objection")
-        if asked is not None:
-            manner = asked.kind(said if isinstance(said, dict) else {})
+        if kind is None:
+            details = failure.record.details
+            kind = failure.bucket if details.get("kept") == "class" and "class" in details else ""
+        asked = None if failure.oracle is None else Asked.parse(failure.oracle)
         return cls(
-            Scenario.of(record.controller, options),
-            record.verdict,
-            options.steps if budget is None else budget,
-            manner=str(manner),
-            breach=isinstance(failure.certificate, Cut),
+            failure.scenario,
+            failure.verdict,
+            failure.options.steps if budget is None else budget,
+            manner=_manner_of(failure.evidence) if asked is None else asked.kind(failure.objection),
+            breach=failure.is_breach,
             asked=asked,
-            kind=kind if kind is not None else str(record.details["class"]) if _kept_class(record) else "",
+            kind=kind,
         )
 
     @property

@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from fuzz.chance import chance_details
-from fuzz.failure import failure_by, failure_id, failure_of, judge, scenario_of
+from fuzz.failure import Failure
 from fuzz.hazards import HAZARD
+from fuzz.judging import failure_by, failure_of, judge
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removed
 from fuzz.shrink.order import Case, simplicity
@@ -18,7 +19,8 @@ from fuzz.shrink.predicate import StillFails
 from fuzz.shrink.trying import Trying
 from fuzz.signature import failure_class
 from sim.episode import simulate
-from sim.run_options import MAX_STEPS, RunOptions
+from sim.evidence import WallEvidence
+from sim.run_options import MAX_STEPS
 from sim.scenario import Scenario
 from sim.stopping import OutOfTime, stopping_when
 from worldgen.errors import InvalidParameter
@@ -44,7 +46,7 @@ class Shrunk:
     """The result of shrinking.
 
     Args:
-        world: The failure, with fresh certificate, evidence and digest.
+        failure: With fresh certificate, evidence and digest.
         before: Solid cells before.
         after: Solid cells now.
         simulations: Runs that it took.
@@ -54,7 +56,7 @@ class Shrunk:
         interrupted: Whether Ctrl-C ended it.
     """
 
-    world: World
+    failure: Failure
     before: int
     after: int
     simulations: int
@@ -66,12 +68,11 @@ class Shrunk:
     @property
     def simplicity(self) -> tuple[int, ...]:
         """How simple it is, by :data:`fuzz.shrink.ORDER`."""
-        record, options = scenario_of(self.world)
-        return simplicity(Case(self.world, Scenario.of(record.controller, options)))
+        return simplicity(Case(self.failure.world, self.failure.scenario))
 
 
 def shrink(
-    failure: World,
+    failure: Failure,
     *,
     seconds: float | None = None,
     progress: Progress | None = None,
@@ -81,7 +82,7 @@ def shrink(
     """Makes a failure's world as small as it can be, keeping its certificate.
 
     Args:
-        failure: A world with a failure record.
+        failure: What is shrunk.
         seconds: Stop after this time with the best so far; a fixed amount of work without it.
         progress: Called with each simpler world.
         keep_on_interrupt: Let Ctrl-C end shrinking with the best so far, instead of raising.
@@ -92,7 +93,7 @@ def shrink(
         The shrunk failure.
 
     Raises:
-        InvalidParameter: If the world holds no failure, it does not fail (any more), or ``keep`` is no such word.
+        InvalidParameter: If it does not fail (any more), or ``keep`` is no such word.
     """
     if keep not in KEEP:
         raise InvalidParameter(
@@ -109,7 +110,7 @@ def shrink(
 
 
 def shrink_class(
-    failures: Iterable[World],
+    failures: Iterable[Failure],
     *,
     seconds: float | None = None,
     progress: Progress | None = None,
@@ -128,7 +129,7 @@ def shrink_class(
     Raises:
         InvalidParameter: If there is none, or as :func:`shrink` says.
     """
-    waiting = sorted(failures, key=lambda world: (world.solid_cells, world.walls.size, world_digest(world)))
+    waiting = sorted(failures, key=lambda one: (one.world.solid_cells, one.world.walls.size, world_digest(one.world)))
     if not waiting:
         raise InvalidParameter("nothing-given", "no failure was given, so there is none to shrink", "give at least one")
     deadline = None if seconds is None else time.monotonic() + seconds
@@ -146,12 +147,12 @@ def shrink_class(
 class _Reducer:
     """Holds the simplest case so far, so that the clock or Ctrl-C can stop it at any time."""
 
-    def __init__(self, failure: World, keep: str, deadline: float | None, progress: Progress | None) -> None:
+    def __init__(self, failure: Failure, keep: str, deadline: float | None, progress: Progress | None) -> None:
         self._failure, self._keep, self._deadline, self._progress = failure, keep, deadline, progress
         self._still_fails = _judge(failure, keep)
-        self._best = self._begin = Case(bare(failure), self._still_fails.scenario)
+        self._best = self._begin = Case(bare(failure.world), self._still_fails.scenario)
         self._trying = Trying(self._still_fails, deadline)
-        self._made: tuple[Case, World] | None = None  # the last case that was found to hold, and its failure
+        self._made: tuple[Case, Failure] | None = None  # the last case that was found to hold, and its failure
         self._left, self._complete = _NOT_CHECKED, False
 
     def run(self) -> None:
@@ -195,28 +196,32 @@ class _Reducer:
                 at_terminal=True,
                 verdict=self._still_fails.verdict,
             )
-        case, world = self._made
-        world = self._with_details(world, case.scenario)
-        before, simulations = self._failure.solid_cells, self._still_fails.simulations
-        return Shrunk(world, before, world.solid_cells, simulations, self._left, self._complete, self._keep)
+        case, made = self._made
+        return Shrunk(
+            self._with_details(made, case.scenario),
+            before=self._failure.world.solid_cells,
+            after=made.world.solid_cells,
+            simulations=self._still_fails.simulations,
+            left=self._left,
+            complete=self._complete,
+            kept=self._keep,
+        )
 
-    def _with_details(self, made: World, scenario: Scenario) -> World:
+    def _with_details(self, made: Failure, scenario: Scenario) -> Failure:
         """The failure with what is worth knowing of it, of the failure that it came from, and of shrinking it."""
-        fresh, came = made.failure, self._failure.failure
-        if fresh is None or came is None:
-            return made
-        details: dict[str, Value] = {"original": failure_id(self._failure)}
-        details |= {name: value for name, value in came.details.items() if name not in _OF_THE_OLD_WORLD}
-        details |= fresh.details
+        came = self._failure.record.details
+        details: dict[str, Value] = {"original": self._failure.id}
+        details |= {name: value for name, value in came.items() if name not in _OF_THE_OLD_WORLD}
+        details |= made.record.details
         if self._still_fails.asked is None:
-            details |= chance_details(made, scenario)
+            details |= chance_details(made.world, scenario)
         details |= {
-            "shrunk_from": self._failure.solid_cells,
+            "shrunk_from": self._failure.world.solid_cells,
             "kept": self._keep,
             "one_minimal": not self._left,
             "simulations": self._still_fails.simulations,
         }
-        return replace(made, failure=replace(fresh, details=details))
+        return replace(made, record=replace(made.record, details=details))
 
     def _judged_in_time(self, candidate: World) -> World | None:
         if self._deadline is not None and time.monotonic() > self._deadline:
@@ -249,12 +254,12 @@ class _Reducer:
         if self._made is not None and self._made[0] is self._best:
             return True
         proved = self._still_fails(*self._best)
-        world = None if proved is None else self._recorded(proved)
-        if world is not None:
-            self._made = self._best, world
-        return world is not None
+        made = None if proved is None else self._recorded(proved)
+        if made is not None:
+            self._made = self._best, made
+        return made is not None
 
-    def _recorded(self, proved: World) -> World | None:
+    def _recorded(self, proved: World) -> Failure | None:
         """The failure with its record, or ``None`` if its oracle objects."""
         scenario, asked = self._best.scenario, self._still_fails.asked
         if asked is not None:
@@ -262,19 +267,20 @@ class _Reducer:
         return failure_of(proved, scenario, steps=self._still_fails.proof_budget)
 
 
-def _judge(failure: World, keep: str) -> StillFails:
+def _judge(failure: Failure, keep: str) -> StillFails:
     """The judge of a failure, once it has judged the failure itself.
 
     Raises:
-        InvalidParameter: If the world holds no failure, or it does not fail.
+        InvalidParameter: If it does not fail.
     """
-    record, options = scenario_of(failure)
-    scenario = Scenario.of(record.controller, options)
-    kind = failure_class(failure, judge(failure, record.controller, options)[0]) if keep == "class" else ""
-    more = _MORE_STEPS * _steps_to_fail(failure, scenario, options) + _FEWEST_STEPS
+    record, options = failure.record, failure.options
+    kind = ""
+    if keep == "class":
+        kind = failure_class(failure.world, judge(failure.world, record.controller, options)[0])
+    more = _MORE_STEPS * _steps_to_fail(failure) + _FEWEST_STEPS
     for budget in (min(more, MAX_STEPS), options.steps):  # with more steps, what overlaps may tunnel in the end
         still_fails = StillFails.of(failure, budget, kind=kind)
-        if still_fails(bare(failure)) is not None:
+        if still_fails(bare(failure.world)) is not None:
             return still_fails
     by = "" if still_fails.asked is None else f" with an objection of oracle {still_fails.asked.text}"
     raise InvalidParameter(
@@ -290,9 +296,9 @@ def _judge(failure: World, keep: str) -> StillFails:
     )
 
 
-def _steps_to_fail(failure: World, scenario: Scenario, options: RunOptions) -> int:
+def _steps_to_fail(failure: Failure) -> int:
     """Steps after which the failure is decided."""
-    reached = failure.failure.evidence.get("reached") if failure.failure else None
-    if isinstance(reached, int):
-        return reached
-    return simulate(failure, scenario.controller, options).steps
+    evidence = failure.evidence
+    if isinstance(evidence, WallEvidence) and evidence.reached is not None:
+        return evidence.reached
+    return simulate(failure.world, failure.record.controller, failure.options).steps

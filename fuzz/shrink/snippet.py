@@ -6,13 +6,13 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from fuzz.failure import scenario_of
+from fuzz.failure import Failure
 from sim.controllers.process import is_process_name
 from sim.run_options import RunOptions
 from sim.shared_object import is_library_name, library_file
 from worldgen.grid_file import dumps
 from worldgen.plain_text import shown
-from worldgen.world import FailureRecord, Witness, World
+from worldgen.world import FailureRecord, Witness
 
 __all__ = ["snippet"]
 
@@ -52,24 +52,21 @@ _WIDTH = 88  # columns, the usual of formatters; a wider one leaves what is writ
 _LONGEST = 40  # characters of a test's name that come from the controller's
 
 
-def snippet(failure: World) -> str:
+def snippet(failure: Failure) -> str:
     """A module with a test that fails until the failure is fixed, and one for Hypothesis with the world as example.
 
     The second is left out where not to arrive is not the failure: where an oracle objects, and where the target is
     walled off.
 
     Args:
-        failure: A world with a failure record.
-
-    Raises:
-        InvalidParameter: If it holds none.
+        failure: What the test is about.
     """
-    record, options = scenario_of(failure)
-    world = replace(failure, provenance=None, failure=replace(record, details={}))
+    record, options = failure.record, failure.options
+    world = replace(failure.stored, provenance=None, failure=replace(record, details={}))
     name = re.sub(r"\W+", "_", record.controller.rpartition(":")[2]).strip("_").lower()[:_LONGEST] or "controller"
     title = f"{record.controller} under {record.motion}: {record.outcome}"
     text = dumps(world).decode("utf-8")
-    has_example = "oracle" not in record.evidence and isinstance(failure.certificate, Witness)
+    has_example = failure.oracle is None and isinstance(failure.world.certificate, Witness)
     imports = (_EXAMPLE_IMPORTS if has_example else _IMPORTS).rstrip()
     comment = _RELATIVE.format(controller=shown(record.controller)) if _is_relative(record.controller) else ""
     said = {"title": _quoted(shown(title)), "imports": imports, "comment": comment, "text": _quoted(text), "name": name}

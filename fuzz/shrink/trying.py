@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from fuzz.failure import certified
+from fuzz.proofs import certified
 from fuzz.shrink.edits import edited
 from fuzz.shrink.order import Case, simplicity
 from fuzz.shrink.passes import Edit

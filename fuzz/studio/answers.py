@@ -14,6 +14,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from fuzz.failure import Failure
 from fuzz.player import drawn_run, drawn_world, replay_page, sensors_of
 from fuzz.player.streams import numbers
 from fuzz.player.worlds import drawn_certificate
@@ -82,23 +83,24 @@ class Answers(CampaignAnswers, ExchangeAnswers, WallAnswers):
     def before(self, message: Message, part: Part) -> dict[str, Any]:
         """A failure of the folder as it was found, before shrinking; null where its campaign has not kept that."""
         path = self.folder.place(field(message, "name", str))
-        shrunk = read_world(path)
-        found = next(filter(None, (_found_in(shrunk, folder, self.folder.root) for folder in path.parents)), None)
-        if found is None or found.failure is None:
+        shrunk = Failure.found_in(read_world(path))
+        places = () if shrunk is None or shrunk.original is None else path.parents
+        found = next(filter(None, (_found_in(shrunk, folder, self.folder.root) for folder in places)), None)
+        if found is None:
             return {"before": None}
         try:
-            check_record(found.failure, self.named)
+            check_record(found.record, self.named)
         except InvalidParameter:
             return {"before": None}
         episode, words = run_to_draw(found)
-        options = RunOptions.of(found.failure.motion, found.failure.seed, found.failure.parameters)
-        who = CONTROLLERS.get(found.failure.controller)
+        who = CONTROLLERS.get(found.record.controller)
+        side = found.world.cell_size
         return {
             "before": {
-                "words": f"{found.failure.verdict}{words}",
-                "world": drawn_world(found),
-                "run": drawn_run(episode, found.cell_size, most=_KEPT_STEPS, controller=who),
-                "sensors": sensors_of(who, options, found.cell_size),
+                "words": f"{found.verdict}{words}",
+                "world": drawn_world(found.stored),
+                "run": drawn_run(episode, side, most=_KEPT_STEPS, controller=who),
+                "sensors": sensors_of(who, found.options, side),
             }
         }
 
@@ -257,13 +259,12 @@ class _Driven:
         return f"{self.episode.verdict}{evidence_in_words(self.episode)}"
 
 
-def _found_in(shrunk: World, folder: Path, root: Path) -> World | None:
+def _found_in(shrunk: Failure | None, folder: Path, root: Path) -> Failure | None:
     """The failure that was shrunk, where a campaign of this folder, which must be in the opened one, has it."""
-    name = shrunk.failure.details.get("original") if shrunk.failure else None
-    if not isinstance(name, str) or not name.isalnum() or not folder.is_relative_to(root):
+    if shrunk is None or not folder.is_relative_to(root):
         return None
-    path = Path(os.path.realpath(folder / MEMORY / "failures" / f"{name}.grid"))
-    return read_world(path) if path.is_relative_to(root) and path.is_file() else None
+    path = Path(os.path.realpath(folder / MEMORY / "failures" / f"{shrunk.original}.grid"))
+    return Failure.found_in(read_world(path)) if path.is_relative_to(root) and path.is_file() else None
 
 
 def _to_run(message: Message) -> tuple[World, list[Any]]:

@@ -13,6 +13,7 @@ from typing import Any
 from fuzz.asked import ORACLES
 from fuzz.commands.fuzz import fuzz
 from fuzz.corpus import read_corpus
+from fuzz.failure import Failure
 from fuzz.lanes import OWN_LANES
 from fuzz.studio.folder import KNOWN, Folder
 from fuzz.studio.messages import field as part_of
@@ -23,7 +24,6 @@ from sim.motion import MOTIONS
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
 from worldgen.files import read_text
-from worldgen.grid_file import read_world
 from worldgen.world_files import files_in
 
 __all__ = ["baseline", "begun", "check_lanes", "check_oracles", "command_line", "goal", "options", "workers"]
@@ -111,9 +111,9 @@ def _check_baseline(place: Path, name: str) -> None:
                 "is-a-link", "{name}/ holds a link, {file}", "copy the file into it", name=name, file=file.name
             )
     for entry in read_corpus([place]).entries:
-        record = read_world(entry.path).failure
-        if record is not None and "oracle" in record.evidence:
-            check_oracles([record.evidence["oracle"]])
+        oracle = Failure.read(entry.path).oracle
+        if oracle is not None:
+            check_oracles([oracle])
 
 
 def command_line(words: Sequence[str], message: Message, out: Path, folder: Folder) -> str:

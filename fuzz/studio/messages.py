@@ -12,6 +12,7 @@ from typing import Any, TypedDict
 import numpy as np
 import numpy.typing as npt
 
+from fuzz.failure import Failure
 from fuzz.player import MOST_CELLS
 from fuzz.player.streams import bits
 from worldgen.errors import InvalidParameter, InvalidWorld
@@ -117,19 +118,20 @@ def message_of(world: World) -> WorldMessage:
 
 def opened_message(world: World) -> dict[str, Any]:
     """A world with what its file says of it."""
-    made, failure = world.provenance, world.failure
+    made = world.provenance
+    failure = Failure.found_in(world)
     return {
         "world": message_of(world),
         "made": None if made is None else f"{made.family}, version {made.version}, seed {made.seed}",
         "failure": None
         if failure is None
         else {
-            "controller": failure.controller,
-            "motion": failure.motion,
-            "seed": failure.seed,
+            "controller": failure.record.controller,
+            "motion": failure.record.motion,
+            "seed": failure.record.seed,
             "verdict": failure.verdict,
-            "digest": failure.trace_digest,
-            "parameters": dict(failure.parameters),
+            "digest": failure.record.trace_digest,
+            "parameters": dict(failure.record.parameters),
         },
     }
 

@@ -13,7 +13,7 @@ from fuzz.boundary import boundaries_in_words
 from fuzz.corpus import read_corpus
 from fuzz.corpus.entry import Entry, Facts
 from fuzz.corpus.names import name_of
-from fuzz.failure import regardless_of_walls, scenario_of
+from fuzz.failure import Failure, regardless_of_walls
 from fuzz.player import drawn_run, drawn_world, sensors_of
 from fuzz.shrink.snippet import snippet
 from fuzz.studio.folder import KNOWN, MOST_FAILURES
@@ -21,7 +21,7 @@ from fuzz.studio.messages import field as part_of
 from fuzz.studio.opened import Opened
 from fuzz.studio.pasted import from_anywhere
 from fuzz.studio.running import check_record, check_registered
-from fuzz.telling import replay_line, seeds_in_words
+from fuzz.telling import seeds_in_words
 from sim.controllers import CONTROLLERS
 from sim.episode import simulate
 from sim.motion import MOTIONS
@@ -30,9 +30,8 @@ from worldgen import errors
 from worldgen.archives import is_archive, members
 from worldgen.errors import FormatError, InvalidParameter, OutputError, WorldgenError
 from worldgen.files import write_bytes
-from worldgen.grid_file import dumps, read_world
+from worldgen.grid_file import read_world
 from worldgen.grid_file.disk import unpack_world
-from worldgen.world import Cut, World
 from worldgen.world_files import is_world_file
 
 __all__ = ["WallAnswers"]
@@ -88,31 +87,30 @@ class WallAnswers(Opened):
         """A failure's world and its run, to be drawn, and what happened in words."""
         path = self.folder.place(part_of(message, "name", str))
         world = read_world(path)
-        who = world.failure.controller if world.failure is not None else ""
+        failure = Failure.of(world)
         told: dict[str, Any] = {"world": drawn_world(world), "run": None, "sensors": None, "error": None}
         told |= {
-            "replay": from_anywhere(replay_line(path), who, CONTROLLERS.names()),
-            "notes": [*filter(None, (seeds_in_words(world), boundaries_in_words(world)))],
+            "replay": from_anywhere(failure.replay_command(path), failure.record.controller, CONTROLLERS.names()),
+            "notes": [*filter(None, (seeds_in_words(failure), boundaries_in_words(failure)))],
         }
         try:
-            return told | self._seen(world)
+            return told | self._seen(failure)
         except WorldgenError as error:
             return told | {"words": "", "error": self.folder.refusal(error)}
 
     def snippet(self, message: Message, part: object) -> dict[str, Any]:
         """A failure as the text of a test."""
-        world = read_world(self.folder.place(part_of(message, "name", str)))
-        if world.failure is not None:
-            check_registered("motion", world.failure.motion, MOTIONS.names())
-        return {"text": snippet(world)}
+        failure = Failure.read(self.folder.place(part_of(message, "name", str)))
+        check_registered("motion", failure.record.motion, MOTIONS.names())
+        return {"text": snippet(failure)}
 
     def know(self, message: Message, part: Part) -> dict[str, Any]:
         """Marks a failure's class as known, by a copy in the folder of known ones, or takes that back."""
         path = self.folder.place(part_of(message, "name", str))
-        world = read_world(path)
-        facts = Facts.of(world, path.name)
-        if facts is None:
+        failure = Failure.found_in(read_world(path))
+        if failure is None:
             raise InvalidParameter("no-failure", "{name} holds no failure", "mark one that does", name=path.name)
+        facts = Facts.of(failure, path.name)
         if part_of(message, "known", bool):
             copy = self.folder.place(f"{KNOWN}/{name_of(facts)}.grid")
             try:
@@ -125,29 +123,28 @@ class WallAnswers(Opened):
                     known=KNOWN,
                     reason=error.strerror or str(error),
                 ) from error
-            write_bytes(copy, dumps(world), force=True)
+            write_bytes(copy, failure.dumps(), force=True)
         else:
             for entry in self._entries(KNOWN, [], part):
                 if entry.facts.key == facts.key:
                     entry.path.unlink()
         return {}
 
-    def _seen(self, world: World) -> dict[str, Any]:
+    def _seen(self, failure: Failure) -> dict[str, Any]:
         """The run of a failure, as long as a picture has use for."""
-        if world.failure is not None:
-            check_record(world.failure, self.named)
-        record, options = scenario_of(world)
-        options = replace(options, steps=min(options.steps, _MOST_STEPS))
-        judged = shown = simulate(world, record.controller, options, record=True)
-        controller = CONTROLLERS.get(record.controller)
+        check_record(failure.record, self.named)
+        world, who = failure.world, failure.record.controller
+        options = replace(failure.options, steps=min(failure.options.steps, _MOST_STEPS))
+        judged = shown = simulate(world, who, options, record=True)
+        controller = CONTROLLERS.get(who)
         words = f"{judged.verdict}{evidence_in_words(judged)}"
-        if isinstance(world.certificate, Cut):
-            shown = simulate(world, record.controller, regardless_of_walls(options), record=True)
+        if failure.is_breach:
+            shown = simulate(world, who, regardless_of_walls(options), record=True)
             words += f": reached a walled-off target in step {shown.steps}"
         return {
             "run": drawn_run(shown, world.cell_size, judged, controller=controller),
             "sensors": sensors_of(controller, options, world.cell_size),
-            "words": words + objection_in_words(record.evidence),
+            "words": words + objection_in_words(failure.oracle, failure.objection),
         }
 
     def _entries(self, below: str, faults: list[dict[str, Any]], part: Part) -> list[Entry]:
@@ -185,7 +182,7 @@ class WallAnswers(Opened):
                 try:
                     name = PurePosixPath(member.name).as_posix()  # any text, one that begins with / too
                     place = self.folder.place(f"{there}/{name}")
-                    facts = Facts.of(unpack_world(member, str(place)), str(place))
+                    facts = Facts.in_world(unpack_world(member, str(place)), str(place))
                 except WorldgenError as error:
                     faults.append(self.folder.refusal(error))
                     continue

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fuzz.config import CampaignConfig
-from fuzz.failure import replay
 from fuzz.features import decode_scene
+from fuzz.judging import replay
 from fuzz.lanes.archive import archive_table
 from fuzz.ledger.entry import Done, read_entry, write_entry
 from fuzz.native import evaluate
@@ -17,7 +17,6 @@ from fuzz.result import Elite, Memory
 from fuzz.unit import run_unit
 from sim.scenario import Scenario
 from worldgen import read_world
-from worldgen.grid_file import dumps
 
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=3, examples=20, families=("archive",))
 
@@ -62,7 +61,9 @@ def test_an_elite_is_what_its_world_shows(epochs):
 def test_a_unit_of_the_archive_lane_is_the_same_again(epochs):
     again = run_unit(CONFIG, 2, epochs[1][2])
     assert again.elites == epochs[0][2].elites and again.steps == epochs[0][2].steps
-    assert {k: dumps(w) for k, w in again.failures.items()} == {k: dumps(w) for k, w in epochs[0][2].failures.items()}
+    assert {k: found.dumps() for k, found in again.failures.items()} == {
+        k: found.dumps() for k, found in epochs[0][2].failures.items()
+    }
 
 
 @pytest.mark.gate

@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fuzz.asked import Asked, Trial, asked_by, objection_in_words
+from fuzz.asked import Asked, Trial, objection_in_words
 from fuzz.asked.added_walls import walled_where_unnoticed, with_a_block_beside_the_way
 from fuzz.asked.worlds import mirrored, scaled, shifted, turned
-from fuzz.failure import certified, failure_by, replay
+from fuzz.failure import Failure
+from fuzz.judging import failure_by, replay
+from fuzz.proofs import certified
 from fuzz.regression import CONFIRMED, check
 from fuzz.shrink import removable, shrink
 from fuzz.shrink.predicate import StillFails
@@ -21,7 +23,7 @@ from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen import CellState, Event, Pose, Target, Timeline, World, generate
 from worldgen.errors import InvalidParameter
-from worldgen.grid_file import dumps, loads, read_world, write_world
+from worldgen.grid_file import loads, read_world
 from worldgen.reach import check_certificate
 
 BLOCK = certified(
@@ -88,37 +90,37 @@ def test_a_run_that_does_not_arrive_makes_no_detour():
 
 
 def test_a_detour_stays_one_from_file_to_replay():
-    failure = loads(dumps(failing("detour=2")))
-    assert failure.failure.verdict == "reached" and failure.failure.details["class"] == "detour"
+    failure = Failure.of(loads(failing("detour=2").dumps()))
+    assert failure.record.verdict == "reached" and failure.record.details["class"] == "detour"
     assert replay(failure).confirmed
 
 
 def test_a_replay_notices_a_detour_that_is_said_to_be_longer():
     failure = failing("detour=2")
-    said = {**failure.failure.evidence["objection"], "path": 99.0}
-    record = replace(failure.failure, evidence={**failure.failure.evidence, "objection": said})
-    outcome = replay(replace(failure, failure=record))
+    said = {**failure.record.evidence["objection"], "path": 99.0}
+    record = replace(failure.record, evidence={**failure.record.evidence, "objection": said})
+    outcome = replay(replace(failure, record=record))
     assert not outcome.confirmed and "the evidence is" in outcome.reason
 
 
 def test_a_replay_notices_a_bound_that_the_run_keeps():
     failure = failing("detour=2")
-    record = replace(failure.failure, evidence={**failure.failure.evidence, "oracle": "detour=500"})
-    assert "does not object" in replay(replace(failure, failure=record)).reason
+    record = replace(failure.record, evidence={**failure.record.evidence, "oracle": "detour=500"})
+    assert "does not object" in replay(replace(failure, record=record)).reason
 
 
 def test_a_replay_notices_that_the_oracle_is_not_here():
     failure = failing("detour=2")
-    record = replace(failure.failure, evidence={**failure.failure.evidence, "oracle": "./gone.py:gone"})
-    assert "no such file" in replay(replace(failure, failure=record)).reason
+    record = replace(failure.record, evidence={**failure.record.evidence, "oracle": "./gone.py:gone"})
+    assert "no such file" in replay(replace(failure, record=record)).reason
 
 
 def test_a_detour_is_shrunk_to_a_1_minimal_one():
     failure = failing("detour=2", world=certified(replace(BLOCK, walls=np.pad(BLOCK.walls, ((0, 4), (0, 3))))))
     result = shrink(failure)
-    assert result.world.failure.evidence["objection"]["ratio"] > 2 and replay(result.world).confirmed
-    assert result.world.walls.size < failure.walls.size and result.after < result.before
-    assert removable(result.world, StillFails.of(result.world)) == [] == list(result.left)
+    assert result.failure.record.evidence["objection"]["ratio"] > 2 and replay(result.failure).confirmed
+    assert result.failure.world.walls.size < failure.world.walls.size and result.after < result.before
+    assert removable(result.failure.world, StillFails.of(result.failure)) == [] == list(result.left)
 
 
 def test_a_library_controller_repeats_itself():
@@ -135,8 +137,8 @@ def test_chance_without_a_seed_is_seen_in_the_first_step_that_differs(chance):
 def test_a_run_that_does_not_come_again_is_replayed_and_shrunk(chance):
     failure = failing("repeat", chance, certified(replace(UP, start=Pose(0.25, 0.15, 0.0))))
     assert replay(failure).confirmed
-    small = shrink(failure).world
-    assert small.walls.size < failure.walls.size and replay(small).confirmed
+    small = shrink(failure).failure
+    assert small.world.walls.size < failure.world.walls.size and replay(small).confirmed
 
 
 def test_only_repeat_speaks_of_a_controller_that_is_not_the_same_twice(chance):
@@ -158,9 +160,9 @@ def test_an_absolute_frame_shows_where_worlds_correspond(oracle, there, northern
 
 def test_an_objection_to_a_turned_world_is_replayed_and_shrunk(northerner):
     failure = failing("turn", northerner, UP)
-    small = shrink(failure).world
-    assert small.failure.details["class"] == "turn-only-here" and small.failure.details["one_minimal"]
-    assert small.walls.size < UP.walls.size and replay(small).confirmed
+    small = shrink(failure).failure
+    assert small.record.details["class"] == "turn-only-here" and small.record.details["one_minimal"]
+    assert small.world.walls.size < UP.walls.size and replay(small).confirmed
 
 
 def test_a_factor_also_compares_the_steps_of_runs_that_arrive():
@@ -225,9 +227,9 @@ def test_a_controller_that_knows_of_walls_which_it_cannot_sense_is_seen(spy):
 
 
 def test_an_objection_to_walls_that_nobody_senses_is_replayed_and_shrunk(spy):
-    small = shrink(failing("wall", spy, WIDE)).world
-    assert small.failure.details["class"] == "wall-then-loop" and small.failure.details["one_minimal"]
-    assert small.walls.size < WIDE.walls.size and replay(small).confirmed
+    small = shrink(failing("wall", spy, WIDE)).failure
+    assert small.record.details["class"] == "wall-then-loop" and small.record.details["one_minimal"]
+    assert small.world.walls.size < WIDE.walls.size and replay(small).confirmed
 
 
 HALL = certified(replace(BLOCK, walls=np.pad(BLOCK.walls, ((0, 12), (0, 3)))))
@@ -337,13 +339,12 @@ def test_an_oracle_without_a_number_takes_none(tmp_path):
 
 
 def test_an_objection_is_put_in_words():
-    evidence = {"step": 3, "oracle": "detour=2", "objection": {"kind": "x", "ratio": 2.5}}
-    assert objection_in_words(evidence) == ", but oracle detour=2 objects: ratio 2.5"
-    assert objection_in_words({"step": 3}) == "" and asked_by({"step": 3}) is None
+    assert objection_in_words("detour=2", {"kind": "x", "ratio": 2.5}) == ", but oracle detour=2 objects: ratio 2.5"
+    assert objection_in_words(None, {}) == ""
 
 
 def test_a_detour_is_fixed_when_the_oracle_has_nothing_to_say(tmp_path):
-    write_world(failing("detour=2"), tmp_path / "w.grid")
+    failing("detour=2").write(tmp_path / "w.grid")
     assert "reached, but oracle detour=2 objects: path" in check(tmp_path / "w.grid").reason
     assert check(tmp_path / "w.grid", controller="bug2").reason == ""
     assert check(tmp_path / "w.grid", CONFIRMED).reason == ""

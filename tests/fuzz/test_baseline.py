@@ -9,7 +9,8 @@ import pytest
 from fuzz.campaign import Campaign
 from fuzz.config import CampaignConfig
 from fuzz.corpus import Baseline, read_corpus
-from fuzz.failure import failure_of
+from fuzz.failure import Failure
+from fuzz.judging import failure_of
 from sim.controllers import CONTROLLERS
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
@@ -77,7 +78,7 @@ def test_a_name_of_another_time_hides_nothing_and_is_told(found, tmp_path):
     file, notes = a_loop(found), []
     old = stored(tmp_path / "old", file, details={**read_world(file).failure.details, "class": "loop-of-old"})
     known = baseline_of(old, notes)
-    assert {key[2] for key in known.failures} == {file.stem} and known.has(read_world(file))
+    assert {key[2] for key in known.failures} == {file.stem} and known.has(Failure.read(file))
     assert len(notes) == 1 and f"stored as loop-of-old, its class is {file.stem} now" in notes[0]
 
 
@@ -124,10 +125,10 @@ def test_a_new_class_that_shrinks_to_a_known_one_is_shrunk_within_its_class():
     config = CampaignConfig(TURN_RIGHT, seed=5, families=("features",), examples=30)
     plain = Campaign(config, units=2)
     list(plain.run())
-    slid = {kind for kind, world in plain.state.best.items() if world.failure.details["kept"] == "class"}
+    slid = {kind for kind, found in plain.state.best.items() if found.record.details["kept"] == "class"}
     assert slid
     known = set(plain.state.best) - slid
-    campaign = Campaign(config, units=2, is_known=lambda world: world.failure.details["class"] in known)
+    campaign = Campaign(config, units=2, is_known=lambda found: found.bucket in known)
     list(campaign.run())
     assert campaign.state.best.keys() == slid and campaign.state.known.keys() == known & plain.state.met.keys()
 
@@ -152,7 +153,7 @@ def crash(tmp_path):
     file.write_text(CLASS.format(first="pass"))
     scenario = Scenario.parse(f"{file}:Mine")
     (tmp_path / "known").mkdir()
-    write_world(failure_of(generate("trap", 4, size=20), scenario), tmp_path / "known" / "crash.grid")
+    failure_of(generate("trap", 4, size=20), scenario).write(tmp_path / "known" / "crash.grid")
     return file, scenario, tmp_path / "known"
 
 

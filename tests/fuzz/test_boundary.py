@@ -12,7 +12,7 @@ from fuzz.boundary import AXES, Looks, Subject, boundaries_in_words, nearest_bou
 from fuzz.boundary.axes import index_of, three_digits
 from fuzz.campaign import shrunk_or_same
 from fuzz.config import CampaignConfig
-from fuzz.failure import failure_of, replay
+from fuzz.judging import failure_of, replay
 from fuzz.result import Memory
 from fuzz.unit import run_unit
 from sim import simulate
@@ -20,7 +20,6 @@ from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import Pose, Target, World, check_certificate, write_world
 from worldgen.generation import generate
-from worldgen.grid_file import dumps
 
 AHEAD = '''
 from sim import Command
@@ -101,10 +100,10 @@ def test_only_a_trap_has_a_depth():
 def test_a_shrunk_failure_says_where_it_begins_in_its_own_world():
     world = generate("trap", 7)
     proved = failure_of(world, Scenario("turn-right"))
-    small = shrunk_or_same(proved).world
-    said = next(one for one in small.failure.details["boundaries"] if one["axis"] == "speed")
+    small = shrunk_or_same(proved).failure
+    said = next(one for one in small.record.details["boundaries"] if one["axis"] == "speed")
     for at, arrives in ((said["passes_at"], True), (said["fails_at"], False)):
-        run = AXES["speed"].at(Subject(small, Scenario("turn-right")), at)
+        run = AXES["speed"].at(Subject(small.world, Scenario("turn-right")), at)
         assert (simulate(run.world, "turn-right").verdict == "reached") is arrives
 
 
@@ -126,7 +125,7 @@ def found():
 def failures_of(found, *, bounded):
     """Failures of the units whose record says where they begin, or those whose record does not."""
     failures = [failure for result in found for failure in result.failures.values()]
-    chosen = [failure for failure in failures if ("boundaries" in failure.failure.details) is bounded]
+    chosen = [failure for failure in failures if ("boundaries" in failure.record.details) is bounded]
     assert chosen
     return chosen
 
@@ -148,8 +147,10 @@ def test_a_failure_of_the_boundary_lane_that_does_not_say_where_it_begins_has_no
 
 def test_at_the_value_that_passes_the_robot_arrives(found):
     for failure in failures_of(found, bounded=True):
-        said, record = failure.failure.details["boundaries"][0], failure.failure
-        subject = Subject(failure, Scenario("turn-right", time_step=record.parameters["time_step"], seed=record.seed))
+        said, record = failure.record.details["boundaries"][0], failure.record
+        subject = Subject(
+            failure.world, Scenario("turn-right", time_step=record.parameters["time_step"], seed=record.seed)
+        )
         before = AXES[said["axis"]].at(subject, said["passes_at"])
         world = before.world
         assert simulate(world, "turn-right", before.scenario.options(world, 100_000)).verdict == "reached"
@@ -157,7 +158,7 @@ def test_at_the_value_that_passes_the_robot_arrives(found):
 
 def test_a_unit_is_the_same_again_with_the_same_memory(found):
     again = run_unit(CONFIG, 1, Memory().after(found[0]))
-    assert {k: dumps(w) for k, w in again.failures.items()} == {k: dumps(w) for k, w in found[1].failures.items()}
+    assert {k: w.dumps() for k, w in again.failures.items()} == {k: w.dumps() for k, w in found[1].failures.items()}
 
 
 def test_what_is_known_to_fail_is_where_boundaries_are_looked_for(found):

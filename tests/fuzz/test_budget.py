@@ -11,12 +11,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from fuzz.campaign import Campaign, is_shrunk, shrunk_or_same
+from fuzz.campaign import Campaign, shrunk_or_same
 from fuzz.config import CampaignConfig
 from fuzz.crews import Alone
 from fuzz.deadline import TO_HAND_IN, Deadline
 from fuzz.door import Door
-from fuzz.failure import failure_of
+from fuzz.judging import failure_of
 from fuzz.native import evaluate
 from fuzz.result import UnitResult
 from fuzz.schedule import Schedule
@@ -28,7 +28,6 @@ from sim.scenario import Scenario
 from sim.stopping import OutOfTime, stopping_when
 from tests.helpers.command_line import worldgen
 from worldgen import generate
-from worldgen.grid_file import dumps
 
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, families=("features",), examples=8)
 
@@ -244,20 +243,20 @@ def test_a_shrunk_failure_stays_shrunk_though_there_is_no_time_to_measure_where_
 
     monkeypatch.setattr("fuzz.campaign.with_boundaries", no_time)
     made = shrunk_or_same(failure_of(generate("trap", 7), Scenario("turn-right")))
-    assert not made.complete and is_shrunk(made.world)
+    assert not made.complete and made.failure.is_shrunk
 
 
 def test_shrinking_that_runs_out_of_time_keeps_the_failure_as_it_was_found():
     failure = failure_of(generate("trap", 7), Scenario("turn-right"))
     made = shrunk_or_same(failure, seconds=5.0, end=0.0)
-    assert not made.complete and dumps(made.world) == dumps(failure)
+    assert not made.complete and made.failure.dumps() == failure.dumps()
 
 
 def test_shrinking_that_is_cut_short_gives_its_best_so_far(monkeypatch):
     monkeypatch.setattr("fuzz.shrink.run.time", SimpleNamespace(monotonic=count().__next__))
     monkeypatch.setattr("fuzz.shrink.trying.time", SimpleNamespace(monotonic=count().__next__))
     made = shrink(failure_of(generate("trap", 7), Scenario("turn-right")), seconds=4.0)
-    assert not made.complete and made.world.failure.details["one_minimal"] is False
+    assert not made.complete and made.failure.record.details["one_minimal"] is False
 
 
 def test_a_quarter_of_the_time_is_for_shrinking_and_the_search_goes_on_where_nothing_is_to_be_shrunk(monkeypatch):

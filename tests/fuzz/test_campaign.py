@@ -7,11 +7,10 @@ import pytest
 
 from fuzz.campaign import Campaign, Found
 from fuzz.config import CampaignConfig
-from fuzz.failure import replay
+from fuzz.judging import replay
 from fuzz.unit import run_unit
 from sim.scenario import Scenario
 from worldgen import check_certificate
-from worldgen.grid_file import dumps
 
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, examples=40)
 
@@ -19,7 +18,7 @@ CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, examples=40)
 def corpus(campaign):
     for _ in campaign.run():
         pass
-    return {kind: dumps(world) for kind, world in campaign.state.best.items()}
+    return {kind: found.dumps() for kind, found in campaign.state.best.items()}
 
 
 FEWER = replace(CONFIG, examples=12)
@@ -34,7 +33,9 @@ def found():
 def test_a_unit_is_a_pure_function_of_its_number():
     one, two = run_unit(CONFIG, 2), run_unit(CONFIG, 2)
     assert (one.worlds, one.steps, one.verdicts, one.met) == (two.worlds, two.steps, two.verdicts, two.met)
-    assert {k: dumps(w) for k, w in one.failures.items()} == {k: dumps(w) for k, w in two.failures.items()}
+    assert {k: found.dumps() for k, found in one.failures.items()} == {
+        k: found.dumps() for k, found in two.failures.items()
+    }
 
 
 def test_a_unit_does_not_depend_on_what_else_is_loaded(tmp_path, monkeypatch):
@@ -64,12 +65,12 @@ def test_the_thesis_robot_is_found_to_loop(found):
 @pytest.mark.gate
 def test_every_failure_replays_and_carries_a_valid_witness(found):
     for world in found[0].state.best.values():
-        assert replay(world).confirmed and check_certificate(world).valid
+        assert replay(world).confirmed and check_certificate(world.world).valid
 
 
 @pytest.mark.gate
 def test_every_failure_says_that_it_is_one_minimal(found):
-    assert all(world.failure.details["one_minimal"] for world in found[0].state.best.values())
+    assert all(failure.record.details["one_minimal"] for failure in found[0].state.best.values())
 
 
 @pytest.mark.gate

@@ -35,7 +35,6 @@ from tests.helpers.raising import raises
 from tests.helpers.tiers import some
 from worldgen import generate
 from worldgen.errors import FormatError, OutputError
-from worldgen.grid_file import dumps
 
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=5, families=("features",), examples=4, epoch=1)
 UNITS = 3
@@ -275,7 +274,7 @@ def test_whole_units_after_a_cut_one_are_those_of_a_campaign_that_nobody_stopped
 
 
 def dumped(worlds):
-    return {kind: dumps(world) for kind, world in worlds.items()}
+    return {kind: found.dumps() for kind, found in worlds.items()}
 
 
 class StuckInTheFirst(Alone):

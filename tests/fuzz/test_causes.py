@@ -7,7 +7,9 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from fuzz.failure import failure_of, judge, regardless_of_walls, replay, scenario_of, seeds_that_fail
+from fuzz.chance import seeds_that_fail
+from fuzz.failure import Failure, regardless_of_walls
+from fuzz.judging import failure_of, judge, replay
 from fuzz.oracles import object_to_breach, objection
 from fuzz.signature import failure_class
 from sim import simulate
@@ -25,7 +27,8 @@ OF_EACH_CAUSE = [f"thesis-2-{cause}" for cause in CAUSES]
 @cache
 def judged(name):
     world = read_world(FAULTS / f"{name}.grid")
-    record, options = scenario_of(world)
+    failure = Failure.of(world)
+    record, options = failure.record, failure.options
     episode, wrong = judge(world, record.controller, options)
     assert wrong == ""
     return world, episode, options
@@ -135,9 +138,9 @@ def test_a_walled_off_target_that_nobody_reaches_is_no_failure():
 
 def test_a_breach_is_not_confirmed_with_a_cut_that_does_not_hold():
     world = judged("thesis-1-breach")[0]
-    assert isinstance(world.certificate, Cut) and replay(world).confirmed
+    assert isinstance(world.certificate, Cut) and replay(Failure.of(world)).confirmed
     open_world = replace(world, certificate=replace(world.certificate, cells=world.certificate.cells[:1]))
-    assert "cut does not hold" in replay(open_world).reason
+    assert "cut does not hold" in replay(Failure.of(open_world)).reason
 
 
 def test_a_breach_is_a_class_of_its_own():

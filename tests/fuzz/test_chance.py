@@ -11,8 +11,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from fuzz.chance import Chance, chance_details, chance_of, in_words
-from fuzz.failure import certified, failure_of
+from fuzz.judging import failure_of
 from fuzz.oracles.chance import object_to_chance
+from fuzz.proofs import certified
 from fuzz.shrink import shrink
 from sim import RobotOptions, simulate, simulate_many
 from sim.chance import ARRIVED, explore
@@ -321,7 +322,7 @@ def test_without_a_controller_the_command_says_what_it_needs(tmp_path, options, 
 
 def test_a_shrunk_failure_has_no_answer_of_the_world_that_it_came_from():
     failure = failure_of(certified(hall((1.05, 0.45))), Scenario(f"{HERE}:astray"), chance="sure", states=7)
-    details = shrink(failure).world.failure.details
+    details = shrink(failure).failure.record.details
     assert not {"chance", "states"} & details.keys() and "failing_seeds" in details
 
 

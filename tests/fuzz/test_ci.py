@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from fuzz.ci import Finding, Report, junit, markdown, place_of, repository, sarif
+from fuzz.failure import Failure
 from tests.helpers.ci_reports import read_junit, read_markdown, read_sarif
 from tests.helpers.command_line import worldgen
 from tests.helpers.turned_worlds import turned
@@ -34,7 +35,7 @@ def project(tmp_path, monkeypatch):
 
 def finding(path, state="new", **changes):
     file = Path("failures") / path.name
-    return replace(Finding.of(read_world(path), file, state), **changes)
+    return replace(Finding.of(Failure.read(path), file, state), **changes)
 
 
 def report(*findings, command="fuzz"):
@@ -90,8 +91,8 @@ def test_sarif_has_a_rule_for_each_class_and_notes_what_is_known(project):
 
 
 def test_a_fingerprint_is_the_class_and_not_the_world(project):
-    world = read_world(LOOP)
-    there = Finding.of(replace(turned(world), failure=world.failure), project / "elsewhere.grid", "new")
+    loop = Failure.read(LOOP)
+    there = Finding.of(replace(loop, world=turned(loop.world)), project / "elsewhere.grid", "new")
     here, same, other = read_sarif(sarif(report(finding(LOOP), there, finding(STALLED)), project))["results"]
     assert here["partialFingerprints"] == same["partialFingerprints"] != other["partialFingerprints"]
 
@@ -151,9 +152,7 @@ def test_words_of_strangers_break_no_report(project):
     world = read_world(LOOP)
     record = replace(world.failure, controller=HOSTILE, details={"class": HOSTILE})
     file = Path(HOSTILE.replace("\0", "").replace("/", ":"))
-    bad = report(
-        *(Finding.of(replace(world, failure=record), file, state, HOSTILE) for state in ("new", "not confirmed"))
-    )
+    bad = report(*(Finding.of(Failure(world, record), file, state, HOSTILE) for state in ("new", "not confirmed")))
     assert len(read_sarif(sarif(bad, project))["results"]) == 2
     assert "\x1b" not in junit(bad).decode() and "\0" not in junit(bad).decode()
     [suite] = [read_junit(junit(replace(bad, findings=bad.findings[:1])))]

@@ -22,7 +22,6 @@ from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
-from worldgen.grid_file import dumps
 from worldgen.installation import pip_install
 
 pytestmark = [
@@ -86,7 +85,7 @@ def dask(tmp_path_factory):
 def corpus(campaign, each=lambda event: None):
     for event in campaign.run():
         each(event)
-    return {kind: dumps(world) for kind, world in campaign.state.best.items()}, campaign.state.finds[-1].steps
+    return {kind: found.dumps() for kind, found in campaign.state.best.items()}, campaign.state.finds[-1].steps
 
 
 @pytest.mark.nightly

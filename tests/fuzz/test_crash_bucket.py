@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fuzz.crash_bucket import crash_bucket
-from fuzz.failure import failure_of
+from fuzz.judging import failure_of
 from fuzz.shrink import shrink
 from fuzz.signature import failure_class
 from sim.controllers.crash_report import report_of
@@ -144,6 +144,6 @@ def test_shrinking_keeps_the_bucket_of_a_crash(tmp_path):
     name = controller(tmp_path, body)
     world = arena()
     failure = failure_of(replace(world, certificate=decide(world).certificate), Scenario.parse(name))
-    small = shrink(failure).world
-    assert small.failure.details["class"] == failure.failure.details["class"]
-    assert small.width < world.width and "KeyError" in small.failure.details["class"]
+    small = shrink(failure).failure
+    assert small.record.details["class"] == failure.record.details["class"]
+    assert small.world.width < world.width and "KeyError" in small.record.details["class"]

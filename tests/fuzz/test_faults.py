@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from benchmarks.finding import Limits, Row, controller_name, look_for, removable_cells, tables, tells
-from fuzz.failure import certified, failure_of
+from fuzz.failure import Failure
 from fuzz.faults import FAULTS
+from fuzz.judging import failure_of
+from fuzz.proofs import certified
 from sim import simulate
 from sim.controllers import CONTROLLERS
-from sim.run_options import RunOptions
 from sim.scenario import Scenario
 from tests.helpers.tiers import some
-from worldgen.grid_file import read_world
 
 WORLDS = Path(__file__).parents[1] / "data" / "faults"
 
@@ -26,10 +26,9 @@ def test_there_are_at_least_twenty():
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", some(FAULTS, 4))
 def test_it_fails_as_expected_where_the_controller_without_the_fault_arrives(name):
-    fault, world = FAULTS[name], read_world(WORLDS / f"{name}.grid")
-    options = RunOptions.of(world.failure.motion, world.failure.seed, world.failure.parameters)
-    assert simulate(replace(world, failure=None), fault, options).verdict == fault.expected
-    assert tells(fault, world)
+    fault, failure = FAULTS[name], Failure.read(WORLDS / f"{name}.grid")
+    assert simulate(failure.world, fault, failure.options).verdict == fault.expected
+    assert tells(fault, failure)
 
 
 @pytest.mark.parametrize("name", some(FAULTS, 2))
@@ -46,21 +45,22 @@ def test_it_says_in_one_sentence_what_is_wrong(name):
 @pytest.mark.gate
 @pytest.mark.parametrize("searcher", some(["plan", "random", "genetic"]))
 def test_searching_finds_a_comparison_of_floats_for_equality(searcher):
-    row, world = look_for(FAULTS["bug2-leaves-by-equality"], searcher, 1, Limits(200_000, 60.0))
-    assert row.found and row.solid_cells[1] <= 4 and world.failure.verdict == "loop"
+    row, failure = look_for(FAULTS["bug2-leaves-by-equality"], searcher, 1, Limits(200_000, 60.0))
+    assert row.found and row.solid_cells[1] <= 4 and failure.verdict == "loop"
     assert row.one_minimal and row.removable == 0 and row.shrunk_tells
 
 
 def test_brute_force_sees_what_shrinking_left():
-    world = read_world(WORLDS / "bug2-leaves-by-equality.grid")
+    failure = Failure.read(WORLDS / "bug2-leaves-by-equality.grid")
+    world = failure.world
     block = np.zeros((3, world.width), bool)
     block[1, 1] = True
     larger = failure_of(
-        certified(replace(world, walls=np.vstack([world.walls, block]), certificate=None, failure=None)),
-        Scenario(world.failure.controller),
-        steps=world.failure.parameters["steps"],
+        certified(replace(world, walls=np.vstack([world.walls, block]), certificate=None)),
+        Scenario(failure.record.controller),
+        steps=failure.options.steps,
     )
-    assert removable_cells(world) == 0 and removable_cells(larger) == 1
+    assert removable_cells(failure) == 0 and removable_cells(larger) == 1
 
 
 def test_the_table_compares_what_every_searcher_has_done():

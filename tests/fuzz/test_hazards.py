@@ -5,15 +5,17 @@ import json
 import numpy as np
 import pytest
 
-from fuzz.failure import certified, failure_of, replay
+from fuzz.failure import Failure
 from fuzz.hazards import can_sense, is_unsensed
+from fuzz.judging import failure_of, replay
+from fuzz.proofs import certified
 from fuzz.shrink import shrink
 from sim.controllers import CONTROLLERS
 from sim.robot_options import RobotOptions
 from sim.scenario import Scenario
 from tests.helpers.command_line import worldgen
 from worldgen import Pose, Target, World
-from worldgen.grid_file import dumps, loads, read_world
+from worldgen.grid_file import loads, read_world
 from worldgen.timeline import CellState, Timeline
 
 AHEAD = """
@@ -67,14 +69,14 @@ def test_a_controller_that_plans_on_the_world_knows_when_it_burns(mine):
 def test_a_failure_says_whether_its_controller_could_have_known_better(name, unsensed, mine):
     world = burning_world()
     failure = failure_of(certified(world), Scenario(f"{mine}:{name}"))
-    assert failure.failure.verdict == "burned" and is_unsensed(failure) is unsensed
-    assert replay(loads(dumps(failure))).confirmed
+    assert failure.record.verdict == "burned" and is_unsensed(failure) is unsensed
+    assert replay(Failure.of(loads(failure.dumps()))).confirmed
 
 
 def test_a_hazard_that_is_shrunk_stays_one(mine):
     world = burning_world()
     failure = failure_of(certified(world), Scenario(f"{mine}:Ahead"))
-    assert is_unsensed(shrink(failure, seconds=1.0).world)
+    assert is_unsensed(shrink(failure, seconds=1.0).failure)
 
 
 @pytest.fixture(scope="module")

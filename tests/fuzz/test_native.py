@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzz.config import CampaignConfig
-from fuzz.failure import certified, failure_of, replay
 from fuzz.features import LAYOUT_BYTES, SCENE_BYTES, decode_scene, decode_world
+from fuzz.judging import failure_of, replay
 from fuzz.native import evaluate
+from fuzz.proofs import certified
 from fuzz.unit import run_unit
 from sim import CompiledController
 from sim.controllers import CONTROLLERS
@@ -118,7 +119,7 @@ def test_loops_of_one_key_reach_as_far_and_come_as_near(controller):
     shapes = {}
     for n in np.flatnonzero(looks.verdict == "loop")[:30]:
         failure = failure_of(certified(looks.world(n)), looks.scenario_of(n), fewest_steps=20_000)
-        shapes.setdefault(looks.key[n], set()).add("-".join(failure.failure.details["class"].split("-")[-2:]))
+        shapes.setdefault(looks.key[n], set()).add("-".join(failure.bucket.split("-")[-2:]))
     assert len(shapes) > 2 and all(len(names) == 1 for names in shapes.values())
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fuzz.config import CampaignConfig
-from fuzz.failure import replay
 from fuzz.faults.as_classes import AsClass
+from fuzz.judging import replay
 from fuzz.lanes.native import scenes as drawn
 from fuzz.native import evaluate
 from fuzz.native.one_by_one import OneByOne
@@ -19,7 +19,6 @@ from sim.controllers import CONTROLLERS
 from sim.controllers.program_batch import Offer
 from sim.episode import prepare
 from sim.scenario import Scenario
-from worldgen.grid_file import dumps
 from worldgen.lattice import UNIT
 from worldgen.random_streams import RandomStream
 from worldgen.world import World
@@ -300,7 +299,7 @@ def test_a_unit_of_a_class_is_a_function_of_its_number_and_replays():
     config = CampaignConfig(named("WallLeft"), seed=2, examples=60, families=("native",))
     one = run_unit(config, 1)
     two = run_unit(config, 1)
-    assert [dumps(world) for world in one.failures.values()] == [dumps(world) for world in two.failures.values()]
+    assert [found.dumps() for found in one.failures.values()] == [found.dumps() for found in two.failures.values()]
     assert (one.worlds, one.steps, one.verdicts) == (two.worlds, two.steps, two.verdicts)
     assert one.failures
     assert all(replay(failure).confirmed for failure in one.failures.values())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fuzz.config import CampaignConfig
-from fuzz.failure import replay
+from fuzz.judging import replay
 from fuzz.lanes.native import Few, fits, scenes
 from fuzz.lanes.plan import planned_lane
 from fuzz.native import evaluate
@@ -14,7 +14,6 @@ from fuzz.result import Memory
 from fuzz.unit import run_unit
 from fuzz.variation import Variation
 from sim.scenario import Scenario
-from worldgen.grid_file import dumps
 from worldgen.random_streams import RandomStream
 
 CONFIG = CampaignConfig(Scenario("turn-right"), seed=4, examples=25, families=("native",))
@@ -30,7 +29,7 @@ def varied(*texts):
 @pytest.mark.gate
 def test_a_unit_is_a_function_of_its_number():
     one, two, other = run_unit(CONFIG, 3), run_unit(CONFIG, 3), run_unit(CONFIG, 4)
-    assert [dumps(world) for world in one.failures.values()] == [dumps(world) for world in two.failures.values()]
+    assert [found.dumps() for found in one.failures.values()] == [found.dumps() for found in two.failures.values()]
     assert (one.worlds, one.steps, one.verdicts) == (two.worlds, two.steps, two.verdicts)
     assert one.steps != other.steps
 
@@ -90,7 +89,11 @@ def test_what_a_campaign_varies_is_one_thing_for_a_unit():
     seen: set[tuple[object, ...]] = set()
     for unit in (0, 4):
         made = {
-            (failure.failure.parameters["wall_friction"], failure.failure.parameters["time_step"], failure.robot_speed)
+            (
+                failure.record.parameters["wall_friction"],
+                failure.record.parameters["time_step"],
+                failure.world.robot_speed,
+            )
             for failure in run_unit(config, unit).failures.values()
         }
         assert len(made) <= 1

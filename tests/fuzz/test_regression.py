@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from fuzz.answer import State, answer, summary_in_words
-from fuzz.failure import failure_of, replay
+from fuzz.failure import Failure
+from fuzz.judging import failure_of, replay
 from fuzz.regression import CONFIRMED, Seen, check, run, tell
 from sim.scenario import Scenario
 from tests.helpers.raising import raises
@@ -32,7 +33,7 @@ def failure(trap):
 
 @pytest.fixture
 def stored(failure, tmp_path):
-    write_world(failure, tmp_path / "loop.grid")
+    failure.write(tmp_path / "loop.grid")
     return tmp_path / "loop.grid"
 
 
@@ -54,13 +55,13 @@ def test_a_failure_in_which_another_controller_arrives_is_fixed_but_not_confirme
 
 
 def test_a_repaired_controller_gets_the_witness_s_budget_even_if_the_failure_was_short(failure, tmp_path):
-    record = replace(failure.failure, parameters={**failure.failure.parameters, "steps": 3})
-    write_world(replace(failure, failure=record), tmp_path / "short.grid")
+    record = replace(failure.record, parameters={**failure.record.parameters, "steps": 3})
+    replace(failure, record=record).write(tmp_path / "short.grid")
     assert check(tmp_path / "short.grid", controller="bug2").reason == ""
 
 
 def test_a_failure_without_its_witness_is_never_fixed(failure, tmp_path):
-    write_world(replace(failure, certificate=None), tmp_path / "bare.grid")
+    replace(failure, world=replace(failure.world, certificate=None)).write(tmp_path / "bare.grid")
     assert "the file proves nothing" in check(tmp_path / "bare.grid", controller="bug2").reason
 
 
@@ -89,7 +90,7 @@ def test_the_world_of_a_failing_run_is_kept_as_a_failure_that_replays(trap, tmp_
     seen, episode = run(trap, "turn-right", 5)
     told = tell(seen, tmp_path / "new" / "w.grid")
     assert episode.verdict == "loop" and told.properties["replay"] == f"worldgen replay {tmp_path}/new/w.grid"
-    assert replay(read_world(tmp_path / "new" / "w.grid")).confirmed
+    assert replay(Failure.read(tmp_path / "new" / "w.grid")).confirmed
 
 
 def test_the_world_of_a_run_that_arrives_is_kept_with_the_command_that_runs_it(trap, tmp_path):
@@ -124,14 +125,14 @@ def test_the_picture_has_no_colours(trap, monkeypatch):
     ],
 )
 def test_a_replay_says_how_a_failure_stands_now(stored, controller, state, words):
-    now = answer(read_world(stored), controller)
+    now = answer(Failure.read(stored), controller)
     assert now.state is state and re.fullmatch(words, now.words), now.words
 
 
 def test_a_robot_that_is_only_late_with_the_stored_steps_arrives_now(stored):
-    world = read_world(stored)
-    hurried = replace(world.failure, parameters={**world.failure.parameters, "steps": 20})
-    assert answer(replace(world, failure=hurried), "bug2").state is State.ARRIVES
+    failure = Failure.read(stored)
+    hurried = replace(failure.record, parameters={**failure.record.parameters, "steps": 20})
+    assert answer(replace(failure, record=hurried), "bug2").state is State.ARRIVES
 
 
 def test_a_summary_counts_what_still_fails_and_what_arrives():

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from fuzz.failure import walled_off
+from fuzz.proofs import walled_off
 from fuzz.sealed import SEALED_BYTES, decode_sealed
 from sim.episode import prepare
 from sim.scenario import Scenario

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from fuzz.config import CampaignConfig
-from fuzz.failure import certified, failure_id, failure_of, replay, scenario_of
+from fuzz.failure import Failure
+from fuzz.judging import failure_of, replay
+from fuzz.proofs import certified
 from fuzz.shrink import removable, shrink, shrink_class
 from fuzz.shrink.edits import bare, drop_columns, drop_events, drop_rows, free_cells
 from fuzz.shrink.order import Case, number_cost, rounder, simplicity
@@ -55,11 +57,11 @@ def test_a_trap_shrinks_to_a_few_cells(shrunk):
 
 
 def test_the_shrunk_world_fails_with_the_same_verdict_and_replays(shrunk):
-    assert shrunk.world.failure.verdict == "loop" and replay(shrunk.world).confirmed
+    assert shrunk.failure.record.verdict == "loop" and replay(shrunk.failure).confirmed
 
 
 def test_the_shrunk_world_carries_a_witness_that_the_checker_accepts(shrunk):
-    assert isinstance(shrunk.world.certificate, Witness) and check_certificate(shrunk.world).valid
+    assert isinstance(shrunk.failure.world.certificate, Witness) and check_certificate(shrunk.failure.world).valid
 
 
 def test_nothing_more_can_be_removed(shrunk):
@@ -73,29 +75,32 @@ def test_the_check_of_minimality_sees_a_cell_too_many():
 
 
 def test_shrinking_twice_changes_nothing(shrunk):
-    again = shrink(shrunk.world).world
-    assert np.array_equal(again.walls, shrunk.world.walls) and again.start == shrunk.world.start
+    again = shrink(shrunk.failure).failure
+    assert (
+        np.array_equal(again.world.walls, shrunk.failure.world.walls)
+        and again.world.start == shrunk.failure.world.start
+    )
 
 
 def test_out_of_time_the_best_so_far_comes_back():
     result = shrink(failure(), seconds=1e-9)
-    assert not result.complete and replay(result.world).confirmed
+    assert not result.complete and replay(result.failure).confirmed
 
 
 def test_shrinking_keeps_the_thesis_robots_noise_and_sensor():
     made = failure("turn-right", "stepped", thesis=ThesisOptions(noise=True, sensor_range=50))
-    result = shrink(made, seconds=5.0).world.failure
+    result = shrink(made, seconds=5.0).failure.record
     assert (result.parameters["noise"], result.parameters["sensor_range"]) == (True, 50)
 
 
 def test_a_world_without_failure_is_refused():
     with raises(InvalidParameter, "no-failure"):
-        shrink(cup_world())
+        shrink(Failure.of(cup_world()))
 
 
 def test_a_failure_that_does_not_fail_is_refused():
     made = failure()
-    fine = replace(made, failure=replace(made.failure, verdict="tunnel"))
+    fine = replace(made, record=replace(made.record, verdict="tunnel"))
     with raises(InvalidParameter, "does-not-fail-so", verdict="tunnel"):
         shrink(fine)
 
@@ -122,7 +127,7 @@ def test_events_move_and_go_with_their_rows():
 
 
 def test_a_random_controllers_failure_says_for_how_many_seeds_it_fails():
-    details = shrink(failure("turn-random", seed=3)).world.failure.details
+    details = shrink(failure("turn-random", seed=3)).failure.record.details
     failing, count = details["failing_seeds"]
     assert count == 40 and 0 <= details["failing_share_at_least"] <= failing / count
 
@@ -156,7 +161,7 @@ def plain_neighbours(world):
 
 def fails_alike(world, failure):
     """By the steps that a user would take: prove, run, compare."""
-    record, options = scenario_of(failure)
+    record, options = failure.record, failure.options
     proved = None if world is None else certified(bare(world))
     if proved is None:
         return False
@@ -164,7 +169,7 @@ def fails_alike(world, failure):
         made = failure_of(proved, Scenario.of(record.controller, options), steps=options.steps)
     except WorldgenError:
         return False
-    mine, theirs = (made.failure if made else None), failure.failure
+    mine, theirs = (made.record if made else None), failure.record
     return mine is not None and (mine.verdict, mine.evidence.get("cause")) == (
         theirs.verdict, theirs.evidence.get("cause"),
     )  # fmt: skip
@@ -175,18 +180,18 @@ def fails_alike(world, failure):
                                                                ("turn-right", "swept", "fire")])  # fmt: skip
 def test_results_are_one_minimal_by_brute_force(controller, motion, family):
     results = shrunk_found(controller, motion, family)
-    assert results and all(result.world.failure.details["one_minimal"] for result in results)
+    assert results and all(result.failure.record.details["one_minimal"] for result in results)
     for result in results:
-        assert not any(fails_alike(near, result.world) for near in plain_neighbours(result.world))
+        assert not any(fails_alike(near, result.failure) for near in plain_neighbours(result.failure.world))
 
 
 @pytest.mark.gate
 @pytest.mark.parametrize(("controller", "motion"), SCENARIOS)
 def test_what_is_shrunk_keeps_verdict_and_cause_and_replays(controller, motion):
     for before, after in zip(found(controller, motion), shrunk_found(controller, motion), strict=True):
-        old, new = before.failure, after.world.failure
+        old, new = before.record, after.failure.record
         assert (new.verdict, new.evidence.get("cause")) == (old.verdict, old.evidence.get("cause"))
-        assert replay(after.world).confirmed
+        assert replay(after.failure).confirmed
 
 
 @pytest.mark.gate
@@ -194,16 +199,16 @@ def test_what_is_shrunk_keeps_verdict_and_cause_and_replays(controller, motion):
 def test_the_class_stays_where_it_is_to_be_kept(controller, motion):
     for before in found(controller, motion)[:2]:
         result = shrink(before, keep="class")
-        assert result.world.failure.details["class"] == before.failure.details["class"]
-        assert result.left == () and removable(result.world, StillFails.of(result.world)) == []
+        assert result.failure.record.details["class"] == before.record.details["class"]
+        assert result.left == () and removable(result.failure.world, StillFails.of(result.failure)) == []
 
 
 @pytest.mark.gate
 def test_each_edit_that_is_taken_makes_the_failure_simpler():
     for before in found("turn-right", "swept"):
-        seen = [before]
+        seen = [before.world]
         shrink(before, progress=seen.append)
-        scenario = Scenario.of(before.failure.controller, scenario_of(before)[1])
+        scenario = before.scenario
         order = [simplicity(Case(world, scenario))[:6] for world in seen]
         assert len(order) > 3 and order == sorted(order, reverse=True)
 
@@ -216,7 +221,7 @@ def test_the_simplest_of_several_restarts_is_kept():
 
 def test_restarts_share_one_budget_of_time_and_still_give_a_result():
     best = shrink_class(found("turn-right", "swept"), seconds=1e-9)
-    assert not best.complete and replay(best.world).confirmed
+    assert not best.complete and replay(best.failure).confirmed
 
 
 def test_there_is_nothing_to_restart_from_without_failures():
@@ -234,22 +239,28 @@ def test_ctrl_c_ends_restarts_with_the_best_so_far():
         raise KeyboardInterrupt
 
     best = shrink_class([failure(), failure("turn-left")], progress=stop, keep_on_interrupt=True)
-    assert best.interrupted and best.world.walls.size < cup_world().walls.size and replay(best.world).confirmed
+    assert (
+        best.interrupted and best.failure.world.walls.size < cup_world().walls.size and replay(best.failure).confirmed
+    )
 
 
 def test_a_shrunk_failure_names_the_one_that_it_came_from():
     before = failure()
-    once = shrink(before).world
-    assert once.failure.details["original"] == failure_id(before)
-    assert shrink(once).world.failure.details["original"] == failure_id(before)
+    once = shrink(before).failure
+    assert once.record.details["original"] == before.id
+    assert shrink(once).failure.record.details["original"] == before.id
 
 
 def test_odd_numbers_of_the_world_and_the_run_become_simple():
     world = replace(cup_world(), start=Pose(1.06, 0.44, 1.5), target=Target(1.05, 1.64, 0.0613), robot_radius=0.0687)
     made = failure_of(certified(world), Scenario("turn-right", time_step=0.0173), fewest_steps=20_000)
-    small = shrink(made).world
-    assert (small.robot_radius, small.target.radius, small.failure.parameters["time_step"]) == (0.07, 0.05, 0.015)
-    assert small.start.heading % (math.pi / 2) == 0.0
+    small = shrink(made).failure
+    assert (small.world.robot_radius, small.world.target.radius, small.record.parameters["time_step"]) == (
+        0.07,
+        0.05,
+        0.015,
+    )
+    assert small.world.start.heading % (math.pi / 2) == 0.0
 
 
 @pytest.mark.parametrize(("value", "usual", "simplest"), [(0.0687, 0.07, 0.07), (0.0687, 0.0, 0.0), (3.7, 2.0, 2.0)])
@@ -279,4 +290,4 @@ def test_the_quick_look_goes_through_a_diagonal_gap_that_is_just_wide_enough(rad
 def test_a_world_too_large_for_a_quick_look_is_shrunk_by_the_exact_judge(monkeypatch):
     monkeypatch.setattr("fuzz.shrink.trying._MOST_CELLS", 60)
     small = shrink(failure())
-    assert small.left == () and replay(small.world).confirmed
+    assert small.left == () and replay(small.failure).confirmed

@@ -8,18 +8,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fuzz.failure import certified, failure_of, replay
+from fuzz.failure import Failure
+from fuzz.judging import failure_of, replay
+from fuzz.proofs import certified
 from fuzz.shrink import ORDER, PASSES, snippet, trying
 from sim.scenario import Scenario
 from tests.fuzz.test_shrink import cup_world
 from tests.helpers.command_line import worldgen
-from worldgen import Pose, Target, World, read_world, world_digest, write_world
+from worldgen import Pose, Target, World, read_world, world_digest
 
 
 @pytest.fixture(scope="module")
 def big(tmp_path_factory):
     path = tmp_path_factory.mktemp("shrink") / "big.grid"
-    write_world(failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000), path)
+    failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000).write(path)
     return path
 
 
@@ -50,7 +52,7 @@ def test_ctrl_c_keeps_the_best_so_far(big, tmp_path, monkeypatch):
     result = worldgen("shrink", big, "--out", tmp_path / "small.grid")
     small = read_world(tmp_path / "small.grid")
     assert result.code == 130 and "the best so far is kept" in result.err
-    assert small.walls.size < read_world(big).walls.size and replay(small).confirmed
+    assert small.walls.size < read_world(big).walls.size and replay(Failure.of(small)).confirmed
 
 
 def test_snippet_and_json_do_not_go_together(big):
@@ -108,7 +110,7 @@ def test_a_module_is_valid_python_that_carries_the_same_world(motion):
     made = failure_of(certified(cup_world()), Scenario("turn-right", motion, time_step=0.03), fewest_steps=20_000)
     names = {}
     exec(compile(snippet(made), "test_it.py", "exec"), names)
-    assert world_digest(names["FAILURE"]) == world_digest(made)
+    assert world_digest(names["FAILURE"]) == world_digest(made.stored)
 
 
 NAMES = [
@@ -125,8 +127,8 @@ NAMES = [
 def test_a_module_is_as_a_formatter_leaves_it_whatever_its_lines_are_allowed(controller, parameters, tmp_path):
     pytest.importorskip("ruff", reason="no formatter here")
     made = failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000)
-    record = replace(made.failure, controller=controller, parameters={**made.failure.parameters, **parameters})
-    (tmp_path / "test_it.py").write_text(snippet(replace(made, failure=record)))
+    record = replace(made.record, controller=controller, parameters={**made.record.parameters, **parameters})
+    (tmp_path / "test_it.py").write_text(snippet(replace(made, record=record)))
     for width in ("88", "120"):
         command = [
             sys.executable,
@@ -156,5 +158,5 @@ def test_a_module_is_as_a_formatter_leaves_it_whatever_its_lines_are_allowed(con
 )
 def test_a_module_says_from_where_a_controller_s_file_is_looked_for(controller, says):
     made = failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000)
-    text = snippet(replace(made, failure=replace(made.failure, controller=controller)))
+    text = snippet(replace(made, record=replace(made.record, controller=controller)))
     assert (f"# {controller} is looked for from the folder in which pytest is started." in text) == says

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from fuzz.asked import worlds as corresponding
 from fuzz.contacts import contacts, enclosure, part_of, times_round
-from fuzz.failure import certified
 from fuzz.features import LAYOUT_BYTES, decode_world
+from fuzz.proofs import certified
 from fuzz.signature import failure_class
 from sim.episode import Episode, simulate
 from sim.evidence import BudgetEvidence, BurnedEvidence, LoopEvidence, WallEvidence

@@ -11,6 +11,7 @@ import pytest
 
 from fuzz import ledger
 from fuzz.campaign import Campaign
+from fuzz.failure import Failure
 from fuzz.report.summary import MEMORY
 from fuzz.session import configure
 from fuzz.shrink.snippet import snippet
@@ -24,7 +25,7 @@ from tests.helpers.studio import page_of, studio_of
 from tests.helpers.studio_campaign import HANGS, SHORT, acts, begin, watch
 from worldgen import generate
 from worldgen.errors import OutputError
-from worldgen.grid_file import dumps, read_world, write_world
+from worldgen.grid_file import read_world, write_world
 from worldgen.locks import holder, lock, sign
 from worldgen.world import FailureRecord
 
@@ -59,7 +60,7 @@ def test_a_campaign_from_the_page_finds_what_the_library_finds(done, folder):
     for _ in campaign.run():
         pass
     found = {path.stem: path.read_bytes() for path in (folder / "done").glob("*.grid")}
-    assert found == {kind: dumps(world) for kind, world in campaign.state.best.items()} and found
+    assert found == {kind: found.dumps() for kind, found in campaign.state.best.items()} and found
     assert (done["worlds"], done["met"]) == (campaign.state.worlds, dict(campaign.state.met))
 
 
@@ -124,7 +125,7 @@ def test_what_is_copied_finds_a_controller_s_file_wherever_it_is_pasted(tmp_path
 @pytest.mark.gate
 def test_a_failure_s_test_is_that_of_the_command_line(done, page, folder):
     name = failures(page, "done")[0]["name"]
-    assert page.ask("snippet", name=name)["answer"]["text"] == snippet(read_world(folder / name))
+    assert page.ask("snippet", name=name)["answer"]["text"] == snippet(Failure.read(folder / name))
 
 
 @pytest.mark.nightly

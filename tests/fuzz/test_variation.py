@@ -8,7 +8,7 @@ from hypothesis import given
 from fuzz import scenarios
 from fuzz.campaign import Campaign
 from fuzz.config import CampaignConfig
-from fuzz.failure import replay
+from fuzz.judging import replay
 from fuzz.unit import run_unit
 from fuzz.variation import Variation, applied
 from sim.scenario import Scenario
@@ -81,7 +81,7 @@ def test_failures_store_what_was_drawn_and_replay():
         pass
     found = list(campaign.state.best.values())
     assert found and all(replay(world).confirmed for world in found)
-    assert any("sensor_noise" in world.failure.parameters for world in found)
+    assert any("sensor_noise" in failure.record.parameters for failure in found)
 
 
 @given(scenarios("turn-right", family="trap", vary={"robot_radius": [0.07, 0.04], "sensor_noise": [0.0, 0.1]}))

@@ -183,7 +183,7 @@ FAULTS = (
     ),
     Fault(
         "any-digest", "replay compares the digest of every state",
-        "fuzz/failure.py", "if episode.trace_digest != record.trace_digest:",
+        "fuzz/judging.py", "if episode.trace_digest != record.trace_digest:",
         "if len(episode.trace_digest) != len(record.trace_digest):",
         ("tests/fuzz/test_commands.py",),
     ),

@@ -4,16 +4,15 @@ import importlib
 import re
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
-from fuzz.failure import failure_of, replay
+from fuzz.failure import Failure
+from fuzz.judging import failure_of, replay
 from sim.scenario import Scenario
 from worldgen.generation import generate
-from worldgen.grid_file import read_world, write_world
 
 pytest_plugins = ["pytester"]
 
@@ -34,7 +33,7 @@ def failure():
 @pytest.fixture
 def corpus(project, failure):
     folder = project.mkdir("failures")
-    write_world(failure, folder / "loop.grid")
+    failure.write(folder / "loop.grid")
     return folder
 
 
@@ -57,7 +56,7 @@ def test_a_stored_failure_fails_until_it_is_fixed_and_shows_its_world(project, c
     ])  # fmt: skip
     done.stdout.no_fnmatch_line("*Traceback*")
     [kept] = (project.path / ".pytest_cache/d/worldgen").iterdir()
-    assert replay(read_world(kept)).confirmed
+    assert replay(Failure.read(kept)).confirmed
 
 
 @pytest.mark.nightly
@@ -135,8 +134,8 @@ def test_a_broken_file_in_a_corpus_fails_as_a_test_with_one_sentence(project):
 
 @pytest.mark.nightly
 def test_words_of_a_stranger_cannot_steer_the_terminal(project, failure):
-    strange = replace(failure.failure, controller="\x1b[2J\0|<b>")
-    write_world(replace(failure, failure=strange), project.mkdir("failures") / "strange.grid")
+    strange = failure.driven_by("\x1b[2J\0|<b>")
+    strange.write(project.mkdir("failures") / "strange.grid")
     project.makepyfile(loud="class Loud:\n    act = print\n    def reset(self): raise ValueError('\x1b[2J\ufffe')\n")
     for more in ((), ("--worldgen-controller", "./loud.py:Loud")):
         done = pytest_run(project, "failures/strange.grid", "--junitxml=out.xml", *more)

@@ -24,20 +24,20 @@ def campaign(controller, motion, time_steps=(0.015,)):
 @pytest.mark.parametrize("controller", ["turn-left", "turn-right"])
 @pytest.mark.parametrize("motion", ["swept", "stepped"])
 def test_a_deterministic_robot_is_caught_in_a_proved_loop_of_few_cells(controller, motion):
-    loops = [w for w in campaign(controller, motion).best.values() if w.failure.verdict == "loop"]
+    loops = [w for w in campaign(controller, motion).best.values() if w.record.verdict == "loop"]
     assert loops and min(world.solid_cells for world in loops) <= 4
 
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("controller", ["turn-left", "turn-right", "turn-random"])
 def test_the_thesis_model_is_caught_going_through_walls(controller):
-    verdicts = {world.failure.verdict for world in campaign(controller, "stepped").best.values()}
+    verdicts = {failure.verdict for failure in campaign(controller, "stepped").best.values()}
     assert verdicts & {"tunnel", "overlap"}
 
 
 @pytest.mark.gate
 def test_fast_robots_tunnel_under_endpoint():
-    verdicts = {world.failure.verdict for world in campaign("turn-right", "endpoint", (0.15,)).best.values()}
+    verdicts = {failure.verdict for failure in campaign("turn-right", "endpoint", (0.15,)).best.values()}
     assert "tunnel" in verdicts
 
 

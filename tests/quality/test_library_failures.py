@@ -4,7 +4,8 @@ import pathlib
 
 import pytest
 
-from fuzz.failure import replay
+from fuzz.failure import Failure
+from fuzz.judging import replay
 from fuzz.signature import failure_class
 from sim.controllers import CONTROLLERS
 from worldgen.grid_file import read_world
@@ -23,7 +24,7 @@ def worlds_of(group):
 @pytest.mark.parametrize("group", GROUPS)
 def test_every_failure_replays_with_the_class_that_it_is_named_by(group):
     for name, world in worlds_of(group).items():
-        again = replay(world)
+        again = replay(Failure.of(world))
         assert again.confirmed, f"{name}: {again.reason}"
         assert failure_class(world, again.episode) == name
 

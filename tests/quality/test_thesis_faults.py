@@ -10,7 +10,8 @@ import pytest
 from benchmarks.thesis_faults import KINDS, draw_worlds, tally
 from fuzz.campaign import Campaign
 from fuzz.config import CampaignConfig
-from fuzz.failure import replay, scenario_of
+from fuzz.failure import Failure
+from fuzz.judging import replay
 from fuzz.shrink import removable
 from fuzz.shrink.predicate import StillFails
 from sim import simulate
@@ -38,7 +39,8 @@ def world_of(name):
 
 
 def run(name, variation="", steps=20_000):
-    record, options = scenario_of(world_of(name))
+    failure = Failure.of(world_of(name))
+    record, options = failure.record, failure.options
     scenario = Scenario.parse(record.controller + variation, motion="stepped", seed=options.seed)
     return simulate(world_of(name), scenario.controller, scenario.options(world_of(name), steps))
 
@@ -58,7 +60,7 @@ def test_the_readme_lists_every_file():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_fault_replays_with_the_class_of_the_readme(name):
-    shown = replay(world_of(name))
+    shown = replay(Failure.of(world_of(name)))
     assert shown.confirmed, shown.reason
     assert world_of(name).failure.details["class"] == TABLE[name]
 

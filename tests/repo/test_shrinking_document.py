@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from fuzz.failure import certified, failure_of
+from fuzz.judging import failure_of
+from fuzz.proofs import certified
 from fuzz.shrink import ORDER, PASSES
 from sim.scenario import Scenario
 from tests.fuzz.test_shrink import cup_world
 from tests.helpers.command_line import worldgen
-from worldgen import write_world
 
 PAGE = (Path(__file__).parents[2] / "docs" / "shrinking.md").read_text(encoding="utf-8")
 
@@ -25,6 +25,6 @@ def test_the_page_lists_what_the_shrinker_has_in_the_same_order(title, listed):
 @pytest.mark.parametrize("line", re.findall(r"^\$ worldgen (shrink.*?)(?: *#.*| > .*)?$", PAGE, re.M))
 def test_a_command_of_the_page_works(line, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    write_world(failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000), tmp_path / "big.grid")
+    failure_of(certified(cup_world()), Scenario("turn-right"), fewest_steps=20_000).write(tmp_path / "big.grid")
     result = worldgen(*line.split())
     assert result.code == 0, result.err

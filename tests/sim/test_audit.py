@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from fuzz.failure import scenario_of
+from fuzz.failure import Failure
 from sim import simulate
 from sim.audit import KINDS, Trajectory, audit
 from sim.audit_file import parse_trajectory
@@ -347,7 +347,8 @@ def test_what_swept_drives_is_possible(family, controller):
 @pytest.mark.parametrize("name", ["thesis-1-back-off", "thesis-2-back-off", "thesis-2-slide", "thesis-1-slide"])
 def test_a_tunnel_of_stepped_is_found_in_the_same_step(name):
     world = read_world(resources.files("corpora") / "thesis-faults" / f"{name}.grid")
-    record, options = scenario_of(world)
+    failure = Failure.of(world)
+    record, options = failure.record, failure.options
     episode = simulate(world, record.controller, options, record=True)
     assert_same_step(world, episode)
 

@@ -1,0 +1,57 @@
+"""Proofs that a target can be reached, or is walled off; and whether a file's proof holds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from worldgen.lattice import in_cells
+from worldgen.reach import BLOCKED, REACHABLE, CheckReport, check_certificate, decide
+from worldgen.world import Cut, Pose, Target, World
+
+__all__ = ["certificate_fault", "certified", "walled_off"]
+
+
+def certified(world: World) -> World | None:
+    """The world with a fresh witness, or ``None`` if its target is not provably reachable."""
+    decision = decide(world, cut=False)
+    return replace(world, certificate=decision.certificate) if decision.result == REACHABLE else None
+
+
+def walled_off(world: World) -> World | None:
+    """The world with a fresh cut round its target's cell, or ``None`` if that is not provably walled off.
+
+    The thesis's robot arrives where it enters the target's cell, so the cut parts the start from all of it. A
+    target where the robot has no room is not walled off but in a slot: that is not what is looked for.
+    """
+    at_target = replace(world, start=Pose(world.target.x, world.target.y, 0.0), certificate=None, failure=None)
+    if decide(at_target, certificate=False).result != REACHABLE:
+        return None
+    decision = decide(_with_whole_cell(world))
+    return replace(world, certificate=decision.certificate) if decision.result == BLOCKED else None
+
+
+def _with_whole_cell(world: World) -> World:
+    """The world with the disc round the target's cell, or the target itself if that is larger, as target."""
+    side, target = world.cell_size, world.target
+    x, y = (float((math.floor(in_cells(v, side)) + 0.5) * side) for v in (target.x, target.y))
+    corner = side * math.sqrt(0.5) * (1 + 1e-9)
+    needed = math.dist((x, y), (target.x, target.y)) + target.radius
+    return replace(world, target=Target(x, y, max(corner, needed)), failure=None)
+
+
+def certificate_fault(world: World) -> str:
+    """Why a world's certificate does not hold; empty if it does."""
+    if world.certificate is None:
+        return "the file carries no witness that the target can be reached"
+    if isinstance(world.certificate, Cut):
+        report = _check_cut(world)
+        return "" if report.valid else f"the cut does not hold: {report.reason}"
+    report = check_certificate(world)
+    return "" if report.valid else f"the witness does not hold: {report.reason}"
+
+
+def _check_cut(world: World) -> CheckReport:
+    """Checks the cut for the target as it is, then for its whole cell."""
+    report = check_certificate(world)
+    return check_certificate(_with_whole_cell(world)) if report.valid else report
