@@ -56,13 +56,12 @@ def corner_of(
     if at in NAMED:
         return named_corner(at, *sizes, margin)
     if at not in DRAWN:
-        words = ", ".join((*NAMED, *DRAWN, *host.marks))
         raise InvalidParameter(
-            "wrong-form",
+            "unknown-name",
             "at={at!r} is no place in the host",
-            "give [x, y] in cells, or one of {known}",
+            "give [x, y] in cells, or one of {known!l}",
             at=at,
-            known=words,
+            known=[*NAMED, *DRAWN, *host.marks],
         )
     if seed is None:
         raise InvalidParameter("needs-seed", "at={at!r} is drawn", "give it a seed", at=at)
@@ -82,13 +81,12 @@ def _anchored(piece: Piece, place: Mark, anchor: str) -> tuple[int, int]:
     elif anchor in NAMED:
         x, y = (Fraction(half * n, 2) for half, n in zip(NAMED[anchor], (piece.width, piece.height), strict=True))
     else:
-        words = ", ".join((*NAMED, *piece.marks))
         raise InvalidParameter(
             "unknown-name",
             "anchor={anchor!r} is no point of the piece",
-            "give one of {known}",
+            "give one of {known!l}",
             anchor=anchor,
-            known=words,
+            known=[*NAMED, *piece.marks],
         )
     return math.floor(place.x - x + HALF), math.floor(place.y - y + HALF)
 

@@ -94,14 +94,13 @@ def _parse(over: str) -> tuple[Family, dict[str, Value]]:
         )
     below = FAMILIES.get(parts["name"])
     if below.changes:
-        still = ", ".join(name for name in FAMILIES if not FAMILIES.get(name).changes)
         raise InvalidParameter(
             "world-changes",
             "over={over}: {family} changes by itself",
-            "give one of {known}",
+            "give one of {known!l}",
             over=over,
             family=below.name,
-            known=still,
+            known=[name for name in FAMILIES if not FAMILIES.get(name).changes],
         )
     known = {parameter.name: parameter for parameter in below.parameters}
     given: dict[str, Value] = {}
