@@ -17,6 +17,7 @@ from gymnasium.vector import AutoresetMode
 
 import worldgen.gym
 from sim import RobotOptions, simulate
+from tests.helpers.raising import raises
 from tests.sim.test_batch import burning
 from tests.sim.test_episode import arena
 from worldgen import InvalidParameter, Pose, Target, World, generate, read_world, write_world
@@ -305,93 +306,104 @@ def turns(seen):
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("options", "expected"),
     [
-        ({"sensor": ()}, r"no option is called 'sensor'; did you mean sensors\? known"),
-        ({"sensors": ("radar",)}, "no sensor is called 'radar'; there are bump"),
-        ({"sensors": "bump"}, "is no list of names"),
-        ({"sensors": ("bump", "bump")}, "give at least one, and none twice"),
-        ({"actions": "both"}, "neither 'continuous' nor 'discrete'"),
-        ({"actions": "discrete", "reverse": True}, "reverse=True goes with continuous actions"),
-        ({"observation": "flat"}, "neither 'box' nor 'dict'"),
-        ({"distance": "air"}, "neither 'straight' nor 'way'"),
-        ({"turn_rate": 0}, "turn_rate=0 is no number of rad/s above 0"),
-        ({"extent": np.nan}, "extent=nan is no number of m above 0"),
-        ({"robot": 3}, "robot=3 is no RobotOptions"),
-        ({"robot": {"wings": 2}}, "option 'wings' is unknown"),
-        ({"time_step": 0.0}, "time_step=0.0 s is outside 0.001 to 10 s"),
-        ({"reward": {"joy": 1}}, "no part of the reward is called 'joy'"),
-        ({"reward": {"time": np.nan}}, "time=nan is no number"),
-        ({"family": "labyrinth"}, "labyrinth"),
-        ({"family": "maze", "world": arena()}, "world and family are given; give one of them"),
-        ({"world": arena(), "pool": 3}, "pool is for a family, and world is given"),
-        ({"world": 3}, "world=3 is neither a World nor a path"),
-        ({"worlds": []}, "is no folder, archive or list of worlds"),
-        ({"pool": 0}, "pool=0 is outside 1 to 1000000"),
-        ({"params": 3}, "params=3 is no dict"),
-        ({"difficulty": (0.6, 0.2)}, "is no range within 0 to 1"),
-        ({"difficulty": 0.5}, "is no range within 0 to 1"),
-        ({"render_mode": "human"}, "render_mode='human' is unknown"),
+        ({"sensor": ()}, {"code": "unknown-name", "name": "sensor", "noun": "option", "near": "sensors"}),
+        ({"sensors": ("radar",)}, {"code": "unknown-name", "name": "radar"}),
+        ({"sensors": "bump"}, {"code": "wrong-type"}),
+        ({"sensors": ("bump", "bump")}, {"code": "twice"}),
+        ({"actions": "both"}, {"code": "unknown-name"}),
+        ({"actions": "discrete", "reverse": True}, {"code": "conflict"}),
+        ({"observation": "flat"}, {"code": "unknown-name"}),
+        ({"distance": "air"}, {"code": "unknown-name"}),
+        ({"turn_rate": 0}, {"code": "out-of-range", "name": "turn_rate"}),
+        ({"extent": np.nan}, {"code": "out-of-range", "name": "extent"}),
+        ({"robot": 3}, {"code": "wrong-type", "given": "3"}),
+        ({"robot": {"wings": 2}}, {"code": "unknown-name", "name": "wings"}),
+        ({"time_step": 0.0}, {"code": "out-of-range", "low": 0.001, "high": 10}),
+        ({"reward": {"joy": 1}}, {"code": "unknown-name", "name": "joy", "noun": "part of the reward"}),
+        ({"reward": {"time": np.nan}}, {"code": "not-a-number", "name": "time"}),
+        ({"family": "labyrinth"}, {"code": "unknown-name", "name": "labyrinth"}),
+        ({"family": "maze", "world": arena()}, {"code": "conflict", "named": "world and family"}),
+        ({"world": arena(), "pool": 3}, {"code": "conflict", "only_for_family": "pool", "named": "world"}),
+        ({"world": 3}, {"code": "wrong-type", "given": "3"}),
+        ({"worlds": []}, {"code": "wrong-type"}),
+        ({"pool": 0}, {"code": "out-of-range", "name": "pool", "low": 1, "high": 1000000}),
+        ({"params": 3}, {"code": "wrong-type", "given": "3"}),
+        ({"difficulty": (0.6, 0.2)}, {"code": "out-of-range"}),
+        ({"difficulty": 0.5}, {"code": "out-of-range"}),
+        ({"render_mode": "human"}, {"code": "unknown-name", "render_mode": "human"}),
     ],
     ids=str,
 )
-def test_options_that_mean_nothing_are_refused_in_a_sentence(options, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_options_that_mean_nothing_are_refused_in_a_sentence(options, expected):
+    with raises(InvalidParameter, **expected):
         NavigateEnv(**options)
 
 
 def test_changing_worlds_have_no_shortest_way():
-    with pytest.raises(InvalidParameter, match="needs worlds that do not change"):
+    with raises(InvalidParameter, "world-changes"):
         NavigateEnv(world=burning(), distance="way").reset()
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("options", "expected"),
     [
-        ({"num_envs": 0}, "num_envs=0 is outside 1"),
-        ({"autoreset_mode": "Never"}, "there are 'NextStep', 'SameStep', 'Disabled'"),
-        ({"max_episode_steps": 2.5}, "max_episode_steps=2.5 is no whole number"),
+        ({"num_envs": 0}, {"code": "out-of-range", "name": "num_envs", "low": 1}),
+        ({"autoreset_mode": "Never"}, {"code": "unknown-name"}),
+        ({"max_episode_steps": 2.5}, {"code": "not-a-whole-number", "name": "max_episode_steps", "value": "2.5"}),
     ],
     ids=str,
 )
-def test_options_of_the_vector_environment_are_checked_likewise(options, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_options_of_the_vector_environment_are_checked_likewise(options, expected):
+    with raises(InvalidParameter, **expected):
         NavigateVectorEnv(**options)
 
 
 @pytest.mark.parametrize(
-    ("action", "message"),
-    [(np.array([np.nan, 0.0]), "is nan"), (np.zeros(3), r"shape \(1, 3\)"), (np.array(["a", "b"]), "<U1")],
+    ("action", "expected"),
+    [
+        (np.array([np.nan, 0.0]), {"code": "not-finite"}),
+        (np.zeros(3), {"code": "wrong-shape", "count": 1}),
+        (np.array(["a", "b"]), {"code": "wrong-shape", "dtype": "<U1"}),
+    ],
     ids=str,
 )
-def test_actions_that_are_none_are_refused(action, message):
+def test_actions_that_are_none_are_refused(action, expected):
     env = NavigateEnv(world=arena(), sensors=PLAIN)
     with pytest.raises(gymnasium.error.ResetNeeded, match="call reset"):
         env.step(action)
     env.reset(seed=0)
-    with pytest.raises(InvalidParameter, match=message):
+    with raises(InvalidParameter, **expected):
         env.step(action)
 
 
-@pytest.mark.parametrize(("action", "message"), [(5, "there are 0 to 4"), (-1, "there are 0 to 4"), (0.5, "float64")])
-def test_discrete_actions_that_are_none_are_refused(action, message):
+@pytest.mark.parametrize(
+    ("action", "expected"),
+    [
+        (5, {"code": "out-of-range", "last": 4}),
+        (-1, {"code": "out-of-range", "last": 4}),
+        (0.5, {"code": "wrong-shape", "dtype": "float64"}),
+    ],
+)
+def test_discrete_actions_that_are_none_are_refused(action, expected):
     env = NavigateEnv(world=arena(), sensors=PLAIN, actions="discrete")
     env.reset(seed=0)
-    with pytest.raises(InvalidParameter, match=message):
+    with raises(InvalidParameter, **expected):
         env.step(action)
 
 
 def test_resets_that_mean_nothing_are_refused():
     env = NavigateVectorEnv(2, **TRAPS)
-    with pytest.raises(InvalidParameter, match="no reset option is called 'word'; did you mean world"):
+    with raises(InvalidParameter, "unknown-name", name="word", noun="reset option", near="world"):
         env.reset(options={"word": arena()})
     mask = np.array([True, False])
-    with pytest.raises(InvalidParameter, match="the first reset is of all robots"):
+    with raises(InvalidParameter, "conflict"):
         env.reset(options={"reset_mask": mask})
     env.reset(seed=0)
-    with pytest.raises(InvalidParameter, match="cannot change the worlds of all"):
+    with raises(InvalidParameter, "conflict"):
         env.reset(options={"world": arena(), "reset_mask": mask})
-    with pytest.raises(InvalidParameter, match="no array of 2 booleans"):
+    with raises(InvalidParameter, "wrong-shape", count=2):
         env.reset(options={"reset_mask": ~(mask | True)})
-    with pytest.raises(InvalidParameter, match="one for each of 2 robots"):
+    with raises(InvalidParameter, "wrong-count", count=2):
         env.reset(seed=[1])

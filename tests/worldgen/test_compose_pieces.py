@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.helpers.pieces import pieces, states_at
+from tests.helpers.raising import raises
 from worldgen.compose import Piece, above, beside, drawn, of_cells, of_family, of_world, read, rectangle
 from worldgen.errors import InvalidParameter
 from worldgen.generation import generate
@@ -182,7 +183,7 @@ def test_the_pieces_of_a_row_stand_where_they_are_aligned():
 def test_a_joined_row_has_a_way_from_each_target_to_the_next_start():
     cell = drawn("#####\n#...#\n#S.G#\n#...#\n#####").for_robot(radius=0.04)
     assert beside([cell] * 3, join=1).world().certificate.length == pytest.approx(1.2)
-    with pytest.raises(InvalidParameter, match="piece 2 of a row has no start to join it"):
+    with raises(InvalidParameter, "missing-mark", number=2, end="start"):
         beside([cell, drawn("...")], join=1)
 
 
@@ -239,41 +240,44 @@ def test_a_foreign_map_becomes_a_piece_without_start():
 
 
 WRONG = {
-    "axis": (lambda p: p.mirror("z"), "mirror='z' is neither 'x' .* nor 'y'"),
-    "quarters": (lambda p: p.rotate(0.5), "rotate=0.5 is no whole number"),
-    "crop": (lambda p: p.crop(2, 2, 4, 1), r"crop of 4 x 1 cells from \(2, 2\) on reaches beyond the piece of 4 x 3"),
-    "inside": (lambda p: p.inside(2), "crop width=0 is no whole number from 1"),
-    "pad": (lambda p: p.pad(1, -1, 0, 0), "pad right=-1 is no whole number from 0"),
-    "fill": (lambda p: p.pad(1, 1, 0, 0, fill="wall"), "fill='wall' is none of solid, free, nothing"),
-    "tile": (lambda p: p.tile(0, 1), "tile columns=0"),
-    "huge": (lambda p: p.scale(5000), "scale gives 20000 x 15000 cells; a piece has sides of 1 to 20000 and at most"),
-    "mask": (lambda p: p.masked(rectangle(2, 2)), r"a mask of shape \(2, 2\) does not fit a piece of 4 x 3 cells"),
-    "sticks-out": (lambda p: p.place(p, at=(1, 0)), r"4 x 3 cells at \(1, 0\) sticks out of 4 x 3 cells"),
-    "how": (lambda p: p.place(p, how="under"), "how='under' is not one of over, union, intersection, carve"),
-    "word": (lambda p: p.place(p, at="middle"), "at='middle' is no place in the host; .* centre, "),
-    "anchor": (lambda p: p.place(p, at=(0, 0), anchor="c"), "anchor='c' is no point of the piece; give one of lower"),
-    "anchored": (lambda p: p.place(p, at="left", anchor="left"), "anchor='left' goes with a place in cells or a mark"),
-    "half": (lambda p: p.place(p, at=(0.5, 0)), "at x=0.5 is no whole number"),
-    "no-seed": (lambda p: p.place(p, at="anywhere"), "at='anywhere' is drawn; give it a seed"),
-    "no-room": (lambda p: p.place(p, at="anywhere", seed=1), "fits nowhere anywhere in 4 x 3 cells .* a margin of 1"),
-    "no-start": (lambda p: p.place(p, start="piece"), "start='piece', and the piece has no start"),
+    "axis": (lambda p: p.mirror("z"), {"code": "unknown-name", "axis": "z"}),
+    "quarters": (lambda p: p.rotate(0.5), {"code": "not-a-number", "name": "rotate", "value": 0.5}),
+    "crop": (lambda p: p.crop(2, 2, 4, 1), {"code": "outside-grid", "width": 4, "height": 1, "x": 2}),
+    "inside": (lambda p: p.inside(2), {"code": "not-a-number", "name": "crop width", "low": 1}),
+    "pad": (lambda p: p.pad(1, -1, 0, 0), {"code": "not-a-number", "name": "pad right", "value": -1}),
+    "fill": (lambda p: p.pad(1, 1, 0, 0, fill="wall"), {"code": "unknown-name", "fill": "wall"}),
+    "tile": (lambda p: p.tile(0, 1), {"code": "not-a-number", "name": "tile columns"}),
+    "huge": (lambda p: p.scale(5000), {"code": "too-large", "what": "scale", "width": 20000, "height": 15000}),
+    "mask": (lambda p: p.masked(rectangle(2, 2)), {"code": "wrong-shape", "width": 4, "height": 3}),
+    "sticks-out": (lambda p: p.place(p, at=(1, 0)), {"code": "outside-grid", "width": 4, "height": 3, "x": 1}),
+    "how": (lambda p: p.place(p, how="under"), {"code": "unknown-name", "name": "how", "value": "under"}),
+    "word": (lambda p: p.place(p, at="middle"), {"code": "wrong-form", "at": "middle"}),
+    "anchor": (lambda p: p.place(p, at=(0, 0), anchor="c"), {"code": "unknown-name", "anchor": "c"}),
+    "anchored": (lambda p: p.place(p, at="left", anchor="left"), {"code": "conflict", "anchor": "left", "at": "left"}),
+    "half": (lambda p: p.place(p, at=(0.5, 0)), {"code": "not-a-number", "name": "at x", "value": 0.5}),
+    "no-seed": (lambda p: p.place(p, at="anywhere"), {"code": "needs-seed", "at": "anywhere"}),
+    "no-room": (
+        lambda p: p.place(p, at="anywhere", seed=1),
+        {"code": "no-room", "width": 4, "height": 3, "where": "anywhere"},
+    ),
+    "no-start": (lambda p: p.place(p, start="piece"), {"code": "missing-mark", "name": "start"}),
     "cell-sizes": (
         lambda p: p.for_robot(cell_size=0.1).place(p.for_robot(cell_size=0.2)),
-        r"cells of 0.1 m, the piece of 0.2 m; .* for_robot\(cell_size=0.1\)",
+        {"code": "cell-sizes-differ", "host": 0.1, "piece": 0.2},
     ),
-    "mark": (lambda p: p.with_start(4.5, 0), r"start at \(4.5, 0\) lies outside the piece of 4 x 3 cells"),
-    "nan": (lambda p: p.with_start(float("nan"), 0), "nan is no place in cells"),
-    "dig": (lambda p: p.dig("a", (0, 0)), "no mark is called 'a'; the piece has none"),
-    "ragged": (lambda p: drawn("##\n#"), "row 2 of a drawing has 1 signs, the first 2"),
-    "sign": (lambda p: drawn("#?"), r"row 1 of a drawing has '\?' at 2"),
-    "twice": (lambda p: drawn("SS"), "row 1 of a drawing has a second 'S'"),
-    "empty": (lambda p: drawn(""), "a drawing has no cells"),
-    "shape": (lambda p: Piece(np.zeros((2, 2)), np.zeros((3, 2))), r"shape \(2, 2\), its mask \(3, 2\)"),
-    "row": (lambda p: beside([]), "there is no piece to put in a row"),
+    "mark": (lambda p: p.with_start(4.5, 0), {"code": "outside-grid", "name": "start", "x": 4.5, "width": 4}),
+    "nan": (lambda p: p.with_start(float("nan"), 0), {"code": "not-a-number"}),
+    "dig": (lambda p: p.dig("a", (0, 0)), {"code": "unknown-name", "name": "a"}),
+    "ragged": (lambda p: drawn("##\n#"), {"code": "ragged-rows", "row": 2, "signs": 1, "width": 2}),
+    "sign": (lambda p: drawn("#?"), {"code": "unknown-sign", "row": 1, "sign": "?", "column": 2}),
+    "twice": (lambda p: drawn("SS"), {"code": "twice", "row": 1, "sign": "S"}),
+    "empty": (lambda p: drawn(""), {"code": "empty"}),
+    "shape": (lambda p: Piece(np.zeros((2, 2)), np.zeros((3, 2))), {"code": "wrong-shape"}),
+    "row": (lambda p: beside([]), {"code": "empty"}),
 }
 
 
-@pytest.mark.parametrize(("act", "message"), WRONG.values(), ids=WRONG)
-def test_what_makes_no_sense_is_refused_with_the_way_out(act, message):
-    with pytest.raises(InvalidParameter, match=message):
+@pytest.mark.parametrize(("act", "expected"), WRONG.values(), ids=WRONG)
+def test_what_makes_no_sense_is_refused_with_the_way_out(act, expected):
+    with raises(InvalidParameter, **expected):
         act(rectangle(4, 3))

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.families._open_ground import in_sight
 from worldgen.families.cave import cave
@@ -97,20 +98,20 @@ def test_a_small_cave_loads_nothing_heavy():
 
 
 @pytest.mark.parametrize(
-    ("params", "message"),
+    ("params", "expected"),
     [
-        ({"shape": "mine"}, "shape='mine' is not one of caverns, columns, galleries"),
-        ({"rock": 29}, "rock=29 percent is outside 30 to 65 percent"),
-        ({"rock": -2}, "rock=-2 percent is outside 30 to 65 percent"),
-        ({"rounds": 51}, "rounds=51 is outside 0 to 50; give one between, or -1"),
-        ({"grain": 0}, "grain=0 cells is below 1 cells; give at least 1, or -1"),
-        ({"grain": 29}, "grain=29 cells is outside -1 to 28 cells"),
-        ({"robot_radius": 0.5}, "size=30 is too small for a cave, 32 cells for a robot 10 cells wide"),
+        ({"shape": "mine"}, {"code": "unknown-name", "name": "shape", "value": "mine"}),
+        ({"rock": 29}, {"code": "out-of-range", "name": "rock", "value": 29, "low": 30}),
+        ({"rock": -2}, {"code": "out-of-range", "name": "rock", "value": -2, "low": 30}),
+        ({"rounds": 51}, {"code": "out-of-range", "name": "rounds", "chosen": -1, "value": 51}),
+        ({"grain": 0}, {"code": "below-minimum", "name": "grain", "chosen": -1, "low": 1}),
+        ({"grain": 29}, {"code": "out-of-range", "name": "grain", "value": 29, "low": -1}),
+        ({"robot_radius": 0.5}, {"code": "no-room", "size": 30, "least": 32, "robot_width": 10}),
     ],
     ids=lambda value: str(value)[:30],
 )
-def test_bad_parameters_are_refused(params, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_bad_parameters_are_refused(params, expected):
+    with raises(InvalidParameter, **expected):
         layout(**params)
 
 

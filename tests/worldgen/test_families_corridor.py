@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.families.corridor import corridor
 from worldgen.family import stream_for
@@ -110,22 +111,22 @@ def test_the_robot_looks_along_the_corridor(seed, shape):
 
 
 @pytest.mark.parametrize(
-    ("params", "message"),
+    ("params", "expected"),
     [
-        ({"bends": -2}, "bends=-2 is outside 0 to 1000"),
-        ({"bends": 21}, "bends=21 is outside 0 to 20"),
-        ({"bends": 1001, "size": 2000}, "bends=1001 is outside 0 to 1000"),
-        ({"branches": 3}, "branches=3 has no effect with shape=bends; leave it out"),
-        ({"branches": 11, "shape": "dead-ends"}, "branches=11 is outside 0 to 10"),
-        ({"width": 1}, "width=1 is narrower than the robot, 1.4 cells wide"),
-        ({"wall": 0}, "wall=0 cells is below 1 cells"),
-        ({"width": 14}, "leave no room for two stretches side by side in size=30 cells; give a size of at least 31"),
-        ({"shape": "zigzag"}, "shape='zigzag' is not one of bends, dead-ends, junctions"),
+        ({"bends": -2}, {"code": "out-of-range", "name": "bends", "value": -2, "high": 1000}),
+        ({"bends": 21}, {"code": "out-of-range", "name": "bends", "value": 21, "high": 20}),
+        ({"bends": 1001, "size": 2000}, {"code": "out-of-range", "name": "bends", "value": 1001, "high": 1000}),
+        ({"branches": 3}, {"code": "no-effect", "name": "branches", "value": 3, "setting": "shape=bends"}),
+        ({"branches": 11, "shape": "dead-ends"}, {"code": "out-of-range", "name": "branches", "value": 11, "high": 10}),
+        ({"width": 1}, {"code": "narrower-than-robot", "name": "width", "width": 1, "robot_width": 1.4}),
+        ({"wall": 0}, {"code": "below-minimum", "name": "wall", "low": 1}),
+        ({"width": 14}, {"code": "no-room", "size": 30, "least": 31}),
+        ({"shape": "zigzag"}, {"code": "unknown-name", "name": "shape", "value": "zigzag"}),
     ],
     ids=lambda value: str(value)[:30],
 )
-def test_bad_parameters_are_refused(params, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_bad_parameters_are_refused(params, expected):
+    with raises(InvalidParameter, **expected):
         layout(**params)
 
 

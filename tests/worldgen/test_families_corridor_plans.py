@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from tests.helpers.raising import raises
 from worldgen.errors import GenerationFailed, InvalidParameter
 from worldgen.families._open_ground import in_sight
 from worldgen.families.corridor import corridor
@@ -122,32 +123,41 @@ def test_a_width_in_widths_of_the_robot_is_rounded_up(widths, cells):
 
 
 @pytest.mark.parametrize(
-    ("params", "message"),
+    ("params", "expected"),
     [
-        ({"shape": "Z"}, "shape='Z' is not one of bends, dead-ends, junctions, S, T, X, tunnel"),
-        ({"shape": "S", "branches": 2}, "branches=2 has no effect with shape=S"),
-        ({"shape": "T", "bends": 2}, "bends=2 has no effect with shape=T"),
-        ({"shape": "tunnel", "bends": 2}, "bends=2 has no effect with shape=tunnel"),
-        ({"shape": "tunnel", "branches": 2}, "branches=2 has no effect with shape=tunnel"),
-        ({"shape": "S", "bends": 16}, "bends=16 is outside 0 to 15"),
-        ({"shape": "X", "branches": 0}, "branches=0 is outside 1 to 7"),
-        ({"shape": "T", "width": 13}, "shape=T needs three stretches side by side, and there is room for 2"),
-        ({"robot_widths": 0.5}, "robot_widths=0.5 widths of the robot is outside 1 to 1000"),
-        ({"robot_widths": 2.0, "width": 3}, "width=3 has no effect with robot_widths=2"),
-        ({"robot_widths": 500.0}, "width=700 and wall=1 leave no room for two stretches"),
-        ({"necks": -2}, "necks=-2 is outside 0 to 1000"),
-        ({"necks": 2}, "neck=2 is no narrower than the corridor, width=2; give a wider corridor, or leave out necks"),
-        ({"necks": 2, "width": 4, "neck": 1}, "neck=1 is narrower than the robot"),
-        ({"neck": 2}, "neck=2 has no effect with necks=0"),
-        ({"necks": 1, "width": 4, "neck_length": 0}, "neck_length=0 cells is below 1 cells; give at least 1"),
+        ({"shape": "Z"}, {"code": "unknown-name", "name": "shape", "value": "Z"}),
+        ({"shape": "S", "branches": 2}, {"code": "no-effect", "name": "branches", "value": 2, "setting": "shape=S"}),
+        ({"shape": "T", "bends": 2}, {"code": "no-effect", "name": "bends", "value": 2, "setting": "shape=T"}),
+        (
+            {"shape": "tunnel", "bends": 2},
+            {"code": "no-effect", "name": "bends", "value": 2, "setting": "shape=tunnel"},
+        ),
+        (
+            {"shape": "tunnel", "branches": 2},
+            {"code": "no-effect", "name": "branches", "value": 2, "setting": "shape=tunnel"},
+        ),
+        ({"shape": "S", "bends": 16}, {"code": "out-of-range", "name": "bends", "value": 16, "high": 15}),
+        ({"shape": "X", "branches": 0}, {"code": "out-of-range", "name": "branches", "low": 1, "high": 7}),
+        ({"shape": "T", "width": 13}, {"code": "no-room", "shape": "T", "lines": 2}),
+        ({"robot_widths": 0.5}, {"code": "out-of-range", "name": "robot_widths", "value": 0.5}),
+        (
+            {"robot_widths": 2.0, "width": 3},
+            {"code": "no-effect", "name": "width", "value": 3, "setting": "robot_widths=2"},
+        ),
+        ({"robot_widths": 500.0}, {"code": "no-room", "width": 700, "wall": 1}),
+        ({"necks": -2}, {"code": "out-of-range", "name": "necks", "value": -2, "high": 1000}),
+        ({"necks": 2}, {"code": "above-maximum", "neck": 2, "width": 2}),
+        ({"necks": 2, "width": 4, "neck": 1}, {"code": "narrower-than-robot", "name": "neck", "width": 1}),
+        ({"neck": 2}, {"code": "no-effect", "name": "neck", "value": 2, "setting": "necks=0"}),
+        ({"necks": 1, "width": 4, "neck_length": 0}, {"code": "below-minimum", "name": "neck_length", "low": 1}),
     ],
     ids=lambda value: str(value)[:30],
 )
-def test_bad_parameters_are_refused(params, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_bad_parameters_are_refused(params, expected):
+    with raises(InvalidParameter, **expected):
         layout(**params)
 
 
 def test_more_narrow_places_than_there_is_room_for_are_refused():
-    with pytest.raises(GenerationFailed, match="have room for 14 narrow places, not for necks=50; give fewer"):
+    with raises(GenerationFailed, "no-room", most=14, necks=50):
         layout(1, necks=50, width=4)

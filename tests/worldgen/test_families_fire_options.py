@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.helpers.raising import raises
 from tests.worldgen.test_families_fire import beside, burning, in_the_end, layout
 from worldgen.errors import InvalidParameter
 from worldgen.family import FAMILIES
@@ -126,25 +127,25 @@ def test_a_witness_does_not_hold_longer_than_its_margin():
 
 
 @pytest.mark.parametrize(
-    ("params", "message"),
+    ("params", "expected"),
     [
-        ({"ignite_cells": "3;4"}, "'3;4' is no cell; write IX:IY"),
-        ({"ignite_cells": "0:0"}, "cell 0:0 is a wall; give one of floor"),
-        ({"ignite_cells": "30:3"}, "cell 30:3 is outside the 30 x 30 cells"),
-        ({"apart": -1.0}, "apart=-1 s is outside 0 to 600 s"),
-        ({"scatter": 0.95}, "scatter=0.95 is outside 0 to 0.9"),
-        ({"wind": 1.0}, "wind=1 is outside 0 to 0.9"),
-        ({"wind": 0.5, "wind_to": 4}, "wind_to=4 quarter turns is outside 0 to 3"),
-        ({"wind_to": 2}, "wind_to=2 has no effect with wind=0"),
-        ({"fuel": 1.1}, "fuel=1.1 is outside 0 to 1"),
-        ({"grain": 0}, "grain=0 cells is outside 1 to 1000"),
-        ({"uneven": 1.0}, "uneven=1 is outside 0 to 0.9"),
-        ({"clear": 601.0}, "clear=601 s is outside 0 to 600 s"),
-        ({"clear": 1.0, "monotone": True}, "clear=1 s opens what fell shut, and monotone lets nothing open"),
-        ({"margin": -1.0}, "margin=-1 s is outside 0 to 3600 s"),
+        ({"ignite_cells": "3;4"}, {"code": "wrong-form", "text": "3;4", "part": "3;4"}),
+        ({"ignite_cells": "0:0"}, {"code": "cannot-burn", "cell": "0:0", "what": "a wall"}),
+        ({"ignite_cells": "30:3"}, {"code": "outside-grid", "cell": "30:3", "width": 30, "height": 30}),
+        ({"apart": -1.0}, {"code": "out-of-range", "name": "apart"}),
+        ({"scatter": 0.95}, {"code": "out-of-range", "name": "scatter", "value": 0.95, "high": 0.9}),
+        ({"wind": 1.0}, {"code": "out-of-range", "name": "wind", "high": 0.9}),
+        ({"wind": 0.5, "wind_to": 4}, {"code": "out-of-range", "name": "wind_to", "value": 4, "high": 3}),
+        ({"wind_to": 2}, {"code": "no-effect", "name": "wind_to", "value": 2, "setting": "wind=0"}),
+        ({"fuel": 1.1}, {"code": "out-of-range", "name": "fuel", "value": 1.1}),
+        ({"grain": 0}, {"code": "out-of-range", "name": "grain", "low": 1, "high": 1000}),
+        ({"uneven": 1.0}, {"code": "out-of-range", "name": "uneven", "high": 0.9}),
+        ({"clear": 601.0}, {"code": "out-of-range", "name": "clear"}),
+        ({"clear": 1.0, "monotone": True}, {"code": "conflict"}),
+        ({"margin": -1.0}, {"code": "out-of-range", "name": "margin"}),
     ],
     ids=lambda value: str(value)[:30],
 )
-def test_bad_options_are_refused(params, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_bad_options_are_refused(params, expected):
+    with raises(InvalidParameter, **expected):
         layout(**params)

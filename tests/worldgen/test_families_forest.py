@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from tests.helpers.raising import raises
 from tests.reference.worldgen import planting
 from worldgen.errors import InvalidParameter
 from worldgen.families._open_ground import in_sight
@@ -139,19 +140,19 @@ def test_a_small_forest_loads_nothing_heavy():
 
 
 @pytest.mark.parametrize(
-    ("params", "message"),
+    ("params", "expected"),
     [
-        ({"growth": "wild"}, "growth='wild' is not one of even, thickets, rows"),
-        ({"gap": 0.9}, "gap=0.9 widths of the robot is outside 1 to 100 widths"),
-        ({"density": 0.0}, "density=0 is not above 0, up to 1"),
-        ({"density": 1.1}, "density=1.1 is not above 0"),
-        ({"thinnest": 0}, "thinnest=0 cells is outside 1 to 64 cells"),
-        ({"thinnest": 3, "thickest": 2}, "thickest=2 cells is below 3 cells"),
-        ({"thickest": 25}, "thickest=25 cells is outside 1 to 24 cells"),
-        ({"gap": 20.0}, "size=30 has no room for a trunk of 1 cells and a gap of 28 cells round it"),
+        ({"growth": "wild"}, {"code": "unknown-name", "name": "growth", "value": "wild"}),
+        ({"gap": 0.9}, {"code": "out-of-range", "name": "gap", "value": 0.9}),
+        ({"density": 0.0}, {"code": "out-of-range", "name": "density"}),
+        ({"density": 1.1}, {"code": "out-of-range", "name": "density", "value": 1.1}),
+        ({"thinnest": 0}, {"code": "out-of-range", "name": "thinnest", "low": 1, "high": 64}),
+        ({"thinnest": 3, "thickest": 2}, {"code": "below-minimum", "name": "thickest", "value": 2, "low": 3}),
+        ({"thickest": 25}, {"code": "out-of-range", "name": "thickest", "value": 25, "low": 1}),
+        ({"gap": 20.0}, {"code": "no-room", "size": 30, "thinnest": 1}),
     ],
     ids=lambda value: str(value)[:30],
 )
-def test_bad_parameters_are_refused(params, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_bad_parameters_are_refused(params, expected):
+    with raises(InvalidParameter, **expected):
         layout(**params)

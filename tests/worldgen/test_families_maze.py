@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 from scipy.sparse.csgraph import shortest_path
 
+from tests.helpers.raising import raises
 from tests.helpers.tiers import some
 from worldgen.errors import InvalidParameter
 from worldgen.families._mazes import (
@@ -261,11 +262,11 @@ def test_as_many_rooms_as_asked_are_carved_and_none_touches_another(rooms, mask)
 
 @pytest.mark.parametrize("mask", ["square", "disc"])
 def test_the_most_rooms_that_the_message_names_fit(mask):
-    with pytest.raises(InvalidParameter, match="rooms=9999 do not fit in this maze; give at most") as told:
+    with raises(InvalidParameter, "no-room", rooms=9999) as told:
         layout(size=40, mask=mask, rooms=9999)
     most = int(re.search(r"at most (\d+)", str(told.value)).group(1))
     layout(size=40, mask=mask, rooms=most)
-    with pytest.raises(InvalidParameter, match="do not fit"):
+    with raises(InvalidParameter, "no-room"):
         layout(size=40, mask=mask, rooms=most + 1)
 
 
@@ -301,30 +302,33 @@ def test_no_maze_needs_a_second_attempt(seed, size, braid):
 
 
 @pytest.mark.parametrize(
-    ("params", "message"),
+    ("params", "expected"),
     [
-        ({"passage": 1}, "passage=1 is narrower than the robot, 1.4 cells wide; give at least 2, or -1"),
-        ({"passage": 0}, "passage=0 cells is below 1 cells; give at least 1, or -1"),
-        ({"passage": -2}, "passage=-2 cells is below 1 cells; give at least 1, or -1"),
-        ({"wall": 0}, "wall=0 cells is below 1 cells"),
-        ({"braid": -0.1}, "braid=-0.1 is outside 0 to 1"),
-        ({"braid": 1.1}, "braid=1.1 is outside 0 to 1"),
-        ({"algorithm": "prism"}, "algorithm='prism' is not one of wilson, aldous-broder"),
-        ({"size": 10, "wall": 5}, "leave no 2 x 2 chambers in size=10 cells; give a size of at least 11"),
-        ({"size": 30, "robot_radius": 0.7}, "passage=14 and wall=1 leave no 2 x 2 chambers"),
-        ({"rooms": -1}, "rooms=-1 is below 0"),
-        ({"newest": 0.5}, "newest=0.5 has no effect with algorithm=wilson; leave it out, or give growing-tree"),
-        ({"oldest": 0.0, "algorithm": "prim"}, "oldest=0 has no effect with algorithm=prim"),
-        ({"algorithm": "growing-tree", "newest": 1.5}, "newest=1.5 is outside 0 to 1"),
-        ({"algorithm": "growing-tree", "newest": 0.7, "oldest": 0.4}, "newest=0.7 and oldest=0.4 are more than the"),
-        ({"algorithm": "eller", "mask": "disc"}, "mask=disc does not go with algorithm=eller, which fills whole rows"),
-        ({"size": 10, "mask": "ring"}, "mask=ring needs 6 x 6 chambers and there are 3 x 3; give a larger size"),
-        ({"size": 10, "rooms": 2}, "rooms=2 do not fit in this maze; give at most 1"),
+        ({"passage": 1}, {"code": "narrower-than-robot", "name": "passage", "width": 1, "robot_width": 1.4}),
+        ({"passage": 0}, {"code": "below-minimum", "name": "passage", "chosen": -1, "low": 1}),
+        ({"passage": -2}, {"code": "below-minimum", "name": "passage", "chosen": -1, "value": -2}),
+        ({"wall": 0}, {"code": "below-minimum", "name": "wall", "low": 1}),
+        ({"braid": -0.1}, {"code": "out-of-range", "name": "braid", "value": -0.1}),
+        ({"braid": 1.1}, {"code": "out-of-range", "name": "braid", "value": 1.1}),
+        ({"algorithm": "prism"}, {"code": "unknown-name", "name": "algorithm", "value": "prism"}),
+        ({"size": 10, "wall": 5}, {"code": "no-room", "passage": 2, "size": 10, "least": 11}),
+        ({"size": 30, "robot_radius": 0.7}, {"code": "no-room", "passage": 14, "wall": 1}),
+        ({"rooms": -1}, {"code": "below-minimum", "name": "rooms", "value": -1}),
+        ({"newest": 0.5}, {"code": "no-effect", "name": "newest", "share": 0.5, "algorithm": "wilson"}),
+        ({"oldest": 0.0, "algorithm": "prim"}, {"code": "no-effect", "name": "oldest", "algorithm": "prim"}),
+        ({"algorithm": "growing-tree", "newest": 1.5}, {"code": "out-of-range", "name": "newest", "value": 1.5}),
+        (
+            {"algorithm": "growing-tree", "newest": 0.7, "oldest": 0.4},
+            {"code": "above-maximum", "newest": 0.7, "oldest": 0.4},
+        ),
+        ({"algorithm": "eller", "mask": "disc"}, {"code": "conflict", "shape": "disc", "algorithm": "eller"}),
+        ({"size": 10, "mask": "ring"}, {"code": "no-room", "shape": "ring", "least": 6, "side": 3}),
+        ({"size": 10, "rooms": 2}, {"code": "no-room", "rooms": 2, "most": 1}),
     ],
     ids=lambda value: str(value)[:30],
 )
-def test_bad_parameters_are_refused(params, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_bad_parameters_are_refused(params, expected):
+    with raises(InvalidParameter, **expected):
         layout(**params)
 
 

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.families._open_ground import in_sight
 from worldgen.families.rooms import rooms
@@ -110,24 +111,27 @@ def test_a_small_office_loads_nothing_heavy():
 
 
 @pytest.mark.parametrize(
-    ("params", "message"),
+    ("params", "expected"),
     [
-        ({"plan": "loft"}, "plan='loft' is not one of wings, spine, suite"),
-        ({"wall": 0}, "wall=0 cells is below 1 cells"),
-        ({"door": 1}, "door=1 is narrower than the robot, 1.4 cells wide; give at least 2, or -1"),
-        ({"door": 4, "corridor": 3}, "corridor=3 is narrower than the doors, 4 cells; give at least 4, or -1"),
-        ({"door": 4, "room": 3}, "room=3 is narrower than the door, 4 cells; give at least 4, or -1"),
-        ({"room": 1}, "room=1 is narrower than the robot, 2 cells"),
-        ({"corridor": 4, "plan": "suite"}, "corridor=4 has no effect with plan=suite"),
-        ({"room": 13}, "two rooms of 13 cells and the 4 cells between them are more than the 28 inside size=30; "),
-        ({"size": 20, "robot_radius": 0.4}, "give a size of at least 28, or smaller rooms, walls or corridors"),
-        ({"shared": 1.5}, "shared=1.5 is outside 0 to 1"),
-        ({"closed": -0.5}, "closed=-0.5 is outside 0 to 1"),
+        ({"plan": "loft"}, {"code": "unknown-name", "name": "plan", "value": "loft"}),
+        ({"wall": 0}, {"code": "below-minimum", "name": "wall", "low": 1}),
+        ({"door": 1}, {"code": "narrower-than-robot", "name": "door", "width": 1, "robot_width": 1.4}),
+        ({"door": 4, "corridor": 3}, {"code": "below-minimum", "corridor": 3, "door": 4}),
+        ({"door": 4, "room": 3}, {"code": "below-minimum", "name": "door", "room": 3, "least": 4}),
+        ({"room": 1}, {"code": "below-minimum", "name": "robot", "room": 1, "least": 2}),
+        (
+            {"corridor": 4, "plan": "suite"},
+            {"code": "no-effect", "name": "corridor", "value": 4, "setting": "plan=suite"},
+        ),
+        ({"room": 13}, {"code": "no-room", "room": 13, "between": 4, "inside": 28}),
+        ({"size": 20, "robot_radius": 0.4}, {"code": "no-room", "least": 28}),
+        ({"shared": 1.5}, {"code": "out-of-range", "name": "shared", "value": 1.5}),
+        ({"closed": -0.5}, {"code": "out-of-range", "name": "closed", "value": -0.5}),
     ],
     ids=lambda value: str(value)[:30],
 )
-def test_bad_parameters_are_refused(params, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_bad_parameters_are_refused(params, expected):
+    with raises(InvalidParameter, **expected):
         layout(**params)
 
 

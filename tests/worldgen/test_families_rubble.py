@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from tests.helpers.raising import raises
 from worldgen.errors import InvalidParameter
 from worldgen.families.rubble import rubble
 from worldgen.family import stream_for
@@ -135,18 +136,18 @@ def test_a_small_collapse_loads_nothing_heavy():
 
 
 @pytest.mark.parametrize(
-    ("params", "message"),
+    ("params", "expected"),
     [
-        ({"collapse": "fire"}, "collapse='fire' is not one of quake, blast, wing"),
-        ({"damage": 1.1}, "damage=1.1 is outside 0 to 1"),
-        ({"debris": -0.1}, "debris=-0.1 is outside 0 to 1"),
-        ({"wall": 0}, "wall=0 cells is below 1 cells"),
-        ({"pocket": 29}, "pocket=29 cells is outside -1 to 28 cells"),
-        ({"room": 1}, "room=1 is narrower than the robot, 2 cells"),
-        ({"room": 15}, "two rooms of 15 cells and the 1 cells between them are more than the 28 inside size=30"),
+        ({"collapse": "fire"}, {"code": "unknown-name", "name": "collapse", "value": "fire"}),
+        ({"damage": 1.1}, {"code": "out-of-range", "name": "damage", "value": 1.1}),
+        ({"debris": -0.1}, {"code": "out-of-range", "name": "debris", "value": -0.1}),
+        ({"wall": 0}, {"code": "below-minimum", "name": "wall", "low": 1}),
+        ({"pocket": 29}, {"code": "out-of-range", "name": "pocket", "value": 29, "low": -1}),
+        ({"room": 1}, {"code": "below-minimum", "name": "robot", "room": 1, "least": 2}),
+        ({"room": 15}, {"code": "no-room", "room": 15, "between": 1, "inside": 28}),
     ],
     ids=lambda value: str(value)[:30],
 )
-def test_bad_parameters_are_refused(params, message):
-    with pytest.raises(InvalidParameter, match=message):
+def test_bad_parameters_are_refused(params, expected):
+    with raises(InvalidParameter, **expected):
         layout(**params)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from PIL import Image
 
+from tests.helpers.raising import raises
 from worldgen.errors import FormatError, InvalidParameter
 from worldgen.interop import read_map
 from worldgen.interop.grey_image import GreyImage, read_grey_image
@@ -120,7 +121,7 @@ def test_unknown_cells_are_solid_unless_asked_otherwise(pair):
     path = pair(pgm([[0, 205, 254]]))
     assert read_ros_map(path).walls.tolist() == [[True, True, False]]
     assert read_ros_map(path, unknown="free").walls.tolist() == [[True, False, False]]
-    with pytest.raises(InvalidParameter, match="unknown='maybe' is not one of solid, free"):
+    with raises(InvalidParameter, "unknown-name", name="unknown", value="maybe"):
         read_map(path, "ros+unknown=maybe")
 
 
@@ -192,93 +193,93 @@ def bomb():
 
 
 BAD_PICTURES = [
-    (b"", "is no PGM, PNG or BMP picture"),
-    (b"P6\n1 1\n255\n\0\0\0", "is no PGM, PNG or BMP picture"),
-    (picture(Image.new("L", (2, 2)), "GIF"), "is no PGM, PNG or BMP picture"),
-    (b"P5\n", "'' where the width belongs"),
-    (b"P5\n3 x\n255\n", "'x' where the height belongs"),
-    (b"P5\n3 2 # no line end", "where the maximum belongs"),
-    (b"P5\n0 2\n255\n", "0 x 2 cells"),
-    (b"P5\n20001 1\n255\n", "20001 x 1 cells"),
-    (b"P5\n999999999 999999999\n255\n", "999999999 x 999999999 cells"),
-    (b"P5\n9999999999999 1\n255\n", "where the height belongs"),
-    (b"P5\n3 2\n0\n", "maximum 0"),
-    (b"P5\n3 2\n65536\n", "maximum 65536"),
-    (pgm(PIXELS)[:-1], "5 bytes of pixels; the header's sizes need 6"),
-    (pgm(PIXELS) + b"\x01", "1 bytes more than the header's sizes need"),
-    (b"P5\n1 1\n255", "0 bytes of pixels"),
-    (b"P5\n1 1\n7\n\x08", "a pixel is 8, above the maximum 7"),
-    (b"P2\n1 1\n7\n8", "a pixel is 8, above the maximum 7"),
-    (b"P2\n2 2\n255\n1 2 3", "3 pixels; the header's sizes need 4"),
-    (b"P2\n2 1\n255\n1 -2", "m:4: '-2' is no pixel"),
-    (b"P2\n2 1\n255\n# c\n1\n123456", "m:6: '123456' is no pixel"),
-    (picture(Image.effect_noise((60, 60), 90))[:2000], "is a damaged picture"),
-    (b"\x89PNG\r\n\x1a\n" + b"\0" * 40, "is a damaged picture|is no PGM"),
-    (bomb(), "9000 x 9000 cells"),
+    (b"", {"code": "unknown-format"}),
+    (b"P6\n1 1\n255\n\0\0\0", {"code": "unknown-format"}),
+    (picture(Image.new("L", (2, 2)), "GIF"), {"code": "unknown-format"}),
+    (b"P5\n", {"code": "wrong-form", "name": "width", "came": "''"}),
+    (b"P5\n3 x\n255\n", {"code": "wrong-form", "name": "height", "came": "'x'"}),
+    (b"P5\n3 2 # no line end", {"code": "wrong-form", "name": "maximum"}),
+    (b"P5\n0 2\n255\n", {"code": "wrong-size", "height": 2}),
+    (b"P5\n20001 1\n255\n", {"code": "wrong-size", "width": 20001, "height": 1}),
+    (b"P5\n999999999 999999999\n255\n", {"code": "wrong-size", "width": 999999999, "height": 999999999}),
+    (b"P5\n9999999999999 1\n255\n", {"code": "wrong-form", "name": "height"}),
+    (b"P5\n3 2\n0\n", {"code": "out-of-range"}),
+    (b"P5\n3 2\n65536\n", {"code": "out-of-range", "maximum": 65536}),
+    (pgm(PIXELS)[:-1], {"code": "wrong-length", "bytes": 5, "needed": 6}),
+    (pgm(PIXELS) + b"\x01", {"code": "wrong-length", "excess": 1}),
+    (b"P5\n1 1\n255", {"code": "wrong-length"}),
+    (b"P5\n1 1\n7\n\x08", {"code": "above-maximum", "pixel": 8, "maximum": 7}),
+    (b"P2\n1 1\n7\n8", {"code": "above-maximum", "pixel": 8, "maximum": 7}),
+    (b"P2\n2 2\n255\n1 2 3", {"code": "wrong-length", "pixels": 3, "needed": 4}),
+    (b"P2\n2 1\n255\n1 -2", {"code": "not-a-pixel", "line": 4, "word": "'-2'"}),
+    (b"P2\n2 1\n255\n# c\n1\n123456", {"code": "not-a-pixel", "line": 6, "word": "'123456'"}),
+    (picture(Image.effect_noise((60, 60), 90))[:2000], {"code": "damaged-file"}),
+    (b"\x89PNG\r\n\x1a\n" + b"\0" * 40, {"code": "unknown-format"}),
+    (bomb(), {"code": "wrong-size", "width": 9000, "height": 9000}),
 ]
 
 
-@pytest.mark.parametrize(("data", "message"), BAD_PICTURES, ids=range(len(BAD_PICTURES)))
-def test_a_bad_picture_is_refused(data, message):
-    with pytest.raises(FormatError, match=message):
+@pytest.mark.parametrize(("data", "expected"), BAD_PICTURES, ids=range(len(BAD_PICTURES)))
+def test_a_bad_picture_is_refused(data, expected):
+    with raises(FormatError, **expected):
         read_grey_image(data, "m")
 
 
 BAD_YAML = [
-    ({"image": None, "negate": None}, None, "image, negate missing"),
-    ({"mode": "foo"}, 7, "mode='foo' is not one of trinary, scale, raw"),
-    ({"resolution": "0"}, 2, "resolution is 0"),
-    ({"resolution": "-0.05"}, 2, "resolution is -0.05"),
-    ({"resolution": "1e300"}, 2, r"1e-06 to 1e\+06 m"),
-    ({"resolution": ".inf"}, 2, "'.inf', no finite number"),
-    ({"resolution": "1" * 9000}, 2, "no finite number"),
-    ({"resolution": "[1]"}, 2, "resolution must be one value"),
-    ({"origin": "[0, 0]"}, 3, "origin must be three numbers"),
-    ({"origin": "0"}, 3, "origin must be three numbers"),
-    ({"origin": "[0, [0], 0]"}, 3, "origin must be three numbers"),
-    ({"origin": "[0, 0, 1]"}, 3, "turned by 1 rad; only quarter turns are read"),
-    ({"origin": "[0, 0, 1e9]"}, 3, "turned by 1e\\+09 rad; only quarter turns are read"),
-    ({"negate": "2"}, 4, "negate is '2'; write 0 or 1"),
-    ({"free_thresh": "0.7"}, 6, "the rule is 0 <= free < occupied <= 1"),
-    ({"occupied_thresh": "65"}, 6, "the rule is 0 <= free < occupied <= 1"),
-    ({"image": '""'}, 1, "image must be one value"),
-    ({"image": "none.pgm"}, 1, "image 'none.pgm' is not there"),
-    ({"image": "n" * 5000}, 1, "is not there"),
-    ({"image": '"a\\0b"'}, 1, "has a NUL"),
-    ({"image": "../secret.pgm"}, 1, "lies outside the map's folder"),
-    ({"image": "/etc/hostname"}, 1, "lies outside the map's folder"),
-    ({"image": "."}, 1, "is not there"),
-    ({"other": "&a [1]"}, 7, "anchors and aliases"),
-    ({"other": "*a"}, 7, "anchors and aliases"),
-    ({"other": "[" * 20 + "]" * 20}, 7, "nested deeper than 8"),
-    ({"other": "[" * 5000}, 7, "nested deeper than 8"),
-    ({"other": '"\\UFFFFFFFF"'}, 7, "invalid Unicode character"),
-    ({"other": "'open"}, 8, "is no YAML"),
+    ({"image": None, "negate": None}, None, {"code": "missing-key"}),
+    ({"mode": "foo"}, 7, {"code": "unknown-name", "name": "mode", "value": "foo"}),
+    ({"resolution": "0"}, 2, {"code": "out-of-range"}),
+    ({"resolution": "-0.05"}, 2, {"code": "out-of-range", "resolution": -0.05}),
+    ({"resolution": "1e300"}, 2, {"code": "out-of-range", "low": 1e-06}),
+    ({"resolution": ".inf"}, 2, {"code": "not-a-number", "key": "resolution", "word": ".inf"}),
+    ({"resolution": "1" * 9000}, 2, {"code": "not-a-number", "key": "resolution"}),
+    ({"resolution": "[1]"}, 2, {"code": "wrong-type", "key": "resolution"}),
+    ({"origin": "[0, 0]"}, 3, {"code": "wrong-type"}),
+    ({"origin": "0"}, 3, {"code": "wrong-type"}),
+    ({"origin": "[0, [0], 0]"}, 3, {"code": "wrong-type"}),
+    ({"origin": "[0, 0, 1]"}, 3, {"code": "turned-map"}),
+    ({"origin": "[0, 0, 1e9]"}, 3, {"code": "turned-map"}),
+    ({"negate": "2"}, 4, {"code": "not-a-number", "key": "negate", "word": "2"}),
+    ({"free_thresh": "0.7"}, 6, {"code": "wrong-order"}),
+    ({"occupied_thresh": "65"}, 6, {"code": "wrong-order"}),
+    ({"image": '""'}, 1, {"code": "wrong-type", "key": "image"}),
+    ({"image": "none.pgm"}, 1, {"code": "no-such-file", "key": "image", "name": "'none.pgm'"}),
+    ({"image": "n" * 5000}, 1, {"code": "no-such-file", "key": "image"}),
+    ({"image": '"a\\0b"'}, 1, {"code": "not-a-file-name", "key": "image"}),
+    ({"image": "../secret.pgm"}, 1, {"code": "outside-folder", "key": "image"}),
+    ({"image": "/etc/hostname"}, 1, {"code": "outside-folder", "key": "image"}),
+    ({"image": "."}, 1, {"code": "no-such-file", "key": "image"}),
+    ({"other": "&a [1]"}, 7, {"code": "unsupported"}),
+    ({"other": "*a"}, 7, {"code": "unsupported"}),
+    ({"other": "[" * 20 + "]" * 20}, 7, {"code": "nested-too-deep", "most": 8}),
+    ({"other": "[" * 5000}, 7, {"code": "nested-too-deep", "most": 8}),
+    ({"other": '"\\UFFFFFFFF"'}, 7, {"code": "not-yaml"}),
+    ({"other": "'open"}, 8, {"code": "not-yaml"}),
 ]
 
 
-@pytest.mark.parametrize(("changes", "line", "message"), BAD_YAML, ids=range(len(BAD_YAML)))
-def test_a_bad_key_is_named_with_its_line(pair, changes, line, message):
-    with pytest.raises(FormatError, match=message) as caught:
+@pytest.mark.parametrize(("changes", "line", "expected"), BAD_YAML, ids=range(len(BAD_YAML)))
+def test_a_bad_key_is_named_with_its_line(pair, changes, line, expected):
+    with raises(FormatError, **expected) as caught:
         read_ros_map(pair(pgm([[254]]), **changes))
     assert caught.value.line == line
 
 
 BAD_TEXT = [
-    (b"", 1, "holds no keys"),
-    (b"- 1\n- 2\n", 1, "holds no keys"),
-    (b"image: a\n\xff\n", 2, "is not UTF-8"),
-    (b"image: a\nimage: b\n", 2, "'image' is given twice"),
-    (b"image: a\n---\nimage: b\n", 2, "is no YAML"),
-    (b"image: a\nx: \x01\n", 2, "a character that YAML forbids|invalid Unicode character"),
-    (b"? [1]\n: 2\n" * 2, 3, "given twice"),
-    (b"#" * 70_000, None, "is larger than 65536 bytes"),
+    (b"", 1, {"code": "empty"}),
+    (b"- 1\n- 2\n", 1, {"code": "empty"}),
+    (b"image: a\n\xff\n", 2, {"code": "not-utf8"}),
+    (b"image: a\nimage: b\n", 2, {"code": "twice", "name": "image"}),
+    (b"image: a\n---\nimage: b\n", 2, {"code": "not-yaml"}),
+    (b"image: a\nx: \x01\n", 2, {"code": "forbidden-character"}),
+    (b"? [1]\n: 2\n" * 2, 3, {"code": "twice", "name": "a list or mapping"}),
+    (b"#" * 70_000, None, {"code": "too-large", "most": 65536}),
 ]
 
 
-@pytest.mark.parametrize(("text", "line", "message"), BAD_TEXT, ids=range(len(BAD_TEXT)))
-def test_text_that_is_no_map_file_is_refused(pair, text, line, message):
-    with pytest.raises(FormatError, match=message) as caught:
+@pytest.mark.parametrize(("text", "line", "expected"), BAD_TEXT, ids=range(len(BAD_TEXT)))
+def test_text_that_is_no_map_file_is_refused(pair, text, line, expected):
+    with raises(FormatError, **expected) as caught:
         read_ros_map(pair(text=text))
     assert caught.value.line == line
 
@@ -289,7 +290,7 @@ def test_a_link_may_not_lead_out_of_the_folder(tmp_path):
     (tmp_path / "m.pgm").write_bytes(pgm([[254]]))
     (inner / "m.pgm").symlink_to(tmp_path / "m.pgm")
     (inner / "m.yaml").write_text(yaml_text())
-    with pytest.raises(FormatError, match="lies outside the map's folder"):
+    with raises(FormatError, "outside-folder", key="image", name="'m.pgm'"):
         read_ros_map(inner / "m.yaml")
 
 

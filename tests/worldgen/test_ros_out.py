@@ -5,6 +5,7 @@ import pytest
 
 from tests.helpers.drawn_worlds import drawn
 from tests.helpers.map_server import occupied_at, published, published_map
+from tests.helpers.raising import raises
 from worldgen.errors import FormatError, OutputError
 from worldgen.generation import generate
 from worldgen.interop import export_world, import_world, read_map, write_export
@@ -56,20 +57,20 @@ def test_a_name_with_odd_characters_is_quoted(tmp_path):
 
 
 BAD_PLACES = [
-    ("worldgen: 3", 8, "worldgen must have keys of its own"),
-    ("worldgen:\n  goal: [1, 2, 3]", 9, "'goal' is no key of worldgen; it has start, target, robot_radius"),
-    ("worldgen:\n  start: [1, 2]", 9, "start has 2 values; it is 3 numbers"),
-    ("worldgen:\n  start: [1, 2, north]", 9, "'north' is no finite number"),
-    ("worldgen:\n  target: [1, 2, 0]", 9, "target has a length of 0; it must be above 0"),
-    ("worldgen:\n  robot_radius: 1e999", 9, "'1e999' is no finite number"),
+    ("worldgen: 3", 8, {"code": "wrong-type", "key": "worldgen"}),
+    ("worldgen:\n  goal: [1, 2, 3]", 9, {"code": "unknown-name", "name": "goal", "key": "worldgen"}),
+    ("worldgen:\n  start: [1, 2]", 9, {"code": "wrong-count", "key": "start", "values": 2, "count": 3}),
+    ("worldgen:\n  start: [1, 2, north]", 9, {"code": "not-a-number", "word": "north"}),
+    ("worldgen:\n  target: [1, 2, 0]", 9, {"code": "not-positive", "key": "target"}),
+    ("worldgen:\n  robot_radius: 1e999", 9, {"code": "not-a-number", "word": "1e999"}),
 ]
 
 
-@pytest.mark.parametrize(("text", "line", "message"), BAD_PLACES, ids=range(len(BAD_PLACES)))
-def test_a_place_that_cannot_be_is_named_with_its_line(tmp_path, text, line, message):
+@pytest.mark.parametrize(("text", "line", "expected"), BAD_PLACES, ids=range(len(BAD_PLACES)))
+def test_a_place_that_cannot_be_is_named_with_its_line(tmp_path, text, line, expected):
     path = write_export(export_world(drawn(ROOM), "ros"), tmp_path)[0]
     path.write_text(path.read_text().partition("worldgen:")[0] + text)
-    with pytest.raises(FormatError, match=message) as caught:
+    with raises(FormatError, **expected) as caught:
         read_map(path)
     assert caught.value.line == line
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.drawn_worlds import drawn
+from tests.helpers.raising import raises
 from worldgen.errors import FormatError
 from worldgen.interop import export_world, import_world, read_map, write_export
 from worldgen.world import Pose, Target, World
@@ -107,31 +108,44 @@ def packed(data, compression="zlib"):
 
 
 BAD = [
-    (lambda parts: parts.update(infinite=True), "is endless; take the tick off Infinite"),
-    (lambda parts: parts.update(orientation="isometric"), "only orthogonal maps are worlds; draw it anew as one"),
-    (lambda parts: parts.update(tileheight=8), "16 x 8 pixels; a cell is a square; set both sides alike in Map"),
-    (lambda parts: parts.update(width="5"), "width is '\"5\"', no whole number"),
-    (lambda parts: parts.update(width=10**6, height=10**6), "1000000 x 1000000 cells"),
-    (lambda parts: parts.update(layers=[1]), "a layer is none"),
-    (lambda parts: parts.pop("layers"), "is JSON without layers, and of JSON only"),
-    (lambda parts: parts["layers"][0].update(data=[1]), "has 1 cells; 5 x 4 are 20"),
-    (lambda parts: parts["layers"][0].update(data=[-1] * 20), "has no list of tile numbers"),
-    (lambda parts: parts["layers"][0].update(data=[2.5] * 20), "has no list of tile numbers"),
-    (lambda parts: parts["layers"][0].update(data=[[1]] * 20), "has no list of tile numbers"),
-    (lambda parts: parts["layers"][0].update(width=4), "has 4 x 4 cells, the map 5 x 4"),
-    (lambda parts: parts["layers"].append({**parts["layers"][0], "name": "b"}) or parts["layers"][0].update(name="a"),
-     "the layer of walls cannot be told; layers of tiles: 'a', 'b'"),
-    (packed(zlib.compress(bytes(10**7))), "does not unpack to 80 bytes"),
-    (packed(zlib.compress(RAW)[:-8]), "does not unpack to 80 bytes"),
-    (packed(b"no zlib"), "cannot be unpacked"),
-    (packed(RAW, "zstd"), "is packed by 'zstd'; save it in Tiled as CSV or zlib"),
-    (lambda parts: parts["layers"][0].update(data="???"), "cannot be unpacked"),
-]  # fmt: skip
+    (lambda parts: parts.update(infinite=True), {"code": "endless-map"}),
+    (lambda parts: parts.update(orientation="isometric"), {"code": "unsupported"}),
+    (lambda parts: parts.update(tileheight=8), {"code": "not-square", "width": 16, "height": 8}),
+    (lambda parts: parts.update(width="5"), {"code": "not-a-number", "key": "width", "value": '"5"'}),
+    (
+        lambda parts: parts.update(width=10**6, height=10**6),
+        {"code": "wrong-size", "width": 1000000, "height": 1000000},
+    ),
+    (lambda parts: parts.update(layers=[1]), {"code": "too-many-layers"}),
+    (lambda parts: parts.pop("layers"), {"code": "unknown-format"}),
+    (
+        lambda parts: parts["layers"][0].update(data=[1]),
+        {"code": "wrong-length", "name": "layer 'walls'", "cells": 1, "width": 5},
+    ),
+    (lambda parts: parts["layers"][0].update(data=[-1] * 20), {"code": "wrong-type", "name": "layer 'walls'"}),
+    (lambda parts: parts["layers"][0].update(data=[2.5] * 20), {"code": "wrong-type", "name": "layer 'walls'"}),
+    (lambda parts: parts["layers"][0].update(data=[[1]] * 20), {"code": "wrong-type", "name": "layer 'walls'"}),
+    (
+        lambda parts: parts["layers"][0].update(width=4),
+        {"code": "wrong-size", "name": "layer 'walls'", "layer_width": 4, "layer_height": 4},
+    ),
+    (
+        lambda parts: (
+            parts["layers"].append({**parts["layers"][0], "name": "b"}) or parts["layers"][0].update(name="a")
+        ),
+        {"code": "ambiguous-layer"},
+    ),
+    (packed(zlib.compress(bytes(10**7))), {"code": "damaged-file", "name": "layer 'walls'", "size": 80}),
+    (packed(zlib.compress(RAW)[:-8]), {"code": "damaged-file", "name": "layer 'walls'", "size": 80}),
+    (packed(b"no zlib"), {"code": "damaged-file", "name": "layer 'walls'"}),
+    (packed(RAW, "zstd"), {"code": "unsupported", "name": "layer 'walls'", "compression": "zstd"}),
+    (lambda parts: parts["layers"][0].update(data="???"), {"code": "damaged-file", "name": "layer 'walls'"}),
+]
 
 
-@pytest.mark.parametrize(("function", "message"), BAD, ids=range(len(BAD)))
-def test_a_map_that_is_no_world_is_refused(made, function, message):
-    with pytest.raises(FormatError, match=message):
+@pytest.mark.parametrize(("function", "expected"), BAD, ids=range(len(BAD)))
+def test_a_map_that_is_no_world_is_refused(made, function, expected):
+    with raises(FormatError, **expected):
         read_map(made(function), "tiled")
 
 
