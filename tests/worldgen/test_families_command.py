@@ -159,7 +159,7 @@ def _stop_at(monkeypatch, seed, error):
 
 @pytest.mark.parametrize(
     ("error", "code"),
-    [(KeyboardInterrupt(), 130), (GenerationFailed("maze: none of 64 layouts"), 2)],
+    [(KeyboardInterrupt(), 130), (GenerationFailed("no-layout-found", "maze: none of 64 layouts"), 2)],
     ids=["ctrl-c", "failed"],
 )
 def test_what_is_made_before_an_interruption_is_kept(tmp_path, monkeypatch, error, code):

@@ -183,7 +183,7 @@ def test_the_tables_command_works_on_the_world_of_the_page(name, world_of_the_pa
 def test_a_file_of_a_format_that_is_only_written_is_refused_as_such(ending, tmp_path):
     (tmp_path / f"w.{ending}").write_bytes(b"solid")
     name = guess_format(f"w.{ending}")
-    with pytest.raises(FormatError, match=rf"ends in \.{ending.lower()}, and {name} is written, not read;"):
+    with raises(FormatError, "only-written", suffix=f".{ending.lower()}", formats=name):
         find_format(tmp_path / f"w.{ending}")
 
 

@@ -199,57 +199,82 @@ def test_a_format_is_known_by_its_contents_or_by_name(tmp_path, run, name, file)
 
 
 REFUSED = [
-    (["none.map"], FormatError, "none.map: cannot be read: No such file"),
-    (["."], FormatError, "is no regular file"),
-    (["junk"], FormatError, "is no map that is known; `worldgen formats`"),
-    ([PROBLEMS], FormatError, "a scenario file has no map"),
-    ([MAZE, "--from", "moving-ai"], InvalidParameter, "did you mean 'movingai'"),
-    ([HALL, "--from", "movingai"], FormatError, ":1: .* came where `type octile` belongs"),
-    ([HALL, "--cell-size", "1"], InvalidParameter, "cell_size means nothing to ros on the way in; it has unknown"),
-    ([MAZE, "--unknown", "free"], InvalidParameter, "unknown means nothing to movingai on the way in"),
-    ([MAZE, "--cell-size", "0"], InvalidParameter, "cell_size=0 m is outside"),
-    ([MAZE, "--cell-size", "nan"], InvalidParameter, "cell_size=nan is not finite"),
-    ([MAZE, "--radius", "0"], InvalidParameter, "radius=0 m is outside"),
-    ([MAZE, "--radius", "-1"], InvalidParameter, "radius=-1 m is outside"),
-    ([MAZE, "--speed", "inf"], InvalidParameter, "speed=inf m/s is outside"),
-    ([MAZE, "--radius", "2"], InvalidWorld, "no place in the map is clear for a disc of radius 2 m"),
-    ([MAZE, "--start", "1"], InvalidParameter, "start='1' is not X,Y or X,Y,HEADING"),
-    ([MAZE, "--start", "1,2,3,4"], InvalidParameter, "start='1,2,3,4' is not"),
-    ([MAZE, "--target", "a,b"], InvalidParameter, "target='a,b' is not X,Y or X,Y,RADIUS"),
-    ([MAZE, "--start", "1e999,0"], InvalidWorld, r"start \(inf, 0\) m lies outside"),
-    ([MAZE, "--start=-1,0.5"], InvalidWorld, r"start \(-1, 0.5\) m lies outside the map of 3.2 x 3.2 m"),
-    ([MAZE, "--target", "3,4"], InvalidWorld, r"target \(3, 4\) m lies outside"),
-    ([MAZE, "--target", "0.2,0.2,0"], InvalidWorld, "target radius=0"),
-    ([MAZE, "--start", "0.2,0.15,1e999"], InvalidWorld, "heading inf"),
-    ([MAZE, "--radius", "0.07", "--start", "0.05,0.3"], InvalidWorld, r"is in the solid cell \(0, 2\)"),
+    (["none.map"], FormatError, {"code": "unreadable"}),
+    (["."], FormatError, {"code": "not-a-regular-file"}),
+    (["junk"], FormatError, {"code": "unknown-format"}),
+    ([PROBLEMS], FormatError, {"code": "no-map-found"}),
+    (
+        [MAZE, "--from", "moving-ai"],
+        InvalidParameter,
+        {"code": "unknown-name", "name": "moving-ai", "near": "movingai"},
+    ),
+    ([HALL, "--from", "movingai"], FormatError, {"code": "wrong-form", "line": 1}),
+    (
+        [HALL, "--cell-size", "1"],
+        InvalidParameter,
+        {"code": "unknown-name", "name": "cell_size", "format": "ros", "way": "in"},
+    ),
+    (
+        [MAZE, "--unknown", "free"],
+        InvalidParameter,
+        {"code": "unknown-name", "name": "unknown", "format": "movingai", "way": "in"},
+    ),
+    ([MAZE, "--cell-size", "0"], InvalidParameter, {"code": "out-of-range", "name": "cell_size"}),
+    ([MAZE, "--cell-size", "nan"], InvalidParameter, {"code": "not-finite", "name": "cell_size"}),
+    ([MAZE, "--radius", "0"], InvalidParameter, {"code": "out-of-range", "name": "radius"}),
+    ([MAZE, "--radius", "-1"], InvalidParameter, {"code": "out-of-range", "name": "radius"}),
+    ([MAZE, "--speed", "inf"], InvalidParameter, {"code": "out-of-range", "name": "speed"}),
+    ([MAZE, "--radius", "2"], InvalidWorld, {"code": "no-room"}),
+    (
+        [MAZE, "--start", "1"],
+        InvalidParameter,
+        {"code": "wrong-form", "name": "start", "text": "1", "third": "HEADING"},
+    ),
+    ([MAZE, "--start", "1,2,3,4"], InvalidParameter, {"code": "wrong-form", "name": "start", "text": "1,2,3,4"}),
+    (
+        [MAZE, "--target", "a,b"],
+        InvalidParameter,
+        {"code": "wrong-form", "name": "target", "text": "a,b", "third": "RADIUS"},
+    ),
+    ([MAZE, "--start", "1e999,0"], InvalidWorld, {"code": "outside-grid", "name": "start"}),
+    ([MAZE, "--start=-1,0.5"], InvalidWorld, {"code": "outside-grid", "name": "start", "y": 0.5, "width": 3.2}),
+    ([MAZE, "--target", "3,4"], InvalidWorld, {"code": "outside-grid", "name": "target"}),
+    ([MAZE, "--target", "0.2,0.2,0"], InvalidWorld, {"code": "not-positive", "name": "target radius"}),
+    ([MAZE, "--start", "0.2,0.15,1e999"], InvalidWorld, {"code": "not-finite"}),
+    ([MAZE, "--radius", "0.07", "--start", "0.05,0.3"], InvalidWorld, {"code": "not-clear"}),
     (
         [MAZE, "--radius", "0.07", "--start", "0.15,0.25"],
         InvalidWorld,
-        "0.05 m from the solid cell .* nearest clear place is 0.2,0.25",
+        {"code": "not-clear", "y": 0.25, "distance": 0.05},
     ),
-    ([MAZE, "--radius", "0.07", "--start", "0.5,0.05"], InvalidWorld, "0.05 m from the map's edge"),
-    ([MAZE, "--scen", "none.scen"], FormatError, "none.scen: cannot be read"),
-    ([MAZE, "--scen", PROBLEMS, "--row", "231"], FormatError, "has no row 231; it has rows 1 to 230"),
-    ([MAZE, "--scen", PROBLEMS, "--start", "1,1"], InvalidParameter, "scen gives start and target"),
-    ([HALL, "--scen", PROBLEMS], InvalidParameter, "scen is for MovingAI maps"),
+    (
+        [MAZE, "--radius", "0.07", "--start", "0.5,0.05"],
+        InvalidWorld,
+        {"code": "not-clear", "y": 0.05, "distance": 0.05},
+    ),
+    ([MAZE, "--scen", "none.scen"], FormatError, {"code": "unreadable"}),
+    ([MAZE, "--scen", PROBLEMS, "--row", "231"], FormatError, {"code": "out-of-range", "row": 231, "rows": 230}),
+    ([MAZE, "--scen", PROBLEMS, "--start", "1,1"], InvalidParameter, {"code": "conflict"}),
+    ([HALL, "--scen", PROBLEMS], InvalidParameter, {"code": "conflict"}),
 ]
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize(("args", "kind", "message"), REFUSED, ids=range(len(REFUSED)))
-def test_what_cannot_be_imported_is_refused_and_nothing_is_written(tmp_path, monkeypatch, run, args, kind, message):
+@pytest.mark.parametrize(("args", "kind", "expected"), REFUSED, ids=range(len(REFUSED)))
+def test_what_cannot_be_imported_is_refused_and_nothing_is_written(tmp_path, monkeypatch, run, args, kind, expected):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "junk").write_bytes(b"\x00\x01junk")
     (tmp_path / "m.pgm").write_bytes(b"P5\n1 1\n255\n\0")
-    with pytest.raises(kind, match=message):
+    with raises(kind, **expected):
         run(*args)
     assert not (tmp_path / "w.grid").exists()
 
 
 def test_the_nearest_clear_place_of_a_message_is_clear(tmp_path, run):
-    with pytest.raises(InvalidWorld) as caught:
+    with raises(InvalidWorld, "not-clear") as caught:
         run(HALL, "--radius", "0.3", "--start", "8,3")
-    offered = str(caught.value).rpartition(" ")[2]
+    x, y = caught.value.facts["clear"]
+    offered = f"{x},{y}"
     assert run(HALL, "--radius", "0.3", "--start", offered)[0]["result"] == "reachable"
 
 

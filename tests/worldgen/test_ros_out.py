@@ -87,6 +87,6 @@ def test_a_failed_export_takes_back_what_it_wrote_and_nothing_of_another_program
         path.write_bytes(data)
 
     monkeypatch.setattr("worldgen.interop.exporting.write_bytes", write_but_not_the_first)
-    with pytest.raises(OutputError):
+    with raises(OutputError, "file-exists"):
         write_export(export, tmp_path)
     assert first.read_bytes() == b"mine" and not any(path.exists() for path in others)
