@@ -251,7 +251,7 @@ WRONG = {
     "mask": (lambda p: p.masked(rectangle(2, 2)), {"code": "wrong-shape", "width": 4, "height": 3}),
     "sticks-out": (lambda p: p.place(p, at=(1, 0)), {"code": "outside-grid", "width": 4, "height": 3, "x": 1}),
     "how": (lambda p: p.place(p, how="under"), {"code": "unknown-name", "name": "how", "value": "under"}),
-    "word": (lambda p: p.place(p, at="middle"), {"code": "wrong-form", "at": "middle"}),
+    "word": (lambda p: p.place(p, at="middle"), {"code": "unknown-name", "at": "middle"}),
     "anchor": (lambda p: p.place(p, at=(0, 0), anchor="c"), {"code": "unknown-name", "anchor": "c"}),
     "anchored": (lambda p: p.place(p, at="left", anchor="left"), {"code": "conflict", "anchor": "left", "at": "left"}),
     "half": (lambda p: p.place(p, at=(0.5, 0)), {"code": "not-a-number", "name": "at x", "value": 0.5}),
