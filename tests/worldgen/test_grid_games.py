@@ -133,7 +133,7 @@ def test_a_maze_comes_back_from_a_micromouse_file(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "expected"),
     [
-        ("######\n#S..G#\n######", {"code": "wrong-size", "width": 6, "height": 3}),
+        ("######\n#S..G#\n######", {"code": "not-a-micromouse-maze", "width": 6, "height": 3}),
         ("#####\n#S.G#\n#...#\n#...#\n#####", {"code": "not-a-maze", "ix": 2, "iy": 2}),
         ("#####\n#S..#\n###.#\n#G###\n#####", {"code": "not-a-maze", "ix": 3, "iy": 1}),
     ],
