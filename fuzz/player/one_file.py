@@ -1,4 +1,8 @@
-"""A page in one file: text, style, script and data, and nothing that a browser could load from elsewhere."""
+"""A page in one file: text, style, scripts and data, and nothing that a browser could load from elsewhere.
+
+The scripts are ES modules. Each is a ``data:`` URL, and an import map gives it the name by which the others import it.
+A module under a ``data:`` URL has no folder, so imports name modules as ``#player/dom.js``, never as ``./dom.js``.
+"""
 
 from __future__ import annotations
 
@@ -6,38 +10,61 @@ import base64
 import hashlib
 import html
 import json
+from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
-from fuzz.player.sources import script, style
+from fuzz.player.sources import player_modules, style
 
-__all__ = ["one_file"]
+__all__ = ["one_file", "policy_source"]
 
 
-def one_file(body: str, title: str, *, styles: str, scripts: str, data: dict[str, Any]) -> bytes:
-    """The page, which lets a browser run this very script and use this style, and load nothing at all.
+def one_file(
+    body: str,
+    title: str,
+    *,
+    styles: str,
+    scripts: Mapping[str, str],
+    start: str,
+    data: dict[str, Any],
+) -> bytes:
+    """Return the page, which lets a browser run these very scripts and use this style, and load nothing at all.
 
     Args:
         body: What the page shows, as HTML; ``@@TITLE@@`` in it is the title.
         title: Of the page, as plain text.
-        styles: CSS beside the player's.
-        scripts: JavaScript after the player's, in one scope with it.
-        data: What the script reads as JSON.
+        styles: CSS that follows the player's.
+        scripts: Text of each module besides the player's, by the name that imports give it.
+        start: Name of the module that starts the page.
+        data: What the scripts read as JSON.
     """
     styles = style() + styles
-    scripts = "(() => {\n'use strict';\n" + script() + "\n" + scripts + "\n})();\n"
+    urls = {name: _data_url(text) for name, text in (player_modules() | dict(scripts)).items()}
     filled = {
-        "POLICY": "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; "
-        f"script-src {_source(scripts)}; style-src {_source(styles)}",
         "TITLE": html.escape(title.encode("utf-8", "replace").decode("utf-8")),
         "STYLE": styles,
-        "SCRIPT": scripts,
+        "IMPORTS": json.dumps({"imports": urls}, separators=(",", ":")),
+        "START": f'import "{start}";',
         "DATA": json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
     }
+
+    # What a module imports may run if its importer has the policy's nonce. No text in the page can hold a nonce that
+    # is a digest of that text, so nothing that a failure's file says can run, and equal pages get equal bytes.
+    nonce = hashlib.sha256("\0".join([body, *filled.values()]).encode("utf-8")).hexdigest()[:32]
+    filled["NONCE"] = nonce
+    filled["POLICY"] = (
+        "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; "
+        f"script-src 'nonce-{nonce}'; style-src {policy_source(styles)}"
+    )
     template = (files("fuzz.player") / "one_file.html").read_text("utf-8").replace("@@BODY@@", body)
     return "".join(filled.get(piece, piece) for piece in template.split("@@")).encode("utf-8")
 
 
-def _source(text: str) -> str:
-    """How the policy names a script or style of the page: by its SHA-256."""
+def policy_source(text: str) -> str:
+    """Return how a Content-Security-Policy names an inline script or style: by its SHA-256."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode('utf-8')).digest()).decode('ascii')}'"
+
+
+def _data_url(script: str) -> str:
+    """Return an address that is the script itself."""
+    return f"data:text/javascript;base64,{base64.b64encode(script.encode('utf-8')).decode('ascii')}"

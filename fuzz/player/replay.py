@@ -7,6 +7,7 @@ from importlib.resources import files
 from typing import Any
 
 from fuzz.player.one_file import one_file
+from fuzz.player.sources import modules
 
 __all__ = ["replay_page"]
 
@@ -21,6 +22,8 @@ def replay_page(title: str, world: dict[str, Any] | None, robots: Sequence[dict[
             and ``run`` and ``sensors`` as the player draws them.
     """
     folder = files("fuzz.player") / "replay_page"
-    body, styles, scripts = ((folder / name).read_text("utf-8") for name in ("body.html", "style.css", "start.js"))
+    body = (folder / "body.html").read_text("utf-8")
+    styles = (folder / "style.css").read_text("utf-8")
+    scripts = modules(folder, "#replay/")
     data = {"title": title, "world": world, "robots": list(robots)}
-    return one_file(body, title, styles=styles, scripts=scripts, data=data)
+    return one_file(body, title, styles=styles, scripts=scripts, start="#replay/start.js", data=data)

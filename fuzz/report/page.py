@@ -11,6 +11,7 @@ from typing import Any
 
 from fuzz.corpus import Entry
 from fuzz.player import drawn_run, drawn_world, one_file, sensors_of
+from fuzz.player.sources import modules
 from fuzz.report.gather import Seen, Subject, gather, look_at
 from fuzz.report.numbers import groups
 from fuzz.report.summary import Summary
@@ -133,9 +134,9 @@ def _campaign(summary: Summary) -> dict[str, Any]:
 
 
 def _page(title: str, data: dict[str, Any]) -> bytes:
-    """The page with the report's own text, style and script."""
+    """The page with the report's own text, style and scripts."""
     folder = files("fuzz.report") / "page"
-    names = sorted(part.name for part in folder.iterdir() if part.name.endswith(".js"))  # start.js comes last
-    scripts = "\n".join((folder / name).read_text("utf-8") for name in names)
-    body, styles = ((folder / name).read_text("utf-8") for name in ("body.html", "style.css"))
-    return one_file(body, title, styles=styles, scripts=scripts, data=data)
+    body = (folder / "body.html").read_text("utf-8")
+    styles = (folder / "style.css").read_text("utf-8")
+    scripts = modules(folder, "#report/")
+    return one_file(body, title, styles=styles, scripts=scripts, start="#report/start.js", data=data)

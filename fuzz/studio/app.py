@@ -16,7 +16,7 @@ from starlette.types import ASGIApp
 from starlette.websockets import WebSocket
 
 from fuzz.studio.folder import Folder
-from fuzz.studio.gate import SUBPROTOCOL, Gate, Guarded
+from fuzz.studio.gate import IMPORTS, SUBPROTOCOL, Gate, Guarded
 from fuzz.studio.lanes import LANES, Lane
 from fuzz.studio.session import Session
 from fuzz.studio.watching import Watching
@@ -36,7 +36,8 @@ def _parts() -> dict[str, bytes]:
         for part in (files(package) / "page").iterdir():
             if part.name.endswith(tuple(_KINDS)):
                 found[f"/{address}/{part.name}"] = part.read_bytes()
-    return found | {"/": found["/studio/index.html"]}
+    page = found["/studio/index.html"].replace(b"@@IMPORTS@@", IMPORTS.encode("ascii"))
+    return found | {"/": page, "/studio/index.html": page}
 
 
 @dataclass(frozen=True)

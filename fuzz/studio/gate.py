@@ -21,10 +21,15 @@ from starlette.datastructures import Headers, MutableHeaders, QueryParams
 from starlette.responses import PlainTextResponse, RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-__all__ = ["LOOPBACK", "SUBPROTOCOL", "Gate", "Guarded"]
+from fuzz.player.one_file import policy_source
+
+__all__ = ["IMPORTS", "LOOPBACK", "SUBPROTOCOL", "Gate", "Guarded"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
 SUBPROTOCOL = "worldgen-studio"
+IMPORTS = '{"imports":{"#player/":"/player/"}}'
+"""The page's import map: where a browser finds what a module imports as ``#player/dom.js``."""
+_IMPORTS_SOURCE = policy_source(IMPORTS)
 _ANY = ("0.0.0.0", "::")
 _UNSAID = 80  # the port that browsers leave out
 _REFUSED = (
@@ -118,9 +123,12 @@ class Gate:
         return _are_same(said, self.token)
 
     def headers(self, said_host: str) -> dict[str, str]:
-        """What every answer tells the browser: nothing of other hosts, no script or style in the page's own text."""
+        """Return what every answer tells the browser.
+
+        No script or style comes from other hosts, and none is in the page's text but the import map.
+        """
         policy = (
-            "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+            f"default-src 'none'; script-src 'self' {_IMPORTS_SOURCE}; style-src 'self'; img-src 'self' data: blob:; "
             f"connect-src 'self' ws://{said_host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
         )
         return {

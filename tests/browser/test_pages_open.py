@@ -23,6 +23,28 @@ def test_a_report_opens_from_disk_and_plays(browser, tmp_path):
         assert page.complaints == []
 
 
+@pytest.mark.gate
+@pytest.mark.parametrize("made", ["source", "text", "module"])
+def test_a_script_that_gets_into_a_report_is_not_run(browser, tmp_path, made):
+    code = "document.title = 'broken'"
+    set_up = {
+        "source": f"script.src = {'data:text/javascript,' + code!r};",
+        "text": f"script.textContent = {code!r};",
+        "module": f"script.type = 'module'; script.src = {'data:text/javascript,' + code!r};",
+    }
+    write_report([campaign_folder(tmp_path / "failures")], tmp_path / "report.html")
+    with page_in(browser) as page:
+        page.goto((tmp_path / "report.html").as_uri())
+        page.evaluate(f"""new Promise((done) => {{
+            const script = document.createElement("script");
+            script.onload = script.onerror = () => done();
+            {set_up[made]}
+            document.body.append(script);
+            if (!script.src) done();  // its text has run by now, if it is run at all
+        }})""")
+        assert page.title() != "broken"
+
+
 @pytest.mark.nightly
 def test_the_studio_opens_draws_and_proves(browser, tmp_path):
     with studio_of(tmp_path) as gate, opened(browser, gate) as page:

@@ -16,10 +16,12 @@ from worldgen.grid_file import read_world
 
 pytestmark = pytest.mark.skipif(bool(missing_node()), reason=missing_node() or "-")
 
-FAILURE = Path(__file__).parents[2] / "corpora" / "thesis-faults" / "thesis-1-loop-104.grid"
+REPOSITORY = Path(__file__).parents[2]
+PLAYER = REPOSITORY / "fuzz" / "player" / "page"
+FAILURE = REPOSITORY / "corpora" / "thesis-faults" / "thesis-1-loop-104.grid"
 
 
-@pytest.mark.nightly
+@pytest.mark.gate
 def test_the_pages_scripts_pass_their_own_tests():
     done = run_tests()
     assert done.returncode == 0, done.stdout[-20_000:]
@@ -29,9 +31,8 @@ def test_the_pages_scripts_pass_their_own_tests():
 def test_a_fault_in_a_script_fails_its_tests(tmp_path):
     (tmp_path / "wrong.test.mjs").write_text(
         f"""import {{ test }} from "node:test";
-            import {{ player }} from "{(FOLDER / "pages.mjs").as_uri()}";
-            import {{ element }} from "{(FOLDER / "stand_in.mjs").as_uri()}";
-            const {{ keyButton }} = await player("dom");
+            import "{(FOLDER / "stand_in.mjs").as_uri()}";
+            import {{ keyButton }} from "{(PLAYER / "dom.js").as_uri()}";
             const fault = () => {{ throw new Error("here"); }};
             test("a listener that throws", () => keyButton("x", "x", "x", fault).click());
         """

@@ -2,13 +2,11 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { studio } from "./pages.mjs";
 import { element, point, press } from "./stand_in.mjs";
-
-const { Model, emptyWorld } = await studio("model");
-const { makeBoard } = await studio("board");
-const { makeTools } = await studio("tools");
-const { listenToBoard } = await studio("pointer");
+import { makeBoard } from "#studio/board.js";
+import { Model, emptyWorld } from "#studio/model.js";
+import { listenToBoard } from "#studio/pointer.js";
+import { makeTools } from "#studio/tools.js";
 
 const BORDER = 156; // solid cells of an empty world of 40 x 40
 

@@ -2,12 +2,10 @@
 
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { studio } from "./pages.mjs";
 import { tick, type } from "./stand_in.mjs";
-
-const { makeStatus } = await studio("campaign_status");
-const { makeForm } = await studio("campaign_form");
-const { Model, emptyWorld } = await studio("model");
+import { makeForm } from "#studio/campaign_form.js";
+import { makeStatus } from "#studio/campaign_status.js";
+import { Model, emptyWorld } from "#studio/model.js";
 
 const RUNNING = {
   folder: "mine", controller: "turn-right", motion: "swept", seed: "1", worlds: 900, steps: 2_345_678, seconds: 3, running: true, error: null, status: "running",

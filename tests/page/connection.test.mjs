@@ -2,10 +2,9 @@
 
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { studio } from "./pages.mjs";
-
-const { Ended, makeConnection } = await studio("connection");
-const { Refused } = await studio("refusals");
+import "./stand_in.mjs";
+import { Ended, makeConnection } from "#studio/connection.js";
+import { Refused } from "#studio/refusals.js";
 
 const sockets = [];
 const waits = [];

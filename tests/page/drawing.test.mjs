@@ -2,18 +2,17 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { player } from "./pages.mjs";
+import "./stand_in.mjs";
+import { cellsAt } from "#player/decode.js";
+import { drawLine } from "#player/long_line.js";
+import { drawScene, pictureLabel } from "#player/map.js";
+import { drawMemory, memoryFacts } from "#player/memory.js";
+import { drawNumbers } from "#player/numbers.js";
+import { penFor } from "#player/pen.js";
+import { drawPierced } from "#player/pierced.js";
+import { drawSenses } from "#player/senses.js";
+import { drawTouched } from "#player/touched.js";
 import { numbers, roomOf, runOf } from "./samples.mjs";
-
-const { penFor } = await player("pen");
-const { drawScene, pictureLabel } = await player("map");
-const { drawLine } = await player("long_line");
-const { drawMemory, memoryFacts } = await player("memory");
-const { drawNumbers } = await player("numbers");
-const { drawPierced } = await player("pierced");
-const { drawSenses } = await player("senses");
-const { drawTouched } = await player("touched");
-const { cellsAt } = await player("decode");
 
 const SHOW = { trail: true, touched: true, sensors: true, signal: true, memory: true, witness: true };
 

@@ -2,12 +2,11 @@
 
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { studio } from "./pages.mjs";
-
-const { Recent } = await studio("recent");
-const { keep, keptOf } = await studio("kept");
-const { Model, emptyWorld, messageOf } = await studio("model");
-const { proofWords } = await studio("proof");
+import "./stand_in.mjs";
+import { keep, keptOf } from "#studio/kept.js";
+import { Model, emptyWorld, messageOf } from "#studio/model.js";
+import { proofWords } from "#studio/proof.js";
+import { Recent } from "#studio/recent.js";
 
 const DRAFT = "worldgen-studio-draft-";
 const held = new Set(); // the locks of tabs that are there

@@ -2,12 +2,10 @@
 
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { studio } from "./pages.mjs";
 import { element, press } from "./stand_in.mjs";
-
-const { listen } = await studio("keys");
-const { TOOLS } = await studio("tools");
-const { showTabs } = await studio("fields");
+import { showTabs } from "#studio/fields.js";
+import { listen } from "#studio/keys.js";
+import { TOOLS } from "#studio/tools.js";
 
 const done = [];
 const note = (what) => () => done.push(what);

@@ -2,9 +2,8 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { studio } from "./pages.mjs";
-
-const { Model, bordered, emptyWorld, markAt, messageOf, resized, worldOf } = await studio("model");
+import "./stand_in.mjs";
+import { Model, bordered, emptyWorld, markAt, messageOf, resized, worldOf } from "#studio/model.js";
 
 function drawing(width = 40, height = 40) {
   const changes = [];

@@ -2,16 +2,14 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { player } from "./pages.mjs";
-import { roomOf, runOf } from "./samples.mjs";
 import { element, frame, press } from "./stand_in.mjs";
-
-const { buildPlayer } = await player("controls");
-const { usualSpeed } = await player("player");
-const { cameraKeys, clockKeys, keepsKey, layerKeys } = await player("keys");
-const { sceneOf, showInstruments, showRobots } = await player("robots");
-const { breakable, grouped, plural } = await player("dom");
-const { rangeOf, rounded, short } = await player("archive");
+import { rangeOf, rounded, short } from "#player/archive.js";
+import { buildPlayer } from "#player/controls.js";
+import { breakable, grouped, plural } from "#player/dom.js";
+import { cameraKeys, clockKeys, keepsKey, layerKeys } from "#player/keys.js";
+import { usualSpeed } from "#player/player.js";
+import { sceneOf, showInstruments, showRobots } from "#player/robots.js";
+import { roomOf, runOf } from "./samples.mjs";
 
 const world = roomOf(9, 5);
 const MARKS = [{ step: 29, kind: "entry", name: "Entry", text: "the loop is entered" }];

@@ -2,10 +2,9 @@
 
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { report } from "./pages.mjs";
 import { element, press, type } from "./stand_in.mjs";
-
-const page = await report();
+import { makeCampaign } from "#report/charts.js";
+import { makeOverview } from "#report/overview.js";
 
 function failure(id, verdict, solid, more = {}) {
   const now = { size: "9 x 3", solid, events: 0, run: { steps: 10 * solid, loop: null }, world: null };
@@ -18,7 +17,7 @@ let list;
 beforeEach(() => {
   list = element("overview");
   list.replaceChildren();
-  page.makeOverview(list, FAILURES);
+  makeOverview(list, FAILURES);
 });
 
 const cards = () => list.querySelectorAll(".card").map((card) => card.id.slice(5));
@@ -67,7 +66,7 @@ test("a card says what it is, and that it was not confirmed here", () => {
 test("names of strangers are only text", () => {
   list.replaceChildren();
   const hostile = "<img src=x onerror=alert(1)></script>";
-  page.makeOverview(list, [failure("one", "loop", 20, { kind: hostile })]);
+  makeOverview(list, [failure("one", "loop", 20, { kind: hostile })]);
   assert.equal(list.querySelector(".kind").textContent, hostile);
   assert.equal(list.querySelectorAll("img, script").length, 0);
 });
@@ -98,7 +97,7 @@ const CAMPAIGN = {
 function charts(campaigns = [CAMPAIGN]) {
   const place = element("campaign");
   place.replaceChildren();
-  page.makeCampaign(place, campaigns, [failure("one", "loop", 20, { campaign: 0 })]);
+  makeCampaign(place, campaigns, [failure("one", "loop", 20, { campaign: 0 })]);
   return place;
 }
 

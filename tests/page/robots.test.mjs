@@ -2,14 +2,12 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { studio } from "./pages.mjs";
 import { tick, type } from "./stand_in.mjs";
-
-const { makeRobots } = await studio("robots");
-const { makeSettings } = await studio("settings");
-const { sizePart } = await studio("size_form");
-const { Refused } = await studio("refusals");
-const { Model, emptyWorld } = await studio("model");
+import { Model, emptyWorld } from "#studio/model.js";
+import { Refused } from "#studio/refusals.js";
+import { makeRobots } from "#studio/robots.js";
+import { makeSettings } from "#studio/settings.js";
+import { sizePart } from "#studio/size_form.js";
 
 const both = { thesis: true, lattice: true, fault: null, named: false, motion: "swept" };
 const CONTROLLERS = [

@@ -2,11 +2,10 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { studio } from "./pages.mjs";
-
-const { KEEP, STAMPS, brushBox, flipped, floodCells, lineCells, mirrored, patternIn, rectangleBoxes, rectangleOf, turned } = await studio("shapes");
-const { Model, emptyWorld } = await studio("model");
-const { withSelection } = await studio("selection");
+import "./stand_in.mjs";
+import { Model, emptyWorld } from "#studio/model.js";
+import { withSelection } from "#studio/selection.js";
+import { KEEP, STAMPS, brushBox, flipped, floodCells, lineCells, mirrored, patternIn, rectangleBoxes, rectangleOf, turned } from "#studio/shapes.js";
 
 const L = { width: 2, height: 3, cells: Uint8Array.from([1, 1, 1, 0, 1, 0]) }; // as the letter, seen from above: rows go up
 

@@ -412,6 +412,7 @@ Object.assign(globalThis, {
     }
   },
   window: { devicePixelRatio: 1 },
+  innerWidth: 1280,
   innerHeight: 900,
   location: { host: "studio.test", search: "", hash: "", pathname: "/" },
   getComputedStyle: () => ({ getPropertyValue: (name) => name.slice(2) }), // a colour is its own name

@@ -7,15 +7,13 @@ from pathlib import Path
 import pytest
 
 FUZZ = Path(__file__).parents[2] / "fuzz"
-PLAYER, STUDIO = FUZZ / "player" / "page", FUZZ / "studio" / "page"
-REPORT = sorted((FUZZ / "report" / "page").glob("*.js"))  # no modules: these follow the player's in one script
-REPLAY = FUZZ / "player" / "replay_page" / "start.js"  # likewise
-MODULES = [*sorted(PLAYER.glob("*.js")), *sorted(STUDIO.glob("*.js"))]
-PAGES = {"report": [*sorted(PLAYER.glob("*.js")), *REPORT], "replay": [*sorted(PLAYER.glob("*.js")), REPLAY]}
+PLAYER = FUZZ / "player" / "page"
+FOLDERS = [PLAYER, FUZZ / "player" / "replay_page", FUZZ / "report" / "page", FUZZ / "studio" / "page"]
+MODULES = [module for folder in FOLDERS for module in sorted(folder.glob("*.js"))]
 
 IMPORT = re.compile(r'^import \{([^}]*)\} from "([^"]+)";', re.MULTILINE)
 DECLARED = r"(?:async )?(?:function|class|const|let) (\w+)"
-each_module = pytest.mark.parametrize("module", MODULES, ids=lambda path: f"{path.parts[-3]}/{path.name}")
+each_module = pytest.mark.parametrize("module", MODULES, ids=lambda path: "/".join(path.parts[-3:]))
 
 
 @functools.cache
@@ -27,7 +25,7 @@ def code(path):
 def imported(path):
     """Pairs of a module and a name that comes from there."""
     for names, source in IMPORT.findall(code(path)):
-        folder = PLAYER if source.startswith("/player/") else path.parent
+        folder = PLAYER if source.startswith("#player/") else path.parent
         for name in re.findall(r"\w+", names):
             yield folder / Path(source).name, name
 
@@ -72,21 +70,14 @@ def test_no_module_leads_back_to_itself(module):
 @each_module
 def test_what_a_module_exports_is_used_elsewhere(module):
     used = {name for other in MODULES for source, name in imported(other) if source == module}
-    plain = "\n".join(map(code, [*REPORT, REPLAY])) if module.parent == PLAYER else ""
-    assert [name for name in exported(module) if name not in used and times(plain, name) == 0] == []
+    assert [name for name in exported(module) if name not in used] == []
 
 
-@pytest.mark.parametrize("scripts", [[module] for module in MODULES] + [REPORT], ids=lambda paths: paths[0].name)
-def test_what_is_declared_is_used(scripts):
-    whole = "\n".join(map(code, scripts))
-    kept = {name for path in scripts for name in exported(path)}
-    assert [name for name in declared(whole) if name not in kept and times(whole, name) < 2] == []
-
-
-@pytest.mark.parametrize("page", PAGES)
-def test_no_name_is_there_twice_in_what_becomes_one_script(page):
-    names = [name for path in PAGES[page] for name in declared(code(path))]
-    assert sorted({name for name in names if names.count(name) > 1}) == []
+@each_module
+def test_what_is_declared_is_used(module):
+    script = code(module)
+    kept = set(exported(module))
+    assert [name for name in declared(script) if name not in kept and times(script, name) < 2] == []
 
 
 @pytest.mark.gate

@@ -1,6 +1,6 @@
 // The archive of behaviours as a map: one square for each kind, stronger where its best run has a higher quality.
 
-import { svg } from "./dom.js";
+import { svg } from "#player/dom.js";
 
 // What lies between two edges; the first and the last cell are open.
 export function rangeOf(edges, k) {

@@ -1,8 +1,8 @@
 // The robot at a time, and the others beside it.
 
-import { poseAt, rowAt, stepWithin } from "./decode.js";
-import { ring, stroke } from "./pen.js";
-import { drawOtherTrail } from "./trail.js";
+import { poseAt, rowAt, stepWithin } from "#player/decode.js";
+import { ring, stroke } from "#player/pen.js";
+import { drawOtherTrail } from "#player/trail.js";
 
 export function bodyRadius(pen, world) {
   return Math.max(world.radius, 3 / pen.scale);

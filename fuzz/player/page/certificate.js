@@ -1,7 +1,7 @@
 // The certificate of a world: its witness, or the cut that parts the target from the start.
 
-import { openWorld } from "./decode.js";
-import { disc, line, stroke } from "./pen.js";
+import { openWorld } from "#player/decode.js";
+import { disc, line, stroke } from "#player/pen.js";
 
 const CASING = 5; // pixels: the way and the cut stand out from what lies below them, whatever the eye makes of its colour
 

@@ -1,10 +1,10 @@
 // What stands under the stage: the bar to scrub along, the clock's buttons, layers, the camera.
 
-import { openWorld } from "./decode.js";
-import { choice, el, grouped, icon, keyButton, svg } from "./dom.js";
-import { hasMap } from "./memory.js";
-import { SPEEDS, makePlayer, usualSpeed } from "./player.js";
-import { saveMenu } from "./saving.js";
+import { openWorld } from "#player/decode.js";
+import { choice, el, grouped, icon, keyButton, svg } from "#player/dom.js";
+import { hasMap } from "#player/memory.js";
+import { SPEEDS, makePlayer, usualSpeed } from "#player/player.js";
+import { saveMenu } from "#player/saving.js";
 
 export const LAYERS = {
   trail: ["Trail", "t"],

@@ -1,6 +1,6 @@
 // Where a way begins and where it shall end.
 
-import { disc, ring, stroke } from "./pen.js";
+import { disc, ring, stroke } from "#player/pen.js";
 
 export function drawTarget(pen, world) {
   const [x, y, radius] = world.target;

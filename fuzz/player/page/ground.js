@@ -1,8 +1,8 @@
 // What a run is drawn on: floor, walls, flames, the grid and the signal.
 
-import { BURNING, SOLID } from "./decode.js";
-import { drawManyCells } from "./many_cells.js";
-import { rimOf } from "./pen.js";
+import { BURNING, SOLID } from "#player/decode.js";
+import { drawManyCells } from "#player/many_cells.js";
+import { rimOf } from "#player/pen.js";
 
 export function drawGround(pen, world, cells, scene) {
   const { context, px, py, colours } = pen;

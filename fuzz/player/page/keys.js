@@ -1,7 +1,7 @@
 // What the keys do while a player is on the page, and the dialog that tells what they do.
 
-import { LAYERS, jumpTo, nextMark, playPeriod, stepBy, toggleFollow } from "./controls.js";
-import { byId, el } from "./dom.js";
+import { LAYERS, jumpTo, nextMark, playPeriod, stepBy, toggleFollow } from "#player/controls.js";
+import { byId, el } from "#player/dom.js";
 
 /* Opens the page's dialog of keys, <dialog id="keys" aria-labelledby="keys-title">. */
 export function openKeys(...tables) {

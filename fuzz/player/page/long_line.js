@@ -4,7 +4,7 @@
    not. So a long line is drawn a pixel wide, and then made wider by copies of the whole picture, each a little aside:
    that costs the same however long the line is, and a frame of which nothing is kept is no wait either. */
 
-import { line, seen, stroke } from "./pen.js";
+import { line, seen, stroke } from "#player/pen.js";
 
 const LONG = 300; // corners in sight; a shorter line is drawn anew in each frame
 const MORE = 2_000; // rows that are added to a picture; with more of them it is made anew

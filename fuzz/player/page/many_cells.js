@@ -1,6 +1,6 @@
 // Cells of a large world, of which many share a pixel: a picture of one pixel a cell, made once and drawn in one go.
 
-import { BURNING, SOLID } from "./decode.js";
+import { BURNING, SOLID } from "#player/decode.js";
 
 const MANY = 100_000; // cells in the window; fewer are drawn one by one, with sharp edges
 const pictures = new WeakMap(); // by the array of cells

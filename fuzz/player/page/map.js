@@ -1,18 +1,18 @@
 // A world and a run at one time, drawn on a canvas, layer by layer.
 
-import { bodyRadius, drawOther, drawRobot } from "./body.js";
-import { drawCertificate } from "./certificate.js";
-import { cellsAt, poseAt, stepWithin } from "./decode.js";
-import { grouped, plural } from "./dom.js";
-import { drawStart, drawTarget } from "./ends.js";
-import { drawGround } from "./ground.js";
-import { drawMemory } from "./memory.js";
-import { drawNumbers } from "./numbers.js";
-import { disc, penFor } from "./pen.js";
-import { drawPierced } from "./pierced.js";
-import { drawSenses } from "./senses.js";
-import { drawTouched } from "./touched.js";
-import { drawTrail } from "./trail.js";
+import { bodyRadius, drawOther, drawRobot } from "#player/body.js";
+import { drawCertificate } from "#player/certificate.js";
+import { cellsAt, poseAt, stepWithin } from "#player/decode.js";
+import { grouped, plural } from "#player/dom.js";
+import { drawStart, drawTarget } from "#player/ends.js";
+import { drawGround } from "#player/ground.js";
+import { drawMemory } from "#player/memory.js";
+import { drawNumbers } from "#player/numbers.js";
+import { disc, penFor } from "#player/pen.js";
+import { drawPierced } from "#player/pierced.js";
+import { drawSenses } from "#player/senses.js";
+import { drawTouched } from "#player/touched.js";
+import { drawTrail } from "#player/trail.js";
 
 /* What is drawn:
      world, run      as the page's data has them; run may be missing

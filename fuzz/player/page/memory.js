@@ -1,7 +1,7 @@
 // What a controller remembers: named numbers, and its map at the time that is shown.
 
-import { UNIT, numbersOf, opened, rowAt } from "./decode.js";
-import { stroke } from "./pen.js";
+import { UNIT, numbersOf, opened, rowAt } from "#player/decode.js";
+import { stroke } from "#player/pen.js";
 
 const BLOCKED_LINE = 0,
   HELD_CELL = 1,

@@ -1,7 +1,7 @@
 // Robots' numbers, beside them and along their ways: for those to whom the colours look alike.
 
-import { bodyRadius } from "./body.js";
-import { openRun, poseAt, rowAt, stepWithin } from "./decode.js";
+import { bodyRadius } from "#player/body.js";
+import { openRun, poseAt, rowAt, stepWithin } from "#player/decode.js";
 
 const FIRST = 6; // cells driven before the first number on a way; the next ones stand at twice that, and so on
 const APART = 18; // pixels between two numbers on ways, and to a robot

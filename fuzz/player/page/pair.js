@@ -1,6 +1,6 @@
 // A run beside another one in the same stage, played in step: the other on the left, as it was before.
 
-import { el } from "./dom.js";
+import { el } from "#player/dom.js";
 
 /* Makes room for another drawn run in a stage, or takes it away; gives what the player wants as `beside`.
      other     { world, run, sensors }, or null

@@ -1,7 +1,7 @@
 // Walls that a robot goes into: which cells, when, and where. Red with stripes and a cross, so that colour is not all.
 
-import { SOLID, cellsAt, openRun, poseAt, stateAt } from "./decode.js";
-import { stroke } from "./pen.js";
+import { SOLID, cellsAt, openRun, poseAt, stateAt } from "#player/decode.js";
+import { stroke } from "#player/pen.js";
 
 const TOLERANCE = 0.1; // cells: a shallower cut of the disc is not reported by any motion model
 const FURTHEST = 6; // cells: of a larger robot only the cells that its centre enters are looked for

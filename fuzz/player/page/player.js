@@ -1,8 +1,8 @@
 // The replay: a clock in steps, and a canvas that shows the run at that time.
 
-import { poseAt, stepWithin } from "./decode.js";
-import { drawScene } from "./map.js";
-import { fitView } from "./pen.js";
+import { poseAt, stepWithin } from "#player/decode.js";
+import { drawScene } from "#player/map.js";
+import { fitView } from "#player/pen.js";
 
 export const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 25, 100, 500];
 const SECONDS = 12; // that a replay takes at most, unless asked otherwise

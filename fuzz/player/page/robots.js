@@ -1,8 +1,8 @@
 // Several robots in one world: which is in front, what became of each, what the instruments of that one say.
 
-import { behaviourAt, poseAt, rowAt, stepWithin } from "./decode.js";
-import { breakable, el, grouped, verdictDot } from "./dom.js";
-import { memoryFacts } from "./memory.js";
+import { behaviourAt, poseAt, rowAt, stepWithin } from "#player/decode.js";
+import { breakable, el, grouped, verdictDot } from "#player/dom.js";
+import { memoryFacts } from "#player/memory.js";
 
 // What the player draws with one robot in front of the others; each has its colour by its place in the list.
 export function sceneOf(world, robots, number) {

@@ -1,9 +1,9 @@
 // What the player shows, as files that the browser keeps: a picture of this moment, a film of the whole run;
 // of two runs side by side both in one.
 
-import { el, say } from "./dom.js";
-import { palette } from "./pen.js";
-import { usualSpeed } from "./player.js";
+import { el, say } from "#player/dom.js";
+import { palette } from "#player/pen.js";
+import { usualSpeed } from "#player/player.js";
 
 const FILMS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"];
 const FILM_RATE = 30; // frames a second

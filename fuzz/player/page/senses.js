@@ -2,8 +2,8 @@
 // target's bearing.
 // Source: John Amanatides and Andrew Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
 
-import { SOLID, stateAt } from "./decode.js";
-import { stroke } from "./pen.js";
+import { SOLID, stateAt } from "#player/decode.js";
+import { stroke } from "#player/pen.js";
 
 function beamHeadings(heading, sensors) {
   const { beams, field } = sensors;

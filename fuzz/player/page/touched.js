@@ -1,7 +1,7 @@
 // Walls that the robot touches: which cells, and since when.
 
-import { SOLID, cellsAt, openRun, stateAt } from "./decode.js";
-import { rimOf } from "./pen.js";
+import { SOLID, cellsAt, openRun, stateAt } from "#player/decode.js";
+import { rimOf } from "#player/pen.js";
 
 // The wall cells that the robot touches, each with the step in which it first did: those nearest to its disc at a bump.
 function touchedCells(world, run) {

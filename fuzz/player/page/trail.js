@@ -1,8 +1,8 @@
 // The way of the robot: ahead faint, driven strong.
 
-import { openRun, poseAt, rowAt } from "./decode.js";
-import { drawLine } from "./long_line.js";
-import { line, stroke } from "./pen.js";
+import { openRun, poseAt, rowAt } from "#player/decode.js";
+import { drawLine } from "#player/long_line.js";
+import { line, stroke } from "#player/pen.js";
 
 const RECENT = 300; // rows of a long way that are drawn strongest
 

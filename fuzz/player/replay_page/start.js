@@ -1,5 +1,11 @@
 // The page of one world: its robots, each of which can be put in front, and the player.
 
+import { buildPlayer, dragToMove } from "#player/controls.js";
+import { byId, el } from "#player/dom.js";
+import { cameraKeys, clockKeys, layerKeys } from "#player/keys.js";
+import { sceneOf, showInstruments, showRobots } from "#player/robots.js";
+import { followSystem } from "#player/theme.js";
+
 const data = JSON.parse(byId("data").textContent);
 const canvas = el("canvas", { id: "stage", role: "img" });
 const under = el("div", { class: "under" }),

@@ -1,5 +1,9 @@
 // How a campaign went: what was found when, by which lane, and the archive of behaviours. Each picture has its table.
 
+import { archivePlot, rangeOf, rounded, short } from "#player/archive.js";
+import { choice, el, grouped, plural, svg, verdictDot } from "#player/dom.js";
+import { compareText } from "#report/overview.js";
+
 // As wide as the window lets it, so that its words are as large as the others.
 const PLOT = {
   width: Math.max(300, Math.min(640, innerWidth - 60)),
@@ -12,7 +16,7 @@ const PLOT = {
 const UNLINKED = "Classes without a link have no failure here: shrinking may have led to another class.";
 const AXES = { worlds: "worlds tried", steps: "steps simulated", seconds: "seconds" };
 
-function makeCampaign(section, campaigns, failures) {
+export function makeCampaign(section, campaigns, failures) {
   section.append(
     ...campaigns.map((campaign, index) => campaignPart(campaign, linksOf(failures, index), campaigns.length > 1)),
   );
@@ -220,7 +224,7 @@ function barChart(title, what, counts, nameOf, noteOf, coloured = false) {
   );
 }
 
-function table(heads, rows) {
+export function table(heads, rows) {
   const head = el(
     "tr",
     {},
@@ -237,4 +241,24 @@ function table(heads, rows) {
 
 function tableBehind(title, heads, rows) {
   return el("details", {}, el("summary", {}, title), table(heads, rows));
+}
+
+// The archive of behaviours, with its table.
+function archiveChart(archive) {
+  if (!archive) return null;
+  const [across, up] = archive.names,
+    [columns, rows] = archive.edges.map((edges) => edges.length + 1);
+  const note = `${plural(archive.cells.length, "kind")} of behaviour of ${grouped(columns * rows)}; the stronger, the higher its quality; letters begin the verdicts of runs that did not arrive.`;
+  const cells = archive.cells.map(([i, j, quality, verdict]) => [
+    rangeOf(archive.edges[0], i),
+    rangeOf(archive.edges[1], j),
+    rounded(quality),
+    verdict,
+  ]);
+  return chart(
+    `Archive: ${across} and ${up}`,
+    note,
+    archivePlot(archive, PLOT),
+    tableBehind("Table of the archive", [across, up, "quality", "verdict"], cells),
+  );
 }

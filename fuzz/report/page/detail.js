@@ -1,6 +1,14 @@
 // One failure: its replay, the world before and after shrinking, numbers, the line that replays it, its file.
 
-function makeDetail(section, failure, neighbours) {
+import { buildPlayer, dragToMove } from "#player/controls.js";
+import { BURNING, openWorld } from "#player/decode.js";
+import { byId, el, grouped, plural, say, verdictDot } from "#player/dom.js";
+import { drawSmall, pictureLabel } from "#player/map.js";
+import { hasMap } from "#player/memory.js";
+import { besideIn } from "#player/pair.js";
+import { table } from "#report/charts.js";
+
+export function makeDetail(section, failure, neighbours) {
   const canvas = el("canvas", { id: "stage", role: "img" });
   const under = el("div"),
     stage = el("div", { class: "stage" }, canvas),

@@ -1,5 +1,8 @@
 // The failures as cards, filtered, ordered and in groups.
 
+import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
+import { drawSmall, pictureLabel } from "#player/map.js";
+
 const ORDERS = {
   class: ["Class", (a, b) => compareText(a.verdict, b.verdict) || compareText(a.kind, b.kind)],
   small: ["Smallest first", (a, b) => a.solid - b.solid || a.cells - b.cells],
@@ -14,7 +17,7 @@ const GROUPS = {
   none: ["Nothing", () => ""],
 };
 
-function compareText(a, b) {
+export function compareText(a, b) {
   return a < b ? -1 : a > b ? 1 : 0;
 }
 
@@ -22,7 +25,7 @@ function stepsOf(failure) {
   return failure.now.run ? failure.now.run.steps : 0;
 }
 
-function makeOverview(section, failures) {
+export function makeOverview(section, failures) {
   const wanted = { text: "", verdicts: new Set(), controller: "", order: "class", group: "verdict" };
   const list = el("div", { class: "groups" });
   const count = el("span", { class: "quiet", role: "status" });
@@ -50,7 +53,7 @@ function makeOverview(section, failures) {
   return { redraw, shown: () => [...list.querySelectorAll("canvas")].map((canvas) => canvas.dataset.id) };
 }
 
-function failureOf(failures, id) {
+export function failureOf(failures, id) {
   return failures.find((failure) => failure.id === id);
 }
 

@@ -1,5 +1,8 @@
 // What the keys do.
 
+import { byId } from "#player/dom.js";
+import { cameraKeys, clockKeys, keepsKey, keyTable, layerKeys, openKeys } from "#player/keys.js";
+
 const KEYS = [
   [["?"], "Show these keys"],
   [["/"], "Find"],
@@ -18,19 +21,22 @@ const KEYS = [
   [["t", "u", "s", "i", "m", "w"], "Trail, touched walls, sensors, signal, the robot's memory, witness"],
 ];
 
-function showKeys() {
+export function showKeys() {
   openKeys(keyTable(KEYS));
 }
 
-function onKey(event) {
-  if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
-  const { target, key } = event;
-  if (key === "Escape" && target.matches("input[type=search], select")) target.blur();
-  if (keepsKey(target, key)) return;
-  const act = pageKeys()[key] || (page.detail && detailKeys(event)[key]);
-  if (!act) return;
-  event.preventDefault();
-  act();
+// Returns what listens to the keys of a page, whose failures before and after one `neighboursOf` tells.
+export function keyListener(page, neighboursOf) {
+  return (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
+    const { target, key } = event;
+    if (key === "Escape" && target.matches("input[type=search], select")) target.blur();
+    if (keepsKey(target, key)) return;
+    const act = pageKeys()[key] || (page.detail && detailKeys(event, page, neighboursOf(page.id))[key]);
+    if (!act) return;
+    event.preventDefault();
+    act();
+  };
 }
 
 function pageKeys() {
@@ -44,9 +50,8 @@ function pageKeys() {
   };
 }
 
-function detailKeys(event) {
-  const player = page.detail.player(),
-    [before, after] = neighboursOf(page.id);
+function detailKeys(event, page, [before, after]) {
+  const player = page.detail.player();
   const keys = {
     Escape: () => openAddress(""),
     n: () => openAddress(after),

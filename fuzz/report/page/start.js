@@ -1,5 +1,13 @@
 // The page: its views by address, keys, colours.
 
+import { short } from "#player/archive.js";
+import { byId, el, grouped } from "#player/dom.js";
+import { followSystem } from "#player/theme.js";
+import { makeCampaign } from "#report/charts.js";
+import { makeDetail } from "#report/detail.js";
+import { failureOf, makeOverview } from "#report/overview.js";
+import { keyListener, showKeys } from "#report/page_keys.js";
+
 const data = JSON.parse(byId("data").textContent);
 const views = { overview: byId("overview"), campaign: byId("campaign"), detail: byId("detail") };
 const page = { overview: null, detail: null, id: "", scroll: 0 };
@@ -82,7 +90,7 @@ function start() {
   followSystem(byId("theme"), redraw);
   byId("show-keys").addEventListener("click", showKeys);
   addEventListener("hashchange", route);
-  addEventListener("keydown", onKey);
+  addEventListener("keydown", keyListener(page, neighboursOf));
   addEventListener("resize", redraw);
   route();
 }

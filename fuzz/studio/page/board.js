@@ -1,8 +1,8 @@
 // The drawing board: a canvas that shows the world, what is being done to it, and its proof.
 
-import { numbersOf } from "/player/decode.js";
-import { drawScene } from "/player/map.js";
-import { line, penFor, ring, stroke } from "/player/pen.js";
+import { numbersOf } from "#player/decode.js";
+import { drawScene } from "#player/map.js";
+import { line, penFor, ring, stroke } from "#player/pen.js";
 import { pictureOf } from "./pattern_picture.js";
 
 const UNIT = 1024; // lattice units a cell

@@ -1,6 +1,6 @@
 // The campaign page: which folder is looked at, what its campaign does now, and the failures that lie there.
 
-import { byId, el, plural, say } from "/player/dom.js";
+import { byId, el, plural, say } from "#player/dom.js";
 import { makeArchive } from "./campaign_archive.js";
 import { makeFailurePanel } from "./campaign_failure.js";
 import { makeForm } from "./campaign_form.js";

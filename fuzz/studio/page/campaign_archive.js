@@ -1,7 +1,7 @@
 // The behaviours that a campaign has met, as a map and as a table.
 
-import { archivePlot, rangeOf, rounded } from "/player/archive.js";
-import { el, grouped, plural } from "/player/dom.js";
+import { archivePlot, rangeOf, rounded } from "#player/archive.js";
+import { el, grouped, plural } from "#player/dom.js";
 
 const SPACE = { width: 330, left: 40, right: 8, top: 12, bottom: 40 };
 

@@ -1,7 +1,7 @@
 // The failure that was chosen: what happened, and what can be done with it.
 
-import { el, plural, verdictDot } from "/player/dom.js";
-import { drawSmall } from "/player/map.js";
+import { el, plural, verdictDot } from "#player/dom.js";
+import { drawSmall } from "#player/map.js";
 import { copied } from "./clipboard.js";
 import { openFile } from "./files.js";
 import { refusalWords } from "./refusals.js";

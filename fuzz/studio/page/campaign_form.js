@@ -1,6 +1,6 @@
 // The form that begins a campaign: what `worldgen fuzz` takes.
 
-import { choice, el } from "/player/dom.js";
+import { choice, el } from "#player/dom.js";
 import { makeMore } from "./campaign_more.js";
 import { copied } from "./clipboard.js";
 import { Ended } from "./connection.js";

@@ -1,6 +1,6 @@
 // The folded part of the form that begins a campaign: options of `worldgen fuzz`, in the words of its own help.
 
-import { choice, el } from "/player/dom.js";
+import { choice, el } from "#player/dom.js";
 import { labelled } from "./fields.js";
 
 const SHRINK = { usual: "as usual", yes: "yes", no: "no" };

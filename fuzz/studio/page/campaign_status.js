@@ -1,7 +1,7 @@
 // What a campaign does now: how far it is, how fast, what fails, and which lane finds it.
 
-import { rangeOf } from "/player/archive.js";
-import { el, grouped, plural, verdictDot } from "/player/dom.js";
+import { rangeOf } from "#player/archive.js";
+import { el, grouped, plural, verdictDot } from "#player/dom.js";
 import { refusalWords } from "./refusals.js";
 
 const SPAN = 10_000; // ms over which the present speed is taken

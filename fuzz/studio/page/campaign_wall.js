@@ -1,7 +1,7 @@
 // Failures as a wall of small pictures: filtered, sorted, each drawn when it comes into sight.
 
-import { choice, el, grouped, plural, verdictDot } from "/player/dom.js";
-import { drawSmall } from "/player/map.js";
+import { choice, el, grouped, plural, verdictDot } from "#player/dom.js";
+import { drawSmall } from "#player/map.js";
 import { Ended } from "./connection.js";
 import { Recent } from "./recent.js";
 import { Refused, refusalWords } from "./refusals.js";

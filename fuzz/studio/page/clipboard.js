@@ -1,6 +1,6 @@
 // Texts for the clipboard.
 
-import { el, say } from "/player/dom.js";
+import { el, say } from "#player/dom.js";
 
 /** Copies a text, and says so on the button; where a browser does not allow that, shows it to be copied by hand. */
 export async function copied(button, text) {

@@ -1,6 +1,6 @@
 // The page on which worlds are drawn: tools, board, panels, and what is true of the world below it.
 
-import { choice, el, grouped, keyButton, svg } from "/player/dom.js";
+import { choice, el, grouped, keyButton, svg } from "#player/dom.js";
 import { makeBoard } from "./board.js";
 import { showTabs } from "./fields.js";
 import { makeFiles } from "./files.js";

@@ -1,8 +1,8 @@
 // Exports what is drawn: a format, what can be asked of it, and where the file goes.
 
-import { bytesOf } from "/player/decode.js";
-import { choice, el } from "/player/dom.js";
-import { keep } from "/player/saving.js";
+import { bytesOf } from "#player/decode.js";
+import { choice, el } from "#player/dom.js";
+import { keep } from "#player/saving.js";
 import { checkOptions, labelled, optionFields } from "./fields.js";
 import { messageOf } from "./model.js";
 import { Refused } from "./refusals.js";

@@ -1,6 +1,6 @@
 // Form fields that panels share.
 
-import { choice, el } from "/player/dom.js";
+import { choice, el } from "#player/dom.js";
 import { Refused } from "./refusals.js";
 
 let count = 0;

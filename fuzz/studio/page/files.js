@@ -1,6 +1,6 @@
 // The files of the opened folder: open, save, import, export.
 
-import { el, grouped, plural } from "/player/dom.js";
+import { el, grouped, plural } from "#player/dom.js";
 import { Ended } from "./connection.js";
 import { makeExport } from "./export_form.js";
 import { labelled } from "./fields.js";

@@ -1,6 +1,6 @@
 // Imports maps of other programs: files of this computer or of the folder, and how they are to be read.
 
-import { choice, el } from "/player/dom.js";
+import { choice, el } from "#player/dom.js";
 import { checkOptions, isGood, labelled, number, optionFields } from "./fields.js";
 import { Refused } from "./refusals.js";
 

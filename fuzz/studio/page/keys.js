@@ -1,7 +1,7 @@
 // What the keys do, on all pages.
 
-import { cameraKeys, clockKeys, keepsKey, keyTable, layerKeys, openKeys } from "/player/keys.js";
-import { byId, el } from "/player/dom.js";
+import { cameraKeys, clockKeys, keepsKey, keyTable, layerKeys, openKeys } from "#player/keys.js";
+import { byId, el } from "#player/dom.js";
 import { TOOLS } from "./tools.js";
 
 const EVERYWHERE = [

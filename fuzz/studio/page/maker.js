@@ -1,6 +1,6 @@
 // The generator: a family, its parameters, a seed; the dice take the next one.
 
-import { choice, el } from "/player/dom.js";
+import { choice, el } from "#player/dom.js";
 import { Ended } from "./connection.js";
 import { faultOf, firstFault, labelled, parameterField, words } from "./fields.js";
 import { Refused } from "./refusals.js";

@@ -1,11 +1,11 @@
 // The page on which robots drive: who, how, and the player that reports have, too.
 
-import { buildPlayer, dragToMove } from "/player/controls.js";
-import { bytesOf } from "/player/decode.js";
-import { el, say } from "/player/dom.js";
-import { besideIn } from "/player/pair.js";
-import { sceneOf, showInstruments, showRobots } from "/player/robots.js";
-import { keep } from "/player/saving.js";
+import { buildPlayer, dragToMove } from "#player/controls.js";
+import { bytesOf } from "#player/decode.js";
+import { el, say } from "#player/dom.js";
+import { besideIn } from "#player/pair.js";
+import { sceneOf, showInstruments, showRobots } from "#player/robots.js";
+import { keep } from "#player/saving.js";
 import { Ended } from "./connection.js";
 import { messageOf } from "./model.js";
 import { Refused, refusalWords } from "./refusals.js";

@@ -1,6 +1,6 @@
 // Whether the target can be reached, asked of the server while one draws: the newest world counts.
 
-import { numbersOf } from "/player/decode.js";
+import { numbersOf } from "#player/decode.js";
 import { Ended } from "./connection.js";
 import { messageOf } from "./model.js";
 import { Refused } from "./refusals.js";

@@ -1,6 +1,6 @@
 // The panel that says which robots drive, and how.
 
-import { breakable, el, plural } from "/player/dom.js";
+import { breakable, el, plural } from "#player/dom.js";
 import { Ended } from "./connection.js";
 import { isGood, labelled, motionField, number } from "./fields.js";
 import { messageOf } from "./model.js";

@@ -1,6 +1,6 @@
 // The options of a motion model under headings, one of which is open at a time: behaviours, sensor, faults, forces.
 
-import { el } from "/player/dom.js";
+import { el } from "#player/dom.js";
 import { isGood, labelled, parameterField, words } from "./fields.js";
 
 const DEGREES = { rad: "°", "rad/s": "°/s" }; // angles are told as a person thinks of them

@@ -1,6 +1,6 @@
 // The size of the world: a new one, the same one larger or smaller, or without its walls.
 
-import { el } from "/player/dom.js";
+import { el } from "#player/dom.js";
 import { labelled, number } from "./fields.js";
 import { bordered, emptyWorld, resized } from "./model.js";
 

@@ -1,7 +1,7 @@
 // The studio: what all pages share, which page is shown, and whether the server is there.
 
-import { byId, el, keyButton, say } from "/player/dom.js";
-import { followSystem } from "/player/theme.js";
+import { byId, el, keyButton, say } from "#player/dom.js";
+import { followSystem } from "#player/theme.js";
 import { makeCampaign } from "./campaign.js";
 import { Ended, makeConnection, shareToken, takeToken } from "./connection.js";
 import { findDraft, keepDraft, lendDraft, openedBefore, reclaimDraft, takeOver } from "./drafts.js";

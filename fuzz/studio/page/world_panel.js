@@ -1,6 +1,6 @@
 // The panel of the world: its size, its robot, start and target, and how wide a robot passes.
 
-import { el } from "/player/dom.js";
+import { el } from "#player/dom.js";
 import { Ended } from "./connection.js";
 import { isGood, labelled, number, words } from "./fields.js";
 import { messageOf, round } from "./model.js";
