@@ -28,6 +28,7 @@ __all__ = [
     "grid_of",
     "headings",
     "near_masks",
+    "ray_table",
 ]
 
 Ints = npt.NDArray[np.int64]
@@ -76,7 +77,7 @@ def near_masks(cells: Cells) -> Table:
 
 
 @functools.cache
-def _rays() -> Any:
+def ray_table() -> Any:
     """Return the directions of range beams, WgRay[8193]."""
     table = ffi.new("WgRay[]", int(lib.WG_TURN) // 8 + 1)
     lib.wg_ray_table(pointer(ffi, headings(), np.int64), table)
@@ -152,7 +153,7 @@ class Arena:
         self.beams = beams
         if beams is not None:
             # Kept here too: of two threads that first ask for the table at once, one gets a table of its own.
-            self._rays = _rays()
+            self._rays = ray_table()
             self.c.rays = self._rays
             self.c.spread = pointer(ffi, beams.spread, np.int64)
             self.c.runs = pointer(ffi, beams.runs, np.uint16)

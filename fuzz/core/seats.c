@@ -20,6 +20,8 @@ typedef struct Block {
     int32_t clearance[WG_MOST_CELLS];
     uint8_t cells[WG_MOST_CELLS];
     uint8_t visited[WG_MOST_CELLS];
+    uint16_t runs[(LARGEST_SIDE + 2) * (LARGEST_SIDE + 2) * 4];
+    int64_t spread[]; // of the setting with the most beams
 } Block;
 
 int64_t wg_looks_longest(const WgLooks *looks)
@@ -29,6 +31,15 @@ int64_t wg_looks_longest(const WgLooks *looks)
         longest = wg_most(longest, looks->budgets[n]);
     }
     return longest;
+}
+
+static int64_t most_beams(const WgLooks *looks)
+{
+    int64_t most = 0;
+    for (int64_t k = 0; k < looks->setting_count; k++) {
+        most = wg_most(most, looks->settings[k].beams);
+    }
+    return most;
 }
 
 // Whether the numbers of a batch fit each other.
@@ -60,7 +71,8 @@ WgStatus wg_seat_new(WgLooks *looks, const WgController *controller, WgSeat **ma
     if (!fits(looks) || longest < 1 || longest > MOST_STEPS) {
         return WG_BAD_VALUE;
     }
-    Block *block = calloc(1, sizeof *block);
+    size_t spread_bytes = (size_t)most_beams(looks) * sizeof(int64_t);
+    Block *block = calloc(1, sizeof *block + spread_bytes);
     if (block == NULL) {
         return WG_OUT_OF_MEMORY;
     }
@@ -69,6 +81,8 @@ WgStatus wg_seat_new(WgLooks *looks, const WgController *controller, WgSeat **ma
     seat->run = -1;
     seat->watch = -1;
     seat->clearance = block->clearance;
+    seat->runs = block->runs;
+    seat->spread = block->spread;
     seat->settings = &block->settings;
     block->settings = looks->settings[0];
     seat->arena = &block->arena;
@@ -78,6 +92,7 @@ WgStatus wg_seat_new(WgLooks *looks, const WgController *controller, WgSeat **ma
     seat->arena->near = block->near;
     seat->arena->headings = looks->headings;
     seat->arena->visited = block->visited;
+    seat->arena->rays = looks->rays;
     WgStatus status = wg_episode_new(seat->arena, seat->settings, controller, longest, &seat->episode);
     if (status != WG_OK) {
         free(block);

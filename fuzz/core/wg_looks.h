@@ -78,6 +78,7 @@ typedef struct WgLooks {
     const int64_t *targets; // (target_count,) squared radii of a scene's targets, lattice units
     int64_t target_count;
     const int64_t *headings; // the table of wg_heading_table
+    const WgRay *rays;       // (8193,) the table of wg_ray_table
     WgPatience patience;
     WgLook *looks; // (count,) filled
     int64_t at;    // the run that comes next, or that is under way
@@ -90,6 +91,8 @@ typedef struct WgSeat {
     WgArena *arena;
     WgSettings *settings;
     int32_t *clearance; // what arena->clearance points to where it is needed
+    uint16_t *runs;     // the same for arena->runs
+    int64_t *spread;    // the same for arena->spread
     int64_t number; // for its owner
     int64_t run;    // -1: it has no world
     int64_t watch;  // steps for which it is watched; -1 before its run is over

@@ -14,7 +14,8 @@ import numpy.typing as npt
 from fuzz import layout_bytes
 from fuzz._core import ffi, lib
 from fuzz.features import TARGET_RADII, decode_world
-from sim.lattice_core import Driver, headings
+from sim._core import ffi as sim_ffi
+from sim.lattice_core import Driver, headings, ray_table
 from sim.packing import disc_numbers
 from worldgen.ccall import check, pointer, writable
 from worldgen.lattice import UNIT, in_cells
@@ -108,6 +109,7 @@ class Batch:
         # The core holds addresses, so what they point to is kept here.
         self._arrays = (layouts, seeds, kinds, budgets, np.array(radii), targets, headings())
         self._discs = ffi.new("WgDisc[]", discs)
+        self._rays = ray_table()
         layouts_at, seeds_at, kinds_at, budgets_at, radii_at, targets_at, headings_at = (
             pointer(ffi, array, array.dtype.type) for array in self._arrays
         )
@@ -128,6 +130,7 @@ class Batch:
                 "targets": targets_at,
                 "target_count": len(targets),
                 "headings": headings_at,
+                "rays": ffi.cast("WgRay *", int(sim_ffi.cast("uintptr_t", self._rays))),
                 "patience": tuple(patience),
                 "looks": ffi.cast("WgLook *", writable(ffi, self.looks.view(np.uint8), np.uint8)),
             },

@@ -48,7 +48,7 @@ def test_an_arena_keeps_its_table_of_rays():
         arena = run.arena()
         if forgets:
             # What a second thread does that makes the same table at the same time.
-            lattice_core._rays.cache_clear()
+            lattice_core.ray_table.cache_clear()
         episode = Episode(arena, run.settings, Driver(controller, controller.memory))
         episode.run_to_the_end()
         ended.append(episode.state_words().tolist())
