@@ -78,6 +78,8 @@ def test_a_command_that_cannot_do_its_work_is_a_fault_where_the_page_shows_nothi
         pytest.param(["a", "...", "c"], ["a", "c"], True, id="no line left out"),
         pytest.param(["a ... d"], ["a b c d"], True, id="words left out"),
         pytest.param(["a ... d"], ["a b", "c d"], False, id="words left out end with the line"),
+        pytest.param(["#....#"], ["#.#..#"], False, id="another map"),
+        pytest.param(["# ... # ... #"] * 40 + ["a"], ["# # # # # #"] * 40 + ["b"], False, id="many lines left open"),
         pytest.param(["9 worlds in 1.5 s"], ["9 worlds in 27 s"], True, id="another time"),
         pytest.param(["9 worlds in 1.5 s"], ["8 worlds in 1.5 s"], False, id="another number"),
     ],
