@@ -138,7 +138,7 @@ class Door:
         kind = failure.bucket
         self.result.met[kind] += 1
         before = self.result.failures.get(kind)
-        if before is None or failure.world.solid_cells < before.world.solid_cells:
+        if before is None or failure.size < before.size:
             self.result.failures[kind] = failure
         return kind
 

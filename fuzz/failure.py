@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from fuzz.simplicity import Case, simplicity
 from sim.episode import Episode, simulate
 from sim.evidence import Evidence, read_evidence
 from sim.run_options import RunOptions
@@ -97,6 +98,15 @@ class Failure:
     def bucket(self) -> str:
         """The name of failures of its form; the verdict if the record does not say."""
         return str(self.record.details.get("class", self.record.verdict))
+
+    @cached_property
+    def size(self) -> tuple[int, ...]:
+        """How large it is, by :data:`fuzz.simplicity.ORDER`: campaigns, corpora and shrinking keep the smallest.
+
+        Raises:
+            InvalidParameter: If the record names options that are unknown here.
+        """
+        return simplicity(Case(self.world, self.scenario))
 
     @property
     def verdict(self) -> str:

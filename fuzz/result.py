@@ -108,7 +108,7 @@ class Memory:
     def is_news(self, kind: str, failure: Failure) -> bool:
         """Whether a failure is the first of its class, or smaller than those known."""
         before = self.failures.get(kind)
-        return before is None or failure.world.solid_cells < before.world.solid_cells
+        return before is None or failure.size < before.size
 
     def is_better(self, cell: tuple[int, ...], elite: Elite) -> bool:
         """Whether a cell of the archive is empty, or holds less."""

@@ -31,6 +31,7 @@ class Facts:
         solid: Solid cells.
         events: Changes of cells.
         digest: SHA-256, in hex, of the canonical text.
+        size: As :attr:`fuzz.failure.Failure.size` has it.
     """
 
     controller: str
@@ -42,6 +43,7 @@ class Facts:
     solid: int
     events: int
     digest: str
+    size: tuple[int, ...]
 
     @classmethod
     def of(cls, failure: Failure, source: str) -> Facts:
@@ -71,6 +73,7 @@ class Facts:
             solid=world.solid_cells,
             events=len(world.timeline),
             digest=hashlib.sha256(failure.dumps()).hexdigest(),
+            size=failure.size,
         )
 
     @classmethod
@@ -85,12 +88,7 @@ class Facts:
         return in_plain_place(self.controller), self.motion, self.kind
 
     @property
-    def size(self) -> tuple[int, int, int]:
-        """How large the world is: solid cells, then all cells, then events."""
-        return self.solid, self.width * self.height, self.events
-
-    @property
-    def order(self) -> tuple[tuple[int, int, int], str]:
+    def order(self) -> tuple[tuple[int, ...], str]:
         """The smallest comes first; of equally large ones that with the lower digest."""
         return self.size, self.digest
 
@@ -132,6 +130,7 @@ class Entry:
     def as_dict(self) -> dict[str, Any]:
         """One row of a table: names of columns and their values."""
         facts = asdict(self.facts)
+        del facts["size"]  # the columns of the world say enough
         row = {"file": str(self.path)}
         row |= {("class" if name == "kind" else name): value for name, value in facts.items()}
         row["first_seen"] = self.first_seen

@@ -22,7 +22,8 @@ from worldgen.installation import pip_install
 __all__ = ["TABLE", "export"]
 
 TABLE = "corpus.csv"  # in an archive
-_COLUMNS = ("file", *("class" if field.name == "kind" else field.name for field in fields(Facts)))
+_FACTS = [field.name for field in fields(Facts) if field.name != "size"]
+_COLUMNS = ("file", *("class" if name == "kind" else name for name in _FACTS))
 
 
 def export(entries: Iterable[Entry], out: Path, *, force: bool = False) -> int:

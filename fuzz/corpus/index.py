@@ -15,9 +15,9 @@ __all__ = ["INDEX_FOLDER", "Index"]
 
 INDEX_FOLDER = ".worldgen-corpus"  # in the corpus; it tells git to leave it alone
 _FILE = "index.json"
-_VERSION = 1  # of `Facts` and of how they are read from a file; another one's index is made anew
+_VERSION = 2  # of `Facts` and of how they are read from a file; another one's index is made anew
 _TYPES = {"controller": str, "motion": str, "kind": str, "verdict": str, "width": int, "height": int, "solid": int,
-          "events": int, "digest": str}  # fmt: skip
+          "events": int, "digest": str, "size": list}  # fmt: skip
 
 
 class Index:
@@ -72,4 +72,4 @@ def _facts(values: object) -> Facts | None:
         return None
     if not isinstance(values, dict) or {name: type(value) for name, value in values.items()} != _TYPES:
         raise ValueError("no facts")
-    return Facts(**values)
+    return Facts(**{**values, "size": tuple(values["size"])})

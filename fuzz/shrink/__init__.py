@@ -12,9 +12,9 @@ Contents:
 """
 
 from fuzz.shrink.minimal import removable
-from fuzz.shrink.order import ORDER
 from fuzz.shrink.passes import PASSES
 from fuzz.shrink.run import KEEP, Shrunk, shrink, shrink_class
 from fuzz.shrink.snippet import snippet
+from fuzz.simplicity import ORDER
 
 __all__ = ["KEEP", "ORDER", "PASSES", "Shrunk", "removable", "shrink", "shrink_class", "snippet"]

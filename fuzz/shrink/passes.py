@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from fuzz.shrink.edits import changed, drop_events, with_time
-from fuzz.shrink.order import Case, rounder
+from fuzz.simplicity import Case, rounder
 from sim.edited_runs import CellEdit, EditKind
 from sim.run_options import DEFAULT_TIME_STEP
 from worldgen.errors import InvalidParameter

@@ -13,11 +13,11 @@ from fuzz.hazards import HAZARD
 from fuzz.judging import failure_by, failure_of, judge
 from fuzz.shrink.edits import bare
 from fuzz.shrink.minimal import removed
-from fuzz.shrink.order import Case, simplicity
 from fuzz.shrink.passes import PASSES, Pass
 from fuzz.shrink.predicate import StillFails
 from fuzz.shrink.trying import Trying
 from fuzz.signature import failure_class
+from fuzz.simplicity import Case
 from sim.episode import simulate
 from sim.evidence import WallEvidence
 from sim.run_options import MAX_STEPS
@@ -68,7 +68,7 @@ class Shrunk:
     @property
     def simplicity(self) -> tuple[int, ...]:
         """How simple it is, by :data:`fuzz.shrink.ORDER`."""
-        return simplicity(Case(self.failure.world, self.failure.scenario))
+        return self.failure.size
 
 
 def shrink(
@@ -120,7 +120,7 @@ def shrink_class(
     """The simplest world that shrinking any of several failures leads to: minima differ, and starts find them.
 
     Args:
-        failures: At least one; those of fewest solid cells are shrunk first.
+        failures: At least one; the smallest are shrunk first.
         seconds: For all of them together; each gets its share of what is left.
         progress: Called with each simpler world.
         keep_on_interrupt: Let Ctrl-C end it with the best so far, instead of raising.
@@ -129,7 +129,7 @@ def shrink_class(
     Raises:
         InvalidParameter: If there is none, or as :func:`shrink` says.
     """
-    waiting = sorted(failures, key=lambda one: (one.world.solid_cells, one.world.walls.size, world_digest(one.world)))
+    waiting = sorted(failures, key=lambda one: (one.size, world_digest(one.world)))
     if not waiting:
         raise InvalidParameter("nothing-given", "no failure was given, so there is none to shrink", "give at least one")
     deadline = None if seconds is None else time.monotonic() + seconds

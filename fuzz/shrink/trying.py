@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from fuzz.proofs import certified
 from fuzz.shrink.edits import edited
-from fuzz.shrink.order import Case, simplicity
 from fuzz.shrink.passes import Edit
 from fuzz.shrink.predicate import StillFails
+from fuzz.simplicity import Case, simplicity
 from sim._core import lib
 from sim.controllers import CompiledController
 from sim.edited_runs import ANY_ENDING, CellEdit, EditedRuns, Wanted, has_sure_way

@@ -11,6 +11,7 @@ import pytest
 
 from fuzz.corpus import Selection, differences, export, judge_all, merge, read_corpus, smallest
 from fuzz.corpus.index import INDEX_FOLDER
+from fuzz.failure import Failure
 from tests.helpers.command_line import worldgen
 from worldgen import read_world, write_world
 from worldgen.installation import pip_install
@@ -267,12 +268,20 @@ def test_prune_of_a_corpus_in_order_changes_nothing_and_ends_with_0(tmp_path):
 
 
 def test_where_the_smallest_no_longer_replays_the_next_one_stays(tmp_path):
-    failure(tmp_path, "small", digest="0" * 16)  # of no solid cell
-    other = read_world(FAULTS / "thesis-1-confined.grid")  # of one
-    record = replace(other.failure, details={"class": "loop-a"})
-    write_world(replace(other, failure=record), tmp_path / "next.grid")
+    failure(tmp_path, "next")
+    other = read_world(FAULTS / "thesis-1-confined.grid")  # of fewer cells
+    record = replace(other.failure, details={"class": "loop-a"}, trace_digest="0" * 16)
+    write_world(replace(other, failure=record), tmp_path / "small.grid")
     judged = [(judgement.entry.path.name, judgement.keep) for judgement in judge_all(read(tmp_path))]
     assert judged == [("small.grid", False), ("next.grid", True)]
+
+
+def test_the_smaller_of_two_failures_is_the_one_that_shrinking_calls_simpler():
+    few_cells = Failure.read(FAULTS / "thesis-1-confined.grid")
+    few_solid = Failure.read(LOOP)
+    assert few_cells.world.walls.size < few_solid.world.walls.size
+    assert few_cells.world.solid_cells > few_solid.world.solid_cells
+    assert few_cells.size < few_solid.size
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fuzz.shrink.order import Case, simplicity
+from fuzz.simplicity import Case, simplicity
 from sim.scenario import Scenario
 from worldgen import Pose, Target, World
 

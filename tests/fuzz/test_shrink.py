@@ -13,8 +13,8 @@ from fuzz.judging import failure_of, replay
 from fuzz.proofs import certified
 from fuzz.shrink import removable, shrink, shrink_class
 from fuzz.shrink.edits import bare, drop_columns, drop_events, drop_rows, free_cells
-from fuzz.shrink.order import Case, number_cost, rounder, simplicity
 from fuzz.shrink.predicate import StillFails
+from fuzz.simplicity import Case, number_cost, rounder, simplicity
 from fuzz.unit import run_unit
 from sim.edited_runs import has_sure_way
 from sim.scenario import Scenario

@@ -157,7 +157,7 @@ FAULTS = (
     ),
     Fault(
         "order-reversed", "smaller means fewer cells before anything else",
-        "fuzz/shrink/order.py", "for measure in ORDER)", "for measure in reversed(ORDER))",
+        "fuzz/simplicity.py", "for measure in ORDER)", "for measure in reversed(ORDER))",
         ("tests/fuzz/test_order.py",),
     ),
     Fault(
