@@ -103,7 +103,12 @@ class Core:
 
 _TYPES = "worldgen/include/wg_types.h"
 _CONTROLLER = "sim/include/worldgen_controller.h"
-_SIM = ("sim/core/wg_sim.h", "sim/core/wg_episode.h", "sim/core/controllers/wg_controllers.h")
+_SIM = (
+    "sim/core/wg_sim.h",
+    "sim/core/wg_episode.h",
+    "sim/core/wg_guard.h",
+    "sim/core/controllers/wg_controllers.h",
+)
 
 CORES = (
     Core(

@@ -21,6 +21,7 @@ from fuzz.schedule import Schedule
 from fuzz.shrink import shrink
 from fuzz.unit import run_unit
 from sim.effort import Effort
+from sim.guarded import renew
 from sim.stopping import OutOfTime, check_time, stopping_when
 from worldgen.errors import WorldgenError
 from worldgen.workers import LISTEN
@@ -517,6 +518,7 @@ def shrunk_or_same(
         end: By :func:`fuzz.deadline.now`: if even that is not proved until then, the failure stays as it was.
     """
     began = Effort.so_far()
+    renew()
     return replace(_shrunk_or_same(failure, kept, seconds, end), effort=began.since())
 
 

@@ -10,6 +10,7 @@ from fuzz.lanes.plan import planned_lane
 from fuzz.lanes.task import Task
 from fuzz.result import Memory, UnitResult
 from sim.effort import Effort
+from sim.guarded import renew
 from sim.stopping import OutOfTime, check_time, stopping_when
 
 __all__ = ["run_unit"]
@@ -30,6 +31,7 @@ def run_unit(
     known = Memory() if memory is None else memory
     name = planned_lane(config, unit, known)
     result = UnitResult(lane=name)
+    renew()  # what a shared library has kept from other units counts for nothing in this one
     try:
         with stopping_when(deadline.to_begin_is_over):
             check_time()

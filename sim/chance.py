@@ -21,6 +21,7 @@ import numpy.typing as npt
 from sim._core import ffi, lib
 from sim.controllers import CompiledController, Controller, controller_of
 from sim.controllers.base import robot_for
+from sim.guarded import ControllerDied, call
 from sim.lattice_core import Driver, Episode
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
@@ -40,6 +41,7 @@ UNSEEN = -1
 """Of the next random number: that the controller has not looked at it yet, so that any value is equally likely."""
 
 _DRAWS = 4  # the word of a state that counts the draws
+_NOT_DONE = -1  # an ending of a step that has not been made
 
 Ints = npt.NDArray[np.int64]
 Following: TypeAlias = tuple[tuple[int, int], ...]
@@ -218,12 +220,15 @@ class _Search:
     def _step(self, states: Ints, values: Ints) -> tuple[Ints, Ints, Ints]:
         """States after one step, how it ended, and whether the random number was used up."""
         count = len(states)
+        episode = self._episode()
+        if episode.guarded:
+            return self._step_guarded(episode, states, values)
         after = np.empty_like(states)
         endings = np.zeros(count, np.int64)
         drew = np.zeros(count, np.int64)
         check(
             lib.wg_outcomes(
-                self._episode().c,
+                episode.c,
                 pointer(ffi, states, np.int64),
                 pointer(ffi, values, np.int64),
                 count,
@@ -232,6 +237,32 @@ class _Search:
                 writable(ffi, drew, np.int64),
             )
         )
+        return after, endings, drew
+
+    def _step_guarded(self, episode: Episode, states: Ints, values: Ints) -> tuple[Ints, Ints, Ints]:
+        """The same in another process. Where it ends, the state that it was at is one in which the controller fails."""
+        memory = self._run.memory
+        after = memory.own(states)
+        drew = memory.zeros(len(states), np.int64)
+        endings = memory.zeros(len(states), np.int64)
+        endings[...] = _NOT_DONE
+        arrays = (memory.own(states), memory.own(values), after, endings, drew)
+        done = 0
+        while done < len(states):
+            objects = (episode.c, *(pointer(ffi, array[done:], np.int64) for array in arrays))
+            report = ffi.addressof(episode.report)
+            made = ffi.from_buffer(endings[done:])
+            try:
+                work = ffi.addressof(lib, "wg_call_outcomes")
+                left = len(states) - done
+                check(call(work, episode.guarded, objects, left, report=report, progress=(made,)).result)
+                done = len(states)
+            except ControllerDied:
+                done += int((endings[done:] == _NOT_DONE).argmax())
+                after[done] = states[done]
+                after[done, _DRAWS] = 0
+                endings[done] = lib.WG_CRASH
+                done += 1
         return after, endings, drew
 
 

@@ -1,4 +1,4 @@
-"""Whether controllers of shared libraries run in processes of their own: in campaigns, where a crash is a verdict."""
+"""Whether controllers of shared libraries run in another process: in campaigns, where a crash is a verdict."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ _contained: list[bool] = []
 
 
 def contain() -> None:
-    """From now on run controllers of shared libraries in processes of their own, where the system has them."""
+    """From now on run controllers of shared libraries in another process, where the system can fork one."""
     if os.name == "posix" and not _contained:
         _contained.append(True)
 
 
 def is_contained() -> bool:
-    """Return whether controllers of shared libraries run in processes of their own."""
+    """Return whether controllers of shared libraries run in another process."""
     return bool(_contained)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from sim._core import ffi, lib
 from sim.controllers.base import CompiledController
+from sim.guarded import ControllerDied, call
 from sim.lattice_core import Arena, Driver, Episode, copy_of, grid_of
 from sim.lattice_run import LatticeRun
 from sim.packing import disc_numbers, target_sq
@@ -78,11 +79,13 @@ class Wanted(NamedTuple):
             ``WG_LOOP``.
         overlap: Whether with an overlap; ``None`` if that does not matter.
         crash: Whether the controller is to crash instead.
+        hang: Whether a step of the controller is not to come back instead.
     """
 
     ending: int
     overlap: bool | None = None
     crash: bool = False
+    hang: bool = False
 
 
 class EditedRuns:
@@ -128,25 +131,49 @@ class EditedRuns:
         fresh = run.arena()
         events = run.events if edits[0].frees else _moved_events(run.events, edits[0])
         clearance = np.zeros(shape if len(fresh.clearance) else (0, 0), np.int32)
-        work = Arena(np.zeros(shape, np.uint8), np.zeros(shape, np.int32), clearance, events, np.zeros(shape, np.uint8))
-        settings = copy_of(run.settings)
+        cells = np.zeros(shape, np.uint8)
+        near = np.zeros(shape, np.int32)
+        visited = np.zeros(shape, np.uint8)
+        work = Arena(cells, near, clearance, events, visited, memory=run.memory)
+        settings = copy_of(run.settings, run.memory)
         episode = Episode(work, settings, Driver(controller, controller.memory))
 
-        wanted_struct = ffi.new("WgWanted *")
-        wanted_struct.ending = lib.WG_CRASH if wanted.crash else wanted.ending
-        wanted_struct.overlap = -1 if wanted.overlap is None or wanted.crash else int(wanted.overlap)
+        fails = wanted.crash or wanted.hang
+        wanted_struct = run.memory.new("WgWanted *")
+        wanted_struct.ending = lib.WG_CRASH if fails else wanted.ending
+        wanted_struct.overlap = -1 if wanted.overlap is None or fails else int(wanted.overlap)
         wanted_struct.by_way = way
         wanted_struct.steps = _STEPS_AT_ONCE
-        tried = ffi.new("WgTried *")
-        todo = np.array(edits, np.int64)
+        tried = run.memory.new("WgTried *")
+        todo = run.memory.own(np.array(edits, np.int64))
         rows = ffi.cast("WgEdit *", pointer(ffi, todo, np.int64))
         grid = grid_of(fresh.cells)
+        if episode.guarded:
+            seen = run.memory.new("WgGrid *", grid)
+            objects = (episode.c, settings, run.settings, seen, rows, wanted_struct, tried)
+            _try_guarded(episode, objects, len(todo), wanted)
+            self.trials += int(tried.runs)
+            return bool(tried.found), int(tried.next)
         count = len(todo)
         while count > tried.next or tried.running:
             check(lib.wg_first_edit(episode.c, settings, run.settings, grid, rows, count, wanted_struct, tried))
             count = tried.next  # a run that is not over is run on, in portions between which Ctrl-C is heard
         self.trials += int(tried.runs)
         return bool(tried.found), int(tried.next)
+
+
+def _try_guarded(episode: Episode, objects: Sequence[Any], count: int, wanted: Wanted) -> None:
+    """Try edits in another process. Where it ends, that is how the run of the last edit has ended."""
+    tried = objects[-1]
+    work = ffi.addressof(lib, "wg_call_first_edit")
+    report = ffi.addressof(episode.report)
+    try:
+        while count > tried.next or tried.running:
+            check(call(work, episode.guarded, objects, count, report=report, progress=(tried,)).result)
+            count = tried.next
+    except ControllerDied as death:
+        tried.running = 0
+        tried.found = wanted.hang if death.is_hang else wanted.crash
 
 
 def has_sure_way(world: World, *, regardless_of_time: bool = False) -> bool:

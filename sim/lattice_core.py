@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from sim import guarded
 from sim._core import ffi, lib
 from sim.controllers.base import Act, CompiledController
 from sim.controllers.core_act import CoreAct
 from sim.controllers.flat_act import flat_address
+from sim.guarded import PRIVATE, ControllerDied, Memory, before_start, call
 from worldgen.ccall import check, pointer, writable
 
 __all__ = [
@@ -27,6 +29,7 @@ __all__ = [
     "copy_of",
     "grid_of",
     "headings",
+    "memory_for",
     "near_masks",
     "ray_table",
 ]
@@ -84,6 +87,9 @@ def ray_table() -> Any:
     return table
 
 
+before_start.append(ray_table)  # and, for it, headings: both are made once, and are no part of the shared memory
+
+
 class BeamTables(NamedTuple):
     """What range beams look up in cells that never change.
 
@@ -113,9 +119,21 @@ def grid_of(cells: Cells) -> Any:
     return ffi.new("WgGrid *", (pointer(ffi, cells, np.uint8), cells.shape[1], cells.shape[0]))[0]
 
 
-def copy_of(settings: Any) -> Any:
+def memory_for(controller: object) -> Memory:
+    """Return where everything must be that the core works on while it runs a controller."""
+    is_guarded = isinstance(controller, CompiledController) and _guarded_address(controller) != 0
+    return guarded.SHARED if is_guarded else PRIVATE
+
+
+def _guarded_address(controller: CompiledController) -> int:
+    """Return the address of a controller's function if it is run in another process, else 0."""
+    act = controller.act
+    return act.address if isinstance(act, CoreAct) and act.is_guarded else 0
+
+
+def copy_of(settings: Any, memory: Memory = PRIVATE) -> Any:
     """Return a copy of a WgSettings."""
-    return ffi.new("WgSettings *", settings[0])
+    return memory.new("WgSettings *", settings[0])
 
 
 class Arena:
@@ -129,18 +147,27 @@ class Arena:
         events: (n, 5) int64, WgEvent, sorted by step and time.
         visited: (height, width) uint8, cells that the centre has been in.
         beams: What makes range beams three times as fast in cells that never change.
+        memory: Where the core is to find all this; the arrays are copied there.
     """
 
     def __init__(
-        self, cells: Cells, near: Table, clearance: Table, events: Ints, visited: Cells, beams: BeamTables | None = None
+        self,
+        cells: Cells,
+        near: Table,
+        clearance: Table,
+        events: Ints,
+        visited: Cells,
+        beams: BeamTables | None = None,
+        memory: Memory = PRIVATE,
     ) -> None:
-        self.cells = cells
-        self.near = near
-        self.clearance = clearance
-        self.events = events
+        self.cells = cells = memory.own(cells)
+        self.near = near = memory.own(near)
+        self.clearance = clearance = memory.own(clearance)
+        self.events = events = memory.own(events)
         self.headings = headings()
-        self.visited = visited
-        self.c: Any = ffi.new("WgArena *")
+        self.visited = visited = memory.own(visited)
+        self.memory = memory
+        self.c: Any = memory.new("WgArena *")
         self.c.height, self.c.width = cells.shape
         self.c.cells = writable(ffi, cells, np.uint8)
         self.c.near = writable(ffi, near, np.int32)
@@ -150,13 +177,14 @@ class Arena:
         self.c.event_count = len(events)
         self.c.headings = pointer(ffi, self.headings, np.int64)
         self.c.visited = writable(ffi, visited, np.uint8)
-        self.beams = beams
         if beams is not None:
+            beams = BeamTables(memory.own(beams.runs), memory.own(beams.spread))
             # Kept here too: of two threads that first ask for the table at once, one gets a table of its own.
             self._rays = ray_table()
             self.c.rays = self._rays
             self.c.spread = pointer(ffi, beams.spread, np.int64)
             self.c.runs = pointer(ffi, beams.runs, np.uint16)
+        self.beams = beams
 
 
 class Driver:
@@ -165,11 +193,16 @@ class Driver:
     Args:
         controller: What drives; None for one that acts outside the core.
         memory: Its memory at reset.
+
+    Attributes:
+        guarded: Address of the controller's function if it is run in another process, else 0.
     """
 
     def __init__(self, controller: CompiledController | None, memory: Sequence[float]) -> None:
-        self._memory = np.array(memory, np.float64)
-        self.c: Any = ffi.new("WgController *")
+        room = memory_for(controller)
+        self.guarded = 0 if controller is None else _guarded_address(controller)
+        self._memory = room.own(np.array(memory, np.float64))
+        self.c: Any = room.new("WgController *")
         self.c.memory_size = len(self._memory)
         if len(self._memory):
             self.c.memory = pointer(ffi, self._memory, np.float64)
@@ -222,6 +255,11 @@ class Episode:
         driver: What drives.
         log_steps: Steps of the longest run in which a recurrence is searched; 0 if none is.
 
+    Attributes:
+        words: Of the complete state.
+        guarded: Address of the controller's function if it is run in another process, else 0. Then all that a call
+            takes must be in :data:`sim.guarded.SHARED`, the settings too.
+
     Raises:
         MemoryError: If there is not enough memory.
     """
@@ -229,13 +267,29 @@ class Episode:
     def __init__(self, arena: Arena, settings: Any, driver: Driver, log_steps: int | None = None) -> None:
         if log_steps is None:
             log_steps = int(settings.steps) if settings.find_loop == lib.WG_SEEK_LOOP else 0
-        made = ffi.new("WgEpisode **")
-        check(lib.wg_episode_new(arena.c, settings, driver.c, log_steps, made))
-        self.c: Any = ffi.gc(made[0], lib.wg_episode_free)
+        self._blocks: tuple[Any, ...] = ()
+        self.c: Any = None
+        if driver.guarded:
+            self._place(arena, settings, driver, log_steps)
+        else:
+            made = ffi.new("WgEpisode **")
+            check(lib.wg_episode_new(arena.c, settings, driver.c, log_steps, made))
+            self.c = ffi.gc(made[0], lib.wg_episode_free)
         self.words = int(self.c.search.words)
         self._held = (arena, settings, driver)
+        self.guarded = driver.guarded
+        self._error: Any = None
         self._recording: tuple[Ints, Ints] | None = None
         self.begin()
+
+    def _place(self, arena: Arena, settings: Any, driver: Driver, log_steps: int) -> None:
+        """Make the episode where the process that runs it finds it."""
+        sizes = ffi.new("int64_t[2]")
+        check(lib.wg_episode_sizes(arena.c, settings, driver.c, log_steps, sizes))
+        block = guarded.SHARED.block(sizes[0], clear=True)
+        log = guarded.SHARED.block(sizes[1], clear=False) if sizes[1] else ffi.NULL
+        self.c = lib.wg_episode_place(block, log, arena.c, settings, driver.c, log_steps)
+        self._blocks = (block, log)
 
     def begin(self) -> None:
         """Put the robot back to its start; the arena must be as it was before the first event."""
@@ -277,7 +331,23 @@ class Episode:
 
     def run(self, steps: int) -> bool:
         """Run at most so many steps; return whether the episode goes on."""
-        return bool(lib.wg_episode_run(self.c, steps) == lib.WG_GOES_ON)
+        if not self.guarded:
+            return bool(lib.wg_episode_run(self.c, steps) == lib.WG_GOES_ON)
+        work = ffi.addressof(lib, "wg_call_run")
+        report = ffi.addressof(self.report)
+        try:
+            answer = call(work, self.guarded, (self.c,), steps, report=report)
+        except ControllerDied as death:
+            self._fail(death.error)
+            return False
+        if answer.error:
+            self._fail(answer.error)
+        return bool(answer.result == lib.WG_GOES_ON)
+
+    def _fail(self, error: str) -> None:
+        """End as a crash of the controller, for this reason."""
+        self._error = ffi.new("char[]", error.encode())
+        lib.wg_episode_fail(self.c, self._error)
 
     def run_to_the_end(self) -> None:
         """Run in portions, between which Ctrl-C is heard."""

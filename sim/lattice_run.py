@@ -17,6 +17,7 @@ from sim.controllers.core_act import CoreAct, misbehaviour_of
 from sim.controllers.flat_act import compiled_act
 from sim.controllers.program import Misbehaviour
 from sim.crash_frames import crash_facts
+from sim.guarded import ControllerDied, call
 from sim.lattice_core import (
     EVENT_FIELDS,
     REPORT,
@@ -29,6 +30,7 @@ from sim.lattice_core import (
     beam_tables,
     copy_of,
     grid_of,
+    memory_for,
     near_masks,
 )
 from sim.long_runs import MOST_HELD, portions
@@ -87,11 +89,12 @@ class LatticeRun:
         robot = robot_for(controller, options.robot)
         self.world, self.controller, self.options = world, controller, replace(options, robot=robot)
         self._lean = lean
+        self.memory = memory_for(controller)
         check_step_length(world, options.time_step, Fraction(1, UNIT))
         motion = MOTIONS.get(options.motion)
         self._cells = np.array(world.walls, np.uint8, order="C")
         self.events = _event_rows(world, options.time_step)
-        self.settings: Any = ffi.new("WgSettings *")
+        self.settings: Any = self.memory.new("WgSettings *")
         self._fill_settings(motion.code, motion.overlap_tolerance)
         self._near = near_masks(self._cells)
         self._clearance = self._clearance_table()
@@ -270,13 +273,15 @@ class LatticeRun:
         Returns:
             (n,) reports, :data:`sim.lattice_core.REPORT`; fewer if the controller failed in one, which is the last.
         """
-        settings = copy_of(self.settings)
+        settings = copy_of(self.settings, self.memory)
         settings.steps, settings.digest = self.options.steps, int(digest)
         settings.find_loop = lib.WG_SEEK_LOOP if self.can_loop else lib.WG_NO_LOOP
         fresh = self.arena()
         episode = Episode(self.arena(), settings, Driver(controller, controller.memory))
         reports = np.zeros(len(seeds), REPORT)
         stop = np.zeros(1, np.int64) if stop is None else stop
+        if episode.guarded:
+            return self._run_many_guarded(episode, settings, fresh, starts, seeds, stop)
         stop_at = pointer(ffi, stop, np.int64)
         for first in range(0, len(seeds), _MANY):
             part = slice(first, first + _MANY)
@@ -292,6 +297,37 @@ class LatticeRun:
             if (reports["ending"][part] == lib.WG_CRASH).any():
                 return reports[: first + int((reports["ending"][part] == lib.WG_CRASH).argmax()) + 1]
         return reports
+
+    def _run_many_guarded(
+        self, episode: Episode, settings: Any, fresh: Arena, starts: Ints, seeds: npt.NDArray[np.uint64], stop: Ints
+    ) -> Reports:
+        """The same in another process, a run at a time, so that it soon hears that it is to stop."""
+        memory = self.memory
+        reports = memory.zeros(len(seeds), REPORT)
+        own_starts = memory.own(starts)
+        own_seeds = memory.own(seeds)
+        goes_on = memory.zeros(1, np.int64)
+        for n in range(len(seeds)):
+            if stop[0]:
+                break
+            one = slice(n, n + 1)
+            objects = (
+                episode.c,
+                settings,
+                fresh.c,
+                pointer(ffi, own_starts[one], np.int64),
+                pointer(ffi, own_seeds[one], np.uint64),
+                pointer(ffi, goes_on, np.int64),
+                ffi.from_buffer(reports[one], require_writable=True),
+            )
+            report = ffi.addressof(episode.report)
+            try:
+                check(call(ffi.addressof(lib, "wg_call_run_many"), episode.guarded, objects, 1, report=report).result)
+            except ControllerDied:
+                reports["ending"][n] = lib.WG_CRASH
+            if reports["ending"][n] == lib.WG_CRASH:
+                return reports[: n + 1].copy()
+        return reports.copy()
 
     def sensed_of_walls(self, states: Ints) -> Floats:
         """What the controller senses, of all that walls decide besides contact, before the first event.
@@ -318,7 +354,7 @@ class LatticeRun:
         row = min(int(self.settings.start_y) // UNIT, height - 1)
         visited[row, min(int(self.settings.start_x) // UNIT, width - 1)] = 1
         near = self._near.copy() if len(self.events) else self._near
-        return Arena(self._cells.copy(), near, self._clearance, self.events, visited, self._beams)
+        return Arena(self._cells.copy(), near, self._clearance, self.events, visited, self._beams, self.memory)
 
     def _run_compiled(self, controller: CompiledController, record: bool) -> tuple[Outcome, Episode]:
         episode = self._episode(controller)
@@ -331,8 +367,8 @@ class LatticeRun:
         if self._lean and 8 * (done + 1) * (_STATE + episode.words) > MOST_HELD:
             outcome = self._outcome(episode, None, fault=fault)
             return replace(outcome, trace=self._lean_trace(controller, done, points)), episode
-        rows = np.zeros((done + 1, _STATE + episode.words), np.int64)
-        path = np.zeros((points, _POINT_FIELDS), np.int64)
+        rows = self.memory.zeros((done + 1, _STATE + episode.words), np.int64)
+        path = self.memory.zeros((points, _POINT_FIELDS), np.int64)
         episode = self._episode(controller)
         rows[0, _STATE:] = episode.state_words()
         episode.record(rows[1:], path)
@@ -367,7 +403,7 @@ class LatticeRun:
 
     def _lean_trace(self, controller: CompiledController, steps: int, points: int) -> Trace:
         """The recording without the memory, which it can recall."""
-        settings = copy_of(self.settings)
+        settings = copy_of(self.settings, self.memory)
         size = len(controller.memory)
         settings.find_loop = lib.WG_NO_LOOP
         rows = np.zeros((steps + 1, _STATE + STATE_WORDS), np.int64)

@@ -42,6 +42,11 @@ static int64_t most_beams(const WgLooks *looks)
     return most;
 }
 
+static size_t block_size(const WgLooks *looks)
+{
+    return sizeof(Block) + (size_t)most_beams(looks) * sizeof(int64_t);
+}
+
 // Whether the numbers of a batch fit each other.
 static bool fits(const WgLooks *looks)
 {
@@ -65,17 +70,9 @@ static bool fits(const WgLooks *looks)
     return true;
 }
 
-WgStatus wg_seat_new(WgLooks *looks, const WgController *controller, WgSeat **made)
+// Makes a seat in a block that is all zero, without its episode.
+static WgSeat *prepare(Block *block, WgLooks *looks)
 {
-    int64_t longest = wg_looks_longest(looks);
-    if (!fits(looks) || longest < 1 || longest > MOST_STEPS) {
-        return WG_BAD_VALUE;
-    }
-    size_t spread_bytes = (size_t)most_beams(looks) * sizeof(int64_t);
-    Block *block = calloc(1, sizeof *block + spread_bytes);
-    if (block == NULL) {
-        return WG_OUT_OF_MEMORY;
-    }
     WgSeat *seat = &block->seat;
     seat->looks = looks;
     seat->run = -1;
@@ -93,6 +90,20 @@ WgStatus wg_seat_new(WgLooks *looks, const WgController *controller, WgSeat **ma
     seat->arena->headings = looks->headings;
     seat->arena->visited = block->visited;
     seat->arena->rays = looks->rays;
+    return seat;
+}
+
+WgStatus wg_seat_new(WgLooks *looks, const WgController *controller, WgSeat **made)
+{
+    int64_t longest = wg_looks_longest(looks);
+    if (!fits(looks) || longest < 1 || longest > MOST_STEPS) {
+        return WG_BAD_VALUE;
+    }
+    Block *block = calloc(1, block_size(looks));
+    if (block == NULL) {
+        return WG_OUT_OF_MEMORY;
+    }
+    WgSeat *seat = prepare(block, looks);
     WgStatus status = wg_episode_new(seat->arena, seat->settings, controller, longest, &seat->episode);
     if (status != WG_OK) {
         free(block);
@@ -108,6 +119,25 @@ void wg_seat_free(WgSeat *seat)
         wg_episode_free(seat->episode);
         free(seat); // the first member of its block
     }
+}
+
+WgStatus wg_seat_sizes(const WgLooks *looks, const WgController *controller, int64_t sizes[3])
+{
+    int64_t longest = wg_looks_longest(looks);
+    if (!fits(looks) || longest < 1 || longest > MOST_STEPS) {
+        return WG_BAD_VALUE;
+    }
+    WgArena arena = {.event_count = 0};
+    sizes[0] = (int64_t)block_size(looks);
+    return wg_episode_sizes(&arena, &looks->settings[0], controller, longest, &sizes[1]);
+}
+
+WgSeat *wg_seat_place(void *const blocks[3], WgLooks *looks, const WgController *controller)
+{
+    WgSeat *seat = prepare(blocks[0], looks);
+    seat->episode = wg_episode_place(blocks[1], blocks[2], seat->arena, seat->settings, controller,
+                                     wg_looks_longest(looks));
+    return seat;
 }
 
 bool wg_seat_open(WgSeat *seat, int64_t run)
@@ -249,6 +279,23 @@ static int64_t run_on(WgSeat *seat, int64_t most_steps, bool *over)
         *over = true;
     }
     return episode->step - before;
+}
+
+bool wg_looks_fail(WgSeat *seat)
+{
+    if (seat->run < 0) {
+        return false;
+    }
+    wg_episode_fail(seat->episode, NULL);
+    note_crash(seat);
+    seat->run = -1;
+    seat->looks->at++;
+    return true;
+}
+
+int64_t wg_call_looks(const WgCall *call)
+{
+    return wg_looks_run(call->objects[0], call->number);
 }
 
 int64_t wg_looks_run(WgSeat *seat, int64_t most_steps)

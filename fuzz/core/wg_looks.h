@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "wg_episode.h"
+#include "wg_guard.h"
 #include "wg_parts.h"
 
 // WgReport.ending of a look without a run: the flood found no path.
@@ -109,6 +110,12 @@ WgStatus wg_seat_new(WgLooks *looks, const WgController *controller, WgSeat **ma
 
 void wg_seat_free(WgSeat *seat);
 
+// The same in memory of the caller's: the bytes of three blocks, of which the first two are all zero.
+WgStatus wg_seat_sizes(const WgLooks *looks, const WgController *controller, int64_t sizes[3]);
+
+// Makes a seat in such blocks. Nothing of it is to be freed.
+WgSeat *wg_seat_place(void *const blocks[3], WgLooks *looks, const WgController *controller);
+
 // Draws worlds from run `at` on, up to the next in which a robot can surely reach the target, and makes
 // it the seat's. Returns its number, which `at` is then; -1 if none is left.
 int64_t wg_seat_next(WgSeat *seat);
@@ -129,6 +136,13 @@ int64_t wg_seat_stop(void *subject);
 // For a controller that is a C function: runs from `at` on, so many steps or little more. Returns WG_OVER
 // when all runs are noted, else WG_GOES_ON.
 int64_t wg_looks_run(WgSeat *seat, int64_t most_steps);
+
+// The same as a call in another process: seat, and the steps.
+int64_t wg_call_looks(const WgCall *call);
+
+// Notes that the controller has failed in the run under way, after the process that ran it has ended. Returns false if
+// no run was under way.
+bool wg_looks_fail(WgSeat *seat);
 
 // Gives each seat the next world, in order. Those with a robot that is to act come first then; returns
 // how many.

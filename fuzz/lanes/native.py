@@ -35,6 +35,7 @@ Seen = Callable[[Looks], None]
 
 _SCENES = 80  # of a unit at most, for each of its examples
 _WORK = 20_000  # steps, for each of its examples: 0.8 s where a step takes 0.1 us
+_DEATH = 40_000  # steps that could be made in the time in which another process is started
 _OF_EACH_KEY = 2  # looks that are proved, a second one because what is alike at first look need not be of one class
 _SCENE_WORDS = -(-SCENE_BYTES // 8)  # of 8 bytes
 
@@ -205,7 +206,7 @@ def _looks(task: Task, draw: Draw, pace: Pace) -> Iterator[Looks]:
         yield looks
         if is_out_of_time():
             return
-        work = work + looks.simulated * step
+        work = work + looks.simulated * step + looks.deaths * _DEATH
         count = count + len(drawn) * pace.scene
 
 

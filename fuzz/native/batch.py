@@ -15,6 +15,7 @@ from fuzz import layout_bytes
 from fuzz._core import ffi, lib
 from fuzz.features import TARGET_RADII, decode_world
 from sim._core import ffi as sim_ffi
+from sim.guarded import PRIVATE, Memory
 from sim.lattice_core import Driver, headings, ray_table
 from sim.packing import disc_numbers
 from worldgen.ccall import check, pointer, writable
@@ -89,6 +90,10 @@ class Batch:
         settings: WgSettings of each time step, for any start.
         radii: m, of a scene's robots.
         patience: For runs without a budget.
+        memory: Where the core is to find all this, and to write what comes of it.
+
+    Attributes:
+        deaths: Runs that ended the process in which they were made.
     """
 
     def __init__(
@@ -100,20 +105,24 @@ class Batch:
         settings: Sequence[Any],
         radii: tuple[float, ...],
         patience: Patience,
+        memory: Memory = PRIVATE,
     ) -> None:
-        self.looks: Columns = np.zeros(len(layouts), LOOK)
-        self._settings = ffi.new("WgSettings[]", len(settings))
+        self.memory = memory
+        self.deaths = 0
+        self.looks: Columns = memory.zeros(len(layouts), LOOK)
+        self._settings = memory.new("WgSettings[]", len(settings), ffi)
         for k, one in enumerate(settings):
             ffi.memmove(ffi.addressof(self._settings, k), one, ffi.sizeof("WgSettings"))
         discs, targets = _discs(radii)
         # The core holds addresses, so what they point to is kept here.
-        self._arrays = (layouts, seeds, kinds, budgets, np.array(radii), targets, headings())
-        self._discs = ffi.new("WgDisc[]", discs)
+        made = (layouts, seeds, kinds, budgets, np.array(radii), targets)
+        self._arrays = (*(memory.own(array) for array in made), headings())
+        self._discs = memory.new("WgDisc[]", discs, ffi)
         self._rays = ray_table()
         layouts_at, seeds_at, kinds_at, budgets_at, radii_at, targets_at, headings_at = (
             pointer(ffi, array, array.dtype.type) for array in self._arrays
         )
-        self.c: Any = ffi.new(
+        self.c: Any = memory.new(
             "WgLooks *",
             {
                 "layouts": layouts_at,
@@ -134,6 +143,7 @@ class Batch:
                 "patience": tuple(patience),
                 "looks": ffi.cast("WgLook *", writable(ffi, self.looks.view(np.uint8), np.uint8)),
             },
+            ffi,
         )
 
     def __len__(self) -> int:
@@ -153,6 +163,12 @@ class Batch:
         """Range beams of the robots."""
         return int(self._settings[0].beams)
 
+    def results(self) -> Columns:
+        """Return what came of the runs, in memory of this process."""
+        if not self.memory.is_shared:
+            return self.looks
+        return self.looks.view(np.uint8).copy().view(LOOK)  # also what lies between the columns, so that bytes compare
+
     def leave_out(self, runs: Any) -> None:
         """Mark runs as not run."""
         self.looks["distance"][runs] = -1
@@ -170,19 +186,35 @@ class Seat:
     """
 
     def __init__(self, batch: Batch, memory: Sequence[float], driver: Driver | None = None, number: int = 0) -> None:
-        self.memory = np.array(memory, np.float64)
-        controller = ffi.new("WgController *")
+        room = batch.memory
+        self.memory = room.own(np.array(memory, np.float64))
+        controller = room.new("WgController *", ffi=ffi)
         controller.memory_size = len(self.memory)
         if len(self.memory):
             controller.memory = pointer(ffi, self.memory, np.float64)
         if driver is not None:
             controller.act = ffi.cast("WgAct", int(ffi.cast("uintptr_t", driver.c.act)))
             controller.flat = ffi.cast("WgFlatAct", int(ffi.cast("uintptr_t", driver.c.flat)))
-        made = ffi.new("WgSeat **")
-        check(lib.wg_seat_new(batch.c, controller, made))
-        self.c: Any = ffi.gc(made[0], lib.wg_seat_free)
+        self._blocks: tuple[Any, ...] = ()
+        self.c: Any = None
+        if room.is_shared:
+            self._place(batch, controller)
+        else:
+            made = ffi.new("WgSeat **")
+            check(lib.wg_seat_new(batch.c, controller, made))
+            self.c = ffi.gc(made[0], lib.wg_seat_free)
         self.c.number = number
         self._held = (batch, driver)
+
+    def _place(self, batch: Batch, controller: Any) -> None:
+        """Make the seat where the process that runs its robot finds it."""
+        sizes = ffi.new("int64_t[3]")
+        check(lib.wg_seat_sizes(batch.c, controller, sizes))
+        seat, episode, log = sizes
+        memory = batch.memory
+        self._blocks = (memory.new("char[]", seat), memory.new("char[]", episode), memory.new("char[]", log))
+        blocks = ffi.new("void *[3]", [ffi.cast("void *", block) for block in self._blocks])
+        self.c = lib.wg_seat_place(blocks, batch.c, controller)
 
     @property
     def episode(self) -> Any:

@@ -12,10 +12,11 @@ import numpy.typing as npt
 from fuzz import layout_bytes
 from fuzz.features import RADII, decode_scene, decode_world
 from fuzz.native.batch import CRASH, HANG, NOT_RUN, Batch, Patience, Seat, lib
+from fuzz.native.guarded import look_guarded
 from fuzz.native.in_lockstep import look_in_batch, look_in_lockstep
 from fuzz.native.one_by_one import OneByOne
 from sim.controllers import CONTROLLERS, CompiledController, Controller, ProcessController, VectorController
-from sim.lattice_core import Driver
+from sim.lattice_core import Driver, memory_for
 from sim.lattice_run import LatticeRun
 from sim.motion import MOTIONS
 from sim.motion.base import LATTICE
@@ -59,6 +60,7 @@ class Looks:
         time_steps: s.
         raw: (n,) :data:`fuzz.native.batch.LOOK`.
         robot: Size and speed of all robots, where the scenes have no say.
+        deaths: Runs that ended the process which ran a controller of a shared library.
     """
 
     layouts: Bytes
@@ -67,6 +69,7 @@ class Looks:
     time_steps: Floats
     raw: npt.NDArray[np.void]
     robot: Mapping[str, float] = field(default_factory=dict)
+    deaths: int = 0
 
     def __len__(self) -> int:
         return len(self.raw)
@@ -235,7 +238,7 @@ def evaluate(
     Each run is to the bit that of :func:`sim.simulate` in ``decode_scene(layout)`` with the scenario's options, the
     run's seed and time step, and the same budget. Where no way is sure to be wide enough for the robot nothing is run.
     The result depends on the arguments alone. Threads may call it with a compiled controller at the same time. Of a
-    program that hangs no run after the second hang is done.
+    program or a shared library that hangs no run after the second hang is done.
 
     Args:
         layouts: (n, LAYOUT_BYTES) or (n, SCENE_BYTES) uint8, any bytes.
@@ -258,7 +261,7 @@ def evaluate(
     packed = _Packed.of(scenario, tuple(values.tolist()), robot)
     batch = packed.batch(np.array(layouts), numbers, kinds.astype(np.int64), limits)
     packed.run(batch, lambda n: _world_of(layouts, n, robot))
-    return Looks(layouts, scenario, numbers, steps, batch.looks, robot)
+    return Looks(layouts, scenario, numbers, steps, batch.results(), robot, batch.deaths)
 
 
 def _check(layouts: Bytes, scenario: Scenario, budget: Any, robot: Mapping[str, float]) -> None:
@@ -344,7 +347,9 @@ class _Packed:
             run.settings.find_loop = lib.WG_SEEK_LOOP if finds and run.can_loop else lib.WG_NO_LOOP
             run.settings.digest = 0
         patience = _PATIENT if isinstance(self.controller, CompiledController) else _BRISK
-        return Batch(layouts, seeds, kinds, budgets, [run.settings for run in self.runs], self.radii, patience)
+        settings = [run.settings for run in self.runs]
+        memory = memory_for(self.controller)
+        return Batch(layouts, seeds, kinds, budgets, settings, self.radii, patience, memory)
 
     def run(self, batch: Batch, world: Callable[[int], World]) -> None:
         """Fills in the results."""
@@ -352,7 +357,11 @@ class _Packed:
             return
         if isinstance(self.controller, CompiledController):
             memory = self.controller.memory
-            seat = Seat(batch, memory, Driver(self.controller, memory))
+            driver = Driver(self.controller, memory)
+            seat = Seat(batch, memory, driver)
+            if driver.guarded:
+                look_guarded(batch, seat, driver.guarded)
+                return
             while lib.wg_looks_run(seat.c, _PORTION) == lib.WG_GOES_ON:
                 pass
             return

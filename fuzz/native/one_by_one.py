@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from fuzz.crash_bucket import crash_bucket
 from fuzz.native.batch import CRASH, HANG, REPORT_FIELDS, Batch, Seat, ffi, lib
+from fuzz.native.guarded import CRASH_NUMBERS, MOST_HANGS
 from sim.controllers import ProcessController, PythonController, VectorController
 from sim.controllers.program import Misbehaviour, WantsMemory
 from sim.python_act import Stops
@@ -21,8 +22,6 @@ from worldgen.world import World
 __all__ = ["OneByOne"]
 
 _ENDINGS = {Verdict.CRASH: CRASH, Verdict.HANG: HANG, Verdict.INVALID_COMMAND: int(lib.WG_INVALID_COMMAND)}
-_NUMBERS = (1 << 24) - 1  # that a crash can have
-_MOST_HANGS = 2  # of a batch: each takes a whole deadline, and no door proves more of a unit
 
 
 class OneByOne:
@@ -62,7 +61,7 @@ class OneByOne:
         self._batch.leave_out(slice(self._batch.at, None))
 
     def _is_enough(self) -> bool:
-        return self._hangs >= _MOST_HANGS or is_out_of_time()
+        return self._hangs >= MOST_HANGS or is_out_of_time()
 
     def _look(self, n: int) -> None:
         """Run the controller in a world, and watch it for a while where that says more."""
@@ -117,7 +116,7 @@ class OneByOne:
         """Return a number for what crashed, so that a frequent one does not keep others from being proved."""
         fault = error if isinstance(error, Misbehaviour) else crash_of(error, self._controller)
         bucket = crash_bucket(replace(fault.evidence, step=step))
-        return zlib.crc32(bucket.encode()) & _NUMBERS
+        return zlib.crc32(bucket.encode()) & CRASH_NUMBERS
 
 
 def _ending_of(error: BaseException) -> int:

@@ -26,6 +26,7 @@ _WANTED = {
     Verdict.BURNED: Wanted(lib.WG_BURNED),
     Verdict.INVALID_COMMAND: Wanted(lib.WG_INVALID_COMMAND),
     Verdict.CRASH: Wanted(lib.WG_LIMIT, crash=True),
+    Verdict.HANG: Wanted(lib.WG_LIMIT, hang=True),
     Verdict.STALLED: Wanted(lib.WG_LIMIT, overlap=False),
     Verdict.TIMEOUT: Wanted(lib.WG_LIMIT, overlap=False),
 }

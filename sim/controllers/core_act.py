@@ -16,6 +16,7 @@ import numpy.typing as npt
 from sim._core import ffi as _ffi
 from sim._core import lib as _lib
 from sim.controllers.program import Misbehaviour
+from sim.guarded import DEADLINE, HANG
 from sim.verdict import Verdict
 
 __all__ = ["CoreAct", "default_of", "memory_at_reset", "misbehaviour_of", "place", "size_of"]
@@ -44,6 +45,11 @@ class CoreAct:
         """Where the function is: a ``WgAct``."""
         return _address(self.name)
 
+    @property
+    def is_guarded(self) -> bool:
+        """Whether it is run in another process, because it may crash or hang."""
+        return False
+
     def __call__(self, observation: Floats, memory: Floats, command: Floats) -> None:
         """Act once; changes ``memory`` and ``command`` in place.
 
@@ -53,7 +59,7 @@ class CoreAct:
             command: (3,) zeros.
 
         Raises:
-            Misbehaviour: If the controller says that it cannot go on, or has crashed in a process of its own.
+            Misbehaviour: If the controller says that it cannot go on.
         """
         beams = np.ascontiguousarray(observation[SENSES:], np.float64)
         seen = ffi.new("WgObservation *")
@@ -82,8 +88,8 @@ def misbehaviour_of(error: str) -> Misbehaviour:
     Args:
         error: ``WgReport.error``.
     """
-    if error == ffi.string(lib.WG_HANG).decode():
-        return Misbehaviour(Verdict.HANG, error, {"deadline": int(lib.WG_GUARD_DEADLINE) / 1000.0})
+    if error == HANG:
+        return Misbehaviour(Verdict.HANG, error, {"deadline": DEADLINE})
     _, colon, message = error.partition(": ")
     return Misbehaviour(Verdict.CRASH, error, {"message": message} if colon else {})
 

@@ -1,6 +1,6 @@
 """Controllers in shared libraries: ``lib:./robot.so:act``, a function of C or C++ that runs inside the simulator.
 
-In a campaign it runs in a process of its own (:mod:`sim.guarded`), so that a crash is a verdict and not the end.
+In a campaign whole runs are made in another process (:mod:`sim.guarded`), so that a crash is a verdict and not the end.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from typing import Any
 from sim.containment import is_contained
 from sim.controllers.base import DEFAULT_SENSES, CompiledController, Observation, bits_of
 from sim.controllers.core_act import CoreAct, ffi, lib
-from sim.guarded import guarded_address
 from sim.robot_options import RobotOptions
 from sim.shared_object import info_of
 from worldgen.errors import InvalidParameter
@@ -32,10 +31,12 @@ class SharedAct(CoreAct):
     @property
     def address(self) -> int:
         """Where the function is: a ``WgAct``."""
-        info = info_of(self.name)
-        if is_contained():
-            return guarded_address(self.name, int(info.memory_size))
-        return int(ffi.cast("uintptr_t", info.act))
+        return int(ffi.cast("uintptr_t", info_of(self.name).act))
+
+    @property
+    def is_guarded(self) -> bool:
+        """Whether it is run in another process: in campaigns, where the system has such processes."""
+        return is_contained()
 
 
 def library_controller(name: str) -> CompiledController:

@@ -1,4 +1,4 @@
-// Makes episodes: one allocation each, sized for the controller, the sensors and the events.
+// Makes episodes, sized for the controller, the sensors and the events.
 
 #include <math.h>
 #include <stdlib.h>
@@ -32,52 +32,95 @@ static void *take(uint64_t **rest, int64_t words)
     return part;
 }
 
-WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const WgController *controller,
-                        int64_t log_steps, WgEpisode **made)
+// The parts of an episode after its struct, in words.
+typedef struct Parts {
+    int64_t state;  // with the controller's memory
+    int64_t corners;
+    int64_t beams;
+    int64_t flat;
+    int64_t answer;
+    int64_t prints;
+    int64_t log;  // a block of its own
+} Parts;
+
+// Works out how large the parts are; returns false if a size is out of its range.
+static bool measure(const WgArena *arena, const WgSettings *settings, const WgController *controller,
+                    int64_t log_steps, Parts *parts)
 {
-    *made = NULL;
     int64_t memory = controller->memory_size;
     int64_t beams = settings->beams;
     if (memory < 0 || memory > MOST_NUMBERS || beams < 0 || beams > MOST_BEAMS || log_steps < 0
         || log_steps > (int64_t)16 * MOST_NUMBERS) {
+        return false;
+    }
+    int64_t corners = WG_MOST_CORNERS * (most_events_of_a_step(arena) + 1);
+    parts->state = WG_STATE_WORDS + memory;
+    parts->corners = corners * (int64_t)(sizeof(WgCorner) / sizeof(uint64_t));
+    parts->beams = beams;
+    parts->flat = WG_SENSES + beams;
+    parts->answer = WG_ANSWER + memory;
+    parts->prints = wg_blocks(parts->state) + 1;
+    parts->log = log_steps > 0 ? log_steps + 1 : 0;
+    return true;
+}
+
+WgStatus wg_episode_sizes(const WgArena *arena, const WgSettings *settings, const WgController *controller,
+                          int64_t log_steps, int64_t sizes[2])
+{
+    Parts parts;
+    if (!measure(arena, settings, controller, log_steps, &parts)) {
         return WG_BAD_SIZE;
     }
+    int64_t words = 2 * parts.state + parts.corners + parts.beams + parts.flat + parts.answer + parts.prints;
+    sizes[0] = (int64_t)sizeof(WgEpisode) + words * (int64_t)sizeof(uint64_t);
+    sizes[1] = parts.log * (int64_t)sizeof(uint64_t);
+    return WG_OK;
+}
 
-    // The parts, in words.
-    int64_t words = WG_STATE_WORDS + memory;
-    int64_t corners = WG_MOST_CORNERS * (most_events_of_a_step(arena) + 1);
-    int64_t corner_words = corners * (int64_t)(sizeof(WgCorner) / sizeof(uint64_t));
-    int64_t flat = WG_SENSES + beams;
-    int64_t answer = WG_ANSWER + memory;
-    int64_t prints = wg_blocks(words) + 1;
-    int64_t log = log_steps > 0 ? log_steps + 1 : 0;
-    int64_t total = words + corner_words + beams + flat + answer + prints + words;
-
-    // The log is not cleared: a long one takes memory only as the run progresses, and no entry is read before it is written.
-    WgEpisode *episode = calloc(1, sizeof *episode);
-    uint64_t *rest = calloc((size_t)total, sizeof *rest);
-    uint64_t *entries = log > 0 ? malloc((size_t)log * sizeof *entries) : NULL;
-    if (episode == NULL || rest == NULL || (log > 0 && entries == NULL)) {
-        free(episode);
-        free(rest);
-        free(entries);
-        return WG_OUT_OF_MEMORY;
+WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const WgSettings *settings,
+                            const WgController *controller, int64_t log_steps)
+{
+    Parts parts;
+    if (!measure(arena, settings, controller, log_steps, &parts)) {
+        return NULL;
     }
-    episode->memory = rest;
+    WgEpisode *episode = block;
+    uint64_t *rest = (uint64_t *)(episode + 1);
     episode->arena = arena;
     episode->settings = settings;
     episode->controller = *controller;
-    episode->robot.body = take(&rest, words);
-    episode->robot.chain = take(&rest, corner_words);
-    episode->workspace.beams = take(&rest, beams);
-    episode->workspace.flat = take(&rest, flat);
-    episode->workspace.answer = take(&rest, answer);
-    episode->search.prints = take(&rest, prints);
-    episode->search.known = take(&rest, words);
-    episode->search.log = entries;
-    episode->search.log_size = log;
-    episode->search.words = words;
-    *made = episode;
+    episode->robot.body = take(&rest, parts.state);
+    episode->robot.chain = take(&rest, parts.corners);
+    episode->workspace.beams = take(&rest, parts.beams);
+    episode->workspace.flat = take(&rest, parts.flat);
+    episode->workspace.answer = take(&rest, parts.answer);
+    episode->search.prints = take(&rest, parts.prints);
+    episode->search.known = take(&rest, parts.state);
+    episode->search.log = log;
+    episode->search.log_size = parts.log;
+    episode->search.words = parts.state;
+    return episode;
+}
+
+WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const WgController *controller,
+                        int64_t log_steps, WgEpisode **made)
+{
+    *made = NULL;
+    int64_t sizes[2];
+    WgStatus status = wg_episode_sizes(arena, settings, controller, log_steps, sizes);
+    if (status != WG_OK) {
+        return status;
+    }
+
+    // The log is not cleared: a long one takes memory only as the run progresses, and no entry is read before it is written.
+    void *block = calloc(1, (size_t)sizes[0]);
+    void *log = sizes[1] > 0 ? malloc((size_t)sizes[1]) : NULL;
+    if (block == NULL || (sizes[1] > 0 && log == NULL)) {
+        free(block);
+        free(log);
+        return WG_OUT_OF_MEMORY;
+    }
+    *made = wg_episode_place(block, log, arena, settings, controller, log_steps);
     return WG_OK;
 }
 
@@ -85,9 +128,17 @@ void wg_episode_free(WgEpisode *episode)
 {
     if (episode != NULL) {
         free(episode->search.log);
-        free(episode->memory);
         free(episode);
     }
+}
+
+void wg_episode_fail(WgEpisode *episode, const char *error)
+{
+    WgReport *report = &episode->robot.report;
+    report->ending = WG_CRASH;
+    report->error = error;
+    episode->step = report->steps;
+    episode->over = 1;
 }
 
 WgStatus wg_episode_begin(WgEpisode *episode)

@@ -113,6 +113,7 @@ static int64_t run_steps(Plain *kept, uint64_t *log, int64_t first, int64_t last
     for (int64_t step = first; step <= last; step++) {
         int64_t drive = wg_drive(robot->body->state.speed);
         bool touches = false;
+        robot->report.steps = step;  // if the controller takes the process down, its owner reads it
         robot->corners = 0;
         robot->contact = (WgNormal){0.0, 0.0};
         if (drive != 0 || step == 1) {
@@ -156,7 +157,6 @@ bool wg_run_plain(WgEpisode *episode, int64_t last)
         int64_t ended = run_steps(&plain, search->log, step, end);
         step = ended > 0 ? ended : end;
         episode->step = step;
-        robot->report.steps = step;
         if (ended > 0) {
             return false;
         }

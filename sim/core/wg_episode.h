@@ -104,7 +104,6 @@ typedef struct WgEpisode {
     int64_t quiet;   // step of the last event: states before it prove nothing
     int64_t waits;   // 1 while the controller is to act
     int64_t over;    // 1 when the episode has ended
-    void *memory;    // everything that the pointers above point to, but for the log and a recording
 } WgEpisode;
 
 // Makes an episode. Sizes are taken from the arguments: the controller's memory, settings->beams, the most events of a
@@ -113,6 +112,18 @@ WgStatus wg_episode_new(const WgArena *arena, const WgSettings *settings, const 
                         int64_t log_steps, WgEpisode **made);
 
 void wg_episode_free(WgEpisode *episode);
+
+// The same in memory of the caller's, such as another process shares: first the bytes of a block that is all zero,
+// then those of the log, which may hold anything.
+WgStatus wg_episode_sizes(const WgArena *arena, const WgSettings *settings, const WgController *controller,
+                          int64_t log_steps, int64_t sizes[2]);
+
+// Makes an episode in two such blocks; NULL if a size is out of its range. Nothing of it is to be freed.
+WgEpisode *wg_episode_place(void *block, void *log, const WgArena *arena, const WgSettings *settings,
+                            const WgController *controller, int64_t log_steps);
+
+// Ends an episode as a crash of its controller, in the step in which it was to act last.
+void wg_episode_fail(WgEpisode *episode, const char *error);
 
 // Puts the robot at its start, its memory at reset. The arena must be as it is before the first event.
 WgStatus wg_episode_begin(WgEpisode *episode);

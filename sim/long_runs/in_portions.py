@@ -45,14 +45,15 @@ def portions(controller: CompiledController, arena: Arena, settings: Any, steps:
         settings: WgSettings, without a search for a recurrence.
         steps: How many.
     """
-    settings = copy_of(settings)
+    memory = arena.memory
+    settings = copy_of(settings, memory)
     settings.digest = 0
     settings.steps = steps
     episode = Episode(arena, settings, Driver(controller, controller.memory))
     width = 1 + episode.words
     most = min(_MOST_ROWS, max(1, MOST_HELD // 4 // (8 * width)))
-    rows = np.zeros((min(most, steps) + 1, width), np.int64)
-    path = np.zeros((MOST_CORNERS * (len(rows) + len(arena.events)), 4), np.int64)
+    rows = memory.zeros((min(most, steps) + 1, width), np.int64)
+    path = memory.zeros((MOST_CORNERS * (len(rows) + len(arena.events)), 4), np.int64)
     rows[0, 1:] = episode.state_words()
     yield Portion(0, rows[:1], path[:0])
     while not episode.c.over:

@@ -252,34 +252,4 @@ typedef struct WgMapCell {
 // The cell after `here` on a shortest path through the map to `target`; (-1, -1) if there is none.
 WgMapCell wg_next_cell(const WgThreeLayerMemory *own, WgMapCell here, WgMapCell target);
 
-// A controller in a process of its own; see guard.h. Not on Windows.
-
-enum {
-    WG_GUARDS = 32,            // that a process can have open
-    WG_GUARD_DEADLINE = 1000,  // ms that a guarded controller can take for a step
-};
-
-typedef struct WgGuard WgGuard;
-
-// What WgCommand.error is, the very address, if a guarded controller gave no answer in time.
-extern const char *const WG_HANG;
-
-// Size of a WgGuard in shared memory for a controller with so many numbers of memory.
-int64_t wg_guard_bytes(int64_t memory_size);
-
-// Makes a guard, in shared memory that is all zero, the one of a slot in this process.
-void wg_guard_open(WgGuard *guard, int64_t slot, int64_t memory_size, int64_t owner);
-
-// Whether a worker waits for its turn.
-int64_t wg_guard_is_ready(const WgGuard *guard);
-
-// Ends the worker, at the end of the owner.
-void wg_guard_end(const WgGuard *guard);
-
-// What runs the controller of a slot's guard; NULL if there is no such slot.
-WgAct wg_guarded_act(int64_t slot);
-
-// Serves a guard in the other process until its owner is gone.
-void wg_guard_serve(WgGuard *guard, WgAct act);
-
 #endif

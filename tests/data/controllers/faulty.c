@@ -1,4 +1,4 @@
-// Controllers that do what none should; each drives to the target until it touches a wall.
+// Controllers that do what none should; most drive to the target until they touch a wall.
 
 #include <stdlib.h>
 
@@ -28,6 +28,17 @@ static void give_up(const WgObservation *seen, double *memory, WgCommand *comman
     }
 }
 
+// Keeps count in a variable of its own, as no controller should: it fails in the 5000th step of a process.
+static void wear_out(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    static int steps;
+    (void)memory;
+    drive(seen, command);
+    if (++steps == 5000) {
+        abort();
+    }
+}
+
 static void hang(const WgObservation *seen, double *memory, WgCommand *command)
 {
     drive(seen, command);
@@ -45,6 +56,20 @@ static void complain(const WgObservation *seen, double *memory, WgCommand *comma
     }
 }
 
+// As segfault, but it says that it has failed.
+static void own_up(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    complain(seen, memory, command);
+}
+
+// Turns on the spot and counts its steps, so that no state of it comes back.
+static void count_steps(const WgObservation *seen, double *memory, WgCommand *command)
+{
+    (void)seen;
+    memory[0] += 1.0;
+    command->turn_rate = 1.0;
+}
+
 static void begin(double *memory)
 {
     memory[1] = 0.25;
@@ -52,7 +77,10 @@ static void begin(double *memory)
 
 WG_CONTROLLER(segfault, .memory_size = 1, .senses = WG_SENSE_TARGET_HEADING)
 WG_CONTROLLER(give_up, .memory_size = 1, .senses = WG_SENSE_TARGET_HEADING)
+WG_CONTROLLER(wear_out, .memory_size = 1, .senses = WG_SENSE_TARGET_HEADING)
 WG_CONTROLLER(hang, .memory_size = 1, .senses = WG_SENSE_TARGET_HEADING)
+WG_CONTROLLER(own_up, .memory_size = 1, .senses = WG_SENSE_TARGET_HEADING)
+WG_CONTROLLER(count_steps, .memory_size = 1, .senses = WG_SENSE_NOTHING_ELSE)
 WG_CONTROLLER(complain, .reset = begin, .memory_size = 2, .beams = 12, .beam_range = 0.5, .start_speed = 0.1)
 
 // Nothing that a controller is offered with.

@@ -1,0 +1,177 @@
+// Feature macros come before every header: signals, timers and the clock of a process are POSIX.
+#if defined(__linux__)
+#define _GNU_SOURCE
+#elif defined(__APPLE__)
+#define _DARWIN_C_SOURCE
+#elif !defined(_WIN32)
+#define _XOPEN_SOURCE 700
+#endif
+
+#include "wg_guard.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "wg_runs.h"
+
+int64_t wg_call_run(const WgCall *call)
+{
+    return wg_episode_run(call->objects[0], call->number);
+}
+
+int64_t wg_call_run_many(const WgCall *call)
+{
+    void *const *objects = call->objects;
+    return wg_run_many(objects[0], objects[1], objects[2], objects[3], objects[4], call->number, objects[5],
+                       objects[6]);
+}
+
+int64_t wg_call_first_edit(const WgCall *call)
+{
+    void *const *objects = call->objects;
+    const WgGrid *old = objects[3];
+    return wg_first_edit(objects[0], objects[1], objects[2], *old, objects[4], call->number, objects[5], objects[6]);
+}
+
+int64_t wg_call_outcomes(const WgCall *call)
+{
+    void *const *objects = call->objects;
+    return wg_outcomes(objects[0], objects[1], objects[2], call->number, objects[3], objects[4], objects[5]);
+}
+
+#if defined(_WIN32)
+
+int64_t wg_guard_start(WgCall *call, int asked, int answered)
+{
+    (void)call;
+    (void)asked;
+    (void)answered;
+    return -1;
+}
+
+double wg_guard_seconds(int64_t process)
+{
+    (void)process;
+    return -1.0;
+}
+
+#else
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { LOOK_AROUND = 500000 };  // us between two looks whether the owner is still there
+
+static volatile sig_atomic_t owner;  // of the process that makes calls; it is set there and nowhere else
+
+// Ends this process if its owner is gone: a controller that hangs would keep it running forever.
+static void look_for_owner(int number)
+{
+    (void)number;
+    if (getppid() != (pid_t)owner) {
+        _exit(1);
+    }
+}
+
+// Makes signals what a program finds at its start, but for Ctrl-C, which is the owner's, and the look for the owner.
+static void set_signals(void)
+{
+    for (int number = 1; number < NSIG; number++) {
+        (void)signal(number, SIG_DFL);  // some cannot be set
+    }
+    (void)signal(SIGINT, SIG_IGN);
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = look_for_owner;
+    action.sa_flags = SA_RESTART;
+    sigaction(SIGALRM, &action, NULL);
+    struct itimerval often = {{0, LOOK_AROUND}, {0, LOOK_AROUND}};
+    setitimer(ITIMER_REAL, &often, NULL);
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+}
+
+// Keeps a controller from the program's input and output, and its crash from a core file as large as the program.
+static void close_off(void)
+{
+    int nothing = open("/dev/null", O_RDWR);
+    if (nothing >= 0) {
+        dup2(nothing, STDIN_FILENO);
+        dup2(nothing, STDOUT_FILENO);
+    }
+    struct rlimit no_file = {0, 0};
+    setrlimit(RLIMIT_CORE, &no_file);
+}
+
+// Copies what the last run's controller said: it may stand in memory that only this process has.
+static void note_error(WgCall *call)
+{
+    call->has_error = call->report != NULL && call->report->ending == WG_CRASH && call->report->error != NULL;
+    if (call->has_error != 0) {
+        strncpy(call->error, call->report->error, WG_LONGEST_ERROR - 1);
+        call->error[WG_LONGEST_ERROR - 1] = '\0';
+    }
+}
+
+static _Noreturn void serve(WgCall *call, int asked, int answered)
+{
+    for (;;) {
+        char byte = 0;
+        ssize_t count = read(asked, &byte, 1);
+        if (count < 0 && errno == EINTR) {
+            continue;
+        }
+        if (count != 1) {
+            _exit(0);  // the owner has closed its end
+        }
+        call->result = call->work(call);
+        note_error(call);
+        do {
+            count = write(answered, &byte, 1);
+        } while (count < 0 && errno == EINTR);
+        if (count != 1) {
+            _exit(0);
+        }
+    }
+}
+
+int64_t wg_guard_start(WgCall *call, int asked, int answered)
+{
+    // No signal may come to the new process before it has handlers of its own.
+    sigset_t all;
+    sigset_t before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    pid_t parent = getpid();
+    pid_t process = fork();
+    if (process == 0) {
+        owner = (sig_atomic_t)parent;
+        close_off();
+        set_signals();
+        serve(call, asked, answered);
+    }
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return process;
+}
+
+double wg_guard_seconds(int64_t process)
+{
+#if defined(__linux__)
+    clockid_t clock;
+    struct timespec time;
+    if (clock_getcpuclockid((pid_t)process, &clock) == 0 && clock_gettime(clock, &time) == 0) {
+        return (double)time.tv_sec + (double)time.tv_nsec / 1e9;
+    }
+#else
+    (void)process;
+#endif
+    return -1.0;
+}
+
+#endif
