@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./stand_in.mjs";
 import { cellsAt, numbersOf, openWorld, poseAt, rowAt, stateAt, stepWithin, SOLID } from "#player/decode.js";
-import { bits, numbers, runOf, worldOf } from "./samples.mjs";
+import { numbers, runOf, worldOf } from "./samples.mjs";
 
 test("numbers come back as they were, also large, negative and evenly growing ones", () => {
   for (const values of [[], [0], [1, 2, 3, 4], [-5, 5, -5], [2 ** 50, 0, -(2 ** 40)], [64, 128, 8191, 8192]])

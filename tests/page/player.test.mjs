@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { element, frame, press } from "./stand_in.mjs";
+import { frame } from "./stand_in.mjs";
 import { rangeOf, rounded, short } from "#player/archive.js";
 import { buildPlayer } from "#player/controls.js";
 import { breakable, grouped, plural } from "#player/dom.js";

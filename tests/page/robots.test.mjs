@@ -88,7 +88,7 @@ test("what is chosen and not run is due", () => {
 });
 
 test("a robot with options is added by its words, changed by them, and is there once", async () => {
-  const { part, box, asked, robots } = panel();
+  const { part, asked, robots } = panel();
   const field = part("#another");
   const add = async (label) => {
     field.value = label;

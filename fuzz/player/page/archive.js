@@ -2,21 +2,35 @@
 
 import { svg } from "#player/dom.js";
 
-// What lies between two edges; the first and the last cell are open.
+/**
+ * What lies between two edges; the first and the last cell are open.
+ * @param {number[]} edges
+ * @param {number} k
+ * @returns {string}
+ */
 export function rangeOf(edges, k) {
   if (edges.length === 0) return "any";
   if (k === 0) return `below ${short(edges[0])}`;
   return k === edges.length ? `${short(edges[k - 1])} and above` : `${short(edges[k - 1])} to ${short(edges[k])}`;
 }
 
+/**
+ * @param {number} number
+ * @returns {string}
+ */
 export function rounded(number) {
   return String(Number(number.toPrecision(4)));
 }
 
-/* The map.
-     archive    { names, edges, cells }: of two numbers, and [i, j, quality, verdict] of each kind that was met
-     space      { width, left, right, top, bottom }: of the picture, and what is kept free around the map
-     open       called with a kind, [i, j], that is clicked at; nothing can be opened where it is left out */
+/**
+ * The map.
+ * @param {Archive} archive
+ * @param {{width: number, left: number, right: number, top: number, bottom: number}} space - Width of the picture,
+ *     and what is kept free around the map
+ * @param {((i: number, j: number) => void) | null} [open] - Called with a kind that is clicked; without
+ *     it nothing can be opened
+ * @returns {SVGElement}
+ */
 export function archivePlot(archive, space, open = null) {
   const [columns, rows] = archive.edges.map((edges) => edges.length + 1);
   const wide = (space.width - space.left - space.right) / columns,
@@ -78,6 +92,10 @@ function archiveAxes(archive, { wide, high, bottom, x, y }, space) {
   ];
 }
 
+/**
+ * @param {number} value
+ * @returns {string}
+ */
 export function short(value) {
   if (value >= 1e6) return `${Number((value / 1e6).toPrecision(3))} M`;
   return value >= 1e4 ? `${Number((value / 1e3).toPrecision(3))} k` : String(Number(value.toPrecision(3)));

@@ -4,10 +4,21 @@ import { poseAt, rowAt, stepWithin } from "#player/decode.js";
 import { ring, stroke } from "#player/pen.js";
 import { drawOtherTrail } from "#player/trail.js";
 
+/**
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @returns {number}
+ */
 export function bodyRadius(pen, world) {
   return Math.max(world.radius, 3 / pen.scale);
 }
 
+/**
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {Pose} pose
+ * @param {RunScene} scene
+ */
 export function drawRobot(pen, world, pose, scene) {
   const { context, px, py, colours } = pen;
   const radius = bodyRadius(pen, world);
@@ -25,7 +36,12 @@ export function drawRobot(pen, world, pose, scene) {
   stroke(pen, colours.robot, 2);
 }
 
-// Another robot at the same time: its way so far, and its disc.
+/**
+ * Another robot at the same time: its way so far, and its disc.
+ * @param {Pen} pen
+ * @param {RunScene} scene
+ * @param {OtherRobot} other
+ */
 export function drawOther(pen, scene, { run, colour }) {
   const step = (scene.step * scene.run.dt) / run.dt;
   const pose = poseAt(run, stepWithin(run, step)),

@@ -5,6 +5,11 @@ import { disc, line, stroke } from "#player/pen.js";
 
 const CASING = 5; // pixels: the way and the cut stand out from what lies below them, whatever the eye makes of its colour
 
+/**
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {number} ms
+ */
 export function drawCertificate(pen, world, ms) {
   const { context, px, py, colours } = pen;
   const witness = openWorld(world).witness;

@@ -15,7 +15,15 @@ export const LAYERS = {
   witness: ["Witness", "w"],
 };
 
-// The controls under the stage. What was chosen before, such as layers, stays; `also` is called at each change.
+/**
+ * The controls under the stage. What was chosen before, such as layers, stays; `also` is called at each change.
+ * @param {HTMLCanvasElement} canvas
+ * @param {HTMLElement} under
+ * @param {Drawn} drawn
+ * @param {Player | null} former
+ * @param {(player: Player) => void} [also]
+ * @returns {Player}
+ */
 export function buildPlayer(canvas, under, drawn, former, also = () => {}) {
   const parts = {};
   fitStage(canvas, drawn.world);
@@ -59,6 +67,7 @@ function viewButtons(player, parts) {
   );
 }
 
+/** @param {Player} player */
 export function toggleFollow(player) {
   if (player.follow) player.fit();
   else player.robot();
@@ -148,28 +157,41 @@ function jumpButtons(player, parts) {
   ];
 }
 
+/**
+ * @param {Player} player
+ * @param {number} step
+ */
 export function jumpTo(player, step) {
   player.play(false);
   player.go(step);
 }
 
+/**
+ * @param {Player} player
+ * @param {number} steps
+ */
 export function stepBy(player, steps) {
   jumpTo(player, (steps > 0 ? Math.floor(player.step) : Math.ceil(player.step)) + steps);
 }
 
-// To the next step that matters; from the last to the first.
+/**
+ * To the next step that matters; from the last to the first.
+ * @param {Player} player
+ */
 export function nextMark(player) {
-  const { marks } = player.drawn.run;
+  const marks = player.drawn.run?.marks ?? [];
   const next = marks.find((mark) => mark.step > player.step) || marks[0];
   if (next) jumpTo(player, next.step);
 }
 
+/** @param {Player} player */
 export function playPeriod(player) {
-  const { loop } = player.drawn.run;
+  const { run } = player.drawn;
+  if (!run?.loop) return;
   player.period = !player.period;
   if (player.period) {
-    player.step = loop[0];
-    player.speed = usualSpeed(loop[1], player.drawn.run.dt);
+    player.step = run.loop[0];
+    player.speed = usualSpeed(run.loop[1], run.dt);
     player.play(true);
   }
   player.update();
@@ -245,7 +267,12 @@ function momentOf(run, step) {
   return into === 0 ? ": the state of the entry again" : `, ${into} into the period`;
 }
 
+/**
+ * @param {HTMLElement} canvas
+ * @param {{player: Player | null}} state
+ */
 export function dragToMove(canvas, state) {
+  /** @type {[number, number] | null} */
   let last = null;
   canvas.addEventListener("pointerdown", (event) => {
     if (!state.player || !state.player.view) return;
@@ -253,7 +280,7 @@ export function dragToMove(canvas, state) {
     canvas.setPointerCapture(event.pointerId);
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (!last) return;
+    if (!last || !state.player) return;
     state.player.move(event.clientX - last[0], event.clientY - last[1]);
     last = [event.clientX, event.clientY];
   });

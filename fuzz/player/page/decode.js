@@ -1,9 +1,17 @@
 // Numbers and bits as fuzz/player/streams.py writes them; worlds and runs made ready to draw, once each.
 
+/**
+ * @param {string} text
+ * @returns {Uint8Array<ArrayBuffer>}
+ */
 export function bytesOf(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }
 
+/**
+ * @param {Packed} text
+ * @returns {Float64Array}
+ */
 export function numbersOf(text) {
   const values = [];
   let value = 0,
@@ -23,6 +31,11 @@ export function numbersOf(text) {
   return Float64Array.from(values);
 }
 
+/**
+ * @param {Bits} text
+ * @param {number} count
+ * @returns {Uint8Array}
+ */
 function bitsOf(text, count) {
   const bytes = bytesOf(text);
   return Uint8Array.from({ length: count }, (_, k) => (bytes[k >> 3] >> (k & 7)) & 1);
@@ -39,11 +52,15 @@ export function opened(thing, open) {
   return thing.open;
 }
 
+/**
+ * @param {SceneWorld} world
+ * @returns {OpenWorld}
+ */
 export function openWorld(world) {
   return opened(world, () => {
     const witness = world.witness;
     return {
-      cells: bitsOf(world.cells, world.width * world.height),
+      cells: bitsOf(world.cells ?? "", world.width * world.height),
       events: world.events && {
         ms: numbersOf(world.events.ms),
         ix: numbersOf(world.events.ix),
@@ -61,6 +78,10 @@ export function openWorld(world) {
   });
 }
 
+/**
+ * @param {DrawnRun} run
+ * @returns {OpenRun}
+ */
 export function openRun(run) {
   return opened(run, () => {
     const at = numbersOf(run.at).map((value) => value / SHARE);
@@ -75,7 +96,12 @@ export function openRun(run) {
   });
 }
 
-// The cells at a time: free, solid or burning. The array is the same one at every call.
+/**
+ * The cells at a time: free, solid or burning. The array is the same one at every call.
+ * @param {SceneWorld} world
+ * @param {number} ms
+ * @returns {Uint8Array}
+ */
 export function cellsAt(world, ms) {
   const open = openWorld(world);
   if (!open.events) return open.cells;
@@ -91,11 +117,23 @@ export function cellsAt(world, ms) {
   return open.now;
 }
 
+/**
+ * @param {Uint8Array} cells
+ * @param {SceneWorld} world
+ * @param {number} ix
+ * @param {number} iy
+ * @returns {number}
+ */
 export function stateAt(cells, world, ix, iy) {
   return ix < 0 || iy < 0 || ix >= world.width || iy >= world.height ? SOLID : cells[iy * world.width + ix];
 }
 
-// The last row that is not later than a step.
+/**
+ * The last row that is not later than a step.
+ * @param {DrawnRun} run
+ * @param {number} step
+ * @returns {number}
+ */
 export function rowAt(run, step) {
   const at = openRun(run).at;
   let low = 0,
@@ -108,19 +146,34 @@ export function rowAt(run, step) {
   return low;
 }
 
-// What is known of the robot at a row beside its place: the behaviour that acted, where it has any.
+/**
+ * What is known of the robot at a row beside its place: the behaviour that acted, where it has any.
+ * @param {DrawnRun} run
+ * @param {number} row
+ * @returns {string | null}
+ */
 export function behaviourAt(run, row) {
   const { active } = openRun(run);
-  return active ? run.behaviours[active[row]] || "none" : null;
+  return active ? run.behaviours?.[active[row]] || "none" : null;
 }
 
-// The step of a run that stands for a step beyond its end: a loop goes round for ever, another run stays where it is.
+/**
+ * The step of a run that stands for a step beyond its end: a loop goes round for ever, another run stays where it is.
+ * @param {DrawnRun} run
+ * @param {number} step
+ * @returns {number}
+ */
 export function stepWithin(run, step) {
   if (step <= run.steps || !run.loop) return Math.min(step, run.steps);
   const [entry, period] = run.loop;
   return entry + ((step - entry) % period);
 }
 
+/**
+ * @param {DrawnRun} run
+ * @param {number} step
+ * @returns {Pose}
+ */
 export function poseAt(run, step) {
   const open = openRun(run);
   const row = rowAt(run, step),

@@ -1,7 +1,7 @@
 // Elements, made without any markup text: whatever a name holds, it is only ever text.
 
 // The name of SVG's namespace, from the browser itself, so that this file holds no address at all.
-const SVG = new DOMParser().parseFromString("<svg/>", "text/html").querySelector("svg").namespaceURI;
+const SVG = new DOMParser().parseFromString("<svg/>", "text/html").querySelector("svg")?.namespaceURI;
 
 function make(space, tag, attributes, children) {
   const element = space ? document.createElementNS(space, tag) : document.createElement(tag);
@@ -14,10 +14,24 @@ function make(space, tag, attributes, children) {
   return element;
 }
 
+/**
+ * @template {keyof HTMLElementTagNameMap} T
+ * @param {T} tag
+ * @param {Record<string, any>} [attributes]
+ * @param {...Content} children
+ * @returns {HTMLElementTagNameMap[T]}
+ */
 export function el(tag, attributes = {}, ...children) {
   return make(null, tag, attributes, children);
 }
 
+/**
+ * @template {keyof SVGElementTagNameMap} T
+ * @param {T} tag
+ * @param {Record<string, any>} [attributes]
+ * @param {...Content} children
+ * @returns {SVGElementTagNameMap[T]}
+ */
 export function svg(tag, attributes = {}, ...children) {
   return make(SVG, tag, attributes, children);
 }
@@ -31,11 +45,23 @@ const ICONS = {
   last: "M3 2v12l7-6zM11 2h2v12h-2z",
 };
 
+/**
+ * @param {keyof typeof ICONS} name
+ * @returns {SVGElement}
+ */
 export function icon(name) {
   return svg("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: ICONS[name] }));
 }
 
-// A button that a key also presses.
+/**
+ * A button that a key also presses.
+ * @param {Content} content
+ * @param {string} label
+ * @param {string} key
+ * @param {(event: MouseEvent) => void} act
+ * @param {Record<string, any>} [more]
+ * @returns {HTMLButtonElement}
+ */
 export function keyButton(content, label, key, act, more = {}) {
   const attributes = {
     type: "button",
@@ -47,7 +73,13 @@ export function keyButton(content, label, key, act, more = {}) {
   return el("button", { ...attributes, onclick: act }, content);
 }
 
-// A list to choose from: pairs of value and words.
+/**
+ * A list to choose from: pairs of value and words.
+ * @param {(string | number)[][]} pairs
+ * @param {string | number | null} chosen
+ * @param {(event: any) => void} change
+ * @returns {HTMLSelectElement}
+ */
 export function choice(pairs, chosen, change) {
   return el(
     "select",
@@ -56,28 +88,53 @@ export function choice(pairs, chosen, change) {
   );
 }
 
-// A robot's name with its options, which may go on in another line at each of them.
+/**
+ * A robot's name with its options, which may go on in another line at each of them.
+ * @param {string} name
+ * @returns {Content[]}
+ */
 export function breakable(name) {
   return name.split(/(?=\+)/).flatMap((part, k) => (k > 0 ? [el("wbr"), part] : [part]));
 }
 
+/**
+ * @param {string} id
+ * @returns {any}
+ */
 export function byId(id) {
   return document.getElementById(id);
 }
 
+/**
+ * @param {number} number
+ * @returns {string}
+ */
 export function grouped(number) {
   return Math.round(number).toLocaleString("en-US");
 }
 
+/**
+ * @param {number} count
+ * @param {string} one
+ * @param {string} [many]
+ * @returns {string}
+ */
 export function plural(count, one, many = `${one}s`) {
   return `${grouped(count)} ${count === 1 ? one : many}`;
 }
 
-// For screen readers: what a sighted reader sees change.
+/**
+ * For screen readers: what a sighted reader sees change.
+ * @param {string} text
+ */
 export function say(text) {
   byId("said").textContent = text;
 }
 
+/**
+ * @param {string} verdict
+ * @returns {HTMLElement}
+ */
 export function verdictDot(verdict) {
   return el("span", { class: "dot", "data-verdict": verdict, "aria-hidden": "true" });
 }

@@ -2,6 +2,10 @@
 
 import { disc, ring, stroke } from "#player/pen.js";
 
+/**
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ */
 export function drawTarget(pen, world) {
   const [x, y, radius] = world.target;
   const shown = Math.max(radius, 4 / pen.scale);
@@ -9,6 +13,10 @@ export function drawTarget(pen, world) {
   ring(pen, x, y, shown + 2.5 / pen.scale, pen.colours.target, 1.5);
 }
 
+/**
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ */
 export function drawStart(pen, world) {
   const { context, px, py, colours } = pen;
   const [x, y, heading] = world.start;

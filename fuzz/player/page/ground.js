@@ -4,6 +4,12 @@ import { BURNING, SOLID } from "#player/decode.js";
 import { drawManyCells } from "#player/many_cells.js";
 import { rimOf } from "#player/pen.js";
 
+/**
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {Uint8Array} cells
+ * @param {Scene} scene
+ */
 export function drawGround(pen, world, cells, scene) {
   const { context, px, py, colours } = pen;
   context.fillStyle = colours.panel;

@@ -3,7 +3,10 @@
 import { LAYERS, jumpTo, nextMark, playPeriod, stepBy, toggleFollow } from "#player/controls.js";
 import { byId, el } from "#player/dom.js";
 
-/* Opens the page's dialog of keys, <dialog id="keys" aria-labelledby="keys-title">. */
+/**
+ * Opens the page's dialog of keys, <dialog id="keys" aria-labelledby="keys-title">.
+ * @param {...Node} tables
+ */
 export function openKeys(...tables) {
   const dialog = byId("keys");
   dialog.replaceChildren(
@@ -18,7 +21,11 @@ export function openKeys(...tables) {
   dialog.showModal();
 }
 
-/* A table of rows [a key or several, what it does]. */
+/**
+ * A table of rows [a key or several, what it does].
+ * @param {KeyRow[]} rows
+ * @returns {HTMLElement}
+ */
 export function keyTable(rows) {
   const row = ([keys, words]) => {
     const marks = [keys].flat().map((key) => [el("kbd", {}, key), " "]);
@@ -27,7 +34,12 @@ export function keyTable(rows) {
   return el("table", {}, el("tbody", {}, rows.map(row)));
 }
 
-/* Whether what has the focus needs a key for itself: who types, moves a slider or presses a button means that. */
+/**
+ * Whether what has the focus needs a key for itself: who types, moves a slider or presses a button means that.
+ * @param {HTMLElement} target
+ * @param {string} key
+ * @returns {boolean}
+ */
 export function keepsKey(target, key) {
   if (target.matches("input:not([type=range], [type=checkbox], [type=radio]), select, textarea")) return true;
   if (target.matches("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(key);
@@ -35,11 +47,19 @@ export function keepsKey(target, key) {
   return /^( |Enter)$/.test(key) && target.matches("button, a, summary, input");
 }
 
+/**
+ * @param {Player} player
+ * @returns {Keys}
+ */
 export function cameraKeys(player) {
   const nearer = () => player.zoom(1.4);
   return { "+": nearer, "=": nearer, "-": () => player.zoom(1 / 1.4), 0: () => player.fit() };
 }
 
+/**
+ * @param {Player} player
+ * @returns {Keys}
+ */
 export function layerKeys(player) {
   const toggle = (name) => () => {
     player.show[name] = !player.show[name];
@@ -48,8 +68,13 @@ export function layerKeys(player) {
   return Object.fromEntries(Object.entries(LAYERS).map(([name, [, key]]) => [key, toggle(name)]));
 }
 
+/**
+ * @param {Player} player
+ * @param {number} steps
+ * @returns {Keys}
+ */
 export function clockKeys(player, steps) {
-  const { run } = player.drawn;
+  if (!player.drawn.run) return {};
   return {
     " ": () => player.play(!player.playing),
     ArrowLeft: () => stepBy(player, -steps),
@@ -58,6 +83,6 @@ export function clockKeys(player, steps) {
     End: () => jumpTo(player, player.last),
     r: () => toggleFollow(player),
     e: () => nextMark(player),
-    l: () => run.loop && playPeriod(player),
+    l: () => playPeriod(player),
   };
 }

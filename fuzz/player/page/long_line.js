@@ -11,12 +11,14 @@ const MORE = 2_000; // rows that are added to a picture; with more of them it is
 const AROUND = 1 / 8; // of the window's sides: what a picture holds beyond them when the view follows something
 const kept = new WeakMap(); // by the columns: pictures, by their names
 
-/* Draws rows of two columns as a line. Those that were added since the last frame are drawn on; all is drawn anew when
-   the view has changed by more than a shift, or the line has become shorter.
-     columns   { x, y }
-     name      of this part of them: each has its own picture
-     look      { from, to, colour, width, alpha }: which rows, and how; a colour that lets nothing through;
-               `once`: no picture is kept */
+/**
+ * Draws rows of two columns as a line. Those that were added since the last frame are drawn on; all is drawn anew when
+ * the view has changed by more than a shift, or the line has become shorter.
+ * @param {Pen} pen
+ * @param {{x: Float64Array, y: Float64Array}} columns
+ * @param {string} name - Of this part of them; each has its own picture
+ * @param {LineLook} look - Its colour lets nothing through
+ */
 export function drawLine(pen, columns, name, look) {
   const { context } = pen;
   context.save();
@@ -26,7 +28,7 @@ export function drawLine(pen, columns, name, look) {
     addRows(picture, columns, look);
     const corner = cornerOf(picture, pen);
     context.setTransform(1, 0, 0, 1, 0, 0);
-    context.drawImage(picture.canvas, ...corner);
+    context.drawImage(picture.canvas, corner[0], corner[1]);
   } else {
     const ratio = ratioOf(pen);
     line(pen, columns.x, columns.y, look.from, look.to);
@@ -45,7 +47,8 @@ function thicknessOf(width, ratio) {
 }
 
 // The picture as it is, if it can be added to, or an empty one; none of a line of which there is little to see.
-function pictureFor(pen, columns, name, { from, to, colour, width, once }) {
+function pictureFor(pen, columns, name, look) {
+  const { from, to, colour, width, once } = look;
   if (to - from < LONG) return null;
   const pictures = kept.get(columns) || {},
     known = pictures[name],
@@ -99,8 +102,8 @@ function covers(picture, pen) {
 // Many rows at once, a pixel wide and then widened, or a few, each of them as often as it is wide.
 function addRows(picture, columns, { from, to }) {
   if (to <= picture.done) return;
-  const { thick, done } = picture,
-    rows = [columns, Math.max(from, done - 1), to];
+  const { thick, done } = picture;
+  const rows = { ...columns, from: Math.max(from, done - 1), to };
   if (done === from) {
     addThin(picture, rows, 0, 0);
     widen(picture);
@@ -111,7 +114,7 @@ function addRows(picture, columns, { from, to }) {
 }
 
 // Rows, a pixel wide, up and left of their place by half of the width that is to come, and aside from there.
-function addThin({ own, pen, ratio, thick }, [{ x, y }, from, to], across, down) {
+function addThin({ own, pen, ratio, thick }, { x, y, from, to }, across, down) {
   const corner = (1 - thick) / 2;
   own.setTransform(ratio, 0, 0, ratio, corner + across, corner + down);
   line(pen, x, y, from, to);

@@ -5,7 +5,13 @@ import { BURNING, SOLID } from "#player/decode.js";
 const MANY = 100_000; // cells in the window; fewer are drawn one by one, with sharp edges
 const pictures = new WeakMap(); // by the array of cells
 
-// Draws all cells if there are many of them in the window; says whether it did.
+/**
+ * Draws all cells if there are many of them in the window; says whether it did.
+ * @param {Pen} pen
+ * @param {SceneWorld} world
+ * @param {Uint8Array} cells
+ * @returns {boolean}
+ */
 export function drawManyCells(pen, world, cells) {
   const across = Math.min(world.width, pen.width / pen.scale),
     up = Math.min(world.height, pen.height / pen.scale);

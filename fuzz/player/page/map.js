@@ -14,39 +14,53 @@ import { drawSenses } from "#player/senses.js";
 import { drawTouched } from "#player/touched.js";
 import { drawTrail } from "#player/trail.js";
 
-/* What is drawn:
-     world, run      as the page's data has them; run may be missing
-     step            time, in steps
-     show            { trail, witness, sensors, signal, touched, memory }: which of them
-     sensors         the robot's, or null
-     colour          of this robot, where there are several: the name of one in the palette
-     number          of this robot, where there are several: it stands beside the robot
-     others          the others: { run, colour, number }
-     whole           the whole way is drawn as driven, as in small pictures */
+/**
+ * Draws a scene.
+ * @param {HTMLCanvasElement} canvas
+ * @param {Scene} scene
+ * @param {View | null} [view]
+ */
 export function drawScene(canvas, scene, view = null) {
   const { world, run } = scene;
   const pen = penFor(canvas, view, world);
   if (pen.width === 0) return;
-  const ms = run ? scene.step * run.dt * 1000 : 0;
+  const step = scene.step ?? 0;
+  const ms = run ? step * run.dt * 1000 : 0;
   const cells = cellsAt(world, ms);
   drawGround(pen, world, cells, scene);
   if (scene.show.witness) drawCertificate(pen, world, ms);
   drawTarget(pen, world);
-  const pose = run && poseAt(run, stepWithin(run, scene.step));
-  if (run && scene.show.sensors && scene.sensors) drawSenses(pen, scene, cells, pose);
+  if (run) drawRun(pen, { ...scene, run, step }, cells);
+  else drawStart(pen, world);
+}
+
+/**
+ * Draws the robots of a scene and what belongs to them, from the lowest layer to the highest.
+ * @param {Pen} pen
+ * @param {RunScene} scene
+ * @param {Uint8Array} cells
+ */
+function drawRun(pen, scene, cells) {
+  const { world, run, show, sensors } = scene;
+  const within = stepWithin(run, scene.step);
+  const pose = poseAt(run, within);
+  if (show.sensors && sensors) drawSenses(pen, { ...scene, sensors }, cells, pose);
   for (const other of scene.others || []) drawOther(pen, scene, other);
-  if (run) disc(pen, pose.x, pose.y, bodyRadius(pen, world), pen.colours["robot-fill"]);
-  if (run && scene.show.memory) drawMemory(pen, run, stepWithin(run, scene.step));
-  if (run && scene.show.trail) drawTrail(pen, scene);
-  if (run && scene.show.touched) drawTouched(pen, scene);
+  disc(pen, pose.x, pose.y, bodyRadius(pen, world), pen.colours["robot-fill"]);
+  if (show.memory) drawMemory(pen, run, within);
+  if (show.trail) drawTrail(pen, scene);
+  if (show.touched) drawTouched(pen, scene);
   drawStart(pen, world);
-  if (!run) return;
   drawPierced(pen, scene);
   drawRobot(pen, world, pose, scene);
   drawNumbers(pen, scene);
 }
 
-// A small picture: the whole way at once, the robot where the run ends.
+/**
+ * A small picture: the whole way at once, the robot where the run ends.
+ * @param {HTMLCanvasElement} canvas
+ * @param {Pick<DrawnFailure, "world" | "run" | "sensors">} drawn
+ */
 export function drawSmall(canvas, drawn) {
   const { world, run, sensors } = drawn;
   if (!world) return;
@@ -54,6 +68,10 @@ export function drawSmall(canvas, drawn) {
   drawScene(canvas, { world, run, sensors, show, whole: true, step: run ? run.steps : 0 });
 }
 
+/**
+ * @param {DrawnFailure} drawn
+ * @returns {string}
+ */
 export function pictureLabel(drawn) {
   const changes = drawn.events ? `, ${plural(drawn.events, "change")} of cells` : "";
   const run = drawn.run ? `, the robot's way of ${plural(drawn.run.steps, "step")}` : "";

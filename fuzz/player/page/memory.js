@@ -18,11 +18,20 @@ function openMemory(memory) {
 
 const MAP_COLUMNS = ["kind", "x0", "y0", "x1", "y1", "since", "until"];
 
+/**
+ * @param {DrawnRun | null} run
+ * @returns {boolean}
+ */
 export function hasMap(run) {
   return Boolean(run && run.memory && run.memory.map);
 }
 
-// Pairs of a name and what the memory holds there, in words where the controller has given some.
+/**
+ * Pairs of a name and what the memory holds there, in words where the controller has given some.
+ * @param {DrawnRun} run
+ * @param {number} step
+ * @returns {[string, string][]}
+ */
 export function memoryFacts(run, step) {
   const { memory } = run;
   if (!memory) return [];
@@ -39,6 +48,7 @@ export function memoryFacts(run, step) {
 
 // The shapes that are there at a step, by kind.
 function shapesAt(run, step) {
+  /** @type {any[][]} */
   const found = [[], [], [], []];
   if (!hasMap(run)) return found;
   const { kind, x0, y0, x1, y1, since, until } = openMemory(run.memory).map;
@@ -50,7 +60,12 @@ function shapesAt(run, step) {
   return found;
 }
 
-// The robot's map over the world: what it holds for closed or occupied, its plan, the places that it remembers.
+/**
+ * The robot's map over the world: what it holds for closed or occupied, its plan, the places that it remembers.
+ * @param {Pen} pen
+ * @param {DrawnRun} run
+ * @param {number} step
+ */
 export function drawMemory(pen, run, step) {
   const { context, px, py, colours } = pen,
     shapes = shapesAt(run, step);

@@ -6,8 +6,13 @@ import { openRun, poseAt, rowAt, stepWithin } from "#player/decode.js";
 const FIRST = 6; // cells driven before the first number on a way; the next ones stand at twice that, and so on
 const APART = 18; // pixels between two numbers on ways, and to a robot
 
-/** Where a robot's number stands on its way: rows, each twice as far along as the one before; each robot's elsewhere, for
-    ways may lie on one another. */
+/**
+ * Where a robot's number stands on its way: rows, each twice as far along as the one before; each robot's elsewhere, for
+ *     ways may lie on one another.
+ * @param {DrawnRun} run
+ * @param {number} number
+ * @returns {number[]}
+ */
 function numberedRows(run, number) {
   const open = openRun(run);
   if (open.numbered) return open.numbered;
@@ -23,8 +28,11 @@ function numberedRows(run, number) {
   return open.numbered;
 }
 
-/* The numbers of all robots, where there are several.
-     scene     as of drawScene; without a number there is but one robot */
+/**
+ * The numbers of all robots, where there are several.
+ * @param {Pen} pen
+ * @param {RunScene} scene - As of drawScene; without a number there is but one robot
+ */
 export function drawNumbers(pen, { run, step, world, show, number, colour, others }) {
   if (!number) return;
   const all = [...(others || []), { run, number, colour }].map((one) => ({ ...one, step: (step * run.dt) / one.run.dt }));

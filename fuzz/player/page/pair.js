@@ -2,9 +2,13 @@
 
 import { el } from "#player/dom.js";
 
-/* Makes room for another drawn run in a stage, or takes it away; gives what the player wants as `beside`.
-     other     { world, run, sensors }, or null
-     words     what stands on the two: of the other one, and of the one in front */
+/**
+ * Makes room for another drawn run in a stage, or takes it away; gives what the player wants as `beside`.
+ * @param {HTMLElement} stage
+ * @param {Pick<Beside, "world" | "run" | "sensors"> | null} other - { world, run, sensors }, or null
+ * @param {string[]} [words] - What stands on the two: of the other one, and of the one in front
+ * @returns {Beside | null}
+ */
 export function besideIn(stage, other, words = ["", ""]) {
   for (const old of stage.querySelectorAll(".beside, .tag")) old.remove();
   stage.classList.toggle("both", other !== null);

@@ -2,11 +2,18 @@
 
 const RIM = 0.4; // cells of the solid outside that are drawn around a world, if that is not too wide
 
+/** @returns {Record<string, string>} */
 export function palette() {
   const style = getComputedStyle(document.documentElement);
-  return new Proxy({}, { get: (_, name) => style.getPropertyValue(`--${name}`).trim() });
+  return new Proxy({}, { get: (_, name) => style.getPropertyValue(`--${String(name)}`).trim() });
 }
 
+/**
+ * @param {{width: number, height: number}} world
+ * @param {number} width
+ * @param {number} height
+ * @returns {View}
+ */
 export function fitView(world, width, height) {
   const edge = 2 * edgeOf(width);
   return {
@@ -21,11 +28,21 @@ function edgeOf(width) {
   return width < 400 ? 9 : 16;
 }
 
+/**
+ * @param {Pen} pen
+ * @returns {number}
+ */
 export function rimOf(pen) {
   return Math.min(edgeOf(pen.width) - 3, Math.max(2, Math.round(RIM * pen.scale)));
 }
 
-// Sets the canvas to its place on the page and returns a pen that speaks in cells.
+/**
+ * Sets the canvas to its place on the page and returns a pen that speaks in cells.
+ * @param {HTMLCanvasElement} canvas
+ * @param {View | null} view
+ * @param {SceneWorld} world
+ * @returns {Pen}
+ */
 export function penFor(canvas, view, world) {
   const ratio = window.devicePixelRatio || 1;
   const width = canvas.clientWidth,
@@ -36,7 +53,7 @@ export function penFor(canvas, view, world) {
     canvas.width = wide;
     canvas.height = high;
   }
-  const context = canvas.getContext("2d");
+  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.lineJoin = "round";
   context.lineCap = "round";
@@ -56,7 +73,15 @@ export function penFor(canvas, view, world) {
 const LEAST = 0.75; // pixels: corners that are nearer to the one before are left out
 const OUT = 20; // pixels beyond the window: what lies there altogether is not drawn
 
-// Rows of two columns as a path, and on to a last place.
+/**
+ * Rows of two columns as a path, and on to a last place.
+ * @param {Pen} pen
+ * @param {ArrayLike<number>} x
+ * @param {ArrayLike<number>} y
+ * @param {number} from
+ * @param {number} to
+ * @param {{x: number, y: number} | null} [last]
+ */
 export function line(pen, x, y, from, to, last = null) {
   const { context, px, py } = pen;
   context.beginPath();
@@ -67,7 +92,15 @@ export function line(pen, x, y, from, to, last = null) {
   if (last) context.lineTo(px(last.x), py(last.y));
 }
 
-// How many pieces of such a path are in the window.
+/**
+ * How many pieces of such a path are in the window.
+ * @param {Pen} pen
+ * @param {ArrayLike<number>} x
+ * @param {ArrayLike<number>} y
+ * @param {number} from
+ * @param {number} to
+ * @returns {number}
+ */
 export function seen(pen, x, y, from, to) {
   let count = 0;
   corners(pen, x, y, from, to, (across, down, out) => {
@@ -96,6 +129,12 @@ function corners(pen, x, y, from, to, act) {
   }
 }
 
+/**
+ * @param {Pen} pen
+ * @param {string} colour
+ * @param {number} width
+ * @param {number[]} [dash]
+ */
 export function stroke(pen, colour, width, dash = []) {
   const { context } = pen;
   context.strokeStyle = colour;
@@ -105,6 +144,13 @@ export function stroke(pen, colour, width, dash = []) {
   context.setLineDash([]);
 }
 
+/**
+ * @param {Pen} pen
+ * @param {number} x
+ * @param {number} y
+ * @param {number} radius
+ * @param {string} colour
+ */
 export function disc(pen, x, y, radius, colour) {
   pen.context.beginPath();
   pen.context.arc(pen.px(x), pen.py(y), radius * pen.scale, 0, 2 * Math.PI);
@@ -112,6 +158,14 @@ export function disc(pen, x, y, radius, colour) {
   pen.context.fill();
 }
 
+/**
+ * @param {Pen} pen
+ * @param {number} x
+ * @param {number} y
+ * @param {number} radius
+ * @param {string} colour
+ * @param {number} width
+ */
 export function ring(pen, x, y, radius, colour, width) {
   pen.context.beginPath();
   pen.context.arc(pen.px(x), pen.py(y), radius * pen.scale, 0, 2 * Math.PI);

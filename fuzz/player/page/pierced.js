@@ -12,11 +12,13 @@ const FINENESS = 0.125; // cells between two places of a way that are looked at
 function piercedCells(world, run) {
   const open = openRun(run);
   if (open.pierced) return open.pierced;
-  open.pierced = new Map();
+  /** @type {NonNullable<OpenRun["pierced"]>} */
+  const pierced = new Map();
+  open.pierced = pierced;
   const note = (ix, iy, step, named = false) => {
     const key = `${ix},${iy}`,
-      known = open.pierced.get(key);
-    if (!known) open.pierced.set(key, { ix, iy, step, named });
+      known = pierced.get(key);
+    if (!known) pierced.set(key, { ix, iy, step, named });
     else if (named) Object.assign(known, { named, step });
   };
   if (run.breached) {
@@ -28,7 +30,7 @@ function piercedCells(world, run) {
     }
   }
   for (const mark of run.marks) if (mark.cell) note(...mark.cell, mark.step, true);
-  return open.pierced;
+  return pierced;
 }
 
 // Walls that the disc cuts into deeper than is forgiven.
@@ -79,6 +81,10 @@ function breachPoint(run, mark) {
   return point;
 }
 
+/**
+ * @param {Pen} pen
+ * @param {RunScene} scene
+ */
 export function drawPierced(pen, scene) {
   const { context, colours } = pen,
     { world, run } = scene;

@@ -7,20 +7,28 @@ import { fitView } from "#player/pen.js";
 export const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 25, 100, 500];
 const SECONDS = 12; // that a replay takes at most, unless asked otherwise
 
+/**
+ * @param {number} steps
+ * @param {number} dt
+ * @returns {number}
+ */
 export function usualSpeed(steps, dt) {
   const seconds = steps * dt;
   return SPEEDS.find((speed) => seconds / speed <= SECONDS) || SPEEDS[SPEEDS.length - 1];
 }
 
-/* A player of one drawn world.
-     canvas    where
-     drawn     world, run and sensors; where there are several robots also this one's colour, and the others;
-               beside: { canvas, world, run, sensors } of another run that is played in step
-     changed   called whenever the time, or whether it plays, has changed */
+/**
+ * A player of one drawn world.
+ * @param {HTMLCanvasElement} canvas
+ * @param {Drawn} drawn
+ * @param {(player: Player) => void} changed - Called when the time has changed, or whether it plays
+ * @returns {Player}
+ */
 export function makePlayer(canvas, drawn, changed) {
   const { run, world } = drawn;
   const last = lastStep(drawn);
-  const player = {
+  /** @type {Omit<Player, keyof Clock | keyof Camera>} */
+  const own = {
     drawn,
     canvas,
     step: last,
@@ -33,7 +41,7 @@ export function makePlayer(canvas, drawn, changed) {
     view: null, // null: the whole world
     follow: false,
     draw() {
-      if (player.follow) {
+      if (player.follow && player.view && run) {
         const { x, y } = poseAt(run, stepWithin(run, player.step));
         player.view = { ...player.view, x, y };
       }
@@ -47,13 +55,19 @@ export function makePlayer(canvas, drawn, changed) {
       changed(player);
     },
   };
+  const player = /** @type {Player} */ (own);
   return Object.assign(player, clockOf(player), cameraOf(player));
 }
 
-// The run beside: at the same time, its world as near and as far to one side as the other one's is.
+/**
+ * Draws the run beside: at the same time, its world as near and as far to one side as the other one's is.
+ * @param {Player} player
+ * @param {Beside} beside
+ */
 function drawBeside(player, beside) {
   const { canvas, view, show, follow, drawn } = player;
   const step = sameTime(player.step, drawn.run, beside.run);
+  /** @type {View | null} */
   let own = null;
   if (view) {
     const whole = fitView(beside.world, beside.canvas.clientWidth, beside.canvas.clientHeight);
@@ -67,23 +81,38 @@ function drawBeside(player, beside) {
   drawScene(beside.canvas, { ...beside, step, show }, own);
 }
 
-// The end of the longest of all runs, in steps of the one that is looked at.
+/**
+ * Return the end of the longest of all runs, in steps of the one that is looked at.
+ * @param {Drawn} drawn
+ * @returns {number}
+ */
 function lastStep({ run, others, beside }) {
   if (!run) return 0;
-  const all = [...(others || []), ...(beside && beside.run ? [beside] : [])];
-  return Math.max(run.steps, ...all.map((other) => Math.round(sameTime(other.run.steps, other.run, run))));
+  const all = [...(others || []), beside].flatMap((other) => (other?.run ? [other.run] : []));
+  return Math.max(run.steps, ...all.map((other) => Math.round(sameTime(other.steps, other, run))));
 }
 
-// The step of another run at the time of a run's step.
+/**
+ * Return the step of another run at the time of a run's step.
+ * @param {number} step
+ * @param {DrawnRun | null} run
+ * @param {DrawnRun | null} other
+ * @returns {number}
+ */
 function sameTime(step, run, other) {
   return run && other ? (step * run.dt) / other.dt : 0;
 }
 
+/**
+ * @param {Player} player
+ * @returns {Clock}
+ */
 function clockOf(player) {
   const { run } = player.drawn;
   let frame = 0,
     before = 0;
   const tick = (now) => {
+    if (!run) return;
     const passed = Math.max(0, Math.min(0.25, (now - before) / 1000)); // a frame's time may be before that of play()
     before = now;
     player.step = advanced(player, run, (passed * player.speed) / run.dt);
@@ -101,7 +130,7 @@ function clockOf(player) {
       player.playing = on;
       cancelAnimationFrame(frame);
       if (on) {
-        if (player.step >= player.last) player.step = player.period ? run.loop[0] : 0;
+        if (player.step >= player.last) player.step = player.period && run.loop ? run.loop[0] : 0;
         before = performance.now();
         frame = requestAnimationFrame(tick);
       }
@@ -110,11 +139,13 @@ function clockOf(player) {
   };
 }
 
+/**
+ * @param {Player} player
+ * @returns {Camera}
+ */
 function cameraOf(player) {
-  const {
-    canvas,
-    drawn: { world },
-  } = player;
+  const { canvas } = player;
+  const { world } = player.drawn;
   const whole = () => fitView(world, canvas.clientWidth, canvas.clientHeight);
   return {
     zoom(factor) {
@@ -146,15 +177,25 @@ function cameraOf(player) {
   };
 }
 
-// Whether the clock goes back to where a loop was entered; with others about only if the period alone is played.
+/**
+ * Return whether the clock goes back to where a loop was entered; with others about only if the period alone is played.
+ * @param {Player} player
+ * @param {DrawnRun} run
+ */
 function goesRound(player, run) {
   return run.loop !== null && (player.period || player.last === run.steps);
 }
 
-// The time after some more steps: a loop goes on where it was entered, one period later.
+/**
+ * Return the time after some more steps: a loop goes on where it was entered, one period later.
+ * @param {Player} player
+ * @param {DrawnRun} run
+ * @param {number} more
+ * @returns {number}
+ */
 function advanced(player, run, more) {
   const step = player.step + more;
-  if (!goesRound(player, run)) return Math.min(player.last, step);
+  if (!run.loop || !goesRound(player, run)) return Math.min(player.last, step);
   const [entry, period] = run.loop;
   const from = player.period && step < entry ? entry : step;
   return from < entry + period ? from : entry + ((from - entry) % period);

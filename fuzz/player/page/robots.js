@@ -4,7 +4,13 @@ import { behaviourAt, poseAt, rowAt, stepWithin } from "#player/decode.js";
 import { breakable, el, grouped, verdictDot } from "#player/dom.js";
 import { memoryFacts } from "#player/memory.js";
 
-// What the player draws with one robot in front of the others; each has its colour by its place in the list.
+/**
+ * What the player draws with one robot in front of the others; each has its colour by its place in the list.
+ * @param {DrawnWorld} world
+ * @param {Robot[]} robots
+ * @param {number} number
+ * @returns {Drawn}
+ */
 export function sceneOf(world, robots, number) {
   const front = robots[number];
   const alone = robots.filter((one) => one.run).length === 1;
@@ -15,11 +21,18 @@ export function sceneOf(world, robots, number) {
     sensors: front.sensors,
     colour: alone ? null : colour(number),
     number: alone ? null : number + 1,
-    others: robots.map((one, k) => ({ run: one.run, colour: colour(k), number: k + 1 })).filter((one, k) => k !== number && one.run),
+    others: robots.flatMap(({ run }, k) => (run && k !== number ? [{ run, colour: colour(k), number: k + 1 }] : [])),
   };
 }
 
-// The list of robots with their results, and what is true for all that did not arrive; a click puts one in front.
+/**
+ * The list of robots with their results, and what is true for all that did not arrive; a click puts one in front.
+ * @param {HTMLElement} list
+ * @param {Robot[]} robots
+ * @param {number} looked
+ * @param {(number: number) => void} look
+ * @param {string} [note]
+ */
 export function showRobots(list, robots, looked, look, note = "") {
   const row = (one, number) => {
     const chip = robots.length > 1 ? el("span", { class: `chip robot-${number % 6}` }, String(number + 1)) : null;
@@ -44,7 +57,11 @@ export function showRobots(list, robots, looked, look, note = "") {
 
 const DEGREES = 180 / Math.PI;
 
-// What the robot's own instruments would say at this time.
+/**
+ * What the robot's own instruments would say at this time.
+ * @param {HTMLElement} line
+ * @param {Player} player
+ */
 export function showInstruments(line, player) {
   const { run, world } = player.drawn;
   if (!run) return;

@@ -10,20 +10,27 @@ const FILM_RATE = 30; // frames a second
 const FILM_BITS = 4_000_000; // a second
 const REST = 800; // ms that a film stays on its last picture
 
-// The menu: what every page can save, and `drawn.saves`, what this one can: pairs of words and what to do.
+/**
+ * The menu: what every page can save, and `drawn.saves`, what this one can: pairs of words and what to do.
+ * @param {Player} player
+ * @returns {HTMLElement}
+ */
 export function saveMenu(player) {
   const { drawn } = player;
   const wish = { stop: false }; // of who sees it saved
-  const menu = el("details", { class: "save", onkeydown: (event) => close(event, menu) }, el("summary", { class: "button" }, "Save"));
+  const summary = el("summary", { class: "button" }, "Save");
+  const menu = el("details", { class: "save", onkeydown: (event) => close(event, menu) }, summary);
   const one = ([words, act]) => el("button", { type: "button", onclick: () => save(menu, words, act, wish) }, words);
-  menu.querySelector("summary").addEventListener("click", (event) => {
+  summary.addEventListener("click", (event) => {
     if (!menu.dataset.saving) return;
     event.preventDefault(); // a click while it is saved ends that
     wish.stop = true;
     player.play(false);
     if (drawn.stopSaving) drawn.stopSaving();
   });
+  /** @type {Drawn["saves"]} */
   const film = drawn.run && filmKind() ? [[`Film, ${ending(filmKind()) === "mp4" ? "MP4" : "WebM"}`, () => keepFilm(player, wish)]] : [];
+  /** @type {NonNullable<Drawn["saves"]>} */
   const items = [["Picture, PNG", () => keepPicture(player)], ...film, ...(drawn.saves || [])];
   menu.append(el("div", { class: "menu" }, items.map(one)));
   return menu;
@@ -51,7 +58,11 @@ function close(event, menu) {
   event.stopPropagation();
 }
 
-// Hands bytes to the browser as a file.
+/**
+ * Hands bytes to the browser as a file.
+ * @param {string} name
+ * @param {Blob} blob
+ */
 export function keep(name, blob) {
   const address = URL.createObjectURL(blob);
   const link = el("a", { href: address, download: name });
@@ -82,7 +93,7 @@ async function together(player) {
   both.width = left.width + gap + canvas.width;
   both.height = Math.max(left.height, canvas.height);
   player.drawnMore = () => {
-    const context = both.getContext("2d"),
+    const context = /** @type {CanvasRenderingContext2D} */ (both.getContext("2d")),
       colours = palette();
     context.fillStyle = colours.rule;
     context.fillRect(0, 0, both.width, both.height);
@@ -137,6 +148,10 @@ async function keepFilm(player, wish) {
   keep(nameOf(player, ending(recorder.mimeType)), new Blob(parts, { type: recorder.mimeType.split(";")[0] }));
 }
 
+/**
+ * @param {Player} player
+ * @returns {Promise<void>}
+ */
 function untilItEnds(player) {
   return new Promise((done) => {
     let before = 0;

@@ -42,6 +42,12 @@ function castBeam(cells, world, x, y, heading, longest) {
   return [x + dx * way, y + dy * way];
 }
 
+/**
+ * @param {Pen} pen
+ * @param {RunScene & {sensors: Sensors}} scene
+ * @param {Uint8Array} cells
+ * @param {Pose} pose
+ */
 export function drawSenses(pen, scene, cells, pose) {
   const { context, px, py, colours } = pen,
     { world, sensors } = scene;

@@ -7,7 +7,11 @@ function setTheme(theme, button, changed) {
   changed();
 }
 
-// Follows the system; the button changes over. `changed` draws again what is drawn on canvases.
+/**
+ * Follows the system; the button changes over. `changed` draws again what is drawn on canvases.
+ * @param {HTMLElement} button
+ * @param {() => void} changed
+ */
 export function followSystem(button, changed) {
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const follow = () => setTheme(dark.matches ? "dark" : "light", button, changed);

@@ -36,6 +36,10 @@ function nearestWalls(cells, world, x, y) {
   return found.filter(([, , gap]) => gap <= least + 0.03 && gap <= world.radius + 0.5);
 }
 
+/**
+ * @param {Pen} pen
+ * @param {RunScene} scene
+ */
 export function drawTouched(pen, scene) {
   const { context, px, py, colours } = pen,
     { world } = scene;

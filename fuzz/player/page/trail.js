@@ -6,7 +6,11 @@ import { line, stroke } from "#player/pen.js";
 
 const RECENT = 300; // rows of a long way that are drawn strongest
 
-// Ahead faint, driven strong; the period of a loop in its own colour, or stronger in the robot's.
+/**
+ * Ahead faint, driven strong; the period of a loop in its own colour, or stronger in the robot's.
+ * @param {Pen} pen
+ * @param {RunScene} scene
+ */
 export function drawTrail(pen, scene) {
   const { run } = scene,
     open = openRun(run),
@@ -36,7 +40,14 @@ export function drawTrail(pen, scene) {
   drawBreachPath(pen, run, scene);
 }
 
-// Another robot's way until a row, and on to where it is.
+/**
+ * Another robot's way until a row, and on to where it is.
+ * @param {Pen} pen
+ * @param {DrawnRun} run
+ * @param {string} colour
+ * @param {number} until
+ * @param {Pose | null} pose
+ */
 export function drawOtherTrail(pen, run, colour, until, pose) {
   const open = openRun(run);
   drawLine(pen, open, "other", { from: 0, to: until, colour, width: 2, alpha: 1 });

@@ -6,14 +6,17 @@ import { cameraKeys, clockKeys, layerKeys } from "#player/keys.js";
 import { sceneOf, showInstruments, showRobots } from "#player/robots.js";
 import { followSystem } from "#player/theme.js";
 
+/** @type {ReplayData} */
 const data = JSON.parse(byId("data").textContent);
 const canvas = el("canvas", { id: "stage", role: "img" });
 const under = el("div", { class: "under" }),
   instruments = el("p", { class: "instruments", id: "instruments" }),
   list = el("ol", { class: "robots", "aria-label": "Results" });
+/** @type {{ player: Player | null, looked: number }} */
 const page = { player: null, looked: data.robots.findIndex((one) => one.run) };
 
 function look(number) {
+  if (!data.world) return;
   page.looked = number;
   const front = data.robots[number];
   if (page.player) page.player.play(false);

@@ -16,6 +16,11 @@ const PLOT = {
 const UNLINKED = "Classes without a link have no failure here: shrinking may have led to another class.";
 const AXES = { worlds: "worlds tried", steps: "steps simulated", seconds: "seconds" };
 
+/**
+ * @param {HTMLElement} section
+ * @param {ReportCampaign[]} campaigns
+ * @param {ReportFailure[]} failures
+ */
 export function makeCampaign(section, campaigns, failures) {
   section.append(
     ...campaigns.map((campaign, index) => campaignPart(campaign, linksOf(failures, index), campaigns.length > 1)),
@@ -177,7 +182,7 @@ function axes(x, y, end, most, name) {
 function ticks(most) {
   const raw = most / 5,
     power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((factor) => factor * power).find((value) => value >= raw * 0.999);
+  const step = [1, 2, 5, 10].map((factor) => factor * power).find((value) => value >= raw * 0.999) ?? 10 * power;
   return Array.from({ length: Math.floor(most / step + 1e-9) + 1 }, (_, k) => Number((k * step).toPrecision(12)));
 }
 
@@ -204,6 +209,10 @@ function laneChart(campaign) {
   );
 }
 
+/**
+ * @param {number} share
+ * @param {string | null} [verdict]
+ */
 function meter(share, verdict = null) {
   const bar = el("i", { "data-verdict": verdict });
   bar.style.width = `${(100 * share).toFixed(1)}%`;
@@ -224,7 +233,7 @@ function barChart(title, what, counts, nameOf, noteOf, coloured = false) {
   );
 }
 
-export function table(heads, rows) {
+function table(heads, rows) {
   const head = el(
     "tr",
     {},
@@ -243,7 +252,11 @@ function tableBehind(title, heads, rows) {
   return el("details", {}, el("summary", {}, title), table(heads, rows));
 }
 
-// The archive of behaviours, with its table.
+/**
+ * The archive of behaviours, with its table.
+ * @param {Archive | null} archive
+ * @returns {HTMLElement | null}
+ */
 function archiveChart(archive) {
   if (!archive) return null;
   const [across, up] = archive.names,

@@ -6,13 +6,19 @@ import { byId, el, grouped, plural, say, verdictDot } from "#player/dom.js";
 import { drawSmall, pictureLabel } from "#player/map.js";
 import { hasMap } from "#player/memory.js";
 import { besideIn } from "#player/pair.js";
-import { table } from "#report/charts.js";
 
+/**
+ * @param {HTMLElement} section
+ * @param {ReportFailure} failure
+ * @param {Neighbours} neighbours
+ * @returns {Detail}
+ */
 export function makeDetail(section, failure, neighbours) {
   const canvas = el("canvas", { id: "stage", role: "img" });
   const under = el("div"),
     stage = el("div", { class: "stage" }, canvas),
     pair = el("div", { class: "pair" });
+  /** @type {{ player: Player | null, shown: DrawnFailure | null }} */
   const state = { player: null, shown: null };
   const load = (drawn, words, other = null) => {
     if (state.player) state.player.play(false);
@@ -21,7 +27,8 @@ export function makeDetail(section, failure, neighbours) {
     state.player = buildPlayer(canvas, under, { ...drawn, beside }, state.player);
     state.shown = drawn;
     for (const button of pair.querySelectorAll("button")) {
-      const here = button.dataset.which === "both" ? beside !== null : !beside && failure[button.dataset.which] === drawn;
+      const which = button.dataset.which ?? "";
+      const here = which === "both" ? beside !== null : !beside && failure[which] === drawn;
       button.setAttribute("aria-pressed", String(here));
     }
   };
@@ -41,7 +48,7 @@ export function makeDetail(section, failure, neighbours) {
     ),
   );
   const drawPair = () => {
-    for (const small of pair.querySelectorAll("canvas")) drawSmall(small, failure[small.dataset.which]);
+    for (const small of pair.querySelectorAll("canvas")) drawSmall(small, failure[small.dataset.which ?? ""]);
   };
   if (failure.now.world) load(failure.now, failure.kind);
   drawPair();
@@ -109,13 +116,13 @@ function legend(failure) {
   return el(
     "ul",
     { class: "legend", "aria-label": "Colours" },
-    items.filter(Boolean).map(([name, words]) => el("li", {}, el("i", { class: name }), words)),
+    items.flatMap((item) => (item ? [item] : [])).map(([name, words]) => el("li", {}, el("i", { class: name }), words)),
   );
 }
 
 function burnsAtAll(world) {
   const events = world && openWorld(world).events;
-  return events !== null && events.state.includes(BURNING);
+  return Boolean(events?.state.includes(BURNING));
 }
 
 function pairPart(failure, pair, load) {
@@ -184,7 +191,7 @@ async function copyText(text, button) {
     await navigator.clipboard.writeText(text);
     button.textContent = "Copied";
   } catch {
-    getSelection().selectAllChildren(byId("command"));
+    getSelection()?.selectAllChildren(byId("command"));
     button.textContent = document.execCommand("copy") ? "Copied" : "Selected";
   }
   say(`${button.textContent}: ${text}`);

@@ -17,6 +17,11 @@ const GROUPS = {
   none: ["Nothing", () => ""],
 };
 
+/**
+ * @param {string} a
+ * @param {string} b
+ * @returns {number}
+ */
 export function compareText(a, b) {
   return a < b ? -1 : a > b ? 1 : 0;
 }
@@ -25,6 +30,11 @@ function stepsOf(failure) {
   return failure.now.run ? failure.now.run.steps : 0;
 }
 
+/**
+ * @param {HTMLElement} section
+ * @param {ReportFailure[]} failures
+ * @returns {Overview}
+ */
 export function makeOverview(section, failures) {
   const wanted = { text: "", verdicts: new Set(), controller: "", order: "class", group: "verdict" };
   const list = el("div", { class: "groups" });
@@ -34,7 +44,9 @@ export function makeOverview(section, failures) {
       for (const entry of entries) {
         if (!entry.isIntersecting) continue;
         visible.unobserve(entry.target);
-        drawSmall(entry.target, failureOf(failures, entry.target.dataset.id).now);
+        const canvas = /** @type {HTMLCanvasElement} */ (entry.target);
+        const failure = failureOf(failures, canvas.dataset.id);
+        if (failure) drawSmall(canvas, failure.now);
       }
     },
     { rootMargin: "300px" },
@@ -50,9 +62,14 @@ export function makeOverview(section, failures) {
   section.append(toolbar(failures, wanted, refresh, count), list);
   list.addEventListener("keydown", moveBetweenCards);
   refresh();
-  return { redraw, shown: () => [...list.querySelectorAll("canvas")].map((canvas) => canvas.dataset.id) };
+  return { redraw, shown: () => [...list.querySelectorAll("canvas")].map((canvas) => canvas.dataset.id ?? "") };
 }
 
+/**
+ * @param {ReportFailure[]} failures
+ * @param {string | undefined} id
+ * @returns {ReportFailure | undefined}
+ */
 export function failureOf(failures, id) {
   return failures.find((failure) => failure.id === id);
 }
@@ -179,7 +196,7 @@ function card(failure, several) {
 
 function moveBetweenCards(event) {
   const cards = [...document.querySelectorAll(".card")];
-  const here = cards.indexOf(document.activeElement);
+  const here = cards.findIndex((card) => card === document.activeElement);
   if (here < 0 || event.altKey || event.ctrlKey || event.metaKey) return;
   const next = {
     ArrowLeft: () => cards[here - 1],

@@ -3,6 +3,7 @@
 import { byId } from "#player/dom.js";
 import { cameraKeys, clockKeys, keepsKey, keyTable, layerKeys, openKeys } from "#player/keys.js";
 
+/** @type {KeyRow[]} */
 const KEYS = [
   [["?"], "Show these keys"],
   [["/"], "Find"],
@@ -25,14 +26,20 @@ export function showKeys() {
   openKeys(keyTable(KEYS));
 }
 
-// Returns what listens to the keys of a page, whose failures before and after one `neighboursOf` tells.
+/**
+ * Returns what listens to the keys of a page, whose failures before and after one `neighboursOf` tells.
+ * @param {{id: string, detail: Detail | null}} page
+ * @param {(id: string) => Neighbours} neighboursOf
+ * @returns {(event: KeyboardEvent) => void}
+ */
 export function keyListener(page, neighboursOf) {
   return (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
-    const { target, key } = event;
+    const { key } = event;
+    const target = /** @type {HTMLElement} */ (event.target);
     if (key === "Escape" && target.matches("input[type=search], select")) target.blur();
     if (keepsKey(target, key)) return;
-    const act = pageKeys()[key] || (page.detail && detailKeys(event, page, neighboursOf(page.id))[key]);
+    const act = pageKeys()[key] || (page.detail && detailKeys(event, page.detail, neighboursOf(page.id))[key]);
     if (!act) return;
     event.preventDefault();
     act();
@@ -50,13 +57,19 @@ function pageKeys() {
   };
 }
 
-function detailKeys(event, page, [before, after]) {
-  const player = page.detail.player();
+/**
+ * @param {KeyboardEvent} event
+ * @param {Detail} detail
+ * @param {Neighbours} neighbours
+ * @returns {Keys}
+ */
+function detailKeys(event, detail, [before, after]) {
+  const player = detail.player();
   const keys = {
     Escape: () => openAddress(""),
     n: () => openAddress(after),
     p: () => openAddress(before),
-    b: () => page.detail.swap(),
+    b: () => detail.swap(),
   };
   if (player) Object.assign(keys, cameraKeys(player));
   if (player && player.drawn.run) Object.assign(keys, layerKeys(player), clockKeys(player, event.shiftKey ? 10 : 1));

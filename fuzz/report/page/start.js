@@ -8,8 +8,10 @@ import { makeDetail } from "#report/detail.js";
 import { failureOf, makeOverview } from "#report/overview.js";
 import { keyListener, showKeys } from "#report/page_keys.js";
 
+/** @type {ReportData} */
 const data = JSON.parse(byId("data").textContent);
 const views = { overview: byId("overview"), campaign: byId("campaign"), detail: byId("detail") };
+/** @type {{ overview: Overview | null, detail: Detail | null, id: string, scroll: number }} */
 const page = { overview: null, detail: null, id: "", scroll: 0 };
 
 function redraw() {
@@ -51,8 +53,12 @@ function showTabs(current) {
   );
 }
 
+/**
+ * @param {string} id
+ * @returns {Neighbours}
+ */
 function neighboursOf(id) {
-  const shown = page.overview.shown(),
+  const shown = page.overview?.shown() ?? [],
     all = shown.includes(id) ? shown : data.failures.map((failure) => failure.id);
   const here = all.indexOf(id);
   return [all[here - 1], all[here + 1]];
@@ -65,7 +71,7 @@ function route() {
   const view = failure ? "detail" : name === "campaign" && data.campaigns.length > 0 ? "campaign" : "overview";
   const before = page.id;
   if (!views.overview.hidden) page.scroll = scrollY;
-  if (page.detail && page.detail.player()) page.detail.player().play(false);
+  page.detail?.player()?.play(false);
   page.detail = null;
   page.id = failure ? name : "";
   for (const [key, section] of Object.entries(views)) section.hidden = key !== view;

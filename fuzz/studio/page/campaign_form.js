@@ -111,7 +111,7 @@ function keptFor(folder, offered) {
 
 // Until something is chosen here, what was played last: its controller, motion model and time step.
 function follow(form) {
-  const { state, parts, campaign, more } = form;
+  const { state, campaign, more } = form;
   const played = campaign.studio.play.played();
   if (!played || state.chosen) return;
   state.controller = played.controller;
